@@ -1,0 +1,60 @@
+/* The lumen: a sparse signed-distance field of the inner vessel wall, read-only during a session.
+ *
+ * phi < 0 inside the lumen (where blood is), phi > 0 in the wall and beyond; metres in Q30. A wire of radius r has
+ * contact depth phi + r. The inward normal is n = -grad(phi)/|grad(phi)|.
+ *
+ * Layout. Space is a regular lattice of coarse bricks of 8x8x8 voxels. Voxel edge of level L is 2^(20-L) Q30 units
+ * (level 0: 0.977 mm, level 1: 0.488 mm, level 2: 0.244 mm), so a world coordinate becomes voxel and fraction by shift
+ * and mask. A coarse index entry is
+ *     0                     far outside the lumen
+ *     1                     deep inside the lumen, farther than the field's band from any wall
+ *     2 .. 0x7fff           brick number + 2 of a level-0 brick
+ *     0x8000 | row          this brick is refined: children[row][8] hold entries of the same kind for its 8 octants
+ *                           (x fastest), one level down. At most SELD_LUMEN_LEVELS - 1 refinements.
+ * A brick holds 10x10x10 coefficients (x fastest) of the triquadratic B-spline of phi in units of voxel/32 (int8,
+ * saturated at +-127, that is +-3.97 voxels). Coefficient (i,j,k) belongs to the sample at voxel centre
+ * (i-1, j-1, k-1) + 1/2 of this brick, so that bricks overlap by one sample on every side. Sample values themselves are
+ * never stored: the baker prefilters so that the spline passes through the true distances.
+ *
+ * May include: vector.h. Called by: contact. Validated before use by shared/scene (hostile until checked).
+ */
+#ifndef SELD_LUMEN_H
+#define SELD_LUMEN_H
+
+#include "firmware/core/vector.h"
+
+enum {
+    SELD_LUMEN_LEVELS = 3,
+    SELD_LUMEN_BRICK_EDGE = 8,
+    SELD_LUMEN_BRICK_SAMPLES = 1000, /* 10^3 */
+    SELD_LUMEN_VOXEL_LOG2_Q30 = 20,  /* level-0 voxel edge = 2^20 / 2^30 m */
+    SELD_LUMEN_ENTRY_OUTSIDE = 0,
+    SELD_LUMEN_ENTRY_INSIDE = 1,
+    SELD_LUMEN_ENTRY_FIRST_BRICK = 2,
+    SELD_LUMEN_ENTRY_REFINED = 0x8000,
+};
+
+typedef struct seld_lumen {
+    int32_t origin_m_q30[3];     /* corner of coarse brick (0,0,0) */
+    uint16_t brick_count_xyz[3]; /* coarse bricks along each axis, each >= 1 */
+    uint16_t child_row_count;
+    uint32_t brick_count;      /* bricks in `samples`, all levels */
+    const uint16_t *index;     /* brick_count_xyz product entries, x fastest */
+    const uint16_t *children;  /* child_row_count x 8 entries */
+    const int8_t *samples;     /* brick_count x SELD_LUMEN_BRICK_SAMPLES */
+} seld_lumen;
+
+typedef struct seld_lumen_sample {
+    int32_t distance_m_q30;  /* phi; saturated at the band where the field does */
+    seld_vec3 normal_q30;    /* inward unit normal; zero where the gradient vanishes (no contact there) */
+} seld_lumen_sample;
+
+/* Cheap distance to decide whether a node can be near the wall at all: trilinear in the spline's coefficients.
+ * Format: Q30 m -> Q30 m. Outside the lattice or in OUTSIDE bricks: +2^24 (15.6 mm); INSIDE: -2^24.
+ * Error against the spline: stated and tested in firmware/tests/test_lumen.c (SELD_LUMEN_CULL_ERROR_M_Q30). */
+int32_t seld_lumen_distance(const seld_lumen *lumen, const seld_vec3 *position_m_q30);
+
+/* Value and inward normal of the triquadratic B-spline (27 taps, C1), for contact. Same far values as above. */
+seld_lumen_sample seld_lumen_contact(const seld_lumen *lumen, const seld_vec3 *position_m_q30);
+
+#endif
