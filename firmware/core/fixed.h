@@ -1,9 +1,10 @@
 /* Fixed-point operations of the core: the only file that shifts, rounds and saturates.
  *
- * A number's format ends its name: `x_m_q30` is metres times 2^30 in an int32_t. Every function says what it does,
- * its Format, what happens on Overflow, and its Error (bound in LSB of the result, checked against double in
- * firmware/tests/test_fixed.c). Rounding is to nearest with ties toward +infinity, written as an addition and an
- * arithmetic shift, which is what the Cortex-M7 DSP instructions (SMMULR) do, so every machine agrees bit for bit.
+ * A number's format ends its name: `x_m_q30` is metres times 2^30 in an int32_t. Every function says what it
+ * does, its Format, what happens on Overflow, and its Error (bound in LSB of the result, checked against
+ * double in firmware/tests/test_fixed.c). Rounding is to nearest with ties toward +infinity, written as an
+ * addition and an arithmetic shift, which is what the Cortex-M7 DSP instructions (SMMULR) do, so every
+ * machine agrees bit for bit.
  *
  * May include: nothing outside this folder. Called by: everything in firmware/core.
  */
@@ -18,7 +19,8 @@
 
 /* Arithmetic shift right of a possibly negative value.
  * Format: 64 bit -> 64 bit, floor(a / 2^n), 0 <= n <= 63. Overflow: none. Error: exact floor.
- * C11 leaves >> of a negative value to the implementation; the test asserts that ours shifts arithmetically. */
+ * C11 leaves >> of a negative value to the implementation; the test asserts that ours shifts arithmetically.
+ */
 static inline int64_t seld_asr64(int64_t a, unsigned n)
 {
     return a >> n;
@@ -43,7 +45,8 @@ static inline int32_t seld_sat32(int64_t a)
     return (int32_t)a;
 }
 
-/* Saturating sum and difference. Format: same format in and out. Overflow: saturates. Error: exact in range. */
+/* Saturating sum and difference. Format: same format in and out. Overflow: saturates. Error: exact in range.
+ */
 static inline int32_t seld_add_sat(int32_t a, int32_t b)
 {
     return seld_sat32((int64_t)a + b);
@@ -53,14 +56,15 @@ static inline int32_t seld_sub_sat(int32_t a, int32_t b)
     return seld_sat32((int64_t)a - b);
 }
 
-/* Product of two values, rounded and saturated once. Format: Qa x Qb -> Q(a+b-n), 64-bit intermediate, 1 <= n <= 62.
- * Overflow: saturates. Error: 1/2 LSB in range. */
+/* Product of two values, rounded and saturated once. Format: Qa x Qb -> Q(a+b-n), 64-bit intermediate, 1 <= n
+ * <= 62. Overflow: saturates. Error: 1/2 LSB in range. */
 static inline int32_t seld_mul(int32_t a, int32_t b, unsigned n)
 {
     return seld_sat32(seld_rshift_round64((int64_t)a * b, n));
 }
 
-/* Product with a Q30 factor. Format: Qa x Q30 -> Qa. Overflow: saturates (only when |b| > 1). Error: 1/2 LSB. */
+/* Product with a Q30 factor. Format: Qa x Q30 -> Qa. Overflow: saturates (only when |b| > 1). Error: 1/2 LSB.
+ */
 static inline int32_t seld_mul_q30(int32_t a, int32_t b_q30)
 {
     return seld_mul(a, b_q30, 30);
@@ -78,30 +82,71 @@ static inline unsigned seld_clz32(uint32_t a)
 {
     return a == 0 ? 32u : (unsigned)__builtin_clz(a);
 }
+static inline unsigned seld_clz64(uint64_t a)
+{
+    return a == 0 ? 64u : (unsigned)__builtin_clzll(a);
+}
 
-/* Reciprocal of a positive normalised mantissa, by table and Newton, no divide.
- * Format: m in [2^30, 2^31) read as Q31 in [0.5, 1) -> Q30 in (1, 2]. Overflow: m = 2^30 gives 2^31 - 1.
- * Error: <= 2 LSB of Q30. */
-int32_t seld_reciprocal_q30(uint32_t m_q31);
+/* One interval of a falling straight line: value at its start and drop over its length, both Q30. */
+typedef struct seld_line_q30 {
+    uint32_t value;
+    uint32_t drop;
+} seld_line_q30;
 
-/* Reciprocal square root of a mantissa, by table and Newton.
- * Format: m in [2^30, 2^32) read as Q32 in [0.25, 1) -> Q30 in (1, 2]. Overflow: m = 2^30 gives 2^31 - 1.
- * Error: <= 4 LSB of Q30. */
-int32_t seld_rsqrt_q30(uint32_t m_q32);
+/* Constants of fixed_tables.c, written by tools/check/make_tables.py. */
+extern const seld_line_q30 seld_reciprocal_lines[128];
+extern const seld_line_q30 seld_rsqrt_lines[192];
+extern const int32_t seld_asin_coefficients_q31[7];
 
-/* Length of a 64-bit square. Format: a (Q2n, a < 2^63) -> floor-ish root in Qn. Overflow: impossible (root < 2^31.5,
- * saturates at INT32_MAX). Error: <= 2 LSB + 2^-28 relative. a = 0 gives 0. */
+/* Point on a line, `fraction` of `bits` bits into its interval. Format: Q30. Overflow: impossible (drop <
+ * 2^25). Error: the table's, 2^-16.4 relative at most; the Newton step of the caller squares it. */
+static inline uint32_t seld_line_at(const seld_line_q30 *line, uint32_t fraction, unsigned bits)
+{
+    return line->value - (uint32_t)(((uint64_t)line->drop * fraction) >> bits);
+}
+
+/* Reciprocal of a positive normalised mantissa: table line, then one Newton step y + y (1 - m y). No divide.
+ * Format: m in [2^30, 2^31) read as Q31 in [0.5, 1) -> Q30 in (1, 2]; the leading bit of m is implied, bit 31
+ * ignored. Overflow: 1/0.5 = 2 does not fit: m = 2^30 gives 2^31 - 1. Error: <= 1 LSB of Q30 (checked: 0.65
+ * LSB). */
+static inline int32_t seld_reciprocal_q30(uint32_t m_q31)
+{
+    const seld_line_q30 *line = &seld_reciprocal_lines[(m_q31 >> 23) & 127u];
+    int64_t y_q30 = seld_line_at(line, m_q31 & 0x7fffffu, 23);
+    int64_t miss_q47 = (((int64_t)1 << 61) - (int64_t)m_q31 * y_q30) >> 14; /* |miss| < 2^-16 */
+    int64_t better = y_q30 + ((y_q30 * miss_q47 + ((int64_t)1 << 46)) >> 47);
+    return better > INT32_MAX ? INT32_MAX : (int32_t)better;
+}
+
+/* Reciprocal square root of a mantissa: table line, then one Newton step y + y (1 - m y y) / 2. No divide.
+ * Format: m in [2^30, 2^32) read as Q32 in [0.25, 1) -> Q30 in [1, 2]. The caller normalises: a smaller m
+ * reads before the table. Overflow: 1/sqrt(0.25) = 2 does not fit: m = 2^30 gives 2^31 - 1. Error: <= 2 LSB
+ * of Q30 (checked: 1.39 LSB). */
+static inline int32_t seld_rsqrt_q30(uint32_t m_q32)
+{
+    const seld_line_q30 *line = &seld_rsqrt_lines[(m_q32 >> 24) - 64u];
+    uint64_t y_q30 = seld_line_at(line, m_q32 & 0xffffffu, 24);
+    uint64_t root_q31 = (m_q32 * y_q30 + (1u << 30)) >> 31; /* m y: about sqrt(m) */
+    int64_t miss_q47 = ((int64_t)(((uint64_t)1 << 61) - root_q31 * y_q30)) >> 14;
+    int64_t better = (int64_t)y_q30 + (((int64_t)y_q30 * miss_q47 + ((int64_t)1 << 47)) >> 48);
+    return better > INT32_MAX ? INT32_MAX : (int32_t)better;
+}
+
+/* Square root of a 64-bit integer. Format: Q2n -> Qn, rounded. Overflow: a > (2^31 - 1)^2 saturates at
+ * INT32_MAX. Error: <= 1/2 LSB + 2^-29 of the root; a = 0 gives 0. */
 int32_t seld_sqrt64(uint64_t a);
 
-/* Quotient for set-up code (bit by bit, bounded at 64 steps, no divide helper).
+/* Quotient for set-up code (bit by bit, 64 steps, no divide helper).
  * Format: floor(a / b). b = 0 gives UINT64_MAX. Error: exact floor. */
 uint64_t seld_divide_u64(uint64_t a, uint64_t b);
 
-/* Sine and cosine of a binary angle. Format: one turn = 2^32 -> Q30. Error: <= 4 LSB of Q30. */
+/* Sine and cosine of a binary angle: octant reduction, then the Taylor series to x^11 and x^12.
+ * Format: one turn = 2^32 -> Q30. Overflow: impossible, |result| <= 2^30. Error: <= 2 LSB of Q30. */
 void seld_sincos_turn32(uint32_t angle_turn32, int32_t *sin_q30, int32_t *cos_q30);
 
-/* Arc sine by polynomial. Format: Q30 in [-1, 1] -> Q29 radians. Error: <= 2^-22 rad for |a| <= 0.7071; beyond it by
- * the half-angle identity, same bound. */
+/* Arc sine: polynomial for |a| <= 1/2, beyond it pi/2 - 2 asin(sqrt((1 - |a|)/2)).
+ * Format: Q30 in [-1, 1] (beyond: clamped) -> Q29 radians in [-pi/2, pi/2]. Overflow: impossible.
+ * Error: <= 2 LSB of Q29, that is 3.7e-9 rad (checked: 1.37 LSB). */
 int32_t seld_asin_q29(int32_t a_q30);
 
 #endif

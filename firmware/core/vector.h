@@ -27,19 +27,20 @@ static inline seld_vec3 seld_vec3_sub(seld_vec3 a, seld_vec3 b)
                           seld_sub_sat(a.v[2], b.v[2]));
 }
 
-/* Raw dot product. Format: Qa . Qb -> Q(a+b) in 64 bits. Overflow: impossible while each |component| < 2^31 * 0.9
- * or one vector is a unit vector in Q30 (3 * 2^61 < 2^63). */
+/* Raw dot product. Format: Qa . Qb -> Q(a+b) in 64 bits. Overflow: impossible while the components of both
+ * stay below 2^31 * 0.81 (3 * 0.81^2 < 2) or those of one within +-2^30 (3 * 2^61 < 2^63). Error: exact. */
 static inline int64_t seld_vec3_dot64(seld_vec3 a, seld_vec3 b)
 {
     return (int64_t)a.v[0] * b.v[0] + (int64_t)a.v[1] * b.v[1] + (int64_t)a.v[2] * b.v[2];
 }
 
-/* Cross product. Format: Qa x Qb -> Q(a+b-n), rounded. Overflow: saturates. Error: 1/2 LSB. */
+/* Cross product. Format: Qa x Qb -> Q(a+b-n), rounded, 1 <= n <= 63, 64-bit intermediate. Overflow:
+ * saturates. Error: 1/2 LSB. */
 seld_vec3 seld_vec3_cross(seld_vec3 a, seld_vec3 b, unsigned n);
 
-/* Scale to unit length. Format: any Q -> Q30. Overflow: none. Error: <= 4 LSB of Q30 per component when the length is
- * at least 2^20 LSB. A zero vector gives `fallback`. Returns the direction; *length gets the length in the input's
- * format when not NULL. */
+/* Scale to unit length. Format: any Q -> Q30. Overflow: none; *length saturates at INT32_MAX. Error: <= 3 LSB
+ * of Q30 per component for a vector of any length >= 1 LSB; *length <= 1/2 LSB + 2^-29 relative. A zero
+ * vector gives `fallback` and length 0. *length gets the length in the input's format when not NULL. */
 seld_vec3 seld_vec3_normalise(seld_vec3 a, seld_vec3 fallback, int32_t *length);
 
 #endif

@@ -1,0 +1,44 @@
+/* The vector functions too long to be inline; formats and bounds stand in vector.h.
+ * May include: vector.h. Called by: rod, lumen, contact. */
+#include "firmware/core/vector.h"
+
+/* a b - c d, rounded once. Overflow: impossible before saturation, since |a b - c d| <= 2^63 - 2^31; the half
+ * is added after the shift so that rounding cannot overflow either. */
+static int32_t minor_2x2(int32_t a, int32_t b, int32_t c, int32_t d, unsigned n)
+{
+    int64_t difference = (int64_t)a * b - (int64_t)c * d;
+    return seld_sat32(seld_asr64(difference, n) + (seld_asr64(difference, n - 1) & 1));
+}
+
+seld_vec3 seld_vec3_cross(seld_vec3 a, seld_vec3 b, unsigned n)
+{
+    return seld_vec3_make(minor_2x2(a.v[1], b.v[2], a.v[2], b.v[1], n),
+                          minor_2x2(a.v[2], b.v[0], a.v[0], b.v[2], n),
+                          minor_2x2(a.v[0], b.v[1], a.v[1], b.v[0], n));
+}
+
+seld_vec3 seld_vec3_normalise(seld_vec3 a, seld_vec3 fallback, int32_t *length)
+{
+    /* Each square is at most 2^62, so the sum fits 64 bits unsigned. */
+    uint64_t square = (uint64_t)((int64_t)a.v[0] * a.v[0]) + (uint64_t)((int64_t)a.v[1] * a.v[1]) +
+                      (uint64_t)((int64_t)a.v[2] * a.v[2]);
+    if (square == 0) {
+        if (length != NULL) {
+            *length = 0;
+        }
+        return fallback;
+    }
+    /* square = m 2^(32 - shift) with m in [2^30, 2^32); y = 1/sqrt(m) and |a| = 2^(32 - shift/2) / y. */
+    unsigned shift = seld_clz64(square) & ~1u;
+    uint32_t m_q32 = (uint32_t)((square << shift) >> 32);
+    int32_t y_q30 = seld_rsqrt_q30(m_q32);
+    unsigned drop = 32 - shift / 2;
+    if (length != NULL) {
+        uint64_t root = (uint64_t)m_q32 * (uint64_t)y_q30;
+        unsigned root_drop = 30 + shift / 2;
+        uint64_t rounded = (root + ((uint64_t)1 << (root_drop - 1))) >> root_drop;
+        *length = rounded > INT32_MAX ? INT32_MAX : (int32_t)rounded;
+    }
+    return seld_vec3_make(seld_mul(a.v[0], y_q30, drop), seld_mul(a.v[1], y_q30, drop),
+                          seld_mul(a.v[2], y_q30, drop));
+}

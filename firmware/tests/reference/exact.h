@@ -1,0 +1,29 @@
+/* Exact integer arithmetic in 128 bits, the reference of the fixed-point tests.
+ * May include: nothing. Called by: firmware/tests. */
+#ifndef SELD_REFERENCE_EXACT_H
+#define SELD_REFERENCE_EXACT_H
+
+#include <stdint.h>
+
+__extension__ typedef __int128 reference_wide;
+
+/* floor(a / 2^n), by division so that no shift of a negative value is trusted. */
+static inline reference_wide reference_floor_shift(reference_wide a, unsigned n)
+{
+    reference_wide unit = (reference_wide)1 << n;
+    reference_wide quotient = a / unit;
+    return a % unit < 0 ? quotient - 1 : quotient;
+}
+
+/* floor(a / 2^n + 1/2): to nearest, ties up. */
+static inline reference_wide reference_round_shift(reference_wide a, unsigned n)
+{
+    return reference_floor_shift(a + ((reference_wide)1 << (n - 1)), n);
+}
+
+static inline int32_t reference_saturated32(reference_wide a)
+{
+    return a > INT32_MAX ? INT32_MAX : a < INT32_MIN ? INT32_MIN : (int32_t)a;
+}
+
+#endif
