@@ -1,0 +1,35 @@
+/* What a benchmark program needs: a table of cases and a main that follows the convention of docs/bench.md.
+ * May include: the C library. Called by: firmware/bench/bench_*.c. */
+#ifndef SELD_BENCH_H
+#define SELD_BENCH_H
+
+#include <stddef.h>
+
+/* A function that callgrind finds by name: neither inlined nor cloned. */
+#if defined(__clang__)
+#define BENCH_MEASURED __attribute__((noinline, used))
+#else
+#define BENCH_MEASURED __attribute__((noinline, noclone, used))
+#endif
+
+typedef struct bench_case bench_case;
+struct bench_case {
+    const char *name;     /* "rod.step_instructions" */
+    const char *unit;     /* "instructions", "us", "%" */
+    const char *context;  /* "elements=256 contacts=57" */
+    const char *function; /* counted by callgrind, or NULL: the value is what `run` returns */
+    unsigned long calls;  /* how often `run` calls `function` */
+    double (*run)(const bench_case *self);
+    int argument; /* for the case's own use */
+};
+
+/* Ends the program with exit code 1 and a sentence when a case cannot be measured. */
+_Noreturn void bench_fail(const char *sentence);
+
+/* Monotonic clock in microseconds. */
+double bench_now_us(void);
+
+/* `list` prints the cases, `run N` runs one. Returns the exit code: 0 ok, 2 usage. */
+int bench_main(int argc, char **argv, const bench_case *cases, size_t case_count);
+
+#endif
