@@ -1,0 +1,34 @@
+// The closed meshes that make the picture of the patient: skin, lungs, bones, heart, vessels.
+// A body names the body it lies in; its volume is then taken out of that parent, so nothing is counted twice.
+// Read from the BODY sections of an `X.bodies` file (docs/frames.md for the axes).
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace seld
+{
+
+struct Body {
+    std::string name;
+    std::string material;                                // as written in the file; xray checks it
+    int parent = -1;                                     // index of the enclosing body, -1 for none (air)
+    std::vector<Eigen::Vector3i> vertices_um;            // patient frame
+    std::vector<std::array<std::uint32_t, 3>> triangles; // counter-clockwise seen from outside
+};
+
+struct Bodies {
+    std::vector<Body> bodies;
+};
+
+// Reads a body file. On failure returns false and says in `error` which file, which section and what to do;
+// `bodies` is then untouched.
+bool read_bodies(const std::string &path, Bodies &bodies, std::string &error);
+
+// Checks what a reader of a file cannot promise: parents in range and without a circle, vertex indices in
+// range, at most 8 million triangles in all, coordinates within 2 m.
+bool check_bodies(const Bodies &bodies, std::string &error);
+
+} // namespace seld

@@ -1,0 +1,114 @@
+// X-ray pictures of bodies and an instrument: path lengths, polychromatic attenuation, quantum noise,
+// display.
+//
+//   XrayScene scene; scene.set_bodies(bodies, error);
+//   Xray xray(scene, threads);
+//   xray.render(view_settings, instrument, frame, seed, picture);
+//
+// A picture is a pure function of (bodies, instrument, wire frame, settings, seed, wire frame's tick): the
+// same bytes for any number of threads, compiler and optimisation level. Path lengths of the bodies are kept
+// while the C-arm stands still. May include: host/model. Called by: host/app, tests. See docs/xray.md.
+#pragma once
+#include "host/model/bodies.hpp"
+#include "host/model/wire_frame.hpp"
+#include "host/xray/carm.hpp"
+#include "host/xray/materials.hpp"
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace seld
+{
+
+// One stretch of the instrument by arc length from the tip. A coil is a tube that metal fills partly.
+struct RadiopaqueSection {
+    double arc_begin_m = 0.0;
+    double arc_end_m = 3.0;
+    Material material = Material::steel;
+    double fill = 0.75;        // share of the cross-section filled by the material, 0 .. 1
+    double radius_share = 1.0; // of the node's outer radius
+};
+
+struct RadiopaqueInstrument {
+    std::vector<RadiopaqueSection> sections; // may overlap: a core wire inside a coil
+};
+
+// Steel core and coil, with the last `tip_m` of the coil in platinum: the look of a working guidewire.
+RadiopaqueInstrument guidewire_look(double tip_m = 0.03);
+
+struct XrayBeam {
+    double dose_per_frame_nGy =
+        40.0; // at the detector, behind the patient: automatic exposure holds it. Fluoro 20 .. 60
+    bool noise = true;
+    bool circular_field = false;    // round image intensifier instead of a square flat detector
+    double collimator_share = 0.97; // open part of the field along each axis, 0.2 .. 1
+};
+
+struct XrayDisplay {
+    double contrast = 1.0;   // slope of the display curve
+    double brightness = 0.0; // -1 .. 1
+    double harmonise = 0.55; // 0: plain log image; towards 1: slow changes of density are levelled out
+};
+
+struct XraySettings {
+    CArm carm;
+    XrayBeam beam;
+    XrayDisplay display;
+    int size = 512; // pixels along each edge, 64 .. 2048
+};
+
+struct XrayPicture {
+    int size = 0;
+    std::uint32_t tick = 0;
+    std::vector<std::uint8_t> grey;     // size*size, row 0 on top
+    std::vector<std::uint16_t> photons; // counted per pixel, 0 outside the collimator
+    double photons_open = 0.0;          // what an unattenuated pixel would count at this exposure
+    double air_kerma_uGy = 0.0; // of this frame at the reference point, 15 cm from the isocentre to the tube
+};
+
+class XrayScene;
+struct XrayCache;
+
+// Immutable after set_bodies; shared by any number of Xray.
+class XrayScene
+{
+  public:
+    XrayScene();
+    ~XrayScene();
+    XrayScene(const XrayScene &) = delete;
+    XrayScene &operator=(const XrayScene &) = delete;
+    // False with a message (body's name, what is wrong) when a material or parent is unknown; the scene is
+    // then empty.
+    bool set_bodies(const Bodies &bodies, std::string &error);
+    std::size_t triangle_count() const;
+    struct Meshes;
+    const Meshes &meshes() const { return *meshes_; }
+
+  private:
+    std::unique_ptr<Meshes> meshes_;
+};
+
+class Xray
+{
+  public:
+    explicit Xray(const XrayScene &scene, int threads = 0); // 0: one per processor, 4 at most
+    ~Xray();
+    Xray(const Xray &) = delete;
+    Xray &operator=(const Xray &) = delete;
+
+    void render(const XraySettings &settings, const RadiopaqueInstrument &instrument, const WireFrame &wire,
+                std::uint64_t seed, XrayPicture &picture);
+
+    // Path lengths of the last render in 1/1024 mm, size*size each: bodies (nested ones taken out of their
+    // parents) and instrument. Empty when the material is absent.
+    std::vector<std::int32_t> body_path_q10mm(Material material) const;
+    std::vector<std::int32_t> instrument_path_q10mm(Material material) const;
+    bool last_render_used_cache() const;
+
+  private:
+    std::unique_ptr<XrayCache> cache_;
+};
+
+} // namespace seld
