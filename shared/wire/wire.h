@@ -1,0 +1,145 @@
+/* The wire's messages as structs and codecs, made from wire_messages.def and wire_faults.def.
+ *
+ *   seld_wire_<name>                the struct of a record or message
+ *   SELD_WIRE_TYPE_<name>           its number on the wire
+ *   SELD_WIRE_BYTES_<name>          its largest payload
+ *   seld_wire_put_<name>            append to a writer; false when it does not fit or a count exceeds its
+ * array seld_wire_get_<name>            read from a reader; false when bytes are missing or a count exceeds
+ * its array seld_wire_decode_<name>         read a whole payload; false unless it fits to the byte
+ *
+ * May include: shared/wire. Called by: firmware/app, host/link, host/app. C11 and C++20.
+ */
+#ifndef SELD_WIRE_H
+#define SELD_WIRE_H
+
+#include "shared/wire/wire_bytes.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* clang-format off */
+enum {
+    SELD_WIRE_PROTOCOL_MAJOR = 1, /* changes when old and new cannot talk */
+    SELD_WIRE_PROTOCOL_MINOR = 0,
+};
+
+typedef uint8_t seld_wire_u8;
+typedef uint16_t seld_wire_u16;
+typedef uint32_t seld_wire_u32;
+typedef uint64_t seld_wire_u64;
+typedef int32_t seld_wire_i32;
+
+enum {
+    SELD_WIRE_BYTES_u8 = 1,
+    SELD_WIRE_BYTES_u16 = 2,
+    SELD_WIRE_BYTES_u32 = 4,
+    SELD_WIRE_BYTES_u64 = 8,
+    SELD_WIRE_BYTES_i32 = 4,
+};
+
+/* The structs. */
+#define RECORD(name, text) typedef struct seld_wire_##name {
+#define MESSAGE(name, type, direction, text) typedef struct seld_wire_##name {
+#define FIELD(owner, type, name, unit, text) seld_wire_##type name;
+#define ARRAY(owner, type, name, max, unit, text) uint16_t name##_count; seld_wire_##type name[max];
+#define END(owner) } seld_wire_##owner;
+#include "shared/wire/wire_messages.def"
+
+/* Largest sizes in bytes. */
+#define RECORD(name, text) enum { SELD_WIRE_BYTES_##name = 0
+#define MESSAGE(name, type, direction, text) enum { SELD_WIRE_BYTES_##name = 0
+#define FIELD(owner, type, name, unit, text) + (int)SELD_WIRE_BYTES_##type
+#define ARRAY(owner, type, name, max, unit, text) + 2 + (max) * (int)SELD_WIRE_BYTES_##type
+#define END(owner) };
+#include "shared/wire/wire_messages.def"
+
+/* Largest counts of arrays. */
+#define ARRAY(owner, type, name, max, unit, text) enum { SELD_WIRE_MAX_##owner##_##name = max };
+#include "shared/wire/wire_messages.def"
+
+/* Numbers of messages. */
+#define MESSAGE(name, type, direction, text) SELD_WIRE_TYPE_##name = type,
+enum {
+#include "shared/wire/wire_messages.def"
+};
+
+/* Codecs. */
+#define RECORD(name, text) \
+    bool seld_wire_put_##name(seld_wire_writer *writer, const seld_wire_##name *value); \
+    bool seld_wire_get_##name(seld_wire_reader *reader, seld_wire_##name *value);
+#define MESSAGE(name, type, direction, text) \
+    bool seld_wire_put_##name(seld_wire_writer *writer, const seld_wire_##name *value); \
+    bool seld_wire_get_##name(seld_wire_reader *reader, seld_wire_##name *value); \
+    bool seld_wire_decode_##name(const uint8_t *payload, size_t length, seld_wire_##name *value);
+#include "shared/wire/wire_messages.def"
+
+/* Codes of faults and refusals. */
+#define FAULT(NAME, code, effect, text, remedy) SELD_FAULT_CODE_##NAME = code,
+typedef enum seld_fault_code {
+    SELD_FAULT_CODE_NONE = 0,
+#include "shared/wire/wire_faults.def"
+} seld_fault_code;
+
+#define REJECT(NAME, code, text, remedy) SELD_REJECT_##NAME = code,
+typedef enum seld_reject_code {
+    SELD_REJECT_NONE = 0,
+#include "shared/wire/wire_faults.def"
+} seld_reject_code;
+/* clang-format on */
+
+/* Numbers inside messages, named. */
+enum {
+    SELD_WIRE_STATE_INIT = 0,
+    SELD_WIRE_STATE_READY = 1,
+    SELD_WIRE_STATE_ARMED = 2,
+    SELD_WIRE_STATE_RUNNING = 3,
+    SELD_WIRE_STATE_FAULT = 4,
+
+    SELD_WIRE_MODE_LOCKSTEP = 0,
+    SELD_WIRE_MODE_FREE_RUN = 1,
+
+    SELD_WIRE_ACTION_ARM = 1,
+    SELD_WIRE_ACTION_START = 2,
+    SELD_WIRE_ACTION_STOP = 3,
+    SELD_WIRE_ACTION_RESET = 4,
+    SELD_WIRE_ACTION_LOCKSTEP = 5,
+    SELD_WIRE_ACTION_FREE_RUN = 6,
+
+    SELD_WIRE_GET_STATUS = 1,
+    SELD_WIRE_GET_NODES = 2,
+    SELD_WIRE_GET_NODE_TABLE = 3,
+    SELD_WIRE_GET_HASH64 = 4,
+    SELD_WIRE_GET_SNAPSHOT = 5,
+    SELD_WIRE_GET_FAULT_LOG = 6,
+
+    SELD_WIRE_CAPABILITY_LOCKSTEP = 1,
+    SELD_WIRE_CAPABILITY_FREE_RUN = 2,
+    SELD_WIRE_CAPABILITY_SNAPSHOTS = 4,
+    SELD_WIRE_CAPABILITY_ENCODERS = 8,
+    SELD_WIRE_CAPABILITY_MOTORS = 16,
+
+    SELD_WIRE_BUTTON_XRAY = 1,
+
+    SELD_WIRE_PAYLOAD_MAX = SELD_WIRE_BYTES_nodes, /* the longest message; checked by the test */
+};
+
+/* Hash over every name, number, type and unit of wire_messages.def. Two sides that differ in one of them
+ * refuse. */
+uint64_t seld_wire_schema_hash(void);
+
+/* Text for people. Never NULL. Unknown numbers give "unknown ...". */
+const char *seld_wire_message_name(uint16_t type);
+const char *seld_wire_fault_name(uint16_t code);
+const char *seld_wire_fault_text(uint16_t code);
+const char *seld_wire_fault_remedy(uint16_t code);
+const char *seld_wire_reject_name(uint16_t code);
+const char *seld_wire_reject_text(uint16_t code);
+const char *seld_wire_reject_remedy(uint16_t code);
+const char *seld_wire_state_name(uint8_t state);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,65 @@
+/* Bounded reading and writing of little-endian values. A writer that overflows and a reader that runs out
+ * stop for good and say so; neither ever touches a byte outside its buffer. May include: nothing. Called by:
+ * the codecs, recordings, snapshots. C11 and C++20. */
+#ifndef SELD_WIRE_BYTES_H
+#define SELD_WIRE_BYTES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct seld_wire_writer {
+    uint8_t *bytes;
+    size_t capacity;
+    size_t length;
+    bool overflowed; /* something did not fit; `length` counts only what did */
+} seld_wire_writer;
+
+typedef struct seld_wire_reader {
+    const uint8_t *bytes;
+    size_t length;
+    size_t position;
+    bool failed; /* something was missing or out of range; values read since are 0 */
+} seld_wire_reader;
+
+static inline seld_wire_writer seld_wire_writer_make(uint8_t *bytes, size_t capacity)
+{
+    seld_wire_writer writer = {bytes, capacity, 0, false};
+    return writer;
+}
+
+static inline seld_wire_reader seld_wire_reader_make(const uint8_t *bytes, size_t length)
+{
+    seld_wire_reader reader = {bytes, length, 0, false};
+    return reader;
+}
+
+/* Write the low `count` bytes (1 .. 8) of `value`. */
+static inline void seld_wire_write(seld_wire_writer *writer, uint64_t value, unsigned count)
+{
+    if (writer->overflowed || writer->capacity - writer->length < count) {
+        writer->overflowed = true;
+        return;
+    }
+    for (unsigned i = 0; i < count; i++) writer->bytes[writer->length++] = (uint8_t)(value >> (8 * i));
+}
+
+/* Read `count` bytes (1 .. 8); 0 when they are not there. */
+static inline uint64_t seld_wire_read(seld_wire_reader *reader, unsigned count)
+{
+    if (reader->failed || reader->length - reader->position < count) {
+        reader->failed = true;
+        return 0;
+    }
+    uint64_t value = 0;
+    for (unsigned i = 0; i < count; i++) value |= (uint64_t)reader->bytes[reader->position++] << (8 * i);
+    return value;
+}
+
+/* Two's complement of 32 bits without implementation-defined conversion. */
+static inline int32_t seld_wire_i32_from_u32(uint32_t value)
+{
+    return value <= (uint32_t)INT32_MAX ? (int32_t)value : -(int32_t)(UINT32_MAX - value) - 1;
+}
+
+#endif
