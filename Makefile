@@ -3,6 +3,7 @@
 #   OPT=-O0 CORE_OPT=-O0                     another optimisation level
 #   SAN=address,undefined                    sanitizers
 #   PACKAGES=skip                            do not look for missing Debian packages
+#   JOBS=4                                   parallel jobs of make test, fuzz and bench (default: one per core)
 BUILD    ?= build
 CC       := $(if $(filter default,$(origin CC)),gcc,$(CC))
 CXX      := $(if $(filter default,$(origin CXX)),g++,$(CXX))
@@ -10,6 +11,8 @@ OPT      ?= -O2
 CORE_OPT ?= -O3
 SAN      ?=
 PACKAGES ?= install
+JOBS     ?= $(shell nproc)
+SECONDS  ?= 60
 
 WARN     := -Wall -Wextra -Wshadow -Werror
 SANFLAGS := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer)
@@ -35,7 +38,7 @@ HOST_LINK     := -lpng -lglfw -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy
 
-.PHONY: all run test bench fuzz format help clean packages-% tests-build
+.PHONY: all run test bench fuzz format help clean tests-build tests-build-san fuzz-programs
 .DEFAULT_GOAL := all
 MAKEFLAGS += --no-builtin-rules
 
@@ -50,7 +53,7 @@ packages-%:
 
 # --- rules ------------------------------------------------------------------------------------------------------
 $(BUILD)/obj/firmware/core/%.c.o: OPT := $(CORE_OPT)
-$(BUILD)/obj/firmware/core/%.c.o: CFLAGS += -ffreestanding -fno-schedule-insns
+$(BUILD)/obj/firmware/core/%.c.o: CFLAGS += -ffreestanding $(if $(findstring clang,$(CC)),,-fno-schedule-insns)
 $(BUILD)/obj/%.c.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) $(OPT) -c $< -o $@
@@ -96,9 +99,51 @@ FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)
 ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(TOOL_TESTS),$(call test_program,$(t)))
 
 tests-build: $(ALL_TEST_PROGRAMS)
+# Everything but what links OpenVDB, for the sanitizers.
+tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS),$(call test_program,$(t)))
 
-test: packages-build packages-test ## build and run every test
-	@tools/check/run_tests.sh
+# A fuzz target (fuzz_*.c) is one libFuzzer program and one that writes its first inputs: docs/testing.md.
+FUZZ_TARGETS := $(wildcard firmware/tests/fuzz_*.c shared/*/tests/fuzz_*.c)
+define fuzz_rule
+$(call test_program,$(1)): $(call objects,$(1) $(REFERENCE)) $(foreach lib,$(FIRMWARE_LIBS),$(call lib_file,$(lib)))
+	@mkdir -p $$(@D)
+	$(CXX) $$^ -o $$@ $(LDFLAGS) -lm -fsanitize=fuzzer
+$(call test_program,$(1))_seeds: $(call objects,$(1) tools/check/fuzz_seeds.c $(REFERENCE)) $(foreach lib,$(FIRMWARE_LIBS),$(call lib_file,$(lib)))
+	@mkdir -p $$(@D)
+	$(CXX) $$^ -o $$@ $(LDFLAGS) -lm
+endef
+$(foreach t,$(FUZZ_TARGETS),$(eval $(call fuzz_rule,$(t))))
+fuzz-programs: $(foreach t,$(FUZZ_TARGETS),$(call test_program,$(t)) $(call test_program,$(t))_seeds)
+
+QUIET_MAKE = $(MAKE) --no-print-directory PACKAGES=skip -j$(JOBS)
+SAN_MAKE   = $(QUIET_MAKE) BUILD=$(BUILD)/san SAN=address,undefined OPT=-O1 CORE_OPT=-O1
+FUZZ_MAKE  = $(QUIET_MAKE) BUILD=$(BUILD)/fuzz CC=clang CXX=clang++ SAN=fuzzer-no-link,address,undefined OPT=-O1 CORE_OPT=-O1
+
+# What does not build is reported by run_tests.py as failed, with everything else run all the same.
+test: packages-build packages-test ## build and run every test, also under the sanitizers, and a short fuzz run
+	-@$(QUIET_MAKE) -k $(PROGRAMS) tests-build
+	-@$(SAN_MAKE) -k tests-build-san
+	-@$(FUZZ_MAKE) -k fuzz-programs
+	@tools/check/run_tests.py --build $(BUILD) --jobs $(JOBS) --scripts $(SCRIPT_TESTS) --programs $(ALL_TEST_PROGRAMS:$(BUILD)/test/%=%) \
+	    --sanitized $(basename $(FIRMWARE_TESTS) $(HOST_TESTS)) --fuzz $(basename $(FUZZ_TARGETS))
+
+fuzz: packages-build packages-test ## look for crashing inputs, SECONDS=60 per target
+	@$(FUZZ_MAKE) fuzz-programs
+	@tools/check/run_fuzz.py --build $(BUILD)/fuzz --seconds $(SECONDS) --jobs $(JOBS) $(basename $(FUZZ_TARGETS))
+
+# --- benchmarks: docs/bench.md -------------------------------------------------------------------------------------
+BENCHES := $(wildcard firmware/bench/bench_*.c)
+bench_program = $(patsubst %,$(BUILD)/bench/%,$(basename $(notdir $(1))))
+define bench_rule
+$(call bench_program,$(1)): $(call objects,$(1) firmware/bench/bench.c $(REFERENCE)) $(foreach lib,$(FIRMWARE_LIBS),$(call lib_file,$(lib)))
+	@mkdir -p $$(@D)
+	$(CC) $$^ -o $$@ $(LDFLAGS) -lm
+endef
+$(foreach b,$(BENCHES),$(eval $(call bench_rule,$(b))))
+
+bench: packages-build packages-run packages-bench ## measure; writes out/bench.tsv and prints it (CASES=text: only names with it)
+	@$(QUIET_MAKE) $(PROGRAMS) $(foreach b,$(BENCHES),$(call bench_program,$(b)))
+	@tools/bench/run_bench.py --build $(BUILD) --cases '$(CASES)' $(foreach b,$(BENCHES),$(call bench_program,$(b)))
 
 clean: ## remove build/ and out/
 	rm -rf build out

@@ -1,0 +1,219 @@
+#!/usr/bin/env python3
+"""Run every test program and script, and print one line of totals. Called by `make test` after the build.
+
+  run_tests.py --build build --jobs 2 --programs NAME... --scripts PATH... --sanitized NAME... --fuzz NAME...
+
+A NAME is a source path without its extension; its program is BUILD/test/NAME (BUILD/san/test/NAME for --sanitized,
+BUILD/fuzz/test/NAME for --fuzz). Every program and script prints TAP: a plan `1..N` and a line per test. A program
+that is missing, crashes, runs past its time or breaks its plan counts as one failed test, whatever else it said.
+The last line is `N passed, N failed, N skipped`; the exit code is 1 when something failed or nothing ran.
+"""
+import argparse
+import concurrent.futures
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import run_fuzz
+
+TIME_LIMIT_S = 300
+OUTPUT_LINES = 60
+FUZZ_SECONDS = 5
+
+PLAN = re.compile(r"^1\.\.(\d+)\s*(#.*)?$")
+RESULT = re.compile(r"^(not ok|ok)\b(?:\s+(\d+))?\s*(.*)$")
+# A test that printed no end of line before its result: "text" + "ok 3 - name".
+GLUED = re.compile(r"(not ok|ok) (\d+) (- \S+|# SKIP.*)$")
+SKIP = re.compile(r"#\s*skip\S*\s*(.*)$", re.IGNORECASE)
+
+
+class Outcome:
+    """What one program did."""
+
+    def __init__(self, title):
+        self.title = title
+        self.passed = 0
+        self.failed = []  # names
+        self.skipped = []  # name or reason
+        self.output = ""
+        self.seconds = 0.0
+
+    def fail(self, name):
+        self.failed.append(name)
+
+
+def find_result(line, expected):
+    """(ok, number, rest) of a result line, or None. CMocka's closing `# ok - file` is a comment."""
+    match = RESULT.match(line)
+    if match is None:
+        glued = GLUED.search(line)
+        match = glued if glued and int(glued.group(2)) == expected else None
+    if match is None:
+        return None
+    return match.group(1) == "ok", None if match.group(2) is None else int(match.group(2)), match.group(3).strip()
+
+
+def read_tap(text, outcome):
+    """Count the results in `text`. Several plans may follow one another (one per CMocka group); a script may give its
+    plan at the end."""
+    planned, seen, plans = 0, 0, 0
+    expected = 1
+    for line in text.splitlines():
+        plan = PLAN.match(line.strip())
+        if plan:
+            planned += int(plan.group(1))
+            plans += 1
+            expected = 1 if seen < planned else expected
+            continue
+        result = find_result(line, expected)
+        if result is None:
+            continue
+        ok, number, rest = result
+        name = rest[2:].strip() if rest.startswith("- ") else rest
+        seen += 1
+        skip = SKIP.search(rest)
+        if number is not None and number != expected:
+            outcome.fail("%s (numbered %d, expected %d)" % (name, number, expected))
+        elif skip:  # CMocka writes `not ok N # SKIP name`
+            outcome.skipped.append(rest.replace("# SKIP", "").strip(" -"))
+        elif ok:
+            outcome.passed += 1
+        else:
+            outcome.fail(name or "test %d" % expected)
+        expected += 1
+    if plans == 0:
+        outcome.fail("(no plan line 1..N: did it start?)")
+    elif seen != planned:
+        outcome.fail("(plan says %d tests, %d reported)" % (planned, seen))
+
+
+def describe_exit(code):
+    if code < 0:
+        return "killed by %s" % signal.Signals(-code).name
+    return "exit code %d" % code
+
+
+def run_program(title, command, environment, time_limit_s=TIME_LIMIT_S):
+    """Run one TAP program to its end."""
+    outcome = Outcome(title)
+    start = time.monotonic()
+    if not os.access(command[0], os.X_OK):
+        outcome.fail("(did not build, or is not executable: %s)" % command[0])
+        return outcome
+    with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          env=environment, start_new_session=True) as process:
+        try:
+            output, _ = process.communicate(timeout=time_limit_s)
+            ended = True
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            output, _ = process.communicate()
+            ended = False
+    outcome.output = output.decode("utf-8", "replace")
+    outcome.seconds = time.monotonic() - start
+    read_tap(outcome.output, outcome)
+    if not ended:
+        outcome.fail("(stopped after %d s)" % time_limit_s)
+    elif process.returncode != 0 and not outcome.failed:
+        outcome.fail("(%s although no test failed)" % describe_exit(process.returncode))
+    elif process.returncode < 0:
+        outcome.fail("(%s)" % describe_exit(process.returncode))
+    return outcome
+
+
+def run_fuzz_target(name, build):
+    """A short fuzz run counts as one test."""
+    outcome = Outcome("fuzz " + name)
+    start = time.monotonic()
+    ok, outcome.output = run_fuzz.run_target(os.path.join(build, "fuzz"), name, FUZZ_SECONDS)
+    outcome.seconds = time.monotonic() - start
+    if ok:
+        outcome.passed = 1
+    else:
+        outcome.fail("%d s of random inputs" % FUZZ_SECONDS)
+    return outcome
+
+
+def make_jobs(options):
+    """(function, arguments) of everything to run: scripts first, since they take longest."""
+    environment = dict(os.environ, BUILD=options.build, CMOCKA_MESSAGE_OUTPUT="TAP", PACKAGES="skip")
+    for variable in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "CMOCKA_XML_FILE"):
+        environment.pop(variable, None)
+    sanitized = dict(environment, BUILD=os.path.join(options.build, "san"),
+                     ASAN_OPTIONS="detect_stack_use_after_return=1:strict_string_checks=1",
+                     UBSAN_OPTIONS="print_stacktrace=1", SELD_SANITIZED="1")
+    jobs = [(run_program, (path, [os.path.join(".", path)], environment)) for path in options.scripts]
+    for name in options.programs:
+        jobs.append((run_program, (name, [os.path.join(options.build, "test", name)], environment)))
+    for name in options.sanitized:
+        program = os.path.join(options.build, "san", "test", name)
+        jobs.append((run_program, (name + " (sanitizers)", [program], sanitized)))
+    for name in options.fuzz:
+        jobs.append((run_fuzz_target, (name, options.build)))
+    return jobs
+
+
+def print_progress(done, total, outcome):
+    counts = "%d passed" % outcome.passed
+    if outcome.skipped:
+        counts += ", %d skipped" % len(outcome.skipped)
+    if outcome.failed:
+        counts += ", %d FAILED" % len(outcome.failed)
+    print("[%*d/%d] %-58s %s, %.1f s" % (len(str(total)), done, total, outcome.title, counts, outcome.seconds))
+    sys.stdout.flush()
+
+
+def print_failures(outcomes):
+    for outcome in outcomes:
+        if not outcome.failed:
+            continue
+        print("\nFAILED %s" % outcome.title)
+        for name in outcome.failed:
+            print("  not ok: %s" % name)
+        lines = outcome.output.splitlines()
+        if len(lines) > OUTPUT_LINES:
+            print("  ... %d lines before" % (len(lines) - OUTPUT_LINES))
+        for line in lines[-OUTPUT_LINES:]:
+            print("  | " + line)
+
+
+def print_skips(outcomes):
+    for outcome in outcomes:
+        for reason in outcome.skipped:
+            print("skipped %s: %s" % (outcome.title, reason))
+
+
+def run_all(jobs, workers):
+    outcomes = []
+    with concurrent.futures.ThreadPoolExecutor(workers) as pool:
+        futures = [pool.submit(function, *arguments) for function, arguments in jobs]
+        for future in concurrent.futures.as_completed(futures):
+            outcomes.append(future.result())
+            print_progress(len(outcomes), len(jobs), outcomes[-1])
+    return sorted(outcomes, key=lambda outcome: outcome.title)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", default="build", help="build folder (default: build)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="programs at a time (default: cores)")
+    for group in ("programs", "scripts", "sanitized", "fuzz"):
+        parser.add_argument("--" + group, nargs="*", default=[])
+    options = parser.parse_args()
+    start = time.monotonic()
+    outcomes = run_all(make_jobs(options), max(1, options.jobs))
+    print_skips(outcomes)
+    print_failures(outcomes)
+    passed = sum(outcome.passed for outcome in outcomes)
+    failed = sum(len(outcome.failed) for outcome in outcomes)
+    skipped = sum(len(outcome.skipped) for outcome in outcomes)
+    print("\ntests ran for %.0f s" % (time.monotonic() - start))
+    print("%d passed, %d failed, %d skipped" % (passed, failed, skipped))
+    return 1 if failed or passed == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
