@@ -1,0 +1,224 @@
+/* The state as words: initial, saved, restored, hashed, read.
+ *
+ * Nodes beyond free_count + 2 sit in the inserter and follow from the rest; they are zero in a saved state
+ * and take no part in a hash. May include: rod.h. Called by: core_step.c; others through core.h. */
+#include "firmware/core/rod.h"
+
+enum {
+    HEADER_WORDS = offsetof(seld_state_words, nodes) / 4,
+    NODE_WORDS = sizeof(seld_node_state) / 4,
+    STATE_WORDS = sizeof(seld_state_words) / 4,
+    INSIDE_KEPT = 3,
+};
+_Static_assert(sizeof(seld_state_words) == 4 * (HEADER_WORDS + (size_t)NODE_WORDS * SELD_ARRAY_NODES),
+               "the state is 32-bit words without padding");
+
+size_t seld_model_size(void)
+{
+    return sizeof(seld_model);
+}
+
+size_t seld_state_size(void)
+{
+    return sizeof(seld_state);
+}
+
+size_t seld_state_bytes(void)
+{
+    return sizeof(seld_state_words);
+}
+
+static size_t live_words(const seld_state_words *words)
+{
+    return HEADER_WORDS + (size_t)NODE_WORDS * (words->free_count + INSIDE_KEPT);
+}
+
+void seld_state_init(const seld_model *model, seld_state *state, uint32_t inserted_um)
+{
+    unsigned char *bytes = (unsigned char *)state;
+    for (size_t i = 0; i < sizeof *state; i++) {
+        bytes[i] = 0;
+    }
+    seld_state_words *words = &state->words;
+    uint32_t bounded_um = inserted_um > 1900000u ? 1900000u : inserted_um;
+    int32_t inserted = (int32_t)seld_divide_u64((uint64_t)bounded_um << 30, 1000000u);
+    int32_t least = model->nodes[3].arc_m_q30 + 1024;
+    int32_t most = model->nodes[model->node_count - 3].arc_m_q30;
+    words->inserted_m_q30 = inserted < least ? least : (inserted > most ? most : inserted);
+    words->hand_offset_m_q30 = words->inserted_m_q30;
+    while (model->nodes[words->free_count].arc_m_q30 < words->inserted_m_q30) {
+        words->free_count++;
+    }
+    for (uint32_t i = 0; i < words->free_count + INSIDE_KEPT; i++) {
+        seld_node_state *node = &words->nodes[i];
+        int32_t beyond = words->inserted_m_q30 - model->nodes[i].arc_m_q30;
+        for (int k = 0; k < 3; k++) {
+            int32_t direction = model->entry.direction_q30.v[k];
+            node->position_m_q30.v[k] = model->entry.position_m_q30.v[k] + seld_mul_q30(beyond, direction);
+            node->tangent_q30.v[k] = -direction;
+        }
+        node->axis1_q30 = model->base_axis1_q30;
+    }
+}
+
+void seld_state_save(const seld_state *state, uint8_t *bytes)
+{
+    const uint32_t *words = (const uint32_t *)&state->words;
+    size_t live = live_words(&state->words);
+    for (size_t i = 0; i < STATE_WORDS; i++) {
+        uint32_t word = i < live ? words[i] : 0;
+        for (int k = 0; k < 4; k++) {
+            bytes[4 * i + (size_t)k] = (uint8_t)(word >> (8 * k));
+        }
+    }
+}
+
+static uint32_t word_at(const uint8_t *bytes, size_t i)
+{
+    const uint8_t *b = bytes + 4 * i;
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
+/* --- what a restored state must satisfy
+ * ------------------------------------------------------------------------ */
+
+static bool is_unit(const seld_vec3 *a)
+{
+    for (int k = 0; k < 3; k++) {
+        if (a->v[k] > SELD_ONE_Q30 + (1 << 20) || a->v[k] < -SELD_ONE_Q30 - (1 << 20)) {
+            return false;
+        }
+    }
+    int64_t error = seld_vec3_dot64(*a, *a) - ((int64_t)1 << 60);
+    return error < ((int64_t)1 << 50) && error > -((int64_t)1 << 50);
+}
+
+static bool is_small(const seld_vec3 *a, int32_t most)
+{
+    for (int k = 0; k < 3; k++) {
+        if (a->v[k] > most || a->v[k] < -most) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool node_is_valid(const seld_node_state *node)
+{
+    return is_unit(&node->tangent_q30) && is_unit(&node->axis1_q30) && is_small(&node->step_m_q33, 1 << 29) &&
+           is_small(&node->bristle_m_q33, 1 << 29) && is_small(&node->position_m_q30, 2040109465) &&
+           node->contact <= SELD_CONTACT_STICKS;
+}
+
+static bool words_are_valid(const seld_model *model, const seld_state_words *words)
+{
+    uint32_t na = words->free_count;
+    if (na < 4 || na + 3 > model->node_count) {
+        return false;
+    }
+    if (model->nodes[na - 1].arc_m_q30 >= words->inserted_m_q30 ||
+        model->nodes[na].arc_m_q30 < words->inserted_m_q30) {
+        return false;
+    }
+    int32_t feed_max = SELD_FEED_MAX_M_Q30 * 8;
+    if (words->feed_m_q33 > feed_max || words->feed_m_q33 < -feed_max) {
+        return false;
+    }
+    for (uint32_t i = 0; i < na + INSIDE_KEPT; i++) {
+        if (!node_is_valid(&words->nodes[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool seld_state_restore(const seld_model *model, seld_state *state, const uint8_t *bytes)
+{
+    seld_state_words *copy = &state->scratch.incoming; /* the scratch is dead between ticks */
+    uint32_t *copied = (uint32_t *)copy;
+    for (size_t i = 0; i < STATE_WORDS; i++) {
+        copied[i] = word_at(bytes, i);
+    }
+    if (!words_are_valid(model, copy)) {
+        return false;
+    }
+    state->words = *copy;
+    return true;
+}
+
+/* --- hashes
+ * ---------------------------------------------------------------------------------------------------- */
+
+/* Two 32-bit FNV-1a lanes over even and odd words: three operations a word, for every tick. */
+void seld_state_hash_lanes(const seld_state *state, uint32_t lane[2])
+{
+    const uint32_t *words = (const uint32_t *)&state->words;
+    size_t live = live_words(&state->words);
+    uint32_t even = 2166136261u;
+    uint32_t odd = 3405691582u;
+    for (size_t i = 0; i + 1 < live; i += 2) {
+        even = (even ^ words[i]) * 16777619u;
+        odd = (odd ^ words[i + 1]) * 16777619u;
+    }
+    if (live & 1u) {
+        even = (even ^ words[live - 1]) * 16777619u;
+    }
+    lane[0] = even ^ (even >> 15);
+    lane[1] = odd ^ (odd >> 15);
+}
+
+uint64_t seld_state_hash64(const seld_state *state)
+{
+    const uint32_t *words = (const uint32_t *)&state->words;
+    size_t live = live_words(&state->words);
+    uint64_t hash = 14695981039346656037u;
+    for (size_t i = 0; i < live; i++) {
+        for (int k = 0; k < 4; k++) {
+            hash = (hash ^ ((words[i] >> (8 * k)) & 255u)) * 1099511628211u;
+        }
+    }
+    return hash;
+}
+
+/* --- reading
+ * --------------------------------------------------------------------------------------------------- */
+
+uint32_t seld_state_node_count(const seld_model *model)
+{
+    return model->node_count;
+}
+
+uint32_t seld_state_free_count(const seld_state *state)
+{
+    return state->words.free_count;
+}
+
+seld_vec3 seld_state_position(const seld_state *state, uint32_t node)
+{
+    return state->words.nodes[node].position_m_q30;
+}
+
+seld_vec3 seld_state_material_axis(const seld_state *state, uint32_t edge)
+{
+    return state->words.nodes[edge].axis1_q30;
+}
+
+int32_t seld_model_edge_length(const seld_model *model, uint32_t edge)
+{
+    return model->edges[edge].length_m_q30;
+}
+
+int32_t seld_model_arc(const seld_model *model, uint32_t node)
+{
+    return model->nodes[node].arc_m_q30;
+}
+
+int32_t seld_model_radius(const seld_model *model, uint32_t node)
+{
+    return model->nodes[node].radius_m_q30;
+}
+
+uint32_t seld_state_tick(const seld_state *state)
+{
+    return state->words.tick;
+}

@@ -1,0 +1,217 @@
+/* Elastic forces and their matrix at the predicted configuration x* (docs/rod.md, "energy" and "rows").
+ *
+ * Edge: w = (x*[i+1] - x*[i]) / l, strain from |w|^2 by series (no root), F = EA strain,
+ *       S = (k_s - k_g) t t^T + k_g I with k_g = max(F, 0) / l.
+ * Joint: b = w[i] - w[i-1], v = W (b - g), f[i-1] -= a v, f[i] += (a + c) v, f[i+1] -= c v, and the twisting
+ * moment tau bends the line by F = tau kb / 2, kb = 2 t x t' / (1 + t.t'). May include: rod.h. Called by:
+ * core_step.c. */
+#include "firmware/core/rod.h"
+
+enum {
+    STRAIN_MAX_Q30 = 1 << 27,      /* series used up to 12.5 % strain, clamped beyond */
+    TENSION_MAX_N_Q22 = 128 << 22, /* edge force, clamped: twenty times what a hand can do */
+    TENSION_STIFF_MAX_N_Q22 = 32 << 22,
+};
+
+/* Half of |w|^2 - 1. Format: Q30 -> Q30, clamped to +-STRAIN_MAX. Error: 1 LSB. */
+static int32_t half_excess(const seld_vec3 *w, bool *clamped)
+{
+    int64_t square = seld_vec3_dot64(*w, *w) - ((int64_t)1 << 60);
+    int64_t excess = square >> 31;
+    if (excess > STRAIN_MAX_Q30 || excess < -STRAIN_MAX_Q30) {
+        *clamped = true;
+        return excess > 0 ? STRAIN_MAX_Q30 : -STRAIN_MAX_Q30;
+    }
+    return (int32_t)excess;
+}
+
+/* Strain sqrt(1 + 2e) - 1 and inverse length of an edge from e = (|w|^2 - 1) / 2.
+ * Error: e^4 * 5/8 <= 1.5e-4 at 12.5 %; below 1e-9 at 1 %. */
+static int32_t strain_of(int32_t e)
+{
+    int32_t e2 = seld_mul_q30(e, e);
+    return e - (e2 >> 1) + (seld_mul_q30(e2, e) >> 1);
+}
+static int32_t inverse_stretch_of(int32_t e)
+{
+    int32_t e2 = seld_mul_q30(e, e);
+    return SELD_ONE_Q30 - e + e2 + (e2 >> 1) - (int32_t)(((int64_t)seld_mul_q30(e2, e) * 5) >> 1);
+}
+
+/* w, t and the strain of the edge between two positions. Format: positions Q30 m, 1/l Q18 -> Q30. */
+int32_t seld_rod_edge(const seld_edge *edge, const seld_vec3 *from, const seld_vec3 *to, seld_vec3 *w,
+                      seld_vec3 *t, uint32_t *fault_bits)
+{
+    for (int k = 0; k < 3; k++) {
+        int64_t difference = (int64_t)to->v[k] - from->v[k];
+        w->v[k] = seld_sat32(seld_rshift_round64(difference * edge->inverse_length_per_m_q18, 18));
+    }
+    bool clamped = false;
+    int32_t e = half_excess(w, &clamped);
+    if (clamped) {
+        *fault_bits |= SELD_FAULT_SATURATED;
+        *t = seld_vec3_normalise(*w, *t, NULL);
+    } else {
+        int32_t inverse = inverse_stretch_of(e);
+        for (int k = 0; k < 3; k++) {
+            t->v[k] = (int32_t)seld_rshift_round64((int64_t)w->v[k] * inverse, 30);
+        }
+    }
+    return strain_of(e);
+}
+
+/* S of an edge in Q(a). Overflow: |S| <= k_s < 2^29. */
+static void edge_matrix(const seld_edge *edge, const seld_vec3 *t, int32_t tension_N_q22, unsigned exponent,
+                        seld_sym3 *s)
+{
+    int32_t pull = tension_N_q22 < 0
+                       ? 0
+                       : (tension_N_q22 > TENSION_STIFF_MAX_N_Q22 ? TENSION_STIFF_MAX_N_Q22 : tension_N_q22);
+    int32_t geometric = (int32_t)(((int64_t)pull * edge->inverse_length_per_m_q18) >> (40 - exponent));
+    int32_t along = edge->spring - geometric;
+    int32_t x = seld_mul_q30(along, t->v[0]);
+    int32_t y = seld_mul_q30(along, t->v[1]);
+    int32_t z = seld_mul_q30(along, t->v[2]);
+    s->m[0] = (int32_t)seld_rshift_round64((int64_t)x * t->v[0], 30) + geometric;
+    s->m[1] = (int32_t)seld_rshift_round64((int64_t)x * t->v[1], 30);
+    s->m[2] = (int32_t)seld_rshift_round64((int64_t)x * t->v[2], 30);
+    s->m[3] = (int32_t)seld_rshift_round64((int64_t)y * t->v[1], 30) + geometric;
+    s->m[4] = (int32_t)seld_rshift_round64((int64_t)y * t->v[2], 30);
+    s->m[5] = (int32_t)seld_rshift_round64((int64_t)z * t->v[2], 30) + geometric;
+}
+
+/* Geometry, spring matrix and axial force of edge i; adds +-F t to its two nodes. */
+static void edge_forces(const seld_model *model, seld_state *state, uint32_t i)
+{
+    seld_work *here = &state->scratch.nodes[i];
+    seld_work *next = here + 1;
+    const seld_edge *edge = &model->edges[i];
+    here->tangent_q30 = state->words.nodes[i].tangent_q30;
+    int32_t strain = seld_rod_edge(edge, &here->position_m_q30, &next->position_m_q30, &here->stretch_q30,
+                                   &here->tangent_q30, &state->words.fault_bits);
+    int64_t tension = ((int64_t)edge->axial_stiffness_N_q17 * strain) >> 25; /* Q17 N x Q30 -> Q22 N */
+    if (tension > TENSION_MAX_N_Q22 || tension < -TENSION_MAX_N_Q22) {
+        state->words.fault_bits |= SELD_FAULT_SATURATED;
+        tension = tension > 0 ? TENSION_MAX_N_Q22 : -TENSION_MAX_N_Q22;
+    }
+    edge_matrix(edge, &here->tangent_q30, (int32_t)tension, model->stiffness_exponent, &here->spring);
+    for (int k = 0; k < 3; k++) {
+        int32_t pull = (int32_t)seld_rshift_round64(tension * here->tangent_q30.v[k], 30);
+        here->force_N_q22.v[k] = seld_add_sat(here->force_N_q22.v[k], pull);
+        next->force_N_q22.v[k] = seld_sub_sat(next->force_N_q22.v[k], pull);
+    }
+}
+
+/* The edge behind node na: straight inside the inserter. */
+static void edge_inside(const seld_model *model, seld_state *state)
+{
+    seld_work *work = &state->scratch.nodes[state->words.free_count];
+    for (int k = 0; k < 3; k++) {
+        work->tangent_q30.v[k] = -model->entry.direction_q30.v[k];
+    }
+    work->stretch_q30 = work->tangent_q30;
+}
+
+void seld_rod_rest_turn(const seld_joint *joint, const seld_vec3 *axis1, const seld_vec3 *tangent,
+                        seld_vec3 *half)
+{
+    seld_vec3 axis2 = seld_vec3_cross(*tangent, *axis1, 30);
+    for (int k = 0; k < 3; k++) {
+        half->v[k] =
+            (seld_mul_q30(axis1->v[k], joint->turn1_q30) + seld_mul_q30(axis2.v[k], joint->turn2_q30)) >> 1;
+    }
+}
+
+static bool is_curved(const seld_joint *joint)
+{
+    return (joint->turn1_q30 | joint->turn2_q30) != 0;
+}
+
+/* F = tau kb / 2 = tau (t x t') / (1 + t.t'). Format: tau Q30 N m -> Q30 N m. For small turning 1/(1+c) is
+ * 1/2 + (1-c)/4 + (1-c)^2/8, good to 1e-4 at 40 degrees. */
+static seld_vec3 twist_force(int32_t torque_N_m_q30, const seld_vec3 *before, const seld_vec3 *after)
+{
+    int32_t lack = SELD_ONE_Q30 - (int32_t)(seld_vec3_dot64(*before, *after) >> 30);
+    int32_t inverse = (SELD_ONE_Q30 >> 1) + (lack >> 2) + (seld_mul_q30(lack, lack) >> 3);
+    int32_t scaled = seld_mul_q30(torque_N_m_q30, inverse);
+    seld_vec3 across = seld_vec3_cross(*before, *after, 30);
+    for (int k = 0; k < 3; k++) {
+        across.v[k] = seld_mul_q30(across.v[k], scaled);
+    }
+    return across;
+}
+
+static void add(seld_vec3 *sum, int k, int64_t value)
+{
+    sum->v[k] = seld_sat32(sum->v[k] + value);
+}
+
+/* Bending and twist at the joint of node i (1 .. na). Format: W Q26 x b Q30 -> v Q30 N m, saturated at +-2 N
+ * m (far beyond any instrument); a Q18 x v Q30 -> Q22 N. Both ends get the same rounded force, so momentum is
+ * exact. */
+static void joint_forces(const seld_model *model, seld_state *state, uint32_t i)
+{
+    seld_work *here = &state->scratch.nodes[i];
+    seld_work *ahead = here - 1;
+    const seld_joint *joint = seld_rod_joint(model, state, i);
+    int32_t a = model->edges[i - 1].inverse_length_per_m_q18;
+    int32_t c = model->edges[i].inverse_length_per_m_q18;
+    seld_vec3 turn = {{0, 0, 0}};
+    if (is_curved(joint)) {
+        seld_vec3 half_ahead, half_here;
+        seld_rod_rest_turn(joint, &state->words.nodes[i - 1].axis1_q30, &ahead->tangent_q30, &half_ahead);
+        seld_rod_rest_turn(joint, &state->words.nodes[i].axis1_q30, &here->tangent_q30, &half_here);
+        turn = seld_vec3_add(half_ahead, half_here);
+    }
+    seld_vec3 twisting = {{0, 0, 0}};
+    if (state->words.nodes[i].torque_N_m_q30 != 0) {
+        twisting = twist_force(state->words.nodes[i].torque_N_m_q30, &ahead->tangent_q30, &here->tangent_q30);
+    }
+    for (int k = 0; k < 3; k++) {
+        int64_t bend = (int64_t)here->stretch_q30.v[k] - ahead->stretch_q30.v[k] - turn.v[k];
+        int64_t moment = seld_sat32(seld_rshift_round64(bend * joint->bend_N_m_q26, 26));
+        int64_t front = seld_rshift_round64((moment - twisting.v[k]) * a, 26);
+        int64_t back = seld_rshift_round64((moment + twisting.v[k]) * c, 26);
+        add(&ahead->force_N_q22, k, -front);
+        add(&here->force_N_q22, k, front + back);
+        add(&here[1].force_N_q22, k, -back);
+    }
+}
+
+/* Matrix rows without edges; those that touch the clipped joints are corrected by the difference. */
+static void rows(const seld_model *model, seld_state *state)
+{
+    uint32_t na = state->words.free_count;
+    for (uint32_t i = 0; i < na + 2; i++) { /* two held rows too: the solve reads past the last free one */
+        seld_work *work = &state->scratch.nodes[i];
+        work->diagonal = model->nodes[i].diagonal;
+        work->off_diagonal = model->nodes[i].off_diagonal;
+        work->off_second = model->nodes[i].off_second;
+    }
+    for (uint32_t i = na - 1; i <= na; i++) {
+        const seld_joint *clipped = &state->scratch.mouth[i + 1 - na];
+        int32_t p = clipped->p - model->joints[i].p;
+        int32_t q = clipped->q - model->joints[i].q;
+        int32_t r = clipped->r - model->joints[i].r;
+        seld_work *here = &state->scratch.nodes[i];
+        here[-1].diagonal += p;
+        here[-1].off_diagonal -= p + q;
+        here[-1].off_second += q;
+        here->diagonal += p + 2 * q + r;
+        here->off_diagonal -= q + r;
+        here[1].diagonal += r;
+    }
+}
+
+void seld_rod_forces(const seld_model *model, seld_state *state)
+{
+    uint32_t na = state->words.free_count;
+    for (uint32_t i = 0; i < na; i++) {
+        edge_forces(model, state, i);
+    }
+    edge_inside(model, state);
+    for (uint32_t i = 1; i <= na; i++) {
+        joint_forces(model, state, i);
+    }
+    rows(model, state);
+}
