@@ -46,7 +46,7 @@ all: packages-build ## build every program into build/bin
 	@$(MAKE) --no-print-directory PACKAGES=skip $(PROGRAMS)
 
 help: ## this list
-	@awk -F':.*## ' '/^[a-z%-]+:.*## /{printf "  make %-12s %s\n",$$1,$$2}' $(MAKEFILE_LIST)
+	@awk -F':.*## ' '/^[a-z%-]+:.*## /{printf "  make %-16s %s\n",$$1,$$2}' $(MAKEFILE_LIST)
 
 packages-%:
 	@[ "$(PACKAGES)" = skip ] || tools/check/install_packages.sh $*
@@ -98,9 +98,8 @@ $(foreach t,$(TOOL_TESTS),$(eval $(call test_rule,$(t),$(BAKE_LIBS),$(BAKE_LINK)
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
 ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(TOOL_TESTS),$(call test_program,$(t)))
 
-tests-build: $(ALL_TEST_PROGRAMS)
-# Everything but what links OpenVDB, for the sanitizers.
-tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS),$(call test_program,$(t)))
+tests-build: $(ALL_TEST_PROGRAMS) ## build the test programs
+tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS),$(call test_program,$(t))) ## build those without OpenVDB
 
 # A fuzz target (fuzz_*.c) is one libFuzzer program and one that writes its first inputs: docs/testing.md.
 FUZZ_TARGETS := $(wildcard firmware/tests/fuzz_*.c shared/*/tests/fuzz_*.c)
@@ -113,7 +112,7 @@ $(call test_program,$(1))_seeds: $(call objects,$(1) tools/check/fuzz_seeds.c $(
 	$(CXX) $$^ -o $$@ $(LDFLAGS) -lm
 endef
 $(foreach t,$(FUZZ_TARGETS),$(eval $(call fuzz_rule,$(t))))
-fuzz-programs: $(foreach t,$(FUZZ_TARGETS),$(call test_program,$(t)) $(call test_program,$(t))_seeds)
+fuzz-programs: $(foreach t,$(FUZZ_TARGETS),$(call test_program,$(t)) $(call test_program,$(t))_seeds) ## build the fuzz targets (needs clang)
 
 QUIET_MAKE = $(MAKE) --no-print-directory PACKAGES=skip -j$(JOBS)
 SAN_MAKE   = $(QUIET_MAKE) BUILD=$(BUILD)/san SAN=address,undefined OPT=-O1 CORE_OPT=-O1

@@ -106,9 +106,9 @@ static inline uint32_t seld_line_at(const seld_line_q30 *line, uint32_t fraction
 }
 
 /* Reciprocal of a positive normalised mantissa: table line, then one Newton step y + y (1 - m y). No divide.
- * Format: m in [2^30, 2^31) read as Q31 in [0.5, 1) -> Q30 in (1, 2]. The caller normalises; another m gives a wrong
- * number but reads inside the table. Overflow: 1/0.5 = 2 does not fit: m = 2^30 gives 2^31 - 1. Error: <= 1 LSB of Q30
- * (checked: 0.63 LSB). */
+ * Format: m in [2^30, 2^31) read as Q31 in [0.5, 1) -> Q30 in (1, 2]. The caller normalises; another m gives
+ * a wrong number but reads inside the table. Overflow: 1/0.5 = 2 does not fit: m = 2^30 gives 2^31 - 1.
+ * Error: <= 1 LSB of Q30 (checked: 0.63 LSB). */
 static inline int32_t seld_reciprocal_q30(uint32_t m_q31)
 {
     const seld_line_q30 *line = &seld_reciprocal_lines[(m_q31 >> 23) & 127u];

@@ -1,0 +1,143 @@
+#!/usr/bin/env python3
+"""The include graph has only the arrows listed here (DESIGN: layers point one way). Prints TAP."""
+import os
+import re
+
+import tree
+
+# Folder -> what its files may include besides their own folder. The longest matching row counts. An entry is a folder
+# (and below) or one file. CORE_PUBLIC is what the core shows to tools and host.
+CORE_PUBLIC = ["firmware/core/core.h", "firmware/core/lumen.h", "firmware/core/vector.h", "firmware/core/fixed.h"]
+ALLOWED = {
+    "firmware/core": [],
+    "firmware/app": ["firmware/core", "shared"],
+    "firmware/port/sim": ["firmware/app"],
+    "firmware/tests": ["firmware", "shared"],
+    "firmware/tests/reference": ["firmware/core"],
+    "firmware/bench": ["firmware", "shared"],
+    "shared/wire": [],
+    "shared/scene": [],
+    "shared/wire/tests": ["shared", "firmware/tests/reference"],
+    "shared/scene/tests": ["shared", "firmware/tests/reference"],
+    "host/link": ["shared", "firmware/port/sim/sim.h"],
+    "host/model": ["shared"],
+    "host/xray": ["host/model"],
+    "host/app": ["host"],
+    "host/tests": ["host", "shared", "firmware/port/sim/sim.h"],
+    "tools/bake": ["shared", "host/model"] + CORE_PUBLIC,
+    "tools/anatomy": ["shared", "host/model"] + CORE_PUBLIC,
+    "tools/check": [],
+    "hil_tests": ["shared", "host/link"],
+}
+
+# System headers: the firmware side is freestanding, so its list is closed. Folders not named may include any.
+FREESTANDING = {"stdint.h", "stddef.h", "stdbool.h", "limits.h"}
+SYSTEM = {
+    "firmware/core": FREESTANDING,
+    "firmware/app": FREESTANDING | {"string.h"},
+    "shared/wire": FREESTANDING | {"string.h"},
+    "shared/scene": FREESTANDING | {"string.h"},
+}
+
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+(?:"([^"]+)"|<([^>]+)>)', re.M)
+
+
+def is_below(path, place):
+    return path == place or path.startswith(place + "/")
+
+
+def row_of(path, table):
+    rows = [row for row in table if is_below(os.path.dirname(path), row)]
+    return max(rows, key=len) if rows else None
+
+
+def includes(text):
+    """(line, quoted name or None, system name or None); comments are ignored."""
+    plain = re.sub(r"/\*.*?\*/", tree.blank_all, text, flags=re.S)
+    for match in INCLUDE.finditer(plain):
+        yield tree.line_of(plain, match.start(1) if match.group(1) else match.start(2)), match.group(1), match.group(2)
+
+
+def check_quoted(path, line, target, row, exists):
+    if not exists(target):
+        return "%s:%d: \"%s\" does not exist from the root: includes are root-relative" % (path, line, target)
+    if row_of(target, ALLOWED) == row or any(is_below(target, place) for place in ALLOWED[row]):
+        return None
+    return "%s:%d: %s may not include %s; allowed: itself%s" % (path, line, row, target,
+                                                            "".join(", " + place for place in ALLOWED[row]))
+
+
+def check_file(path, text, exists):
+    """Findings of one file."""
+    row = row_of(path, ALLOWED)
+    if row is None:
+        yield "%s: its folder has no row in ALLOWED (tools/check/test_layers.py)" % path
+        return
+    closed = SYSTEM.get(row)
+    for line, quoted, system in includes(text):
+        if quoted is not None:
+            finding = check_quoted(path, line, quoted, row, exists)
+            if finding:
+                yield finding
+        elif closed is not None and system not in closed and not is_test(path):
+            yield "%s:%d: %s may not include <%s>; allowed: %s" % (path, line, row, system, ", ".join(sorted(closed)))
+
+
+def is_test(path):
+    return "/tests/" in path
+
+
+def check_cycles(graph):
+    """Header cycles, found by removing files whose includes are all removed, until nothing changes."""
+    left = dict(graph)
+    while True:
+        free = [path for path, targets in left.items() if not any(t in left for t in targets)]
+        if not free:
+            break
+        for path in free:
+            del left[path]
+    for path in sorted(left):
+        yield "%s includes itself by way of %s" % (path, ", ".join(t for t in left[path] if t in left))
+
+
+def include_graph(paths):
+    return {path: [q for _, q, _ in includes(tree.read(path)) if q] for path in paths}
+
+
+def self_test(report):
+    def sample(path, text):
+        return check_file(path, text, lambda target: True)
+
+    report.catches("an include from core into app is caught", sample("firmware/core/x.c", '#include "firmware/app/app.h"'))
+    report.catches("an include from model into xray is caught", sample("host/model/x.hpp", '\n# include "host/xray/a.hpp"'))
+    report.catches("an include of the core's private header by a tool is caught",
+                   sample("tools/bake/x.cpp", '#include "firmware/core/core_state.h"'))
+    report.catches("an include of one shared library by the other is caught",
+                   sample("shared/wire/x.c", '#include "shared/scene/scene.h"'))
+    report.catches("a libc header in the core is caught", sample("firmware/core/x.c", "#include <math.h>"))
+    report.catches("a file in an unlisted folder is caught", sample("firmware/new/x.c", ""))
+    report.catches("an include that is not root-relative is caught",
+                   check_file("firmware/core/x.c", '#include "fixed.h"', lambda target: False))
+    report.catches("a cycle of headers is caught", check_cycles({"a.h": ["b.h"], "b.h": ["a.h"]}))
+    report.accepts("allowed arrows and a commented include are accepted",
+                   list(sample("firmware/app/x.c", '#include "firmware/core/core.h"\n#include <string.h>')) +
+                   list(sample("firmware/core/x.c", '/*\n#include <math.h>\n*/')) +
+                   list(check_cycles({"a.h": ["b.h"], "b.h": []})))
+
+
+def main():
+    report = tree.Report()
+    self_test(report)
+    paths = tree.files(*tree.C_SUFFIXES)
+
+    def exists(target):
+        return os.path.isfile(os.path.join(tree.ROOT, target)) and not target.startswith("..")
+
+    findings = [finding for path in paths for finding in check_file(path, tree.read(path), exists)]
+    report.check("every include is an arrow listed in the table of layers", findings)
+    report.check("no header includes itself", check_cycles(include_graph(paths)))
+    report.end()
+
+
+if __name__ == "__main__":
+    main()
