@@ -1,0 +1,154 @@
+#!/usr/bin/env python3
+"""Run the benchmark programs by the convention of docs/bench.md. Called by `make bench`.
+
+  run_bench.py --build build [--cases TEXT] PROGRAM...
+
+Writes out/bench.tsv (name, value, unit, context, separated by tabs) and prints it as a table. With --cases only the
+cases whose name contains TEXT run, and the file is left alone. Ends with 1 when a case could not be measured.
+"""
+import argparse
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+TABLE = os.path.join("out", "bench.tsv")
+TIME_LIMIT_S = 900
+
+
+class CannotMeasure(Exception):
+    """The text says why."""
+
+
+def run(command):
+    """Standard output of a command that must succeed."""
+    try:
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              timeout=TIME_LIMIT_S, check=False)
+    except FileNotFoundError as error:
+        raise CannotMeasure("%s is missing: `make bench` builds and installs what it needs" % command[0]) from error
+    except subprocess.TimeoutExpired as error:
+        raise CannotMeasure("%s: still running after %d s" % (" ".join(command), TIME_LIMIT_S)) from error
+    if done.returncode != 0:
+        text = (done.stderr or done.stdout).decode("utf-8", "replace").strip().splitlines()
+        raise CannotMeasure("%s: exit code %d: %s" % (" ".join(command), done.returncode, "\n".join(text[-8:])))
+    return done.stdout.decode("utf-8", "replace")
+
+
+def list_cases(program):
+    """(name, unit, context, mode) of every case."""
+    cases = []
+    for line in run([program, "list"]).splitlines():
+        fields = line.split("\t")
+        if len(fields) != 4:
+            raise CannotMeasure("%s list: '%s' has %d columns, expected 4" % (program, line, len(fields)))
+        cases.append(fields)
+    if not cases:
+        raise CannotMeasure("%s list: no cases" % program)
+    return cases
+
+
+def last_number(program, number):
+    lines = run([program, "run", str(number)]).split()
+    try:
+        return float(lines[-1])
+    except (IndexError, ValueError) as error:
+        raise CannotMeasure("%s run %d: its last line is no number" % (program, number)) from error
+
+
+def count_calls(profile, function):
+    """How often `function` was entered: the sum of the `calls=` lines below a `cfn=` that names it. Callgrind writes a
+    name once as `(id) name` and then as `(id)`."""
+    ids = {i for i, name in re.findall(r"^c?fn=\((\d+)\) (\S+)", profile, re.M) if name == function}
+    return sum(int(calls) for i, calls in re.findall(r"^cfn=\((\d+)\)[^\n]*\ncalls=(\d+)", profile, re.M) if i in ids)
+
+
+def count_instructions(program, number, function, calls):
+    """Instructions per call of `function` and what it calls."""
+    with tempfile.TemporaryDirectory() as folder:
+        profile_path = os.path.join(folder, "callgrind.out")
+        run(["valgrind", "--tool=callgrind", "--toggle-collect=" + function, "--callgrind-out-file=" + profile_path,
+             program, "run", str(number)])
+        with open(profile_path, encoding="utf-8", errors="replace") as file:
+            profile = file.read()
+    totals = re.search(r"^(?:totals|summary): (\d+)", profile, re.M)
+    if totals is None or int(totals.group(1)) == 0:
+        raise CannotMeasure("callgrind saw no call of %s in %s: was it inlined?" % (function, program))
+    seen = count_calls(profile, function)
+    if seen != calls:
+        raise CannotMeasure("%s run %d: callgrind saw %d calls of %s, the case states %d"
+                            % (program, number, seen, function, calls))
+    return int(totals.group(1)) / calls
+
+
+def measure(program, number, mode):
+    if mode == "value":
+        return last_number(program, number)
+    kind, _, rest = mode.partition(":")
+    function, _, calls = rest.partition(":")
+    if kind != "callgrind" or not calls.isdigit() or int(calls) == 0:
+        raise CannotMeasure("%s: mode '%s' is neither value nor callgrind:FUNCTION:CALLS" % (program, mode))
+    return count_instructions(program, number, function, int(calls))
+
+
+def program_cases(program):
+    for number, (name, unit, context, mode) in enumerate(list_cases(program)):
+        yield name, unit, context, lambda number=number, mode=mode: measure(program, number, mode)
+
+
+def text_of(value):
+    return "%.6g" % value if abs(value) < 1000 else "%.0f" % value
+
+
+def print_table(rows):
+    widths = [max(len(row[column]) for row in rows) for column in range(3)]
+    for name, value, unit, context in rows:
+        print("%-*s  %*s  %-*s  %s" % (widths[0], name, widths[1], value, widths[2], unit, context))
+
+
+def run_cases(cases, wanted):
+    rows, failed = [], 0
+    for name, unit, context, function in cases:
+        if wanted not in name:
+            continue
+        try:
+            rows.append((name, text_of(function()), unit, context))
+            print("measured %s %s: %s" % (name, context, rows[-1][1]), file=sys.stderr, flush=True)
+        except CannotMeasure as problem:
+            failed += 1
+            print("cannot measure %s %s: %s" % (name, context, problem), file=sys.stderr, flush=True)
+    return rows, failed
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", default="build", help="build folder (default: build)")
+    parser.add_argument("--cases", default="", help="only cases whose name contains this text (default: all)")
+    parser.add_argument("programs", nargs="+", metavar="PROGRAM")
+    options = parser.parse_args()
+    cases = []
+    try:
+        for program in options.programs:
+            cases += program_cases(program)
+    except CannotMeasure as problem:
+        print("run_bench: %s" % problem, file=sys.stderr)
+        return 1
+    rows, failed = run_cases(cases, options.cases)
+    if not rows and not failed:
+        print("run_bench: no case has '%s' in its name" % options.cases, file=sys.stderr)
+        return 2
+    if rows:
+        print_table(rows)
+    if not options.cases:
+        os.makedirs("out", exist_ok=True)
+        with open(TABLE, "w", encoding="utf-8") as file:
+            file.writelines("\t".join(row) + "\n" for row in rows)
+        print("written to %s" % TABLE)
+    if failed:
+        print("%d cases could not be measured" % failed, file=sys.stderr)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
