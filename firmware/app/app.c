@@ -1,0 +1,139 @@
+/* Power-up and dispatch: bytes -> frames -> handlers. Called by: firmware/port. */
+#include "firmware/app/app.h"
+#include "firmware/app/app_internal.h"
+
+void seld_app_init(seld_app *app, const seld_port *port)
+{
+    unsigned char *bytes = (unsigned char *)app;
+    for (size_t i = 0; i < sizeof *app; i++) bytes[i] = 0;
+    app->port = port;
+    app->state = SELD_WIRE_STATE_INIT;
+    app->mode = SELD_WIRE_MODE_LOCKSTEP;
+    seld_wire_decoder_init(&app->decoder);
+    seld_rig_default(&app->rig);
+    seld_hand_reset(&app->hand);
+    seld_app_motors_off(app);
+}
+
+/* A host that speaks another language may not command anything, even in the middle of a session. */
+static void hello(seld_app *app, const uint8_t *payload, size_t length)
+{
+    seld_wire_hello hello;
+    SELD_REJECT_IF(app, SELD_WIRE_TYPE_hello, !seld_wire_decode_hello(payload, length, &hello),
+                   SELD_REJECT_MALFORMED, length, SELD_WIRE_BYTES_hello);
+    app->is_greeted =
+        hello.protocol_major == SELD_WIRE_PROTOCOL_MAJOR && hello.schema_hash == seld_wire_schema_hash();
+    if (app->is_greeted && app->state == SELD_WIRE_STATE_INIT) app->state = SELD_WIRE_STATE_READY;
+    seld_app_send_hello_reply(app, app->is_greeted);
+}
+
+static bool is_built(const seld_app *app)
+{
+    return app->state == SELD_WIRE_STATE_ARMED || app->state == SELD_WIRE_STATE_RUNNING;
+}
+
+static void get(seld_app *app, const uint8_t *payload, size_t length)
+{
+    const uint16_t type = SELD_WIRE_TYPE_get;
+    seld_wire_get request;
+    SELD_REJECT_IF(app, type, !seld_wire_decode_get(payload, length, &request), SELD_REJECT_MALFORMED, length,
+                   SELD_WIRE_BYTES_get);
+    bool needs_model = request.what == SELD_WIRE_GET_NODES || request.what == SELD_WIRE_GET_NODE_TABLE ||
+                       request.what == SELD_WIRE_GET_HASH64 || request.what == SELD_WIRE_GET_SNAPSHOT;
+    SELD_REJECT_IF(app, type, needs_model && !is_built(app), SELD_REJECT_WRONG_STATE, app->state, 0);
+    switch (request.what) {
+    case SELD_WIRE_GET_STATUS:
+        seld_app_send_status(app, type);
+        break;
+    case SELD_WIRE_GET_NODES:
+        seld_app_send_nodes(app);
+        break;
+    case SELD_WIRE_GET_NODE_TABLE:
+        seld_app_send_node_table(app);
+        break;
+    case SELD_WIRE_GET_HASH64:
+        seld_app_send_hash64(app);
+        break;
+    case SELD_WIRE_GET_SNAPSHOT:
+        seld_app_snapshot_send(app);
+        break;
+    case SELD_WIRE_GET_FAULT_LOG:
+        seld_app_send_fault_log(app);
+        break;
+    default:
+        seld_app_reject(app, type, SELD_REJECT_ACTION_UNKNOWN, request.what, 0);
+    }
+}
+
+static void dispatch(seld_app *app, uint16_t type, const uint8_t *payload, size_t length)
+{
+    if (type == SELD_WIRE_TYPE_hello) {
+        hello(app, payload, length);
+        return;
+    }
+    SELD_REJECT_IF(app, type, !app->is_greeted, SELD_REJECT_NOT_GREETED, type, 0);
+    switch (type) {
+    case SELD_WIRE_TYPE_scene_begin:
+        seld_app_scene_begin(app, payload, length);
+        break;
+    case SELD_WIRE_TYPE_scene_chunk:
+        seld_app_scene_chunk(app, payload, length);
+        break;
+    case SELD_WIRE_TYPE_scene_end:
+        seld_app_scene_end(app, payload, length);
+        break;
+    case SELD_WIRE_TYPE_instrument:
+        seld_app_instrument(app, payload, length);
+        break;
+    case SELD_WIRE_TYPE_entry:
+        seld_app_entry(app, payload, length);
+        break;
+    case SELD_WIRE_TYPE_rig:
+        seld_app_rig(app, payload, length);
+        break;
+    case SELD_WIRE_TYPE_command:
+        seld_app_command(app, payload, length);
+        break;
+    case SELD_WIRE_TYPE_step:
+        seld_app_step(app, payload, length);
+        break;
+    case SELD_WIRE_TYPE_input:
+        seld_app_input(app, payload, length);
+        break;
+    case SELD_WIRE_TYPE_get:
+        get(app, payload, length);
+        break;
+    case SELD_WIRE_TYPE_snapshot_begin:
+        seld_app_snapshot_begin(app, payload, length);
+        break;
+    case SELD_WIRE_TYPE_snapshot_chunk:
+        seld_app_snapshot_chunk(app, payload, length);
+        break;
+    case SELD_WIRE_TYPE_snapshot_end:
+        seld_app_snapshot_end(app, payload, length);
+        break;
+    default:
+        seld_app_reject(app, type, SELD_REJECT_UNKNOWN_TYPE, type, 0);
+    }
+}
+
+static void take_frame(seld_app *app)
+{
+    uint16_t sequence = app->decoder.header.sequence;
+    bool follows =
+        sequence == (uint16_t)(app->sequence_in + 1) || (sequence == 1 && app->sequence_in == UINT16_MAX);
+    if (app->sequence_is_known && !follows) app->sequence_gaps++;
+    app->sequence_in = sequence;
+    app->sequence_is_known = true;
+    app->silent_ticks = 0;
+    app->answers = sequence;
+    dispatch(app, app->decoder.header.type, app->decoder.payload, app->decoder.payload_bytes);
+    app->answers = 0;
+}
+
+void seld_app_receive(seld_app *app, const uint8_t *bytes, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (seld_wire_decoder_push(&app->decoder, bytes[i]) == SELD_WIRE_FRAME) take_frame(app);
+    }
+}

@@ -1,0 +1,30 @@
+/* From the rod's reaction to what the actuators are asked for: gain -> slew limit -> force limit. Called by: app_session.c. */
+#include "firmware/app/app_internal.h"
+
+static int32_t limited(int64_t value, int32_t low, int32_t high)
+{
+    if (value < low) return low;
+    if (value > high) return high;
+    return (int32_t)value;
+}
+
+/* Move from `present` towards `target`, by no more than `slew` per tick and never beyond +-limit. The target may be
+ * far out of range; both limits hold whatever it is. */
+static int32_t approach(int32_t present, int64_t target, int32_t slew, int32_t limit)
+{
+    int32_t slewed = limited(target, present - slew, present + slew);
+    return limited(slewed, -limit, limit);
+}
+
+/* Format: Q22 N x 1/1000 -> mN: N x 1000 x gain/1000 = value x gain / 2^22; torque Q24 N m -> uN m likewise with
+ * another factor 1000. Overflow: |value| < 2^31, gain <= 4000: below 2^53. */
+void seld_motor_update(seld_motor *motor, const seld_rig *rig, const seld_output *output, bool fade)
+{
+    int64_t gain = fade ? 0 : (int64_t)rig->force_gain_milli;
+    int64_t axial_mN = seld_rshift_round64((int64_t)output->handle_axial_N_q22 * gain, 22);
+    int64_t torque_uN_m = seld_rshift_round64((int64_t)output->handle_torque_N_m_q24 * gain * 1000, 24);
+    motor->axial_mN =
+        approach(motor->axial_mN, axial_mN, SELD_APP_FORCE_SLEW_mN_per_tick, rig->force_limit_mN);
+    motor->torque_uN_m =
+        approach(motor->torque_uN_m, torque_uN_m, SELD_APP_TORQUE_SLEW_uN_m_per_tick, rig->torque_limit_uN_m);
+}

@@ -1,0 +1,73 @@
+/* What the files of the app share. Top to bottom: wire -> requests -> session -> hand, motors, faults.
+ * May include: app.h. Called by: this folder only. */
+#ifndef SELD_APP_INTERNAL_H
+#define SELD_APP_INTERNAL_H
+
+#include "firmware/app/app.h"
+
+/* Our own error: log it, motors off, state FAULT. Stays on in release. */
+#define SELD_REQUIRE(app, condition, value)                                                                  \
+    do {                                                                                                     \
+        if (!(condition)) seld_app_internal_error(app, __LINE__, (int32_t)(value));                          \
+    } while (0)
+
+/* The other side's error: refuse with a typed code, change nothing, leave the handler. */
+#define SELD_REJECT_IF(app, type, condition, code, detail1, detail2)                                         \
+    do {                                                                                                     \
+        if (condition) {                                                                                     \
+            seld_app_reject(app, type, code, (uint32_t)(detail1), (uint32_t)(detail2));                      \
+            return;                                                                                          \
+        }                                                                                                    \
+    } while (0)
+
+/* app_reply.c: what goes out */
+void seld_app_send(seld_app *app, uint16_t type, size_t payload_bytes);
+void seld_app_reject(seld_app *app, uint16_t type, uint16_t code, uint32_t detail1, uint32_t detail2);
+void seld_app_send_status(seld_app *app, uint16_t request_type);
+void seld_app_send_hello_reply(seld_app *app, bool accepted);
+void seld_app_send_nodes(seld_app *app);
+void seld_app_send_node_table(seld_app *app);
+void seld_app_send_hash64(seld_app *app);
+void seld_app_send_fault_log(seld_app *app);
+void seld_app_send_ticks(seld_app *app);
+
+/* app_setup.c: scene, instrument, entry, rig; only in READY */
+void seld_app_scene_begin(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_scene_chunk(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_scene_end(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_instrument(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_entry(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_rig(seld_app *app, const uint8_t *payload, size_t length);
+
+/* app_lumen.c: scene bytes -> the core's view of them. 0, or the scene status that says what is wrong. */
+uint32_t seld_app_lumen_open(const uint8_t *scene, uint32_t scene_bytes, seld_lumen *lumen);
+
+/* app_session.c: states, modes and ticks */
+void seld_app_command(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_step(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_input(seld_app *app, const uint8_t *payload, size_t length);
+bool seld_app_tick(seld_app *app, const seld_port_encoders *encoders); /* false: FAULT, no tick was done */
+
+/* app_snapshot.c */
+void seld_app_snapshot_send(seld_app *app);
+void seld_app_snapshot_begin(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_snapshot_chunk(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_snapshot_end(seld_app *app, const uint8_t *payload, size_t length);
+
+/* app_hand.c: encoder counts -> hand position */
+void seld_hand_reset(seld_hand *hand);
+seld_fault_code seld_hand_update(seld_hand *hand, const seld_rig *rig, const seld_port_encoders *now,
+                                 int32_t value[2]);
+void seld_hand_input(const seld_hand *hand, const seld_rig *rig, seld_input *input);
+bool seld_rig_set(seld_rig *rig, const seld_wire_rig *wire, uint32_t *field);
+void seld_rig_default(seld_rig *rig);
+
+/* app_force.c: rod reaction -> gain -> slew limit -> force limit */
+void seld_motor_update(seld_motor *motor, const seld_rig *rig, const seld_output *output, bool fade);
+
+/* app_fault.c */
+void seld_app_fault(seld_app *app, seld_fault_code code, int32_t value1, int32_t value2);
+void seld_app_internal_error(seld_app *app, int line, int32_t value);
+void seld_app_motors_off(seld_app *app);
+
+#endif

@@ -1,0 +1,114 @@
+/* What goes out: every reply is encoded into app->payload, framed and handed to the port. Called by: this folder. */
+#include "firmware/app/app_internal.h"
+
+void seld_app_send(seld_app *app, uint16_t type, size_t payload_bytes)
+{
+    app->sequence_out++;
+    if (app->sequence_out == 0) app->sequence_out = 1; /* 0 means "nobody asked" in `answers` */
+    seld_wire_header header = {app->sequence_out, app->answers, type};
+    size_t bytes =
+        seld_wire_frame_encode(&header, app->payload, payload_bytes, app->frame, sizeof app->frame);
+    SELD_REQUIRE(app, bytes > 0, type);
+    if (bytes == 0 || !app->port->transmit(app->port->context, app->frame, bytes)) app->transmit_dropped++;
+}
+
+/* Encode `value` as message `name` and send it. */
+#define SEND(app, name, value)                                                                               \
+    do {                                                                                                     \
+        seld_wire_writer writer = seld_wire_writer_make((app)->payload, sizeof(app)->payload);               \
+        bool is_encoded = seld_wire_put_##name(&writer, value);                                              \
+        SELD_REQUIRE(app, is_encoded, SELD_WIRE_TYPE_##name);                                                \
+        if (is_encoded) seld_app_send(app, SELD_WIRE_TYPE_##name, writer.length);                            \
+    } while (0)
+
+void seld_app_reject(seld_app *app, uint16_t type, uint16_t code, uint32_t detail1, uint32_t detail2)
+{
+    const seld_wire_reject reject = {type, code, detail1, detail2};
+    SEND(app, reject, &reject);
+}
+
+void seld_app_send_status(seld_app *app, uint16_t request_type)
+{
+    const uint32_t *counts = app->decoder.event_counts;
+    const seld_wire_status status = {
+        .request_type = request_type,
+        .state = app->state,
+        .mode = app->mode,
+        .tick = app->core.words.tick,
+        .fault_code = app->fault_code,
+        .frames_bad = counts[SELD_WIRE_BAD_COBS] + counts[SELD_WIRE_BAD_SIZE] + counts[SELD_WIRE_BAD_CRC] +
+                      counts[SELD_WIRE_BAD_LENGTH],
+        .sequence_gaps = app->sequence_gaps,
+        .transmit_dropped = app->transmit_dropped,
+    };
+    SEND(app, status, &status);
+}
+
+void seld_app_send_hello_reply(seld_app *app, bool accepted)
+{
+    const seld_wire_hello_reply reply = {
+        .accepted = accepted,
+        .protocol_major = SELD_WIRE_PROTOCOL_MAJOR,
+        .protocol_minor = SELD_WIRE_PROTOCOL_MINOR,
+        .schema_hash = seld_wire_schema_hash(),
+        .core_version = SELD_CORE_VERSION,
+        .capabilities = SELD_WIRE_CAPABILITY_LOCKSTEP | SELD_WIRE_CAPABILITY_FREE_RUN |
+                        SELD_WIRE_CAPABILITY_SNAPSHOTS | app->port->capabilities,
+        .tick_us = SELD_TICK_us,
+        .scene_bytes_max = app->port->scene_slot_bytes,
+        .snapshot_bytes = SELD_APP_SNAPSHOT_BYTES,
+    };
+    SEND(app, hello_reply, &reply);
+}
+
+/* Nodes beyond the inserter and the first one inside it: what a picture shows. */
+void seld_app_send_nodes(seld_app *app)
+{
+    seld_wire_nodes *nodes = &app->reply.nodes;
+    uint32_t count = seld_state_free_count(&app->core) + 1;
+    uint32_t total = seld_state_node_count(&app->model);
+    if (count > total) count = total;
+    if (count > SELD_WIRE_MAX_nodes_positions) count = SELD_WIRE_MAX_nodes_positions;
+    nodes->tick = app->core.words.tick;
+    nodes->positions_count = (uint16_t)count;
+    for (uint32_t i = 0; i < count; i++) {
+        seld_vec3 p = seld_state_position(&app->core, i);
+        nodes->positions[i] = (seld_wire_node_position){p.v[0], p.v[1], p.v[2]};
+    }
+    SEND(app, nodes, nodes);
+}
+
+void seld_app_send_node_table(seld_app *app)
+{
+    seld_wire_node_table *table = &app->reply.node_table;
+    uint32_t count = seld_state_node_count(&app->model);
+    SELD_REQUIRE(app, count <= SELD_WIRE_MAX_node_table_nodes, count);
+    if (count > SELD_WIRE_MAX_node_table_nodes) count = SELD_WIRE_MAX_node_table_nodes;
+    table->nodes_count = (uint16_t)count;
+    for (uint32_t i = 0; i < count; i++) {
+        table->nodes[i] =
+            (seld_wire_node_rest){seld_model_arc(&app->model, i), seld_model_radius(&app->model, i)};
+    }
+    SEND(app, node_table, table);
+}
+
+void seld_app_send_hash64(seld_app *app)
+{
+    const seld_wire_hash64 hash = {app->core.words.tick, seld_state_hash64(&app->core)};
+    SEND(app, hash64, &hash);
+}
+
+void seld_app_send_fault_log(seld_app *app)
+{
+    seld_wire_fault_log *log = &app->reply.fault_log;
+    log->entries_count = app->fault_count;
+    for (uint16_t i = 0; i < app->fault_count; i++) log->entries[i] = app->faults[i];
+    SEND(app, fault_log, log);
+}
+
+/* The ticks gathered so far; starts a new batch. */
+void seld_app_send_ticks(seld_app *app)
+{
+    SEND(app, ticks, &app->ticks);
+    app->ticks.states_count = 0;
+}

@@ -1,0 +1,206 @@
+/* States, modes and ticks. One tick: encoders -> hand -> seld_step -> force -> tick_state. Called by: app.c. */
+#include "firmware/app/app_internal.h"
+
+/* --- states --- */
+
+/* Constants and rest state from what was set up; READY -> ARMED. */
+static void arm(seld_app *app)
+{
+    const uint16_t type = SELD_WIRE_TYPE_command;
+    uint32_t field = 0;
+    SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_READY, SELD_REJECT_WRONG_STATE, app->state, 0);
+    SELD_REJECT_IF(app, type, !app->has_instrument || !app->has_entry, SELD_REJECT_INSTRUMENT_MISSING,
+                   app->has_instrument, app->has_entry);
+    seld_build_status status = seld_model_build(&app->model, &app->instrument,
+                                                app->has_scene ? &app->lumen : NULL, &app->entry, &field);
+    SELD_REJECT_IF(app, type, status == SELD_BUILD_ENTRY, SELD_REJECT_ENTRY_INVALID, status, field);
+    SELD_REJECT_IF(app, type, status != SELD_BUILD_OK, SELD_REJECT_INSTRUMENT_INVALID, status, field);
+    uint32_t length_um = app->instrument.knots[app->instrument.knot_count - 1].arc_um;
+    SELD_REJECT_IF(app, type, app->inserted_um > length_um, SELD_REJECT_LENGTH_INSERTED, app->inserted_um,
+                   length_um);
+    seld_state_init(&app->model, &app->core, app->inserted_um);
+    seld_hand_reset(&app->hand);
+    seld_app_motors_off(app);
+    app->core_faults_seen = 0;
+    app->ticks.states_count = 0;
+    app->state = SELD_WIRE_STATE_ARMED;
+    seld_app_send_status(app, type);
+}
+
+/* Leave `from` for `to`, or refuse. */
+static void move_state(seld_app *app, uint8_t from, uint8_t to)
+{
+    SELD_REJECT_IF(app, SELD_WIRE_TYPE_command, app->state != from, SELD_REJECT_WRONG_STATE, app->state, 0);
+    app->state = to;
+    app->silent_ticks = 0;
+    seld_app_motors_off(app);
+    seld_app_send_status(app, SELD_WIRE_TYPE_command);
+}
+
+static void reset(seld_app *app)
+{
+    app->state = SELD_WIRE_STATE_READY;
+    app->fault_code = SELD_FAULT_CODE_NONE;
+    app->snapshot_upload.open = false;
+    app->ticks.states_count = 0;
+    seld_app_motors_off(app);
+    seld_app_send_status(app, SELD_WIRE_TYPE_command);
+}
+
+static void set_mode(seld_app *app, uint8_t mode)
+{
+    bool is_at_rest = app->state == SELD_WIRE_STATE_READY || app->state == SELD_WIRE_STATE_ARMED;
+    SELD_REJECT_IF(app, SELD_WIRE_TYPE_command, !is_at_rest, SELD_REJECT_WRONG_STATE, app->state, 0);
+    app->mode = mode;
+    seld_app_send_status(app, SELD_WIRE_TYPE_command);
+}
+
+void seld_app_command(seld_app *app, const uint8_t *payload, size_t length)
+{
+    const uint16_t type = SELD_WIRE_TYPE_command;
+    seld_wire_command command;
+    SELD_REJECT_IF(app, type, !seld_wire_decode_command(payload, length, &command), SELD_REJECT_MALFORMED,
+                   length, SELD_WIRE_BYTES_command);
+    switch (command.action) {
+    case SELD_WIRE_ACTION_ARM:
+        arm(app);
+        break;
+    case SELD_WIRE_ACTION_START:
+        move_state(app, SELD_WIRE_STATE_ARMED, SELD_WIRE_STATE_RUNNING);
+        break;
+    case SELD_WIRE_ACTION_STOP:
+        move_state(app, SELD_WIRE_STATE_RUNNING, SELD_WIRE_STATE_ARMED);
+        break;
+    case SELD_WIRE_ACTION_RESET:
+        reset(app);
+        break;
+    case SELD_WIRE_ACTION_LOCKSTEP:
+        set_mode(app, SELD_WIRE_MODE_LOCKSTEP);
+        break;
+    case SELD_WIRE_ACTION_FREE_RUN:
+        set_mode(app, SELD_WIRE_MODE_FREE_RUN);
+        break;
+    default:
+        seld_app_reject(app, type, SELD_REJECT_ACTION_UNKNOWN, command.action, 0);
+    }
+}
+
+/* --- one tick --- */
+
+/* The core's sticky bits that are new go to the fault log. */
+static void log_core_faults(seld_app *app, uint32_t bits)
+{
+    static const struct {
+        uint32_t bit;
+        seld_fault_code code;
+    } map[] = {
+        {SELD_FAULT_SATURATED, SELD_FAULT_CODE_CORE_SATURATED},
+        {SELD_FAULT_FEED_LIMIT, SELD_FAULT_CODE_CORE_FEED_LIMIT},
+        {SELD_FAULT_STEP_CAPPED, SELD_FAULT_CODE_CORE_STEP_CAPPED},
+        {SELD_FAULT_INSERT_END, SELD_FAULT_CODE_CORE_INSERT_END},
+    };
+    uint32_t news = bits & ~app->core_faults_seen;
+    for (size_t i = 0; news != 0 && i < sizeof map / sizeof map[0]; i++) {
+        if (news & map[i].bit) seld_app_fault(app, map[i].code, 0, 0);
+    }
+    app->core_faults_seen |= bits;
+}
+
+static seld_wire_tick_state tick_state(const seld_output *output, const seld_motor *motor)
+{
+    return (seld_wire_tick_state){
+        .tick = output->tick,
+        .hash_lane0 = output->hash_lane[0],
+        .hash_lane1 = output->hash_lane[1],
+        .handle_axial_N_q22 = output->handle_axial_N_q22,
+        .handle_torque_N_m_q24 = output->handle_torque_N_m_q24,
+        .motor_axial_mN = motor->axial_mN,
+        .motor_torque_uN_m = motor->torque_uN_m,
+        .inserted_m_q30 = output->inserted_m_q30,
+        .penetration_max_m_q30 = output->penetration_max_m_q30,
+        .strain_max_q30 = output->strain_max_q30,
+        .contact_count = output->contact_count,
+        .solve_count = output->solve_count,
+        .core_fault_bits = output->fault_bits,
+    };
+}
+
+bool seld_app_tick(seld_app *app, const seld_port_encoders *encoders)
+{
+    int32_t value[2] = {0, 0};
+    seld_fault_code jump = seld_hand_update(&app->hand, &app->rig, encoders, value);
+    if (jump != SELD_FAULT_CODE_NONE) {
+        seld_app_fault(app, jump, value[0], value[1]);
+        return false;
+    }
+    seld_input input;
+    seld_output output;
+    seld_hand_input(&app->hand, &app->rig, &input);
+    seld_step(&app->model, &app->core, &input, &output);
+
+    bool is_silent = app->mode == SELD_WIRE_MODE_FREE_RUN && app->silent_ticks >= SELD_APP_HOST_SILENT_ticks;
+    seld_motor_update(&app->motor, &app->rig, &output, is_silent);
+    if (app->mode == SELD_WIRE_MODE_FREE_RUN) {
+        app->port->motors(app->port->context, app->motor.axial_mN, app->motor.torque_uN_m, true);
+    }
+    log_core_faults(app, output.fault_bits);
+    SELD_REQUIRE(app, app->ticks.states_count < SELD_WIRE_MAX_ticks_states, app->ticks.states_count);
+    if (app->ticks.states_count < SELD_WIRE_MAX_ticks_states) {
+        app->ticks.states[app->ticks.states_count++] = tick_state(&output, &app->motor);
+    }
+    if (output.tick % SELD_APP_HASH64_EVERY_ticks == 0) seld_app_send_hash64(app);
+    return app->state == SELD_WIRE_STATE_RUNNING;
+}
+
+/* --- LOCKSTEP --- */
+
+/* Replies: hash64 on the way, nodes when wanted, ticks last. After a fault `ticks` is shorter than asked. */
+void seld_app_step(seld_app *app, const uint8_t *payload, size_t length)
+{
+    const uint16_t type = SELD_WIRE_TYPE_step;
+    seld_wire_step *step = &app->request.step;
+    SELD_REJECT_IF(app, type, !seld_wire_decode_step(payload, length, step), SELD_REJECT_MALFORMED, length,
+                   SELD_WIRE_BYTES_step);
+    SELD_REJECT_IF(app, type, app->mode != SELD_WIRE_MODE_LOCKSTEP, SELD_REJECT_WRONG_MODE, app->mode, 0);
+    SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_RUNNING, SELD_REJECT_WRONG_STATE, app->state, 0);
+    SELD_REJECT_IF(app, type, step->tick != app->core.words.tick, SELD_REJECT_WRONG_TICK,
+                   app->core.words.tick, step->tick);
+    app->ticks.states_count = 0;
+    for (uint16_t i = 0; i < step->inputs_count; i++) {
+        const seld_wire_encoders *wire = &step->inputs[i];
+        const seld_port_encoders encoders = {wire->translation_counts, wire->rotation_counts, wire->buttons};
+        if (!seld_app_tick(app, &encoders)) break;
+    }
+    if (step->want_nodes != 0) seld_app_send_nodes(app);
+    seld_app_send_ticks(app);
+}
+
+/* --- FREE_RUN --- */
+
+void seld_app_input(seld_app *app, const uint8_t *payload, size_t length)
+{
+    seld_wire_input input;
+    SELD_REJECT_IF(app, SELD_WIRE_TYPE_input, !seld_wire_decode_input(payload, length, &input),
+                   SELD_REJECT_MALFORMED, length, SELD_WIRE_BYTES_input);
+    app->mailbox = (seld_port_encoders){input.translation_counts, input.rotation_counts, input.buttons};
+}
+
+void seld_app_timer(seld_app *app)
+{
+    if (app->mode != SELD_WIRE_MODE_FREE_RUN || app->state != SELD_WIRE_STATE_RUNNING) {
+        seld_app_motors_off(app);
+        return;
+    }
+    app->answers = 0;
+    if (app->silent_ticks < SELD_APP_HOST_SILENT_ticks) {
+        app->silent_ticks++;
+        if (app->silent_ticks == SELD_APP_HOST_SILENT_ticks)
+            seld_app_fault(app, SELD_FAULT_CODE_HOST_SILENT, SELD_APP_HOST_SILENT_ticks, 0);
+    }
+    seld_port_encoders encoders = app->mailbox;
+    app->port->encoders(app->port->context, &encoders);
+    bool is_running = seld_app_tick(app, &encoders);
+    bool is_batch_full = app->ticks.states_count >= SELD_APP_FREE_RUN_BATCH_ticks;
+    if (is_batch_full || (!is_running && app->ticks.states_count > 0)) seld_app_send_ticks(app);
+    if (!is_running) seld_app_send_status(app, 0);
+}

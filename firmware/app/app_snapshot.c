@@ -1,0 +1,157 @@
+/* Snapshots: everything that decides the next tick, as bytes. Head (app) + the core's saved state.
+ *
+ *   version u32 | tick u32 | hand known u32 | last translation, rotation i32 | buttons u32 |
+ *   summed translation, rotation i64 | motor axial mN, torque uN m i32                        = 48 bytes
+ *
+ * Called by: app.c. */
+#include "firmware/app/app_internal.h"
+
+enum { SNAPSHOT_VERSION = 1 };
+
+/* --- to bytes --- */
+static void save(seld_app *app)
+{
+    const seld_hand *hand = &app->hand;
+    seld_wire_writer writer = seld_wire_writer_make(app->snapshot, SELD_APP_SNAPSHOT_HEAD_BYTES);
+    seld_wire_write(&writer, SNAPSHOT_VERSION, 4);
+    seld_wire_write(&writer, app->core.words.tick, 4);
+    seld_wire_write(&writer, hand->is_known, 4);
+    seld_wire_write(&writer, (uint32_t)hand->last.translation_counts, 4);
+    seld_wire_write(&writer, (uint32_t)hand->last.rotation_counts, 4);
+    seld_wire_write(&writer, hand->last.buttons, 4);
+    seld_wire_write(&writer, (uint64_t)hand->translation_counts, 8);
+    seld_wire_write(&writer, (uint64_t)hand->rotation_counts, 8);
+    seld_wire_write(&writer, (uint32_t)app->motor.axial_mN, 4);
+    seld_wire_write(&writer, (uint32_t)app->motor.torque_uN_m, 4);
+    SELD_REQUIRE(app, !writer.overflowed && writer.length == SELD_APP_SNAPSHOT_HEAD_BYTES, writer.length);
+    SELD_REQUIRE(app, seld_state_bytes() == sizeof(seld_state_words), seld_state_bytes());
+    seld_state_save(&app->core, app->snapshot + SELD_APP_SNAPSHOT_HEAD_BYTES);
+}
+
+static void send_chunk(seld_app *app, uint32_t offset)
+{
+    seld_wire_snapshot_chunk *chunk = &app->reply.snapshot_chunk;
+    uint32_t left = SELD_APP_SNAPSHOT_BYTES - offset;
+    uint32_t count = left < SELD_WIRE_MAX_snapshot_chunk_data ? left : SELD_WIRE_MAX_snapshot_chunk_data;
+    chunk->offset = offset;
+    chunk->data_count = (uint16_t)count;
+    for (uint32_t i = 0; i < count; i++) chunk->data[i] = app->snapshot[offset + i];
+    seld_wire_writer writer = seld_wire_writer_make(app->payload, sizeof app->payload);
+    seld_wire_put_snapshot_chunk(&writer, chunk);
+    seld_app_send(app, SELD_WIRE_TYPE_snapshot_chunk, writer.length);
+}
+
+void seld_app_snapshot_send(seld_app *app)
+{
+    app->snapshot_upload.open = false; /* the buffer is shared with an upload in progress */
+    save(app);
+    const seld_wire_snapshot_begin begin = {app->core.words.tick, SELD_APP_SNAPSHOT_BYTES,
+                                            seld_wire_crc32(0, app->snapshot, SELD_APP_SNAPSHOT_BYTES)};
+    seld_wire_writer writer = seld_wire_writer_make(app->payload, sizeof app->payload);
+    seld_wire_put_snapshot_begin(&writer, &begin);
+    seld_app_send(app, SELD_WIRE_TYPE_snapshot_begin, writer.length);
+    for (uint32_t offset = 0; offset < SELD_APP_SNAPSHOT_BYTES; offset += SELD_WIRE_MAX_snapshot_chunk_data) {
+        send_chunk(app, offset);
+    }
+    const seld_wire_snapshot_end end = {SELD_APP_SNAPSHOT_BYTES};
+    writer = seld_wire_writer_make(app->payload, sizeof app->payload);
+    seld_wire_put_snapshot_end(&writer, &end);
+    seld_app_send(app, SELD_WIRE_TYPE_snapshot_end, writer.length);
+}
+
+/* --- from bytes: hostile until checked --- */
+static bool may_restore(const seld_app *app)
+{
+    return app->mode == SELD_WIRE_MODE_LOCKSTEP && app->state == SELD_WIRE_STATE_ARMED;
+}
+
+void seld_app_snapshot_begin(seld_app *app, const uint8_t *payload, size_t length)
+{
+    const uint16_t type = SELD_WIRE_TYPE_snapshot_begin;
+    seld_wire_snapshot_begin begin;
+    SELD_REJECT_IF(app, type, !seld_wire_decode_snapshot_begin(payload, length, &begin),
+                   SELD_REJECT_MALFORMED, length, SELD_WIRE_BYTES_snapshot_begin);
+    SELD_REJECT_IF(app, type, !may_restore(app), SELD_REJECT_WRONG_STATE, app->state, app->mode);
+    SELD_REJECT_IF(app, type, begin.snapshot_bytes != SELD_APP_SNAPSHOT_BYTES, SELD_REJECT_SNAPSHOT_INVALID,
+                   begin.snapshot_bytes, SELD_APP_SNAPSHOT_BYTES);
+    app->snapshot_upload = (seld_upload){begin.snapshot_bytes, 0, begin.crc32, true};
+    seld_app_send_status(app, type);
+}
+
+void seld_app_snapshot_chunk(seld_app *app, const uint8_t *payload, size_t length)
+{
+    const uint16_t type = SELD_WIRE_TYPE_snapshot_chunk;
+    seld_wire_snapshot_chunk *chunk = &app->request.snapshot_chunk;
+    seld_upload *upload = &app->snapshot_upload;
+    SELD_REJECT_IF(app, type, !seld_wire_decode_snapshot_chunk(payload, length, chunk), SELD_REJECT_MALFORMED,
+                   length, SELD_WIRE_BYTES_snapshot_chunk);
+    SELD_REJECT_IF(app, type,
+                   !upload->open || chunk->offset != upload->received_bytes ||
+                       chunk->data_count > upload->expected_bytes - upload->received_bytes,
+                   SELD_REJECT_SNAPSHOT_ORDER, upload->received_bytes, chunk->offset);
+    for (uint16_t i = 0; i < chunk->data_count; i++) app->snapshot[upload->received_bytes++] = chunk->data[i];
+}
+
+/* Two's complement of 64 bits without implementation-defined conversion. */
+static int64_t i64_from_u64(uint64_t value)
+{
+    return value <= (uint64_t)INT64_MAX ? (int64_t)value : -(int64_t)(UINT64_MAX - value) - 1;
+}
+
+static int32_t read_i32(seld_wire_reader *reader)
+{
+    return seld_wire_i32_from_u32((uint32_t)seld_wire_read(reader, 4));
+}
+
+/* The head into `hand` and `motor`. Sums are bounded so that no later sum of plausible readings can overflow. */
+static bool read_head(const seld_app *app, seld_hand *hand, seld_motor *motor, uint32_t *tick)
+{
+    const int64_t sum_max = (int64_t)1 << 60;
+    seld_wire_reader reader = seld_wire_reader_make(app->snapshot, SELD_APP_SNAPSHOT_HEAD_BYTES);
+    bool ok = seld_wire_read(&reader, 4) == SNAPSHOT_VERSION;
+    *tick = (uint32_t)seld_wire_read(&reader, 4);
+    uint32_t is_known = (uint32_t)seld_wire_read(&reader, 4);
+    ok = ok && is_known <= 1;
+    hand->is_known = is_known == 1;
+    hand->last.translation_counts = read_i32(&reader);
+    hand->last.rotation_counts = read_i32(&reader);
+    hand->last.buttons = (uint32_t)seld_wire_read(&reader, 4);
+    hand->translation_counts = i64_from_u64(seld_wire_read(&reader, 8));
+    hand->rotation_counts = i64_from_u64(seld_wire_read(&reader, 8));
+    motor->axial_mN = read_i32(&reader);
+    motor->torque_uN_m = read_i32(&reader);
+    ok = ok && hand->translation_counts >= -sum_max && hand->translation_counts <= sum_max;
+    ok = ok && hand->rotation_counts >= -sum_max && hand->rotation_counts <= sum_max;
+    ok = ok && motor->axial_mN >= -app->rig.force_limit_mN && motor->axial_mN <= app->rig.force_limit_mN;
+    ok = ok && motor->torque_uN_m >= -app->rig.torque_limit_uN_m &&
+         motor->torque_uN_m <= app->rig.torque_limit_uN_m;
+    return ok;
+}
+
+void seld_app_snapshot_end(seld_app *app, const uint8_t *payload, size_t length)
+{
+    const uint16_t type = SELD_WIRE_TYPE_snapshot_end;
+    seld_wire_snapshot_end end;
+    SELD_REJECT_IF(app, type, !seld_wire_decode_snapshot_end(payload, length, &end), SELD_REJECT_MALFORMED,
+                   length, SELD_WIRE_BYTES_snapshot_end);
+    SELD_REJECT_IF(app, type, !may_restore(app), SELD_REJECT_WRONG_STATE, app->state, app->mode);
+    seld_upload upload = app->snapshot_upload;
+    app->snapshot_upload.open = false;
+    SELD_REJECT_IF(app, type, !upload.open || upload.received_bytes != upload.expected_bytes,
+                   SELD_REJECT_SNAPSHOT_ORDER, upload.received_bytes, upload.expected_bytes);
+    SELD_REJECT_IF(app, type, seld_wire_crc32(0, app->snapshot, SELD_APP_SNAPSHOT_BYTES) != upload.crc32,
+                   SELD_REJECT_SNAPSHOT_INVALID, upload.received_bytes, upload.expected_bytes);
+    seld_hand hand;
+    seld_motor motor;
+    uint32_t tick;
+    const uint8_t *words = app->snapshot + SELD_APP_SNAPSHOT_HEAD_BYTES;
+    seld_wire_reader core_tick = seld_wire_reader_make(words, 4); /* the state's first word */
+    SELD_REJECT_IF(app, type,
+                   !read_head(app, &hand, &motor, &tick) || seld_wire_read(&core_tick, 4) != tick ||
+                       !seld_state_restore(&app->model, &app->core, words),
+                   SELD_REJECT_SNAPSHOT_INVALID, upload.received_bytes, upload.expected_bytes);
+    app->hand = hand;
+    app->motor = motor;
+    app->core_faults_seen = app->core.words.fault_bits;
+    seld_app_send_status(app, type);
+}
