@@ -1,0 +1,352 @@
+#include "host/link/link.hpp"
+#include <algorithm>
+#include <cstdio>
+
+namespace seld
+{
+
+namespace
+{
+
+std::string format(const char *pattern, auto... values)
+{
+    char text[512];
+    std::snprintf(text, sizeof text, pattern, values...);
+    return text;
+}
+
+[[noreturn]] void broken(const char *what)
+{
+    throw LinkError(std::string("the device sent a ") + what +
+                    " message that does not have its form; use the same version on both sides");
+}
+
+} // namespace
+
+std::string describe(const seld_wire_reject &reject)
+{
+    return format("device refused %s: %s: %s [%lu, %lu]. Remedy: %s",
+                  seld_wire_message_name(reject.request_type), seld_wire_reject_name(reject.code),
+                  seld_wire_reject_text(reject.code), static_cast<unsigned long>(reject.detail1),
+                  static_cast<unsigned long>(reject.detail2), seld_wire_reject_remedy(reject.code));
+}
+
+Link::Link(Transport &transport)
+    : transport_(transport), incoming_(1 << 16), outgoing_(SELD_WIRE_PAYLOAD_MAX), frame_(SELD_WIRE_FRAME_MAX)
+{
+    seld_wire_decoder_init(&decoder_);
+}
+
+// --- frames out and in ---
+
+template <class Message, class Put>
+void Link::send_message(std::uint16_t type, const Message &message, Put put)
+{
+    seld_wire_writer writer = seld_wire_writer_make(outgoing_.data(), outgoing_.size());
+    if (!put(&writer, &message)) {
+        throw LinkError(
+            format("%s does not fit a message: a list is too long", seld_wire_message_name(type)));
+    }
+    send(type, writer);
+}
+
+void Link::send(std::uint16_t type, const seld_wire_writer &payload)
+{
+    sequence_ = static_cast<std::uint16_t>(sequence_ == UINT16_MAX ? 1 : sequence_ + 1);
+    const seld_wire_header header = {sequence_, 0, type};
+    const std::size_t bytes =
+        seld_wire_frame_encode(&header, payload.bytes, payload.length, frame_.data(), frame_.size());
+    transport_.write({frame_.data(), bytes});
+}
+
+bool Link::receive()
+{
+    for (;;) {
+        while (incoming_position_ < incoming_count_) {
+            if (seld_wire_decoder_push(&decoder_, incoming_[incoming_position_++]) == SELD_WIRE_FRAME)
+                return true;
+        }
+        incoming_position_ = 0;
+        incoming_count_ = transport_.read(incoming_);
+        if (incoming_count_ == 0) return false;
+    }
+}
+
+// Keep what a frame says. A refusal is an error of the request that is being answered.
+void Link::file_frame()
+{
+    const std::uint8_t *payload = decoder_.payload;
+    const std::size_t length = decoder_.payload_bytes;
+    switch (decoder_.header.type) {
+    case SELD_WIRE_TYPE_hello_reply:
+        if (!seld_wire_decode_hello_reply(payload, length, &hello_reply_)) broken("hello_reply");
+        break;
+    case SELD_WIRE_TYPE_status:
+        if (!seld_wire_decode_status(payload, length, &status_)) broken("status");
+        break;
+    case SELD_WIRE_TYPE_ticks:
+        if (!seld_wire_decode_ticks(payload, length, &ticks_)) broken("ticks");
+        if (decoder_.header.answers == 0) {
+            free_run_states_.insert(free_run_states_.end(), ticks_.states,
+                                    ticks_.states + ticks_.states_count);
+        }
+        if (ticks_.states_count > 0) tick_ = ticks_.states[ticks_.states_count - 1].tick;
+        break;
+    case SELD_WIRE_TYPE_nodes:
+        if (!seld_wire_decode_nodes(payload, length, &nodes_)) broken("nodes");
+        break;
+    case SELD_WIRE_TYPE_node_table:
+        if (!seld_wire_decode_node_table(payload, length, &node_table_)) broken("node_table");
+        break;
+    case SELD_WIRE_TYPE_fault_log:
+        if (!seld_wire_decode_fault_log(payload, length, &fault_log_)) broken("fault_log");
+        break;
+    case SELD_WIRE_TYPE_hash64: {
+        seld_wire_hash64 hash;
+        if (!seld_wire_decode_hash64(payload, length, &hash)) broken("hash64");
+        hash64_ = Hash64{hash.tick, hash.hash};
+        break;
+    }
+    case SELD_WIRE_TYPE_snapshot_begin:
+        if (!seld_wire_decode_snapshot_begin(payload, length, &snapshot_begin_)) broken("snapshot_begin");
+        snapshot_.clear();
+        break;
+    case SELD_WIRE_TYPE_snapshot_chunk: {
+        seld_wire_snapshot_chunk chunk;
+        if (!seld_wire_decode_snapshot_chunk(payload, length, &chunk) || chunk.offset != snapshot_.size()) {
+            broken("snapshot_chunk");
+        }
+        snapshot_.insert(snapshot_.end(), chunk.data, chunk.data + chunk.data_count);
+        break;
+    }
+    case SELD_WIRE_TYPE_snapshot_end:
+        if (snapshot_.size() != snapshot_begin_.snapshot_bytes ||
+            seld_wire_crc32(0, snapshot_.data(), snapshot_.size()) != snapshot_begin_.crc32) {
+            broken("snapshot_end");
+        }
+        break;
+    case SELD_WIRE_TYPE_reject: {
+        seld_wire_reject reject;
+        if (!seld_wire_decode_reject(payload, length, &reject)) broken("reject");
+        throw LinkError(describe(reject), reject.code);
+    }
+    default:
+        throw LinkError(
+            format("the device sent a message of unknown type %u; use the same version on both sides",
+                   static_cast<unsigned>(decoder_.header.type)));
+    }
+}
+
+void Link::receive_answer(std::uint16_t type)
+{
+    for (;;) {
+        if (!receive()) {
+            throw LinkError(format("the device does not answer (waiting for %s); check cable, power and port",
+                                   seld_wire_message_name(type)));
+        }
+        file_frame();
+        if (decoder_.header.type == type && decoder_.header.answers == sequence_) return;
+    }
+}
+
+// --- handshake and set-up ---
+
+seld_wire_hello_reply Link::hello()
+{
+    const seld_wire_hello hello = {SELD_WIRE_PROTOCOL_MAJOR, SELD_WIRE_PROTOCOL_MINOR,
+                                   seld_wire_schema_hash()};
+    send_message(SELD_WIRE_TYPE_hello, hello, seld_wire_put_hello);
+    receive_answer(SELD_WIRE_TYPE_hello_reply);
+    if (!hello_reply_.accepted) {
+        throw LinkError(format("device and host speak different versions: device %u.%u schema %016llx, "
+                               "host %u.%u schema %016llx; install the same release on both",
+                               unsigned{hello_reply_.protocol_major}, unsigned{hello_reply_.protocol_minor},
+                               static_cast<unsigned long long>(hello_reply_.schema_hash),
+                               unsigned{hello.protocol_major}, unsigned{hello.protocol_minor},
+                               static_cast<unsigned long long>(hello.schema_hash)));
+    }
+    return hello_reply_;
+}
+
+void Link::load_scene(std::span<const std::uint8_t> scene)
+{
+    if (scene.size() > UINT32_MAX) throw LinkError("the scene is larger than 4 GiB");
+    const auto bytes = static_cast<std::uint32_t>(scene.size());
+    const seld_wire_scene_begin begin = {bytes, seld_wire_crc32(0, scene.data(), scene.size())};
+    send_message(SELD_WIRE_TYPE_scene_begin, begin, seld_wire_put_scene_begin);
+    receive_answer(SELD_WIRE_TYPE_status);
+    if (bytes == 0) return;
+    seld_wire_scene_chunk chunk;
+    for (std::uint32_t offset = 0; offset < bytes; offset += chunk.data_count) {
+        chunk.offset = offset;
+        chunk.data_count =
+            static_cast<std::uint16_t>(std::min<std::size_t>(sizeof chunk.data, bytes - offset));
+        std::copy_n(scene.data() + offset, chunk.data_count, chunk.data);
+        send_message(SELD_WIRE_TYPE_scene_chunk, chunk, seld_wire_put_scene_chunk);
+    }
+    const seld_wire_scene_end end = {bytes};
+    send_message(SELD_WIRE_TYPE_scene_end, end, seld_wire_put_scene_end);
+    receive_answer(SELD_WIRE_TYPE_status);
+}
+
+void Link::load_instrument(const seld_wire_instrument &instrument)
+{
+    send_message(SELD_WIRE_TYPE_instrument, instrument, seld_wire_put_instrument);
+    receive_answer(SELD_WIRE_TYPE_status);
+}
+
+void Link::set_entry(const seld_wire_entry &entry)
+{
+    send_message(SELD_WIRE_TYPE_entry, entry, seld_wire_put_entry);
+    receive_answer(SELD_WIRE_TYPE_status);
+}
+
+void Link::set_rig(const seld_wire_rig &rig)
+{
+    send_message(SELD_WIRE_TYPE_rig, rig, seld_wire_put_rig);
+    receive_answer(SELD_WIRE_TYPE_status);
+}
+
+seld_wire_status Link::command(std::uint8_t action)
+{
+    const seld_wire_command command = {action};
+    send_message(SELD_WIRE_TYPE_command, command, seld_wire_put_command);
+    receive_answer(SELD_WIRE_TYPE_status);
+    tick_ = status_.tick;
+    return status_;
+}
+
+seld_wire_status Link::arm()
+{
+    const seld_wire_status status = command(SELD_WIRE_ACTION_ARM);
+    get(SELD_WIRE_GET_NODE_TABLE, SELD_WIRE_TYPE_node_table);
+    hash64_.reset();
+    return status;
+}
+
+seld_wire_status Link::start()
+{
+    return command(SELD_WIRE_ACTION_START);
+}
+
+seld_wire_status Link::stop()
+{
+    return command(SELD_WIRE_ACTION_STOP);
+}
+
+seld_wire_status Link::reset()
+{
+    return command(SELD_WIRE_ACTION_RESET);
+}
+
+seld_wire_status Link::use_lockstep()
+{
+    return command(SELD_WIRE_ACTION_LOCKSTEP);
+}
+
+seld_wire_status Link::use_free_run()
+{
+    return command(SELD_WIRE_ACTION_FREE_RUN);
+}
+
+// --- ticks ---
+
+std::span<const seld_wire_tick_state> Link::step(std::span<const seld_wire_encoders> inputs, bool want_nodes)
+{
+    if (inputs.empty() || inputs.size() > steps_max) {
+        throw LinkError(format("a step takes 1 .. %zu inputs, not %zu", steps_max, inputs.size()));
+    }
+    seld_wire_step step;
+    step.tick = tick_;
+    step.want_nodes = want_nodes;
+    step.inputs_count = static_cast<std::uint16_t>(inputs.size());
+    std::copy(inputs.begin(), inputs.end(), step.inputs);
+    send_message(SELD_WIRE_TYPE_step, step, seld_wire_put_step);
+    receive_answer(SELD_WIRE_TYPE_ticks);
+    if (ticks_.states_count != inputs.size()) {
+        const std::uint16_t code = read_status().fault_code;
+        throw LinkError(format("device fault at tick %lu: %s: %s. Remedy: %s",
+                               static_cast<unsigned long>(tick_), seld_wire_fault_name(code),
+                               seld_wire_fault_text(code), seld_wire_fault_remedy(code)));
+    }
+    return {ticks_.states, ticks_.states_count};
+}
+
+void Link::send_input(const seld_wire_encoders &input)
+{
+    const seld_wire_input message = {input.translation_counts, input.rotation_counts, input.buttons};
+    send_message(SELD_WIRE_TYPE_input, message, seld_wire_put_input);
+}
+
+std::vector<seld_wire_tick_state> Link::free_run(std::uint32_t milliseconds)
+{
+    transport_.pass_time_ms(milliseconds);
+    free_run_states_.clear();
+    while (receive()) file_frame();
+    return free_run_states_;
+}
+
+// --- reading ---
+
+void Link::get(std::uint8_t what, std::uint16_t answer)
+{
+    const seld_wire_get request = {what};
+    send_message(SELD_WIRE_TYPE_get, request, seld_wire_put_get);
+    receive_answer(answer);
+}
+
+const seld_wire_nodes &Link::read_nodes()
+{
+    get(SELD_WIRE_GET_NODES, SELD_WIRE_TYPE_nodes);
+    return nodes_;
+}
+
+Hash64 Link::read_hash64()
+{
+    get(SELD_WIRE_GET_HASH64, SELD_WIRE_TYPE_hash64);
+    return *hash64_;
+}
+
+seld_wire_status Link::read_status()
+{
+    get(SELD_WIRE_GET_STATUS, SELD_WIRE_TYPE_status);
+    return status_;
+}
+
+seld_wire_fault_log Link::read_fault_log()
+{
+    get(SELD_WIRE_GET_FAULT_LOG, SELD_WIRE_TYPE_fault_log);
+    return fault_log_;
+}
+
+std::vector<std::uint8_t> Link::read_snapshot()
+{
+    get(SELD_WIRE_GET_SNAPSHOT, SELD_WIRE_TYPE_snapshot_end);
+    return snapshot_;
+}
+
+void Link::write_snapshot(std::span<const std::uint8_t> snapshot)
+{
+    seld_wire_reader reader = seld_wire_reader_make(snapshot.data(), snapshot.size());
+    seld_wire_read(&reader, 4);
+    const auto tick = static_cast<std::uint32_t>(seld_wire_read(&reader, 4));
+    const auto bytes = static_cast<std::uint32_t>(snapshot.size());
+    const seld_wire_snapshot_begin begin = {tick, bytes,
+                                            seld_wire_crc32(0, snapshot.data(), snapshot.size())};
+    send_message(SELD_WIRE_TYPE_snapshot_begin, begin, seld_wire_put_snapshot_begin);
+    receive_answer(SELD_WIRE_TYPE_status);
+    seld_wire_snapshot_chunk chunk;
+    for (std::uint32_t offset = 0; offset < bytes; offset += chunk.data_count) {
+        chunk.offset = offset;
+        chunk.data_count =
+            static_cast<std::uint16_t>(std::min<std::size_t>(sizeof chunk.data, bytes - offset));
+        std::copy_n(snapshot.data() + offset, chunk.data_count, chunk.data);
+        send_message(SELD_WIRE_TYPE_snapshot_chunk, chunk, seld_wire_put_snapshot_chunk);
+    }
+    const seld_wire_snapshot_end end = {bytes};
+    send_message(SELD_WIRE_TYPE_snapshot_end, end, seld_wire_put_snapshot_end);
+    receive_answer(SELD_WIRE_TYPE_status);
+    tick_ = status_.tick;
+}
+
+} // namespace seld

@@ -1,0 +1,108 @@
+// A conversation with a device: handshake, set-up, steps, shape and snapshots.
+//
+//   SimTransport pipe;
+//   Link link(pipe);
+//   link.hello();                                  // throws LinkError when the two do not match
+//   link.load_scene(bytes);                        // optional; free space without
+//   link.load_instrument(table); link.set_entry(entry); link.set_rig(rig);
+//   link.arm(); link.start();
+//   auto states = link.step(inputs, true);         // one tick per input, at most Link::steps_max
+//   link.nodes();                                  // the shape after the last of them
+//
+// Every refusal becomes a LinkError whose text says what was refused, why, and what to do.
+// May include: shared. Called by: host/app.
+#pragma once
+#include "host/link/transport.hpp"
+#include "shared/wire/wire_frame.h"
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace seld
+{
+
+// reject_code is SELD_REJECT_*, or 0 when no refusal was behind it (silence, other version, fault).
+class LinkError : public std::runtime_error
+{
+  public:
+    explicit LinkError(const std::string &text, int code = 0) : std::runtime_error(text), reject_code(code) {}
+    int reject_code;
+};
+
+struct Hash64 {
+    std::uint32_t tick = 0;
+    std::uint64_t hash = 0;
+};
+
+class Link
+{
+  public:
+    static constexpr std::size_t steps_max = SELD_WIRE_MAX_step_inputs;
+
+    explicit Link(Transport &transport);
+
+    seld_wire_hello_reply hello();
+    void load_scene(std::span<const std::uint8_t> scene);
+    void load_instrument(const seld_wire_instrument &instrument);
+    void set_entry(const seld_wire_entry &entry);
+    void set_rig(const seld_wire_rig &rig);
+    seld_wire_status arm(); // also reads the node table
+    seld_wire_status start();
+    seld_wire_status stop();
+    seld_wire_status reset();
+    seld_wire_status use_lockstep();
+    seld_wire_status use_free_run();
+
+    // LOCKSTEP: one tick per input. The result is valid until the next call. A fault makes it shorter and throws after
+    // the ticks done were taken over (tick() tells).
+    std::span<const seld_wire_tick_state> step(std::span<const seld_wire_encoders> inputs, bool want_nodes);
+    std::uint32_t tick() const { return tick_; }
+
+    // FREE_RUN: send the newest input; let time pass (sim port) and take what the device sent meanwhile.
+    void send_input(const seld_wire_encoders &input);
+    std::vector<seld_wire_tick_state> free_run(std::uint32_t milliseconds);
+
+    const seld_wire_nodes &nodes() const { return nodes_; } // last received
+    const seld_wire_nodes &read_nodes();
+    const seld_wire_node_table &node_table() const { return node_table_; } // read by arm()
+    Hash64 read_hash64();
+    std::optional<Hash64> last_hash64() const { return hash64_; } // last that came by, every 100 ticks
+    seld_wire_status read_status();
+    seld_wire_fault_log read_fault_log();
+    std::vector<std::uint8_t> read_snapshot();
+    void write_snapshot(std::span<const std::uint8_t> snapshot); // LOCKSTEP, armed
+
+  private:
+    void send(std::uint16_t type, const seld_wire_writer &payload);
+    template <class Message, class Put>
+    void send_message(std::uint16_t type, const Message &message, Put put);
+    bool receive();                     // next frame into decoder_; false when the device is silent
+    void receive_answer(std::uint16_t); // until this type came; others are filed, refusals throw
+    void file_frame();
+    seld_wire_status command(std::uint8_t action);
+    void get(std::uint8_t what, std::uint16_t answer);
+
+    Transport &transport_;
+    seld_wire_decoder decoder_;
+    std::vector<std::uint8_t> incoming_, outgoing_, frame_;
+    std::size_t incoming_position_ = 0, incoming_count_ = 0;
+    std::uint16_t sequence_ = 0;
+    std::uint32_t tick_ = 0;
+    std::vector<seld_wire_tick_state> free_run_states_;
+    seld_wire_hello_reply hello_reply_{};
+    seld_wire_status status_{};
+    seld_wire_ticks ticks_{};
+    seld_wire_nodes nodes_{};
+    seld_wire_node_table node_table_{};
+    seld_wire_fault_log fault_log_{};
+    std::optional<Hash64> hash64_;
+    seld_wire_snapshot_begin snapshot_begin_{};
+    std::vector<std::uint8_t> snapshot_;
+};
+
+// "SCENE_CRC: the scene's CRC-32 differs ... (0x1, 0x2); upload again"
+std::string describe(const seld_wire_reject &reject);
+
+} // namespace seld

@@ -1,0 +1,35 @@
+#include "host/link/sim_transport.hpp"
+#include "firmware/port/sim/sim.h"
+#include <new>
+
+namespace seld
+{
+
+void SimTransport::Close::operator()(seld_sim *sim) const
+{
+    seld_sim_destroy(sim);
+}
+
+SimTransport::SimTransport(std::uint32_t scene_slot_bytes) : sim_(seld_sim_create(scene_slot_bytes))
+{
+    if (!sim_) throw std::bad_alloc();
+}
+
+SimTransport::~SimTransport() = default;
+
+void SimTransport::write(std::span<const std::uint8_t> bytes)
+{
+    seld_sim_write(sim_.get(), bytes.data(), bytes.size());
+}
+
+std::size_t SimTransport::read(std::span<std::uint8_t> bytes)
+{
+    return seld_sim_read(sim_.get(), bytes.data(), bytes.size());
+}
+
+void SimTransport::pass_time_ms(std::uint32_t milliseconds)
+{
+    seld_sim_timer(sim_.get(), milliseconds);
+}
+
+} // namespace seld

@@ -1,0 +1,27 @@
+// The sim port as a Transport: firmware in this process, reached by bytes only.
+#pragma once
+#include "host/link/transport.hpp"
+#include <memory>
+
+struct seld_sim;
+
+namespace seld
+{
+
+class SimTransport final : public Transport
+{
+  public:
+    explicit SimTransport(std::uint32_t scene_slot_bytes = 64u << 20);
+    ~SimTransport() override;
+    void write(std::span<const std::uint8_t> bytes) override;
+    std::size_t read(std::span<std::uint8_t> bytes) override;
+    void pass_time_ms(std::uint32_t milliseconds) override;
+
+  private:
+    struct Close {
+        void operator()(seld_sim *sim) const;
+    };
+    std::unique_ptr<seld_sim, Close> sim_;
+};
+
+} // namespace seld

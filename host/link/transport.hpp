@@ -1,0 +1,23 @@
+// A pipe of bytes to a device. USB, QEMU and the sim port all look like this to Link.
+// May include: shared. Called by: host/link.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace seld
+{
+
+class Transport
+{
+  public:
+    virtual ~Transport() = default;
+    // All bytes leave, or it throws LinkError.
+    virtual void write(std::span<const std::uint8_t> bytes) = 0;
+    // What has come in, at most bytes.size(); 0 when nothing comes within the transport's time limit.
+    virtual std::size_t read(std::span<std::uint8_t> bytes) = 0;
+    // Let device time pass where the host owns it (sim port); real devices have their own clock.
+    virtual void pass_time_ms(std::uint32_t milliseconds) = 0;
+};
+
+} // namespace seld
