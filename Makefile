@@ -2,6 +2,7 @@
 #   BUILD=build/clang CC=clang CXX=clang++   another compiler in its own folder
 #   OPT=-O0 CORE_OPT=-O0                     another optimisation level
 #   SAN=address,undefined                    sanitizers
+#   V=1                                      show whole commands
 #   PACKAGES=skip                            do not look for missing Debian packages
 #   JOBS=4                                   parallel jobs of make test, fuzz and bench (default: one per core)
 BUILD    ?= build
@@ -51,21 +52,24 @@ help: ## this list
 packages-%:
 	@[ "$(PACKAGES)" = skip ] || tools/check/install_packages.sh $*
 
+# Recipes start with $(Q): one short line instead of the command, unless V=1.
+Q = @$(if $(V),,echo "  $(@:$(BUILD)/%=%)";)$(if $(V),set -x;)
+
 # --- rules ------------------------------------------------------------------------------------------------------
 $(BUILD)/obj/firmware/core/%.c.o: OPT := $(CORE_OPT)
 $(BUILD)/obj/firmware/core/%.c.o: CFLAGS += -ffreestanding $(if $(findstring clang,$(CC)),,-fno-schedule-insns)
 $(BUILD)/obj/%.c.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) $(OPT) -c $< -o $@
+	$(Q) $(CC) $(CFLAGS) $(OPT) -c $< -o $@
 $(BUILD)/obj/%.cpp.o: %.cpp
 	@mkdir -p $(@D)
-	$(CXX) $(CXXFLAGS) $(OPT) -c $< -o $@
+	$(Q) $(CXX) $(CXXFLAGS) $(OPT) -c $< -o $@
 
 define library
 $(call lib_file,$(1)): $(call objects,$(call lib_sources,$(1)))
 	@mkdir -p $$(@D)
 	@rm -f $$@
-	ar rcs $$@ $$^
+	$$(Q) ar rcs $$@ $$^
 endef
 $(foreach lib,$(LIBS),$(eval $(call library,$(lib))))
 
@@ -73,7 +77,7 @@ $(foreach lib,$(LIBS),$(eval $(call library,$(lib))))
 define program
 $(BUILD)/bin/$(1): $(call objects,$(2)) $(foreach lib,$(3),$(call lib_file,$(lib)))
 	@mkdir -p $$(@D)
-	$(CXX) $$^ -o $$@ $(LDFLAGS) $(4)
+	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) $(4)
 endef
 $(eval $(call program,seldinger,host/app/main.cpp,$(HOST_LIBS),$(HOST_LINK)))
 $(eval $(call program,bake,tools/bake/main.cpp,$(BAKE_LIBS),$(BAKE_LINK)))
@@ -90,7 +94,7 @@ REFERENCE       := $(wildcard firmware/tests/reference/*.c)
 define test_rule
 $(call test_program,$(1)): $(call objects,$(1) $(4)) $(foreach lib,$(2),$(call lib_file,$(lib)))
 	@mkdir -p $$(@D)
-	$(CXX) $$^ -o $$@ $(LDFLAGS) -lcmocka -lm $(3)
+	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) -lcmocka -lm $(3)
 endef
 $(foreach t,$(FIRMWARE_TESTS),$(eval $(call test_rule,$(t),$(FIRMWARE_LIBS),,$(REFERENCE))))
 $(foreach t,$(HOST_TESTS),$(eval $(call test_rule,$(t),$(HOST_LIBS),$(HOST_LINK),)))
@@ -106,10 +110,10 @@ FUZZ_TARGETS := $(wildcard firmware/tests/fuzz_*.c shared/*/tests/fuzz_*.c)
 define fuzz_rule
 $(call test_program,$(1)): $(call objects,$(1) $(REFERENCE)) $(foreach lib,$(FIRMWARE_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $$(@D)
-	$(CXX) $$^ -o $$@ $(LDFLAGS) -lm -fsanitize=fuzzer
+	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) -lm -fsanitize=fuzzer
 $(call test_program,$(1))_seeds: $(call objects,$(1) tools/check/fuzz_seeds.c $(REFERENCE)) $(foreach lib,$(FIRMWARE_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $$(@D)
-	$(CXX) $$^ -o $$@ $(LDFLAGS) -lm
+	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) -lm
 endef
 $(foreach t,$(FUZZ_TARGETS),$(eval $(call fuzz_rule,$(t))))
 fuzz-programs: $(foreach t,$(FUZZ_TARGETS),$(call test_program,$(t)) $(call test_program,$(t))_seeds) ## build the fuzz targets (needs clang)
@@ -136,7 +140,7 @@ bench_program = $(patsubst %,$(BUILD)/bench/%,$(basename $(notdir $(1))))
 define bench_rule
 $(call bench_program,$(1)): $(call objects,$(1) firmware/bench/bench.c $(REFERENCE)) $(foreach lib,$(FIRMWARE_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $$(@D)
-	$(CC) $$^ -o $$@ $(LDFLAGS) -lm
+	$$(Q) $(CC) $$^ -o $$@ $(LDFLAGS) -lm
 endef
 $(foreach b,$(BENCHES),$(eval $(call bench_rule,$(b))))
 

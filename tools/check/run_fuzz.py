@@ -8,8 +8,8 @@ kept in BUILD/corpus/NAME; an input that crashes is kept under out/fuzz and the 
 """
 import argparse
 import concurrent.futures
-import glob
 import os
+import re
 import subprocess
 import sys
 
@@ -42,7 +42,6 @@ def run_target(build, name, seconds):
     if problem:
         return False, problem
     prefix = os.path.join(CRASH_FOLDER, os.path.basename(name) + "-")
-    before = set(glob.glob(glob.escape(prefix) + "*"))
     command = [program, "-max_total_time=%d" % seconds, "-timeout=%d" % INPUT_TIME_LIMIT_S, "-print_final_stats=1",
                "-rss_limit_mb=%d" % RSS_LIMIT_MB, "-artifact_prefix=" + prefix, corpus]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
@@ -51,8 +50,10 @@ def run_target(build, name, seconds):
         runs = [line.split(":")[1].strip() for line in lines if "number_of_executed_units" in line]
         return True, "%s inputs in %d s, nothing found" % (runs[0] if runs else "?", seconds)
     text = lines[-OUTPUT_LINES:]
-    for crash in sorted(set(glob.glob(glob.escape(prefix) + "*")) - before):
-        text.append("reproduce: %s %s" % (program, crash))
+    for line in lines:
+        written = re.search(r"Test unit written to (\S+)", line)
+        if written:
+            text.append("reproduce: %s %s" % (program, written.group(1)))
     return False, "\n".join(text)
 
 

@@ -173,7 +173,7 @@ def print_failures(outcomes):
         print("\nFAILED %s" % outcome.title)
         for name in outcome.failed:
             print("  not ok: %s" % name)
-        lines = outcome.output.splitlines()
+        lines = [line for line in outcome.output.splitlines() if not re.match(r"ok \d+ - [^#]*$", line)]
         if len(lines) > OUTPUT_LINES:
             print("  ... %d lines before" % (len(lines) - OUTPUT_LINES))
         for line in lines[-OUTPUT_LINES:]:
