@@ -1,0 +1,88 @@
+// Cuts a body's mesh into chunks of neighbouring triangles, so that what lies outside the field is skipped as a whole.
+#include "host/xray/raster.hpp"
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <unordered_map>
+
+namespace seld
+{
+namespace
+{
+
+// Interleaves three times ten bits: neighbours in space get near keys.
+std::uint32_t morton_key(const Eigen::Vector3i &cell)
+{
+    std::uint32_t key = 0;
+    for (int bit = 0; bit < 10; ++bit)
+        for (int axis = 0; axis < 3; ++axis)
+            key |= ((static_cast<std::uint32_t>(cell[axis]) >> bit) & 1u) << (3 * bit + axis);
+    return key;
+}
+
+std::vector<std::uint32_t> triangle_order(const Body &body)
+{
+    Eigen::Vector3i low = body.vertices_um.front(), high = low;
+    for (const Eigen::Vector3i &v : body.vertices_um) {
+        low = low.cwiseMin(v);
+        high = high.cwiseMax(v);
+    }
+    const std::int64_t cell_um = std::max<std::int64_t>((high - low).maxCoeff() / 1023 + 1, 1);
+    std::vector<std::uint32_t> keys(body.triangles.size()), order(body.triangles.size());
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        Eigen::Vector3i cell;
+        for (int axis = 0; axis < 3; ++axis) {
+            std::int64_t sum = 0;
+            for (std::uint32_t corner : body.triangles[i]) sum += body.vertices_um[corner][axis] - low[axis];
+            cell[axis] = static_cast<int>(sum / 3 / cell_um);
+        }
+        keys[i] = morton_key(cell);
+    }
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return keys[a] < keys[b]; });
+    return order;
+}
+
+void set_sphere(const RasterMeshes &meshes, RasterChunk &chunk)
+{
+    const Eigen::Vector3f *vertices = meshes.vertices_um.data() + chunk.vertex_begin;
+    Eigen::Vector3f low = vertices[0], high = vertices[0];
+    for (std::uint32_t i = 1; i < chunk.vertex_count; ++i) {
+        low = low.cwiseMin(vertices[i]);
+        high = high.cwiseMax(vertices[i]);
+    }
+    chunk.centre_um = 0.5f * (low + high);
+    chunk.radius_um = 0.5f * (high - low).norm() + 10.0f; // 10 um: rounding of the centre
+}
+
+} // namespace
+
+void append_body(RasterMeshes &meshes, const Body &body, int channel)
+{
+    if (body.triangles.empty()) return;
+    const std::vector<std::uint32_t> order = triangle_order(body);
+    for (std::size_t begin = 0; begin < order.size(); begin += raster_chunk_triangles) {
+        RasterChunk chunk;
+        chunk.vertex_begin = static_cast<std::uint32_t>(meshes.vertices_um.size());
+        chunk.triangle_begin = static_cast<std::uint32_t>(meshes.triangles.size());
+        chunk.triangle_count =
+            static_cast<std::uint32_t>(std::min<std::size_t>(raster_chunk_triangles, order.size() - begin));
+        chunk.channel = channel;
+        std::unordered_map<std::uint32_t, std::uint16_t> local;
+        for (std::uint32_t i = 0; i < chunk.triangle_count; ++i) {
+            std::array<std::uint16_t, 3> triangle;
+            for (int corner = 0; corner < 3; ++corner) {
+                std::uint32_t vertex = body.triangles[order[begin + i]][corner];
+                auto [place, is_new] = local.try_emplace(vertex, static_cast<std::uint16_t>(local.size()));
+                if (is_new) meshes.vertices_um.push_back(body.vertices_um[vertex].cast<float>());
+                triangle[corner] = place->second;
+            }
+            meshes.triangles.push_back(triangle);
+        }
+        chunk.vertex_count = static_cast<std::uint32_t>(local.size());
+        set_sphere(meshes, chunk);
+        meshes.chunks.push_back(chunk);
+    }
+}
+
+} // namespace seld

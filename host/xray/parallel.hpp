@@ -1,0 +1,27 @@
+// Runs the same work on a few threads and waits for all of them. Results never depend on the number.
+#pragma once
+#include <thread>
+#include <vector>
+
+namespace seld
+{
+
+// work(index) for index 0 .. count-1, one thread each; the caller's thread takes index 0.
+template <class Work> void run_on_threads(int count, const Work &work)
+{
+    std::vector<std::thread> others;
+    for (int index = 1; index < count; ++index) others.emplace_back([&work, index] { work(index); });
+    work(0);
+    for (std::thread &other : others) other.join();
+}
+
+// Row range of one thread when `rows` rows are shared out among `count`.
+struct RowRange {
+    int begin, end;
+};
+inline RowRange rows_of_thread(int index, int count, int rows)
+{
+    return {rows * index / count, rows * (index + 1) / count};
+}
+
+} // namespace seld

@@ -1,0 +1,241 @@
+// Swept tube: smooth centreline, cylinders between bisecting planes, chords per ray.
+#include "host/xray/tube.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace seld
+{
+namespace
+{
+
+using Eigen::Vector3d;
+
+constexpr double sagitta_max_mm = 0.01; // how far the pieces may leave the smooth centreline
+constexpr int pieces_max = 12;
+constexpr int grid = 3;
+
+// A point of the refined centreline in camera axes: x right, y up, z away from the source, mm.
+struct Point {
+    Vector3d at_mm;
+    double arc_m = 0.0;
+    double radius_mm = 0.0;
+};
+
+// Cylinder from a to b, cut by the planes through a and b with these normals.
+struct Piece {
+    Vector3d a_mm, b_mm, axis, normal_a, normal_b;
+    double radius_mm = 0.0;
+};
+
+bool is_finite(const WireNode &node)
+{
+    return node.position_m.allFinite() && std::isfinite(node.arc_m) && std::isfinite(node.radius_m);
+}
+
+std::vector<Point> to_camera(const WireFrame &wire, const View &view)
+{
+    std::vector<Point> points;
+    for (const WireNode &node : wire.nodes) {
+        if (!is_finite(node)) break;
+        Vector3d ray = (node.position_m - view.source_m) * 1e3;
+        Point point{
+            {ray.dot(view.right), ray.dot(view.up), ray.dot(view.forward)}, node.arc_m, node.radius_m * 1e3};
+        if (!points.empty() && (points.back().at_mm - point.at_mm).norm() < 1e-4) continue;
+        points.push_back(point);
+    }
+    return points;
+}
+
+// Cubic through the nodes with central tangents, cut where the chord would leave it.
+std::vector<Point> refine(const std::vector<Point> &nodes)
+{
+    std::vector<Point> points;
+    const std::size_t count = nodes.size();
+    auto tangent = [&](std::size_t i) -> Vector3d { // per unit of chord length
+        const Point &before = nodes[i == 0 ? 0 : i - 1], &after = nodes[std::min(i + 1, count - 1)];
+        double length = (nodes[i].at_mm - before.at_mm).norm() + (after.at_mm - nodes[i].at_mm).norm();
+        return (after.at_mm - before.at_mm) / length;
+    };
+    for (std::size_t i = 0; i + 1 < count; ++i) {
+        const Point &from = nodes[i], &to = nodes[i + 1];
+        const double length = (to.at_mm - from.at_mm).norm();
+        const Vector3d t0 = tangent(i) * length, t1 = tangent(i + 1) * length;
+        const double sagitta = (t1 - t0).norm() / 8.0;
+        int pieces = 1;
+        while (pieces < pieces_max && sagitta > sagitta_max_mm * pieces * pieces) ++pieces;
+        for (int k = 0; k < pieces; ++k) {
+            const double s = static_cast<double>(k) / pieces, s2 = s * s, s3 = s2 * s;
+            Vector3d at = (2 * s3 - 3 * s2 + 1) * from.at_mm + (s3 - 2 * s2 + s) * t0 +
+                          (3 * s2 - 2 * s3) * to.at_mm + (s3 - s2) * t1;
+            points.push_back({at, from.arc_m + s * (to.arc_m - from.arc_m),
+                              from.radius_mm + s * (to.radius_mm - from.radius_mm)});
+        }
+    }
+    points.push_back(nodes.back());
+    return points;
+}
+
+// Where the ray o = 0, direction `ray` (unit) runs inside the piece, as a length in mm.
+double chord_mm(const Piece &piece, const Vector3d &ray)
+{
+    const double along = ray.dot(piece.axis);
+    const Vector3d across = ray - along * piece.axis;
+    const Vector3d start = -piece.a_mm + piece.a_mm.dot(piece.axis) * piece.axis;
+    const double a = across.squaredNorm(), b = start.dot(across);
+    const double c = start.squaredNorm() - piece.radius_mm * piece.radius_mm;
+    double enter = -1e9, leave = 1e9;
+    if (a > 1e-12) {
+        const double under_root = b * b - a * c;
+        if (under_root <= 0.0) return 0.0;
+        const double root = std::sqrt(under_root);
+        enter = (-b - root) / a;
+        leave = (-b + root) / a;
+    } else if (c > 0.0) {
+        return 0.0;
+    }
+    auto keep_side = [&](const Vector3d &point, const Vector3d &normal) { // (t ray - point) . normal >= 0
+        const double slope = ray.dot(normal), bound = point.dot(normal);
+        if (slope > 1e-12)
+            enter = std::max(enter, bound / slope);
+        else if (slope < -1e-12)
+            leave = std::min(leave, bound / slope);
+        else if (bound > 0.0)
+            leave = enter;
+    };
+    keep_side(piece.a_mm, piece.normal_a);
+    keep_side(piece.b_mm, -piece.normal_b);
+    return std::max(leave - enter, 0.0);
+}
+
+class TubePainter
+{
+  public:
+    TubePainter(const View &view, TubePicture &picture)
+        : picture_(picture), focal_pixels_(view.source_detector_m / view.pixel_m), half_(0.5 * view.size),
+          size_(view.size)
+    {
+    }
+
+    void draw(const Piece &piece, const RadiopaqueSection &section)
+    {
+        const Material material = section.material;
+        std::vector<std::int32_t> &sums = picture_.sums[static_cast<int>(material)];
+        if (sums.empty()) sums.assign(static_cast<std::size_t>(size_) * size_, 0);
+        const double near_mm = std::min(piece.a_mm.z(), piece.b_mm.z()) - piece.radius_mm;
+        if (near_mm < 1.0) return;
+        const double ax = pixel_x(piece.a_mm), ay = pixel_y(piece.a_mm);
+        const double bx = pixel_x(piece.b_mm), by = pixel_y(piece.b_mm);
+        // Cylinder's rim, its cut at the bisecting planes, and a pixel's own half diagonal.
+        const double pad = 1.6 * piece.radius_mm * focal_pixels_ / near_mm + 1.0;
+        const int x0 = first_pixel(std::min(ax, bx) - pad), x1 = last_pixel(std::max(ax, bx) + pad);
+        const int y0 = first_pixel(std::min(ay, by) - pad), y1 = last_pixel(std::max(ay, by) + pad);
+        for (int y = y0; y <= y1; ++y)
+            for (int x = x0; x <= x1; ++x) {
+                if (is_far(x + 0.5, y + 0.5, ax, ay, bx, by, pad)) continue;
+                const std::int32_t sum = pixel_sum(piece, section.fill, x, y);
+                if (sum > 0) add(sums, y * size_ + x, sum);
+            }
+    }
+
+  private:
+    double pixel_x(const Vector3d &p) const { return half_ + focal_pixels_ * p.x() / p.z(); }
+    double pixel_y(const Vector3d &p) const { return half_ - focal_pixels_ * p.y() / p.z(); }
+    int first_pixel(double v) const { return static_cast<int>(std::clamp(std::floor(v), 0.0, 1.0 * size_)); }
+    int last_pixel(double v) const { return static_cast<int>(std::clamp(std::floor(v), -1.0, size_ - 1.0)); }
+
+    // Farther than `pad` from the line between a and b in the picture.
+    static bool is_far(double x, double y, double ax, double ay, double bx, double by, double pad)
+    {
+        const double dx = bx - ax, dy = by - ay, square = dx * dx + dy * dy;
+        double share = square > 0.0 ? ((x - ax) * dx + (y - ay) * dy) / square : 0.0;
+        share = std::clamp(share, 0.0, 1.0);
+        const double ex = x - ax - share * dx, ey = y - ay - share * dy;
+        return ex * ex + ey * ey > pad * pad;
+    }
+
+    std::int32_t pixel_sum(const Piece &piece, double fill, int x, int y) const
+    {
+        std::int32_t sum = 0;
+        for (int j = 0; j < grid; ++j)
+            for (int i = 0; i < grid; ++i) {
+                Vector3d ray(x + (i + 0.5) / grid - half_, half_ - y - (j + 0.5) / grid, focal_pixels_);
+                ray /= std::sqrt(ray.squaredNorm());
+                sum += static_cast<std::int32_t>(chord_mm(piece, ray) * fill * 1024.0 + 0.5);
+            }
+        return sum;
+    }
+
+    void add(std::vector<std::int32_t> &sums, int pixel, std::int32_t sum)
+    {
+        sums[pixel] += sum;
+        if (picture_.is_touched[pixel]) return;
+        picture_.is_touched[pixel] = 1;
+        picture_.touched.push_back(pixel);
+    }
+
+    TubePicture &picture_;
+    double focal_pixels_, half_;
+    int size_;
+};
+
+Vector3d direction(const Point &from, const Point &to)
+{
+    return (to.at_mm - from.at_mm).normalized();
+}
+
+} // namespace
+
+void TubePicture::clear(int new_size)
+{
+    const std::size_t pixels = static_cast<std::size_t>(new_size) * new_size;
+    if (size != new_size) {
+        for (auto &sum : sums) sum.clear();
+        is_touched.assign(pixels, 0);
+    } else {
+        for (std::int32_t pixel : touched) {
+            is_touched[pixel] = 0;
+            for (auto &sum : sums)
+                if (!sum.empty()) sum[pixel] = 0;
+        }
+    }
+    size = new_size;
+    touched.clear();
+}
+
+void draw_tube(const RadiopaqueInstrument &instrument, const WireFrame &wire, const View &view,
+               TubePicture &picture)
+{
+    picture.clear(view.size);
+    const std::vector<Point> nodes = to_camera(wire, view);
+    if (nodes.size() < 2) return;
+    const std::vector<Point> points = refine(nodes);
+    TubePainter painter(view, picture);
+    const std::size_t last = points.size() - 1;
+    for (std::size_t i = 0; i < last; ++i) {
+        Piece piece;
+        piece.a_mm = points[i].at_mm;
+        piece.b_mm = points[i + 1].at_mm;
+        piece.axis = direction(points[i], points[i + 1]);
+        const Vector3d before = i > 0 ? direction(points[i - 1], points[i]) : piece.axis;
+        const Vector3d after = i + 1 < last ? direction(points[i + 1], points[i + 2]) : piece.axis;
+        piece.normal_a = (before + piece.axis).normalized();
+        piece.normal_b = (piece.axis + after).normalized();
+        const double arc_m = 0.5 * (points[i].arc_m + points[i + 1].arc_m);
+        for (const RadiopaqueSection &section : instrument.sections) {
+            if (arc_m < section.arc_begin_m || arc_m >= section.arc_end_m) continue;
+            piece.radius_mm = 0.5 * (points[i].radius_mm + points[i + 1].radius_mm) * section.radius_share;
+            painter.draw(piece, section);
+        }
+    }
+}
+
+RadiopaqueInstrument guidewire_look(double tip_m)
+{
+    // The coil's wire fills about three quarters of its tube's wall; with the core, .75 of the cross-section is steel.
+    // A platinum tip coil around a ground-down core: 15 % platinum is already darker than solid steel.
+    return {{{0.0, tip_m, Material::platinum, 0.15, 1.0},
+             {0.0, tip_m, Material::steel, 0.45, 1.0},
+             {tip_m, 10.0, Material::steel, 0.75, 1.0}}};
+}
+
+} // namespace seld
