@@ -24,10 +24,9 @@ uint64_t seld_divide_u64(uint64_t a, uint64_t b)
     uint64_t quotient = 0;
     uint64_t rest = 0;
     for (int bit = 63; bit >= 0; bit--) {
-        /* The bit that leaves `rest` at the top counts too: then rest >= 2^64 > b. */
-        bool carry = (rest >> 63) != 0;
+        /* rest holds the top 63 - bit bits of a or less, so the shift loses nothing. */
         rest = (rest << 1) | ((a >> bit) & 1u);
-        if (carry || rest >= b) {
+        if (rest >= b) {
             rest -= b;
             quotient |= (uint64_t)1 << bit;
         }

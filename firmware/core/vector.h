@@ -34,6 +34,24 @@ static inline int64_t seld_vec3_dot64(seld_vec3 a, seld_vec3 b)
     return (int64_t)a.v[0] * b.v[0] + (int64_t)a.v[1] * b.v[1] + (int64_t)a.v[2] * b.v[2];
 }
 
+/* Dot product of a vector and a unit vector. Format: Qa . Q30 -> Qa. Overflow: impossible while the vector's
+ * length is below 2^31 (1 - 2^-9). Error: 1/2 LSB. */
+static inline int32_t seld_vec3_dot_unit(const seld_vec3 *a, const seld_vec3 *unit_q30)
+{
+    return (int32_t)((seld_vec3_dot64(*a, *unit_q30) + ((int64_t)1 << 29)) >> 30);
+}
+
+/* Cross product with a unit vector on the left. Format: Q30 x Qa -> Qa. Overflow: impossible while the other's
+ * length is below 2^31 (1 - 2^-9). Error: 1/2 LSB. */
+static inline seld_vec3 seld_vec3_cross_unit(const seld_vec3 *unit_q30, const seld_vec3 *a)
+{
+    const int32_t *u = unit_q30->v;
+    const int64_t half = (int64_t)1 << 29;
+    return seld_vec3_make((int32_t)(((int64_t)u[1] * a->v[2] - (int64_t)u[2] * a->v[1] + half) >> 30),
+                          (int32_t)(((int64_t)u[2] * a->v[0] - (int64_t)u[0] * a->v[2] + half) >> 30),
+                          (int32_t)(((int64_t)u[0] * a->v[1] - (int64_t)u[1] * a->v[0] + half) >> 30));
+}
+
 /* Cross product. Format: Qa x Qb -> Q(a+b-n), rounded, 1 <= n <= 63, 64-bit intermediate. Overflow:
  * saturates. Error: 1/2 LSB. */
 seld_vec3 seld_vec3_cross(seld_vec3 a, seld_vec3 b, unsigned n);

@@ -59,6 +59,10 @@ static void expect_near(const char *name, int64_t input, int64_t got, long doubl
     }
 }
 
+/* The range that seld_scale_q30 states: |a| < 2^31 (1 - 2^-9), |b| <= 1 + 2^-10. */
+static const int32_t scale_limit = 2143289344;
+static const int32_t scale_factor_max = (1 << 30) + (1 << 20);
+
 static void check_pair(int32_t a, int32_t b, unsigned n)
 {
     reference_wide product = (reference_wide)a * b;
@@ -67,6 +71,10 @@ static void check_pair(int32_t a, int32_t b, unsigned n)
     expect_equal("seld_mulh", a, b, 32, seld_mulh(a, b), (int64_t)reference_round_shift(product, 32));
     expect_equal("seld_mul_q30", a, b, 30, seld_mul_q30(a, b),
                  reference_saturated32(reference_round_shift(product, 30)));
+    if (a > -scale_limit && a < scale_limit && b >= -scale_factor_max && b <= scale_factor_max) {
+        expect_equal("seld_scale_q30", a, b, 30, seld_scale_q30(a, b),
+                     (int64_t)reference_round_shift(product, 30));
+    }
     expect_equal("seld_add_sat", a, b, 0, seld_add_sat(a, b), reference_saturated32((reference_wide)a + b));
     expect_equal("seld_sub_sat", a, b, 0, seld_sub_sat(a, b), reference_saturated32((reference_wide)a - b));
 }
@@ -173,7 +181,7 @@ static void check_reciprocal(uint32_t m)
     check_worst("seld_reciprocal_q30", m, seld_reciprocal_q30(m), 0x1p61L / m, 1.0L);
 }
 
-static void reciprocal_is_within_one_bit(void **state)
+static void reciprocal_is_within_one_lsb(void **state)
 {
     (void)state;
     reference_random random = reference_random_seed(3);
@@ -195,10 +203,10 @@ static void reciprocal_is_within_one_bit(void **state)
 
 static void check_rsqrt(uint32_t m)
 {
-    check_worst("seld_rsqrt_q30", m, seld_rsqrt_q30(m), 0x1p46L / sqrtl(m), 2.0L);
+    check_worst("seld_rsqrt_q30", m, seld_rsqrt_q30(m), 0x1p46L / sqrtl(m), 1.5L);
 }
 
-static void reciprocal_square_root_is_within_two_bits(void **state)
+static void reciprocal_square_root_is_within_one_and_a_half_lsb(void **state)
 {
     (void)state;
     reference_random random = reference_random_seed(4);
@@ -278,14 +286,14 @@ static void check_sincos(uint32_t angle)
     int32_t cosine = 0;
     long double radians = (long double)angle * 0x1p-31L * acosl(-1.0L);
     seld_sincos_turn32(angle, &sine, &cosine);
-    check_worst("sin of seld_sincos_turn32", angle, sine, sinl(radians) * 0x1p30L, 2.0L);
-    check_worst("cos of seld_sincos_turn32", angle, cosine, cosl(radians) * 0x1p30L, 2.0L);
+    check_worst("sin of seld_sincos_turn32", angle, sine, sinl(radians) * 0x1p30L, 1.5L);
+    check_worst("cos of seld_sincos_turn32", angle, cosine, cosl(radians) * 0x1p30L, 1.5L);
     if (sine > SELD_ONE_Q30 || sine < -SELD_ONE_Q30 || cosine > SELD_ONE_Q30 || cosine < -SELD_ONE_Q30) {
         fail_msg("sin, cos of %u = %d, %d: beyond +-2^30", angle, sine, cosine);
     }
 }
 
-static void sine_and_cosine_are_within_two_bits_all_around(void **state)
+static void sine_and_cosine_are_within_one_and_a_half_lsb_all_around(void **state)
 {
     (void)state;
     reference_random random = reference_random_seed(7);
@@ -300,10 +308,10 @@ static void sine_and_cosine_are_within_two_bits_all_around(void **state)
 static void check_asin(int32_t a)
 {
     long double clipped = a > SELD_ONE_Q30 ? 1.0L : a < -SELD_ONE_Q30 ? -1.0L : (long double)a * 0x1p-30L;
-    check_worst("seld_asin_q29", a, seld_asin_q29(a), asinl(clipped) * 0x1p29L, 2.0L);
+    check_worst("seld_asin_q29", a, seld_asin_q29(a), asinl(clipped) * 0x1p29L, 1.5L);
 }
 
-static void arc_sine_is_within_two_bits_and_clamps_beyond_one(void **state)
+static void arc_sine_is_within_one_and_a_half_lsb_and_clamps_beyond_one(void **state)
 {
     (void)state;
     reference_random random = reference_random_seed(8);
@@ -328,12 +336,12 @@ int main(void)
         cmocka_unit_test(shifts_are_floor_and_rounded_over_64_bits),
         cmocka_unit_test(saturation_holds_on_both_sides_of_both_borders),
         cmocka_unit_test(leading_zeros_are_counted_for_every_bit_and_for_zero),
-        cmocka_unit_test(reciprocal_is_within_one_bit),
-        cmocka_unit_test(reciprocal_square_root_is_within_two_bits),
+        cmocka_unit_test(reciprocal_is_within_one_lsb),
+        cmocka_unit_test(reciprocal_square_root_is_within_one_and_a_half_lsb),
         cmocka_unit_test(square_root_is_right_from_zero_to_saturation),
         cmocka_unit_test(set_up_division_is_exact_also_for_divisors_above_2_63),
-        cmocka_unit_test(sine_and_cosine_are_within_two_bits_all_around),
-        cmocka_unit_test(arc_sine_is_within_two_bits_and_clamps_beyond_one),
+        cmocka_unit_test(sine_and_cosine_are_within_one_and_a_half_lsb_all_around),
+        cmocka_unit_test(arc_sine_is_within_one_and_a_half_lsb_and_clamps_beyond_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
