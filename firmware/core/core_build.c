@@ -9,6 +9,8 @@ enum {
     ARC_MAX_um = 1600000,
     RATIO_AXIAL_TO_BEND = 256, /* k_s / w: above about 450 the fixed-point solve loses accuracy */
     CLIP_FACTOR_MAX = 10,      /* a cell clipped at the mouth keeps at least a tenth of its length */
+    BEND_MAX_N_m = 16, /* W of a joint, and W / l: bound the products of joint_forces() in rod_force.c */
+    FOLD_MAX_N = 8192,
     LOAD_RESERVE_N_m = 250000, /* room in the diagonal for contact, friction and tension */
 };
 
@@ -309,6 +311,9 @@ static seld_build_status choose_exponent(seld_model *model, const int64_t *axial
     for (uint32_t i = 1; i + 1 < model->node_count; i++) {
         int32_t a = model->edges[i - 1].inverse_length_per_m_q18;
         int32_t bend = model->joints[i].bend_N_m_q26;
+        if (bend >= BEND_MAX_N_m << 26 || ((int64_t)bend * a) >> 44 >= FOLD_MAX_N) {
+            return SELD_BUILD_OVERFLOW;
+        }
         int64_t w = bend_spring_q8(bend, a, a);
         int64_t sum = axial_q8[i - 1] + axial_q8[i] + w * (2 + 4 * CLIP_FACTOR_MAX);
         worst_q8 = sum > worst_q8 ? sum : worst_q8;

@@ -114,9 +114,9 @@ static void slide_node(const seld_model *model, seld_state *state, uint32_t i)
     unsigned shift = model->stiffness_exponent + 11; /* Q(a) N/m x Q33 m -> Q22 N */
     for (int k = 0; k < 3; k++) {
         int32_t tangent = (int32_t)(((int64_t)ahead->v[k] + node->tangent_q30.v[k]) >> 1);
-        int32_t slide = -seld_mul_q30(feed, tangent);
+        int32_t slide = -seld_scale_q30(feed, tangent);
         int32_t drift = node->step_m_q33.v[k] - slide;
-        int32_t kept = drift - seld_mul_q30(node->step_m_q33.v[k], SELD_DAMPING_KEEP_Q30);
+        int32_t kept = drift - seld_scale_q30(node->step_m_q33.v[k], SELD_DAMPING_KEEP_Q30);
         work->slide_m_q33.v[k] = slide;
         work->drift_m_q33.v[k] = drift;
         work->position_m_q30.v[k] = seld_add_sat(node->position_m_q30.v[k], (slide + 4) >> 3);

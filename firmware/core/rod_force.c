@@ -11,7 +11,15 @@ enum {
     STRAIN_MAX_Q30 = 1 << 27,      /* series used up to 12.5 % strain, clamped beyond */
     TENSION_MAX_N_Q22 = 128 << 22, /* edge force, clamped: twenty times what a hand can do */
     TENSION_STIFF_MAX_N_Q22 = 32 << 22,
+    PART_MAX_N_Q22 = 32 << 22,
 };
+
+/* Adds one force component. Overflow: impossible. A node sums two edges (128 N each), three joints (PART_MAX each,
+ * twice for the middle one) and its own weight, drag and contact: 2 x 128 + 4 x 32 + 100 < 512 N. */
+static void add(seld_vec3 *sum, int k, int32_t value)
+{
+    sum->v[k] += value;
+}
 
 /* Half of |w|^2 - 1. Format: Q30 -> Q30, clamped to +-STRAIN_MAX. Error: 1 LSB. */
 static int32_t half_excess(const seld_vec3 *w, bool *clamped)
@@ -29,13 +37,13 @@ static int32_t half_excess(const seld_vec3 *w, bool *clamped)
  * Error: e^4 * 5/8 <= 1.5e-4 at 12.5 %; below 1e-9 at 1 %. */
 static int32_t strain_of(int32_t e)
 {
-    int32_t e2 = seld_mul_q30(e, e);
-    return e - (e2 >> 1) + (seld_mul_q30(e2, e) >> 1);
+    int32_t e2 = seld_scale_q30(e, e);
+    return e - (e2 >> 1) + (seld_scale_q30(e2, e) >> 1);
 }
 static int32_t inverse_stretch_of(int32_t e)
 {
-    int32_t e2 = seld_mul_q30(e, e);
-    return SELD_ONE_Q30 - e + e2 + (e2 >> 1) - (int32_t)(((int64_t)seld_mul_q30(e2, e) * 5) >> 1);
+    int32_t e2 = seld_scale_q30(e, e);
+    return SELD_ONE_Q30 - e + e2 + (e2 >> 1) - (int32_t)(((int64_t)seld_scale_q30(e2, e) * 5) >> 1);
 }
 
 /* w, t and the strain of the edge between two positions. Format: positions Q30 m, 1/l Q18 -> Q30. */
@@ -69,15 +77,15 @@ static void edge_matrix(const seld_edge *edge, const seld_vec3 *t, int32_t tensi
                        : (tension_N_q22 > TENSION_STIFF_MAX_N_Q22 ? TENSION_STIFF_MAX_N_Q22 : tension_N_q22);
     int32_t geometric = (int32_t)(((int64_t)pull * edge->inverse_length_per_m_q18) >> (40 - exponent));
     int32_t along = edge->spring - geometric;
-    int32_t x = seld_mul_q30(along, t->v[0]);
-    int32_t y = seld_mul_q30(along, t->v[1]);
-    int32_t z = seld_mul_q30(along, t->v[2]);
-    s->m[0] = (int32_t)seld_rshift_round64((int64_t)x * t->v[0], 30) + geometric;
-    s->m[1] = (int32_t)seld_rshift_round64((int64_t)x * t->v[1], 30);
-    s->m[2] = (int32_t)seld_rshift_round64((int64_t)x * t->v[2], 30);
-    s->m[3] = (int32_t)seld_rshift_round64((int64_t)y * t->v[1], 30) + geometric;
-    s->m[4] = (int32_t)seld_rshift_round64((int64_t)y * t->v[2], 30);
-    s->m[5] = (int32_t)seld_rshift_round64((int64_t)z * t->v[2], 30) + geometric;
+    int32_t x = seld_scale_q30(along, t->v[0]);
+    int32_t y = seld_scale_q30(along, t->v[1]);
+    int32_t z = seld_scale_q30(along, t->v[2]);
+    s->m[0] = seld_scale_q30(x, t->v[0]) + geometric;
+    s->m[1] = seld_scale_q30(x, t->v[1]);
+    s->m[2] = seld_scale_q30(x, t->v[2]);
+    s->m[3] = seld_scale_q30(y, t->v[1]) + geometric;
+    s->m[4] = seld_scale_q30(y, t->v[2]);
+    s->m[5] = seld_scale_q30(z, t->v[2]) + geometric;
 }
 
 /* Geometry, spring matrix and axial force of edge i; adds +-F t to its two nodes. */
@@ -96,9 +104,9 @@ static void edge_forces(const seld_model *model, seld_state *state, uint32_t i)
     }
     edge_matrix(edge, &here->tangent_q30, (int32_t)tension, model->stiffness_exponent, &here->spring);
     for (int k = 0; k < 3; k++) {
-        int32_t pull = (int32_t)seld_rshift_round64(tension * here->tangent_q30.v[k], 30);
-        here->force_N_q22.v[k] = seld_add_sat(here->force_N_q22.v[k], pull);
-        next->force_N_q22.v[k] = seld_sub_sat(next->force_N_q22.v[k], pull);
+        int32_t pull = seld_scale_q30((int32_t)tension, here->tangent_q30.v[k]);
+        add(&here->force_N_q22, k, pull);
+        add(&next->force_N_q22, k, -pull);
     }
 }
 
@@ -115,10 +123,11 @@ static void edge_inside(const seld_model *model, seld_state *state)
 void seld_rod_rest_turn(const seld_joint *joint, const seld_vec3 *axis1, const seld_vec3 *tangent,
                         seld_vec3 *half)
 {
-    seld_vec3 axis2 = seld_vec3_cross(*tangent, *axis1, 30);
+    seld_vec3 axis2 = seld_vec3_cross_unit(tangent, axis1);
     for (int k = 0; k < 3; k++) {
         half->v[k] =
-            (seld_mul_q30(axis1->v[k], joint->turn1_q30) + seld_mul_q30(axis2.v[k], joint->turn2_q30)) >> 1;
+            (seld_scale_q30(axis1->v[k], joint->turn1_q30) + seld_scale_q30(axis2.v[k], joint->turn2_q30)) >>
+            1;
     }
 }
 
@@ -132,23 +141,26 @@ static bool is_curved(const seld_joint *joint)
 static seld_vec3 twist_force(int32_t torque_N_m_q30, const seld_vec3 *before, const seld_vec3 *after)
 {
     int32_t lack = SELD_ONE_Q30 - (int32_t)(seld_vec3_dot64(*before, *after) >> 30);
-    int32_t inverse = (SELD_ONE_Q30 >> 1) + (lack >> 2) + (seld_mul_q30(lack, lack) >> 3);
-    int32_t scaled = seld_mul_q30(torque_N_m_q30, inverse);
-    seld_vec3 across = seld_vec3_cross(*before, *after, 30);
+    int32_t inverse = (SELD_ONE_Q30 >> 1) + (lack >> 2) + (seld_scale_q30(lack, lack) >> 3);
+    int32_t scaled = seld_scale_q30(torque_N_m_q30, inverse);
+    seld_vec3 across = seld_vec3_cross_unit(before, after);
     for (int k = 0; k < 3; k++) {
-        across.v[k] = seld_mul_q30(across.v[k], scaled);
+        across.v[k] = seld_scale_q30(scaled, across.v[k]);
     }
     return across;
 }
 
-static void add(seld_vec3 *sum, int k, int64_t value)
+/* One component of a joint's force on a neighbour, limited to 32 N: ten times what a hand can bend in. */
+static int32_t part(int64_t force_N_q22)
 {
-    sum->v[k] = seld_sat32(sum->v[k] + value);
+    return force_N_q22 > PART_MAX_N_Q22
+               ? PART_MAX_N_Q22
+               : (force_N_q22 < -PART_MAX_N_Q22 ? -PART_MAX_N_Q22 : (int32_t)force_N_q22);
 }
 
-/* Bending and twist at the joint of node i (1 .. na). Format: W Q26 x b Q30 -> v Q30 N m, saturated at +-2 N
- * m (far beyond any instrument); a Q18 x v Q30 -> Q22 N. Both ends get the same rounded force, so momentum is
- * exact. */
+/* Bending and twist at the joint of node i (1 .. na). Format: W Q26 x b Q30 -> v Q30 N m; a Q18 x v Q30 -> Q22 N.
+ * Overflow: impossible. |b| < 2^32 and W < 2^30 (16 N m); v a < 4 W / l < 2^15 N (FOLD_MAX_N of core_build.c), below
+ * 2^63 in Q48. Both ends get the same rounded force, so momentum is exact. */
 static void joint_forces(const seld_model *model, seld_state *state, uint32_t i)
 {
     seld_work *here = &state->scratch.nodes[i];
@@ -169,9 +181,9 @@ static void joint_forces(const seld_model *model, seld_state *state, uint32_t i)
     }
     for (int k = 0; k < 3; k++) {
         int64_t bend = (int64_t)here->stretch_q30.v[k] - ahead->stretch_q30.v[k] - turn.v[k];
-        int64_t moment = seld_sat32(seld_rshift_round64(bend * joint->bend_N_m_q26, 26));
-        int64_t front = seld_rshift_round64((moment - twisting.v[k]) * a, 26);
-        int64_t back = seld_rshift_round64((moment + twisting.v[k]) * c, 26);
+        int64_t moment = seld_rshift_round64(bend * joint->bend_N_m_q26, 26);
+        int32_t front = part(seld_rshift_round64((moment - twisting.v[k]) * a, 26));
+        int32_t back = part(seld_rshift_round64((moment + twisting.v[k]) * c, 26));
         add(&ahead->force_N_q22, k, -front);
         add(&here->force_N_q22, k, front + back);
         add(&here[1].force_N_q22, k, -back);

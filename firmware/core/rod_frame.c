@@ -14,16 +14,17 @@ enum {
     SINE_MAX_Q30 = 759250125,     /* joint angles are read up to 45 degrees of twist per joint */
 };
 
+/* Vectors here are unit or below 1.9 in length, amounts below one: sums and products stay inside Q30. */
 static void add_scaled(seld_vec3 *sum, const seld_vec3 *direction_q30, int32_t amount)
 {
     for (int k = 0; k < 3; k++) {
-        sum->v[k] = seld_add_sat(sum->v[k], seld_mul_q30(amount, direction_q30->v[k]));
+        sum->v[k] += seld_scale_q30(amount, direction_q30->v[k]);
     }
 }
 
 static int32_t dot_q30(const seld_vec3 *a, const seld_vec3 *b)
 {
-    return seld_sat32(seld_rshift_round64(seld_vec3_dot64(*a, *b), 30));
+    return seld_vec3_dot_unit(a, b);
 }
 
 /* First-order repair: orthogonal to t, unit length. Leaves an error of the square of what it finds. */
@@ -33,7 +34,7 @@ static void orthonormalise(seld_vec3 *axis, const seld_vec3 *tangent)
     int32_t excess = (int32_t)((seld_vec3_dot64(*axis, *axis) - ((int64_t)1 << 60)) >> 31);
     int32_t scale = SELD_ONE_Q30 - excess;
     for (int k = 0; k < 3; k++) {
-        axis->v[k] = seld_mul_q30(axis->v[k], scale);
+        axis->v[k] = seld_scale_q30(axis->v[k], scale);
     }
 }
 
@@ -54,8 +55,8 @@ static void transport(seld_vec3 *axis, const seld_vec3 *from, const seld_vec3 *t
     } else {
         /* 1 / (1 + t.t') = 1/2 + lack/4 + lack^2/8 */
         int32_t lack = SELD_ONE_Q30 - dot_q30(from, to);
-        int32_t inverse = (SELD_ONE_Q30 >> 1) + (lack >> 2) + (seld_mul_q30(lack, lack) >> 3);
-        int32_t amount = -seld_mul_q30(tilt, inverse);
+        int32_t inverse = (SELD_ONE_Q30 >> 1) + (lack >> 2) + (int32_t)(((int64_t)lack * lack) >> 33);
+        int32_t amount = -seld_scale_q30(tilt, inverse);
         add_scaled(axis, from, amount);
         add_scaled(axis, to, amount);
     }
@@ -97,17 +98,17 @@ void seld_rod_advance(const seld_model *model, seld_state *state, seld_output *o
 /* Angle of joint i. Format: Q30 rad. Error: 1e-5 rad at 0.2 rad, 1e-3 at 0.7. */
 static int32_t joint_angle(const seld_node_state *ahead, const seld_node_state *here)
 {
-    seld_vec3 axis2 = seld_vec3_cross(here->tangent_q30, here->axis1_q30, 30);
+    seld_vec3 axis2 = seld_vec3_cross_unit(&here->tangent_q30, &here->axis1_q30);
     int32_t lack = SELD_ONE_Q30 - dot_q30(&ahead->tangent_q30, &here->tangent_q30);
-    int32_t inverse = (SELD_ONE_Q30 >> 1) + (lack >> 2) + (seld_mul_q30(lack, lack) >> 3);
+    int32_t inverse = (SELD_ONE_Q30 >> 1) + (lack >> 2) + (int32_t)(((int64_t)lack * lack) >> 33);
     int32_t tilt =
-        seld_mul_q30(dot_q30(&ahead->axis1_q30, &here->tangent_q30), dot_q30(&ahead->tangent_q30, &axis2));
-    int32_t sine = seld_mul_q30(tilt, inverse) - dot_q30(&ahead->axis1_q30, &axis2);
+        seld_scale_q30(dot_q30(&ahead->axis1_q30, &here->tangent_q30), dot_q30(&ahead->tangent_q30, &axis2));
+    int32_t sine = seld_scale_q30(tilt, inverse) - dot_q30(&ahead->axis1_q30, &axis2);
     sine = sine > SINE_MAX_Q30 ? SINE_MAX_Q30 : (sine < -SINE_MAX_Q30 ? -SINE_MAX_Q30 : sine);
     /* asin: s + s^3/6 + 3 s^5/40 */
-    int32_t square = seld_mul_q30(sine, sine);
-    int32_t series = 178956971 + seld_mul_q30(square, 80530637);
-    return sine + seld_mul_q30(seld_mul_q30(sine, square), series);
+    int32_t square = seld_scale_q30(sine, sine);
+    int32_t series = 178956971 + seld_scale_q30(square, 80530637);
+    return sine + seld_scale_q30(seld_scale_q30(sine, square), series);
 }
 
 /* What rest curvature adds to the twist equations of the two edges of joint i: torque W (b - g).(t x half) on
@@ -124,9 +125,9 @@ static void curvature_torque(const seld_model *model, const seld_state *state, u
     seld_vec3 bend = seld_vec3_sub(work->stretch_q30, work[-1].stretch_q30);
     seld_vec3 excess = seld_vec3_sub(bend, seld_vec3_add(half[0], half[1]));
     for (int side = 0; side < 2; side++) {
-        seld_vec3 turned = seld_vec3_cross(node[side - 1].tangent_q30, half[side], 30);
+        seld_vec3 turned = seld_vec3_cross_unit(&node[side - 1].tangent_q30, &half[side]);
         torque_N_m_q30[side] = seld_mul(dot_q30(&excess, &turned), joint->bend_N_m_q26, 26);
-        int32_t stiffness = seld_mul_q30(dot_q30(&bend, &half[side]), joint->bend_N_m_q26);
+        int32_t stiffness = seld_scale_q30(joint->bend_N_m_q26, dot_q30(&bend, &half[side]));
         stiffness_q26[side] = stiffness > 0 ? stiffness : 0;
     }
 }
@@ -144,11 +145,11 @@ static void turn_axis(seld_node_state *node, int32_t angle_q30)
     if (angle_q30 == 0) {
         return;
     }
-    seld_vec3 axis2 = seld_vec3_cross(node->tangent_q30, node->axis1_q30, 30);
-    int32_t cosine = SELD_ONE_Q30 - (seld_mul_q30(angle_q30, angle_q30) >> 1);
+    seld_vec3 axis2 = seld_vec3_cross_unit(&node->tangent_q30, &node->axis1_q30);
+    int32_t cosine = SELD_ONE_Q30 - (seld_scale_q30(angle_q30, angle_q30) >> 1);
     for (int k = 0; k < 3; k++) {
         node->axis1_q30.v[k] =
-            seld_mul_q30(node->axis1_q30.v[k], cosine) + seld_mul_q30(axis2.v[k], angle_q30);
+            seld_scale_q30(node->axis1_q30.v[k], cosine) + seld_scale_q30(axis2.v[k], angle_q30);
     }
     orthonormalise(&node->axis1_q30, &node->tangent_q30);
 }
@@ -183,8 +184,8 @@ static void eliminate_twist(const seld_model *model, seld_state *state)
         int32_t ratio = over_pivot(next, reciprocal, lead, 30);
         work[j].twist_ratio_q30 = ratio;
         work[j].twist_angle_q30 = over_pivot(right, reciprocal, lead, 26);
-        reduced_q26 = seld_mul_q30(next, ratio);
-        reduced_torque = seld_mul_q30(right, ratio);
+        reduced_q26 = seld_scale_q30(next, ratio); /* ratio <= 1: the pivot is the coupling and more */
+        reduced_torque = seld_scale_q30(right, ratio);
         coupling = next;
         torque = moment;
         carried_torque = curve_torque[1];
@@ -200,7 +201,7 @@ void seld_rod_twist(const seld_model *model, seld_state *state)
     int32_t behind = 0; /* turn of the edge nearer the base */
     for (uint32_t n = na; n > 0; n--) {
         seld_work *work = &state->scratch.nodes[n - 1];
-        int32_t angle = seld_add_sat(work->twist_angle_q30, seld_mul_q30(behind, work->twist_ratio_q30));
+        int32_t angle = seld_add_sat(work->twist_angle_q30, seld_scale_q30(behind, work->twist_ratio_q30));
         angle = angle > ANGLE_STEP_MAX_Q30 ? ANGLE_STEP_MAX_Q30
                                            : (angle < -ANGLE_STEP_MAX_Q30 ? -ANGLE_STEP_MAX_Q30 : angle);
         const seld_joint *joint = seld_rod_joint(model, state, n);

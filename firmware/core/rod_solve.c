@@ -17,7 +17,7 @@ typedef struct mat3 {
 
 /* Inverse of a block: D^-1 = mantissa 2^-exponent in units of 1/D. */
 typedef struct inverse3 {
-    seld_sym3 mantissa; /* |m| <= 2^29 */
+    int64_t m[6]; /* |m| <= 2^29 */
     unsigned exponent;
 } inverse3;
 
@@ -27,182 +27,199 @@ enum {
     SOLUTION_MAX_M_Q33 = 1 << 29, /* 62 mm in one tick; the step cap of core_step.c acts far below */
 };
 
-static int32_t limit(int64_t value, int32_t most)
+static inline int32_t limit(int64_t value, int32_t most)
 {
     return value > most ? most : (value < -most ? -most : (int32_t)value);
 }
 
-static int64_t abs64(int64_t a)
+/* Leading zeros of a non-zero value. */
+static inline unsigned clz64(uint64_t a)
 {
-    return a < 0 ? -a : a;
-}
-
-static unsigned clz64(uint64_t a)
-{
-    return a == 0 ? 64u : (unsigned)__builtin_clzll(a);
+    return (unsigned)__builtin_clzll(a);
 }
 
 /* Adjugate over determinant. Format: D Q(a), |D| < 2^29, positive definite.
- * The adjugate is exact in 64 bits (2 x 2^58), cut to 29 bits by its largest diagonal, which bounds every
- * entry of a positive definite matrix. The determinant keeps 22 bits or more while k_s / w <= 2^9. Overflow:
- * determinant below 3 * 2^29 * 2^29. */
-static inverse3 invert(const seld_sym3 *d)
+ * The adjugate is exact in 64 bits (2 x 2^58), cut to 29 bits by its largest diagonal, which bounds every entry of a
+ * positive definite matrix. The determinant keeps 22 bits or more while k_s / w <= 2^9.
+ * Overflow: determinant below 3 * 2^29 * 2^29. */
+static inline void invert(const seld_sym3 *d, inverse3 *inverse)
 {
-    const int32_t *m = d->m;
-    int64_t adj[6];
-    adj[XX] = (int64_t)m[YY] * m[ZZ] - (int64_t)m[YZ] * m[YZ];
-    adj[XY] = (int64_t)m[XZ] * m[YZ] - (int64_t)m[XY] * m[ZZ];
-    adj[XZ] = (int64_t)m[XY] * m[YZ] - (int64_t)m[XZ] * m[YY];
-    adj[YY] = (int64_t)m[XX] * m[ZZ] - (int64_t)m[XZ] * m[XZ];
-    adj[YZ] = (int64_t)m[XY] * m[XZ] - (int64_t)m[XX] * m[YZ];
-    adj[ZZ] = (int64_t)m[XX] * m[YY] - (int64_t)m[XY] * m[XY];
-    uint64_t size =
-        (uint64_t)abs64(adj[XX]) | (uint64_t)abs64(adj[YY]) | (uint64_t)abs64(adj[ZZ]) | ((uint64_t)1 << 29);
+    const int64_t xx = d->m[XX], xy = d->m[XY], xz = d->m[XZ], yy = d->m[YY], yz = d->m[YZ], zz = d->m[ZZ];
+    int64_t *n = inverse->m;
+    n[XX] = yy * zz - yz * yz;
+    n[XY] = xz * yz - xy * zz;
+    n[XZ] = xy * yz - xz * yy;
+    n[YY] = xx * zz - xz * xz;
+    n[YZ] = xy * xz - xx * yz;
+    n[ZZ] = xx * yy - xy * xy;
+    uint64_t size = ((uint64_t)(n[XX] | n[YY] | n[ZZ]) & (uint64_t)INT64_MAX) | ((uint64_t)1 << 29);
     unsigned cut = 35 - clz64(size); /* largest diagonal to below 2^29 */
-    inverse3 inverse;
+    int64_t half = (int64_t)1 << (cut - 1);
     for (int k = 0; k < 6; k++) {
-        inverse.mantissa.m[k] = (int32_t)seld_rshift_round64(adj[k], cut);
+        n[k] = (n[k] + half) >> cut;
     }
-    int32_t *n = inverse.mantissa.m;
-    int64_t determinant = (int64_t)m[XX] * n[XX] + (int64_t)m[XY] * n[XY] + (int64_t)m[XZ] * n[XZ];
+    int64_t determinant = xx * n[XX] + xy * n[XY] + xz * n[XZ];
     determinant = determinant < 1 ? 1 : determinant;
     unsigned lead = clz64((uint64_t)determinant);
-    uint32_t mantissa = (uint32_t)(((uint64_t)determinant << lead) >> 33);
-    int64_t reciprocal =
-        seld_reciprocal_q30(mantissa); /* 2^61 / mantissa, determinant = mantissa 2^(33 - lead) */
+    /* determinant = mantissa 2^(33 - lead); reciprocal = 2^61 / mantissa */
+    int64_t reciprocal = seld_reciprocal_q30((uint32_t)(((uint64_t)determinant << lead) >> 33));
     for (int k = 0; k < 6; k++) {
-        n[k] = (int32_t)seld_rshift_round64(n[k] * reciprocal, 31);
+        n[k] = (n[k] * reciprocal + ((int64_t)1 << 30)) >> 31;
     }
-    inverse.exponent = 63 - lead;
-    return inverse;
+    inverse->exponent = 63 - lead;
 }
 
-/* D^-1 U in Q29, column by column. Overflow: 3 * 2^29 * 2^29 in the sum; |W| <= 2 for meshes that grow to the
- * base. */
-static void times(const inverse3 *inverse, const mat3 *u, int32_t *w_q29)
+/* D^-1 U in Q29, column by column. Overflow: 3 * 2^29 * 2^29 in the sum; |W| <= 2 for meshes that grow to the base. */
+static inline void times(const inverse3 *inverse, const mat3 *u, int32_t *w_q29)
 {
-    const int32_t *n = inverse->mantissa.m;
+    const int64_t *n = inverse->m;
     unsigned shift = inverse->exponent - 29;
+    int64_t half = (int64_t)1 << (shift - 1);
     for (int c = 0; c < 3; c++) {
         int64_t x = u->m[c];
         int64_t y = u->m[3 + c];
         int64_t z = u->m[6 + c];
-        w_q29[c] = (int32_t)seld_rshift_round64(n[XX] * x + n[XY] * y + n[XZ] * z, shift);
-        w_q29[3 + c] = (int32_t)seld_rshift_round64(n[XY] * x + n[YY] * y + n[YZ] * z, shift);
-        w_q29[6 + c] = (int32_t)seld_rshift_round64(n[XZ] * x + n[YZ] * y + n[ZZ] * z, shift);
+        w_q29[c] = (int32_t)((n[XX] * x + n[XY] * y + n[XZ] * z + half) >> shift);
+        w_q29[3 + c] = (int32_t)((n[XY] * x + n[YY] * y + n[YZ] * z + half) >> shift);
+        w_q29[6 + c] = (int32_t)((n[XZ] * x + n[YZ] * y + n[ZZ] * z + half) >> shift);
     }
 }
 
 /* delta = D^-1 r. Format: r Q22 N -> Q33 m: shift = exponent - a - 11. Overflow: limited to 62 mm. */
-static seld_vec3 apply(const inverse3 *inverse, const seld_vec3 *r, unsigned exponent_a)
+static inline void apply(const inverse3 *inverse, const int32_t *r, unsigned exponent_a, seld_vec3 *delta)
 {
-    const int32_t *n = inverse->mantissa.m;
+    const int64_t *n = inverse->m;
     unsigned shift = inverse->exponent - exponent_a - 11;
-    int64_t x = r->v[0];
-    int64_t y = r->v[1];
-    int64_t z = r->v[2];
-    const int64_t sum[3] = {n[XX] * x + n[XY] * y + n[XZ] * z, n[XY] * x + n[YY] * y + n[YZ] * z,
-                            n[XZ] * x + n[YZ] * y + n[ZZ] * z};
-    return seld_vec3_make(limit(seld_rshift_round64(sum[0], shift), SOLUTION_MAX_M_Q33),
-                          limit(seld_rshift_round64(sum[1], shift), SOLUTION_MAX_M_Q33),
-                          limit(seld_rshift_round64(sum[2], shift), SOLUTION_MAX_M_Q33));
+    int64_t half = (int64_t)1 << (shift - 1);
+    delta->v[0] = limit((n[XX] * r[0] + n[XY] * r[1] + n[XZ] * r[2] + half) >> shift, SOLUTION_MAX_M_Q33);
+    delta->v[1] = limit((n[XY] * r[0] + n[YY] * r[1] + n[YZ] * r[2] + half) >> shift, SOLUTION_MAX_M_Q33);
+    delta->v[2] = limit((n[XZ] * r[0] + n[YZ] * r[1] + n[ZZ] * r[2] + half) >> shift, SOLUTION_MAX_M_Q33);
 }
 
-/* Row i of the assembled matrix before elimination. */
-static void load_diagonal(const seld_state *state, uint32_t i, seld_sym3 *d)
+/* P = kb D^-1 in Q29 and D[i+2] -= kb P. */
+static inline void second_neighbour(const inverse3 *inverse, int64_t second, seld_sym3 *p_q29,
+                                    seld_sym3 *d_after)
 {
-    const seld_work *work = &state->scratch.nodes[i];
+    unsigned shift = inverse->exponent - 29;
+    int64_t half = (int64_t)1 << (shift - 1);
     for (int k = 0; k < 6; k++) {
-        d->m[k] = work->spring.m[k] + work->wall.m[k] + (i > 0 ? work[-1].spring.m[k] : 0);
+        int64_t p = (inverse->m[k] * second + half) >> shift;
+        p_q29->m[k] = (int32_t)p;
+        d_after->m[k] -= (int32_t)((p * second + (1 << 28)) >> 29);
+    }
+}
+
+/* Block i of the assembled matrix before elimination, and its right neighbour. */
+static inline void load_diagonal(const seld_work *work, const seld_sym3 *spring_ahead, seld_sym3 *d)
+{
+    for (int k = 0; k < 6; k++) {
+        d->m[k] = work->spring.m[k] + work->wall.m[k] + spring_ahead->m[k];
     }
     d->m[XX] += work->diagonal;
     d->m[YY] += work->diagonal;
     d->m[ZZ] += work->diagonal;
 }
 
-static void load_upper(const seld_work *work, mat3 *u)
+static inline void load_upper(const seld_work *work, mat3 *u)
 {
     const int32_t *s = work->spring.m;
     int32_t off = work->off_diagonal;
     *u = (mat3){{off - s[XX], -s[XY], -s[XZ], -s[XY], off - s[YY], -s[YZ], -s[XZ], -s[YZ], off - s[ZZ]}};
 }
 
-/* D -= U^T W. Overflow: 3 * 2^29 * 2^31 < 2^62. */
-static void subtract_product(seld_sym3 *d, const mat3 *u, const int32_t *w_q29)
+/* One entry of U^T W. Overflow: 3 * 2^29 * 2^31 < 2^62. */
+static inline int32_t column_product(const mat3 *u, int a, const int32_t *w_q29, int b)
 {
-    static const uint8_t row[6] = {0, 0, 0, 1, 1, 2};
-    static const uint8_t column[6] = {0, 1, 2, 1, 2, 2};
-    for (int k = 0; k < 6; k++) {
-        int64_t sum = (int64_t)u->m[row[k]] * w_q29[column[k]] +
-                      (int64_t)u->m[3 + row[k]] * w_q29[3 + column[k]] +
-                      (int64_t)u->m[6 + row[k]] * w_q29[6 + column[k]];
-        d->m[k] -= (int32_t)seld_rshift_round64(sum, 29);
-    }
+    int64_t sum = (int64_t)u->m[a] * w_q29[b] + (int64_t)u->m[3 + a] * w_q29[3 + b] +
+                  (int64_t)u->m[6 + a] * w_q29[6 + b];
+    return (int32_t)((sum + (1 << 28)) >> 29);
+}
+
+/* D -= U^T W */
+static inline void subtract_product(seld_sym3 *d, const mat3 *u, const int32_t *w_q29)
+{
+    d->m[XX] -= column_product(u, 0, w_q29, 0);
+    d->m[XY] -= column_product(u, 0, w_q29, 1);
+    d->m[XZ] -= column_product(u, 0, w_q29, 2);
+    d->m[YY] -= column_product(u, 1, w_q29, 1);
+    d->m[YZ] -= column_product(u, 1, w_q29, 2);
+    d->m[ZZ] -= column_product(u, 2, w_q29, 2);
 }
 
 /* U[i+1] -= kb W^T */
-static void subtract_second(mat3 *u, int32_t second, const int32_t *w_q29)
+static inline void subtract_second(mat3 *u, int64_t second, const int32_t *w_q29)
 {
     for (int r = 0; r < 3; r++) {
         for (int c = 0; c < 3; c++) {
-            u->m[3 * r + c] -= (int32_t)seld_rshift_round64((int64_t)second * w_q29[3 * c + r], 29);
+            u->m[3 * r + c] -= (int32_t)((second * w_q29[3 * c + r] + (1 << 28)) >> 29);
         }
     }
 }
 
-/* r' -= M^T r for a general block. Overflow: force saturates at 2^30 (256 N), so sums stay below 3 * 2^30 *
- * 2^31. */
-static void subtract_transposed(seld_vec3 *target, const int32_t *w_q29, const seld_vec3 *r)
+/* r[i+1] -= W^T r and r[i+2] -= P r. Overflow: r is limited to 2^30, so sums stay below 3 * 2^30 * 2^31; what is
+ * carried stays in 64 bits until its own turn. */
+static inline void subtract_forces(int64_t *next, int64_t *after, const seld_work *work, const int32_t *r)
 {
+    const int32_t *w = work->w_q29;
+    const int32_t *p = work->p_q29.m;
+    const int64_t x = r[0], y = r[1], z = r[2];
     for (int k = 0; k < 3; k++) {
-        int64_t sum =
-            (int64_t)w_q29[k] * r->v[0] + (int64_t)w_q29[3 + k] * r->v[1] + (int64_t)w_q29[6 + k] * r->v[2];
-        target->v[k] = limit(target->v[k] - seld_rshift_round64(sum, 29), FORCE_MAX_N_Q22);
+        next[k] -= (w[k] * x + w[3 + k] * y + w[6 + k] * z + (1 << 28)) >> 29;
+    }
+    after[0] -= (p[XX] * x + p[XY] * y + p[XZ] * z + (1 << 28)) >> 29;
+    after[1] -= (p[XY] * x + p[YY] * y + p[YZ] * z + (1 << 28)) >> 29;
+    after[2] -= (p[XZ] * x + p[YZ] * y + p[ZZ] * z + (1 << 28)) >> 29;
+}
+
+/* What one node of the elimination holds; three of them rotate. */
+typedef struct row3 {
+    seld_sym3 d;
+    mat3 u;
+    int64_t r[3];
+} row3;
+
+static inline void load_row(const seld_work *work, const seld_sym3 *spring_ahead, row3 *row)
+{
+    load_diagonal(work, spring_ahead, &row->d);
+    load_upper(work, &row->u);
+    for (int k = 0; k < 3; k++) {
+        row->r[k] = work->force_N_q22.v[k];
     }
 }
 
-static void subtract_symmetric(seld_vec3 *target, const seld_sym3 *p_q29, const seld_vec3 *r)
+/* Eliminates node `work`; the forces are copied so that a second solve can start from what was assembled. */
+static inline void eliminate_node(unsigned exponent, seld_work *work, const row3 *here, row3 *next,
+                                  row3 *after)
 {
-    const int32_t *p = p_q29->m;
-    const int32_t full[9] = {p[XX], p[XY], p[XZ], p[XY], p[YY], p[YZ], p[XZ], p[YZ], p[ZZ]};
-    subtract_transposed(target, full, r);
+    const int32_t r[3] = {limit(here->r[0], FORCE_MAX_N_Q22), limit(here->r[1], FORCE_MAX_N_Q22),
+                          limit(here->r[2], FORCE_MAX_N_Q22)};
+    inverse3 inverse;
+    invert(&here->d, &inverse);
+    times(&inverse, &here->u, work->w_q29);
+    second_neighbour(&inverse, work->off_second, &work->p_q29, &after->d);
+    apply(&inverse, r, exponent, &work->solution_m_q33);
+    subtract_forces(next->r, after->r, work, r);
+    subtract_product(&next->d, &here->u, work->w_q29);
+    subtract_second(&next->u, work->off_second, work->w_q29);
 }
 
-/* One pass from tip to base. The right side is copied so that a second solve can start from the assembled
- * forces. */
+/* One pass from tip to base. */
 static void eliminate(const seld_model *model, seld_state *state)
 {
+    static const seld_sym3 no_spring = {{0, 0, 0, 0, 0, 0}};
     uint32_t na = state->words.free_count;
     seld_work *work = state->scratch.nodes;
-    seld_sym3 d, d_next, d_after;
-    mat3 u, u_next;
-    seld_vec3 r = work[0].force_N_q22;
-    seld_vec3 r_next = work[1].force_N_q22;
-    load_diagonal(state, 0, &d);
-    load_upper(&work[0], &u);
-    load_diagonal(state, 1, &d_next);
+    row3 rows[3];
+    row3 *here = &rows[0], *next = &rows[1], *after = &rows[2];
+    load_row(&work[0], &no_spring, here);
+    load_row(&work[1], &work[0].spring, next);
     for (uint32_t i = 0; i < na; i++) {
-        load_diagonal(state, i + 2, &d_after);
-        load_upper(&work[i + 1], &u_next);
-        seld_vec3 r_after = work[i + 2].force_N_q22;
-        inverse3 inverse = invert(&d);
-        times(&inverse, &u, work[i].w_q29);
-        int32_t second = work[i].off_second;
-        for (int k = 0; k < 6; k++) {
-            work[i].p_q29.m[k] =
-                (int32_t)seld_rshift_round64((int64_t)inverse.mantissa.m[k] * second, inverse.exponent - 29);
-            d_after.m[k] -= (int32_t)seld_rshift_round64((int64_t)work[i].p_q29.m[k] * second, 29);
-        }
-        work[i].solution_m_q33 = apply(&inverse, &r, model->stiffness_exponent);
-        subtract_transposed(&r_next, work[i].w_q29, &r);
-        subtract_symmetric(&r_after, &work[i].p_q29, &r);
-        subtract_product(&d_next, &u, work[i].w_q29);
-        subtract_second(&u_next, second, work[i].w_q29);
-        d = d_next;
-        d_next = d_after;
-        u = u_next;
-        r = r_next;
-        r_next = r_after;
+        load_row(&work[i + 2], &work[i + 1].spring, after);
+        eliminate_node(model->stiffness_exponent, &work[i], here, next, after);
+        row3 *done = here;
+        here = next;
+        next = after;
+        after = done;
     }
 }
 

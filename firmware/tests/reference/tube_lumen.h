@@ -1,0 +1,37 @@
+/* A lumen from a closed form, for tests and benchmarks: a tube of one radius around a path of straight pieces and arcs.
+ * The distance is exact (double), and the field is what a baker would store, made here independently of it.
+ * May include: core.h. Called by: firmware/tests, firmware/bench. */
+#ifndef SELD_REFERENCE_TUBE_LUMEN_H
+#define SELD_REFERENCE_TUBE_LUMEN_H
+
+#include "firmware/core/core.h"
+
+typedef struct reference_tube {
+    double (*points_m)[3]; /* path, finely sampled */
+    uint32_t point_count;
+    double radius_m;
+    seld_lumen lumen; /* owns index, children, samples */
+} reference_tube;
+
+/* A piece of path: `length_m` along the current direction, or an arc of `angle_rad` and radius `length_m / angle_rad`
+ * bending towards the current normal, which is first turned by `roll_rad` about the direction. */
+typedef struct reference_piece {
+    double length_m, angle_rad, roll_rad;
+} reference_piece;
+
+/* Path from the origin along +x, normal +z; field at refinement `level` (0 .. 2) within about 3 voxels of the wall. */
+reference_tube *reference_tube_make(const reference_piece *pieces, uint32_t piece_count, double radius_m,
+                                    uint32_t level);
+void reference_tube_free(reference_tube *tube);
+
+/* Exact signed distance in metres, negative inside. */
+double reference_tube_distance(const reference_tube *tube, const double *point_m);
+
+/* Standard scenes. All enter at the origin along +x. */
+seld_entry reference_entry(void);
+/* Uniform instrument: EI in N m^2, elements of `element_um`, friction kinetic = static. */
+seld_instrument reference_wire(double bend_N_m2, uint32_t length_um, uint32_t element_um, double friction);
+/* Three bends out of one plane, 0.9 m long, r 4 mm: the insertion scene. */
+reference_tube *reference_three_bends(double radius_m, uint32_t level);
+
+#endif
