@@ -1,0 +1,146 @@
+#include "host/app/recording_format.hpp"
+#include "shared/wire/wire_frame.h"
+#include <cerrno>
+
+namespace seld
+{
+
+using namespace recording_format;
+
+namespace
+{
+
+std::vector<std::uint8_t> header_bytes(const RecordingHeader &header)
+{
+    std::vector<std::uint8_t> bytes(head_bytes_max);
+    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
+    seld_wire_write(&writer, header.core_version, 4);
+    seld_wire_write(&writer, header.schema_hash, 8);
+    seld_wire_write(&writer, header.scene_bytes, 4);
+    seld_wire_write(&writer, header.scene_crc32, 4);
+    put_text(writer, header.scene_path);
+    put_text(writer, header.session_path);
+    put_text(writer, header.instrument.name);
+    put_double(writer, header.instrument.length_m);
+    seld_wire_put_instrument(&writer, &header.instrument.table);
+    seld_wire_put_entry(&writer, &header.entry);
+    seld_wire_put_rig(&writer, &header.rig);
+    const std::size_t layers = std::min(header.instrument.layers.size(), layers_max);
+    seld_wire_write(&writer, layers, 2);
+    for (std::size_t i = 0; i < layers; i++) {
+        const InstrumentLayer &layer = header.instrument.layers[i];
+        put_double(writer, layer.arc_begin_m);
+        put_double(writer, layer.arc_end_m);
+        put_text(writer, layer.material.substr(0, 64));
+        put_double(writer, layer.fill);
+        put_double(writer, layer.radius_share);
+    }
+    bytes.resize(writer.length);
+    return bytes;
+}
+
+} // namespace
+
+Recorder::Recorder(const std::string &path, const RecordingHeader &header)
+    : path_(path), file_(std::fopen(path.c_str(), "wb"))
+{
+    if (!file_)
+        throw RecordingError(RecordingFault::unreadable, path + ": cannot write: " + std::strerror(errno));
+    std::fwrite(magic, 1, 8, file_.get());
+    chunk(HEAD, header_bytes(header));
+}
+
+// A destructor may not throw: what cannot be written any more is lost, and the recording counts as cut off.
+Recorder::~Recorder()
+{
+    try {
+        if (file_) flush_ticks();
+    } catch (const RecordingError &) {
+    }
+}
+
+void Recorder::chunk(std::uint32_t kind, std::span<const std::uint8_t> payload)
+{
+    std::vector<std::uint8_t> bytes(chunk_head_bytes + payload.size() + chunk_tail_bytes);
+    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
+    seld_wire_write(&writer, kind, 4);
+    seld_wire_write(&writer, payload.size(), 4);
+    std::copy(payload.begin(), payload.end(), bytes.begin() + chunk_head_bytes);
+    writer.length += payload.size();
+    seld_wire_write(&writer, seld_wire_crc32(0, bytes.data(), writer.length), 4);
+    if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size() ||
+        std::fflush(file_.get()) != 0) {
+        const std::string reason = std::strerror(errno);
+        file_.reset();
+        throw RecordingError(RecordingFault::unreadable, path_ + ": cannot write: " + reason);
+    }
+}
+
+void Recorder::flush_ticks()
+{
+    if (pending_.empty()) return;
+    std::vector<std::uint8_t> bytes(8 + pending_.size() * tick_bytes);
+    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
+    seld_wire_write(&writer, tick_ - pending_.size(), 4);
+    seld_wire_write(&writer, pending_.size(), 4);
+    for (const RecordedTick &tick : pending_) {
+        seld_wire_put_encoders(&writer, &tick.input);
+        seld_wire_write(&writer, tick.hash_lane[0], 4);
+        seld_wire_write(&writer, tick.hash_lane[1], 4);
+    }
+    pending_.clear();
+    chunk(TICKS, bytes);
+}
+
+void Recorder::tick(const seld_wire_encoders &input, const seld_wire_tick_state &state)
+{
+    pending_.push_back({input, {state.hash_lane0, state.hash_lane1}});
+    tick_++;
+    if (pending_.size() == ticks_per_chunk) flush_ticks();
+}
+
+void Recorder::hash(std::uint32_t tick, std::uint64_t hash)
+{
+    std::uint8_t bytes[12];
+    seld_wire_writer writer = seld_wire_writer_make(bytes, sizeof bytes);
+    seld_wire_write(&writer, tick, 4);
+    seld_wire_write(&writer, hash, 8);
+    chunk(HASH, bytes);
+}
+
+void Recorder::snapshot(std::uint32_t tick, std::span<const std::uint8_t> snapshot)
+{
+    flush_ticks();
+    std::vector<std::uint8_t> bytes(4 + snapshot.size());
+    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
+    seld_wire_write(&writer, tick, 4);
+    std::copy(snapshot.begin(), snapshot.end(), bytes.begin() + 4);
+    chunk(SNAPSHOT, bytes);
+}
+
+void Recorder::view(std::uint32_t tick, const ViewState &view)
+{
+    std::uint8_t bytes[view_bytes];
+    seld_wire_writer writer = seld_wire_writer_make(bytes, sizeof bytes);
+    seld_wire_write(&writer, tick, 4);
+    seld_wire_write(&writer, view.is_fluoro_on, 1);
+    seld_wire_write(&writer, view.follows_tip, 1);
+    seld_wire_write(&writer, static_cast<std::uint32_t>(view.primary_mdeg), 4);
+    seld_wire_write(&writer, static_cast<std::uint32_t>(view.secondary_mdeg), 4);
+    for (std::int32_t um : view.table_um) seld_wire_write(&writer, static_cast<std::uint32_t>(um), 4);
+    seld_wire_write(&writer, static_cast<std::uint32_t>(view.field_um), 4);
+    chunk(VIEW, bytes);
+}
+
+void Recorder::finish(std::uint32_t tick, std::uint64_t final_hash)
+{
+    flush_ticks();
+    std::uint8_t bytes[12];
+    seld_wire_writer writer = seld_wire_writer_make(bytes, sizeof bytes);
+    seld_wire_write(&writer, tick, 4);
+    seld_wire_write(&writer, final_hash, 8);
+    chunk(END, bytes);
+    file_.reset();
+}
+
+} // namespace seld

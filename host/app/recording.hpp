@@ -1,0 +1,112 @@
+// Recordings: everything that decides a session, tick by tick (docs/session.md gives every byte).
+//
+//   file   = "SELDREC1" | chunk ...
+//   chunk  = kind u32 | bytes u32 | payload | CRC-32 u32 over kind, bytes and payload
+//   order  = HEAD, then TICKS, HASH, SNAPSHOT and VIEW as they happen, END when the session was closed properly
+//
+// A recorder writes chunk by chunk, so that a recording cut off by a crash is readable up to its last whole chunk.
+// A reader refuses what is not a recording, is of a newer version, or is damaged in the middle.
+// May include: shared/wire, view_state, model. Called by: run, replay, view.
+#pragma once
+#include "host/app/view_state.hpp"
+#include "host/model/instrument.hpp"
+#include "shared/wire/wire.h"
+#include <cstdio>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace seld
+{
+
+struct RecordingHeader {
+    std::uint32_t core_version = 0;
+    std::uint64_t schema_hash = 0;
+    std::uint32_t scene_bytes = 0; // 0: free space
+    std::uint32_t scene_crc32 = 0;
+    std::string scene_path;
+    std::string session_path;
+    Instrument instrument; // its table decides the session, the layers its picture
+    seld_wire_entry entry{};
+    seld_wire_rig rig{};
+};
+
+struct RecordedTick {
+    seld_wire_encoders input{};
+    std::uint32_t hash_lane[2] = {0, 0};
+};
+
+struct RecordedHash {
+    std::uint32_t tick = 0;
+    std::uint64_t hash = 0;
+};
+
+struct RecordedSnapshot {
+    std::uint32_t tick = 0;
+    std::vector<std::uint8_t> bytes;
+};
+
+struct RecordedView {
+    std::uint32_t tick = 0; // in force from this tick on
+    ViewState view;
+};
+
+struct Recording {
+    RecordingHeader header;
+    std::vector<RecordedTick> ticks; // ticks[i] led from tick i to tick i + 1
+    std::vector<RecordedHash> hashes;
+    std::vector<RecordedSnapshot> snapshots;
+    std::vector<RecordedView> views;
+    bool is_complete = false; // closed properly; otherwise cut off after the last whole chunk
+
+    const ViewState &view_at(std::uint32_t tick) const;
+    const RecordedSnapshot *snapshot_before(std::uint32_t tick) const; // nullptr: start from the beginning
+};
+
+enum class RecordingFault { unreadable, not_a_recording, newer_version, truncated, damaged, inconsistent };
+
+class RecordingError : public std::runtime_error
+{
+  public:
+    RecordingError(RecordingFault fault_, const std::string &text) : std::runtime_error(text), fault(fault_)
+    {
+    }
+    RecordingFault fault;
+};
+
+Recording read_recording(const std::string &path); // throws RecordingError
+Recording parse_recording(std::span<const std::uint8_t> bytes,
+                          const std::string &name); // throws RecordingError
+
+class Recorder
+{
+  public:
+    static constexpr std::uint32_t ticks_per_chunk = 500;
+    static constexpr std::uint32_t snapshot_every_ticks = 5000;
+
+    // Throws RecordingError when the file cannot be written, now or later.
+    Recorder(const std::string &path, const RecordingHeader &header);
+    ~Recorder(); // closes as a cut-off recording unless finish() was called
+
+    void tick(const seld_wire_encoders &input, const seld_wire_tick_state &state);
+    void hash(std::uint32_t tick, std::uint64_t hash);
+    void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes);
+    void view(std::uint32_t tick, const ViewState &view);
+    void finish(std::uint32_t tick, std::uint64_t hash);
+
+  private:
+    void flush_ticks();
+    void chunk(std::uint32_t kind, std::span<const std::uint8_t> payload);
+
+    struct Close {
+        void operator()(std::FILE *file) const { std::fclose(file); }
+    };
+    std::string path_;
+    std::unique_ptr<std::FILE, Close> file_;
+    std::vector<RecordedTick> pending_;
+    std::uint32_t tick_ = 0;
+};
+
+} // namespace seld

@@ -1,0 +1,50 @@
+// What recorder and reader share: chunk kinds and the header's codec.
+// May include: recording.hpp. Called by: recorder.cpp, recording.cpp.
+#pragma once
+#include "host/app/recording.hpp"
+#include <bit>
+#include <cstring>
+
+namespace seld::recording_format
+{
+
+inline constexpr char magic[9] = "SELDREC1"; // the digit is the version
+
+enum Kind : std::uint32_t { HEAD = 1, TICKS = 2, HASH = 3, SNAPSHOT = 4, VIEW = 5, END = 6 };
+
+inline constexpr std::size_t chunk_head_bytes = 8, chunk_tail_bytes = 4;
+inline constexpr std::size_t text_bytes_max = 4096;
+inline constexpr std::size_t layers_max = 256;
+inline constexpr std::size_t head_bytes_max = 1 << 17;
+inline constexpr std::size_t tick_bytes = SELD_WIRE_BYTES_encoders + 8;
+inline constexpr std::size_t view_bytes = 4 + 1 + 1 + 6 * 4;
+
+inline void put_text(seld_wire_writer &writer, const std::string &text)
+{
+    const std::size_t bytes = std::min(text.size(), text_bytes_max);
+    seld_wire_write(&writer, bytes, 2);
+    for (std::size_t i = 0; i < bytes; i++) seld_wire_write(&writer, static_cast<std::uint8_t>(text[i]), 1);
+}
+
+inline std::string get_text(seld_wire_reader &reader)
+{
+    const std::size_t bytes = seld_wire_read(&reader, 2);
+    std::string text;
+    if (bytes > text_bytes_max) reader.failed = true;
+    for (std::size_t i = 0; i < bytes && !reader.failed; i++) {
+        text.push_back(static_cast<char>(static_cast<unsigned char>(seld_wire_read(&reader, 1))));
+    }
+    return text;
+}
+
+inline void put_double(seld_wire_writer &writer, double value)
+{
+    seld_wire_write(&writer, std::bit_cast<std::uint64_t>(value), 8);
+}
+
+inline double get_double(seld_wire_reader &reader)
+{
+    return std::bit_cast<double>(seld_wire_read(&reader, 8));
+}
+
+} // namespace seld::recording_format
