@@ -32,21 +32,24 @@ enum {
     SELD_LUMEN_ENTRY_INSIDE = 1,
     SELD_LUMEN_ENTRY_FIRST_BRICK = 2,
     SELD_LUMEN_ENTRY_REFINED = 0x8000,
+    /* seld_lumen_distance may differ by this (0.12 mm) from seld_lumen_contact within one voxel of a wall whose radii
+     * are at least 3 voxels of its level; the baker measures it for each scene. */
+    SELD_LUMEN_CULL_ERROR_M_Q30 = 1 << 17,
 };
 
 typedef struct seld_lumen {
     int32_t origin_m_q30[3];     /* corner of coarse brick (0,0,0) */
     uint16_t brick_count_xyz[3]; /* coarse bricks along each axis, each >= 1 */
     uint16_t child_row_count;
-    uint32_t brick_count;      /* bricks in `samples`, all levels */
-    const uint16_t *index;     /* brick_count_xyz product entries, x fastest */
-    const uint16_t *children;  /* child_row_count x 8 entries */
-    const int8_t *samples;     /* brick_count x SELD_LUMEN_BRICK_SAMPLES */
+    uint32_t brick_count;     /* bricks in `samples`, all levels */
+    const uint16_t *index;    /* brick_count_xyz product entries, x fastest */
+    const uint16_t *children; /* child_row_count x 8 entries */
+    const int8_t *samples;    /* brick_count x SELD_LUMEN_BRICK_SAMPLES */
 } seld_lumen;
 
 typedef struct seld_lumen_sample {
-    int32_t distance_m_q30;  /* phi; saturated at the band where the field does */
-    seld_vec3 normal_q30;    /* inward unit normal; zero where the gradient vanishes (no contact there) */
+    int32_t distance_m_q30; /* phi; saturated at the band where the field does */
+    seld_vec3 normal_q30;   /* inward unit normal; zero where the gradient vanishes (no contact there) */
 } seld_lumen_sample;
 
 /* Cheap distance to decide whether a node can be near the wall at all: trilinear in the spline's coefficients.

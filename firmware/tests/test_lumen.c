@@ -1,0 +1,345 @@
+/* Claims: the samplers of the lumen are the quadratic B-spline and the trilinear interpolation that lumen.h states,
+ * at every level, continuous across bricks, and safe for every position. Shown against double precision and against
+ * walls whose distance is known in closed form. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "firmware/core/lumen.h"
+#include "firmware/tests/reference/random.h"
+
+enum { BRICKS = 32, RANDOM_POINTS = 200000, VOXEL_Q30 = 1 << 20, BRICK_Q30 = 1 << 23 };
+
+/* Lattice of 3 x 2 x 2 coarse bricks, with refinements written by the tests. */
+static int8_t samples[BRICKS][10][10][10];
+static uint16_t entries[12];
+static uint16_t children[4 * 8];
+static const seld_lumen lumen = {
+    {-BRICK_Q30, 5 * VOXEL_Q30, -3}, {3, 2, 2}, 4, BRICKS, entries, children, &samples[0][0][0][0]};
+
+static double voxel_m(int level)
+{
+    return ldexp(1.0, -10 - level);
+}
+
+/* --- double-precision reference --- */
+static double weight(double t) /* quadratic B-spline, support +-3/2 */
+{
+    double a = fabs(t);
+    if (a <= 0.5) return 0.75 - a * a;
+    return a < 1.5 ? 0.5 * (1.5 - a) * (1.5 - a) : 0.0;
+}
+
+static double weight_slope(double t)
+{
+    double a = fabs(t);
+    if (a <= 0.5) return -2 * t;
+    return a < 1.5 ? (t > 0 ? -(1.5 - a) : 1.5 - a) : 0.0;
+}
+
+/* Value (m) and gradient of the spline of a brick at x voxels from its corner. */
+static double reference_spline(int brick, int level, const double *x, double *gradient)
+{
+    double value = 0;
+    for (int k = 0; k < 3; k++) gradient[k] = 0;
+    for (int i = 0; i < 1000; i++) {
+        int at[3] = {i % 10, i / 10 % 10, i / 100};
+        double c = samples[brick][at[2]][at[1]][at[0]] / 32.0, w[3], s[3];
+        for (int k = 0; k < 3; k++) {
+            w[k] = weight(x[k] - (at[k] - 0.5));
+            s[k] = weight_slope(x[k] - (at[k] - 0.5));
+        }
+        value += c * w[0] * w[1] * w[2];
+        gradient[0] += c * s[0] * w[1] * w[2];
+        gradient[1] += c * w[0] * s[1] * w[2];
+        gradient[2] += c * w[0] * w[1] * s[2];
+    }
+    return value * voxel_m(level);
+}
+
+static double reference_linear(int brick, int level, const double *x)
+{
+    double value = 0;
+    for (int i = 0; i < 1000; i++) {
+        int at[3] = {i % 10, i / 10 % 10, i / 100};
+        double w = 1;
+        for (int k = 0; k < 3; k++) w *= fmax(0, 1 - fabs(x[k] - (at[k] - 0.5)));
+        value += samples[brick][at[2]][at[1]][at[0]] / 32.0 * w;
+    }
+    return value * voxel_m(level);
+}
+
+/* --- scenes --- */
+static void random_bricks(reference_random *random)
+{
+    for (int i = 0; i < BRICKS * 1000; i++) {
+        (&samples[0][0][0][0])[i] = (int8_t)((int)reference_random_below(random, 255) - 127);
+    }
+}
+
+/* Coarse brick (1,1,0) holds level 0, (2,1,0) level 1 and, in its octant 5, level 2; (0,0,0) is inside. */
+static void mixed_levels(void)
+{
+    for (int i = 0; i < 12; i++) entries[i] = SELD_LUMEN_ENTRY_OUTSIDE;
+    entries[0] = SELD_LUMEN_ENTRY_INSIDE;
+    entries[4] = 2;
+    entries[5] = 0x8000;
+    for (int i = 0; i < 8; i++) {
+        children[i] = (uint16_t)(3 + i);
+        children[24 + i] = (uint16_t)(11 + i);
+    }
+    children[5] = 0x8000 | 3;
+}
+
+typedef struct where {
+    int brick, level;
+    double x[3];
+    seld_vec3 position;
+} where;
+
+/* A random point in a brick of a level of the scene above. */
+static where random_point(reference_random *random, int level)
+{
+    where w = {0, level, {0, 0, 0}, {{0, 0, 0}}};
+    uint32_t octant = level == 1 ? reference_random_below(random, 8) : 5;
+    uint32_t fine = reference_random_below(random, 8);
+    if (level == 1 && octant == 5) octant = 4;
+    w.brick = level == 0 ? 0 : level == 1 ? (int)(1 + octant) : (int)(9 + fine);
+    int32_t corner[3] = {level == 0 ? BRICK_Q30 : 2 * BRICK_Q30, BRICK_Q30, 0};
+    for (int k = 0; k < 3; k++) {
+        if (level > 0) corner[k] += (int32_t)(octant >> k & 1) * (BRICK_Q30 >> 1);
+        if (level > 1) corner[k] += (int32_t)(fine >> k & 1) * (BRICK_Q30 >> 2);
+        int32_t in_brick = (int32_t)reference_random_below(random, (unsigned)BRICK_Q30 >> level);
+        w.position.v[k] = lumen.origin_m_q30[k] + corner[k] + in_brick;
+        w.x[k] = ldexp(in_brick, level - 20);
+    }
+    return w;
+}
+
+/* --- tests --- */
+static void contact_is_the_quadratic_b_spline(void **state)
+{
+    (void)state;
+    reference_random random = reference_random_seed(41);
+    mixed_levels();
+    double worst_m = 0, worst_normal = 0;
+    for (int i = 0; i < RANDOM_POINTS / 20; i++) {
+        if (i % 500 == 0) random_bricks(&random);
+        where w = random_point(&random, i % 3);
+        double g[3], expected = reference_spline(w.brick, w.level, w.x, g);
+        seld_lumen_sample got = seld_lumen_contact(&lumen, &w.position);
+        worst_m = fmax(worst_m, fabs(ldexp(got.distance_m_q30, -30) - expected));
+        double length = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+        for (int k = 0; length > 0.05 && k < 3; k++) {
+            worst_normal = fmax(worst_normal, fabs(ldexp(got.normal_q30.v[k], -30) + g[k] / length));
+        }
+    }
+    /* The weights carry 2^-17: three of them on neighbours that differ by up to 8 voxels. */
+    if (worst_m > 2e-7) fail_msg("worst distance error %.3g m, allowed 2e-7", worst_m);
+    if (worst_normal > 1e-3) fail_msg("worst normal error %.3g, allowed 1e-3", worst_normal);
+}
+
+static void distance_is_trilinear(void **state)
+{
+    (void)state;
+    reference_random random = reference_random_seed(42);
+    mixed_levels();
+    double worst_m = 0;
+    for (int i = 0; i < RANDOM_POINTS / 20; i++) {
+        if (i % 500 == 0) random_bricks(&random);
+        where w = random_point(&random, i % 3);
+        double expected = reference_linear(w.brick, w.level, w.x);
+        worst_m = fmax(worst_m, fabs(ldexp(seld_lumen_distance(&lumen, &w.position), -30) - expected));
+    }
+    /* Fractions of 1/256 voxel, floored, on random neighbours up to 8 voxels apart: 3 * 8 / 256 voxel. */
+    if (worst_m > 9.3e-5) fail_msg("worst error %.3g m, allowed 9.3e-5", worst_m);
+}
+
+/* Fill every level-0 brick from a function of the place in voxels from the lattice corner, prefiltered for quadratic
+ * functions: c = f - (second differences) / 8. */
+typedef double (*field)(double x, double y, double z);
+static void fill(field f)
+{
+    for (int b = 0; b < 12; b++) entries[b] = (uint16_t)(2 + b);
+    for (int i = 0; i < 12 * 1000; i++) {
+        int b = i / 1000;
+        double x = i % 10 - 0.5 + 8 * (b % 3), y = i / 10 % 10 - 0.5 + 8 * (b / 3 % 2);
+        double z = i / 100 % 10 - 0.5 + 8 * (b / 6);
+        double sum = f(x + 1, y, z) + f(x - 1, y, z) + f(x, y + 1, z) + f(x, y - 1, z) + f(x, y, z + 1) +
+                     f(x, y, z - 1);
+        double c = rint(32 * (f(x, y, z) - (sum - 6 * f(x, y, z)) / 8));
+        samples[b][i / 100 % 10][i / 10 % 10][i % 10] = (int8_t)fmin(127, fmax(-127, c));
+    }
+}
+
+static double plane(double x, double y, double z)
+{
+    return 0.75 * (x - 12) + 0.5 * (y - 8) - 0.25 * (z - 8);
+}
+
+static double tube(double x, double y, double z)
+{
+    (void)x;
+    return sqrt((y - 8.3) * (y - 8.3) + (z - 7.9) * (z - 7.9)) - 3;
+}
+
+static double sphere(double x, double y, double z)
+{
+    return sqrt((x - 11.6) * (x - 11.6) + (y - 8.3) * (y - 8.3) + (z - 7.9) * (z - 7.9)) - 3;
+}
+
+static seld_vec3 at_voxels(double x, double y, double z)
+{
+    return seld_vec3_make((int32_t)(lumen.origin_m_q30[0] + ldexp(x, 20)),
+                          (int32_t)(lumen.origin_m_q30[1] + ldexp(y, 20)),
+                          (int32_t)(lumen.origin_m_q30[2] + ldexp(z, 20)));
+}
+
+static double uniform(reference_random *random, double from, double to)
+{
+    return from + (to - from) * ldexp((double)(reference_random_next(random) >> 11), -53);
+}
+
+/* Largest |contact distance - wall| in voxels, over points within 1.5 voxels of the wall. */
+static double worst_distance(field f, reference_random *random)
+{
+    double worst = 0;
+    for (int i = 0; i < RANDOM_POINTS; i++) {
+        double x = uniform(random, 0, 24), y = uniform(random, 0, 16), z = uniform(random, 0, 16);
+        if (fabs(f(x, y, z)) > 1.5) continue;
+        seld_vec3 p = at_voxels(x, y, z);
+        double got = ldexp(seld_lumen_contact(&lumen, &p).distance_m_q30, -20);
+        worst = fmax(worst, fabs(got - f(x, y, z)));
+    }
+    return worst;
+}
+
+static void known_walls_are_met_within_the_rounding_of_the_samples(void **state)
+{
+    (void)state;
+    reference_random random = reference_random_seed(43);
+    const struct {
+        field f;
+        double allowed; /* voxels: 1/64 rounding, and for bent walls the spline's own error */
+    } walls[] = {{plane, 0.0157}, {tube, 0.025}, {sphere, 0.04}};
+    for (int i = 0; i < 3; i++) {
+        fill(walls[i].f);
+        double worst = worst_distance(walls[i].f, &random);
+        if (worst > walls[i].allowed)
+            fail_msg("wall %d: worst %.4f voxels, allowed %.4f", i, worst, walls[i].allowed);
+    }
+}
+
+static void distance_stays_within_the_stated_error_of_contact(void **state)
+{
+    (void)state;
+    reference_random random = reference_random_seed(44);
+    const field walls[] = {plane, tube, sphere};
+    for (int i = 0; i < 3; i++) {
+        fill(walls[i]);
+        for (int n = 0; n < RANDOM_POINTS; n++) {
+            double x = uniform(&random, 0, 24), y = uniform(&random, 0, 16), z = uniform(&random, 0, 16);
+            if (fabs(walls[i](x, y, z)) > 1) continue;
+            seld_vec3 p = at_voxels(x, y, z);
+            int32_t off = seld_lumen_distance(&lumen, &p) - seld_lumen_contact(&lumen, &p).distance_m_q30;
+            if (off > SELD_LUMEN_CULL_ERROR_M_Q30 || off < -SELD_LUMEN_CULL_ERROR_M_Q30) {
+                fail_msg("wall %d at (%.3f %.3f %.3f) voxels: off by %.4f mm", i, x, y, z,
+                         ldexp(off, -30) * 1e3);
+            }
+        }
+    }
+}
+
+/* Points on both sides of every brick border, 1 LSB apart: value and normal may differ only by what a step of 1 nm and
+ * the rounding of the weights explain. */
+static void field_is_smooth_across_bricks_and_voxels(void **state)
+{
+    (void)state;
+    reference_random random = reference_random_seed(45);
+    fill(tube);
+    for (int n = 0; n < RANDOM_POINTS; n++) {
+        int axis = n % 3;
+        seld_vec3 p = at_voxels(uniform(&random, 0, 24), uniform(&random, 4, 12), uniform(&random, 4, 12));
+        p.v[axis] =
+            lumen.origin_m_q30[axis] + (int32_t)reference_random_below(&random, axis ? 16 : 24) * VOXEL_Q30;
+        seld_vec3 q = p;
+        q.v[axis] -= 1;
+        if (q.v[axis] < lumen.origin_m_q30[axis]) continue;
+        if (labs(seld_lumen_contact(&lumen, &p).distance_m_q30) > 3 * VOXEL_Q30 / 2)
+            continue; /* away from the axis */
+        seld_lumen_sample a = seld_lumen_contact(&lumen, &p), b = seld_lumen_contact(&lumen, &q);
+        assert_in_range(a.distance_m_q30 - b.distance_m_q30 + 64, 0, 128); /* 60 nm */
+        for (int k = 0; k < 3; k++) {
+            assert_in_range(a.normal_q30.v[k] - b.normal_q30.v[k] + (1 << 16), 0, 1 << 17); /* 6e-5 */
+        }
+    }
+}
+
+static void normals_have_unit_length_and_point_inward(void **state)
+{
+    (void)state;
+    reference_random random = reference_random_seed(46);
+    fill(tube);
+    for (int n = 0; n < RANDOM_POINTS; n++) {
+        double x = uniform(&random, 0, 24), y = uniform(&random, 0, 16), z = uniform(&random, 0, 16);
+        if (fabs(tube(x, y, z)) > 1.5) continue;
+        seld_vec3 p = at_voxels(x, y, z);
+        seld_lumen_sample s = seld_lumen_contact(&lumen, &p);
+        double nx = ldexp(s.normal_q30.v[0], -30), ny = ldexp(s.normal_q30.v[1], -30),
+               nz = ldexp(s.normal_q30.v[2], -30);
+        assert_true(fabs(sqrt(nx * nx + ny * ny + nz * nz) - 1) < 1e-8);
+        double radius = tube(x, y, z) + 3;
+        double along = -(ny * (y - 8.3) + nz * (z - 7.9)) / radius;
+        if (along < cos(0.06))
+            fail_msg("normal off by %.4f rad, allowed 0.06", acos(along)); /* int8: 1.6 deg seen */
+    }
+}
+
+static void far_places_say_far_and_have_no_normal(void **state)
+{
+    (void)state;
+    mixed_levels();
+    const int32_t ends[] = {INT32_MIN, INT32_MIN + 1, -BRICK_Q30 - 1, 3 * BRICK_Q30, INT32_MAX};
+    for (int i = 0; i < 125; i++) {
+        seld_vec3 p = seld_vec3_make(ends[i % 5], ends[i / 5 % 5], ends[i / 25]);
+        assert_int_equal(seld_lumen_distance(&lumen, &p), 1 << 24);
+        assert_int_equal(seld_lumen_contact(&lumen, &p).distance_m_q30, 1 << 24);
+    }
+    seld_vec3 inside = at_voxels(1, 2, 3);
+    assert_int_equal(seld_lumen_distance(&lumen, &inside), -(1 << 24));
+    seld_lumen_sample s = seld_lumen_contact(&lumen, &inside);
+    assert_int_equal(s.distance_m_q30, -(1 << 24));
+    assert_int_equal(s.normal_q30.v[0] | s.normal_q30.v[1] | s.normal_q30.v[2], 0);
+}
+
+static void saturated_field_has_no_normal(void **state)
+{
+    (void)state;
+    mixed_levels();
+    for (int i = 0; i < BRICKS * 1000; i++) (&samples[0][0][0][0])[i] = 127;
+    seld_vec3 p = at_voxels(12.3, 12.1, 4.7);
+    seld_lumen_sample s = seld_lumen_contact(&lumen, &p);
+    assert_int_equal(s.normal_q30.v[0] | s.normal_q30.v[1] | s.normal_q30.v[2], 0);
+    assert_int_equal(s.distance_m_q30, 127 << 15);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(contact_is_the_quadratic_b_spline),
+        cmocka_unit_test(distance_is_trilinear),
+        cmocka_unit_test(known_walls_are_met_within_the_rounding_of_the_samples),
+        cmocka_unit_test(distance_stays_within_the_stated_error_of_contact),
+        cmocka_unit_test(field_is_smooth_across_bricks_and_voxels),
+        cmocka_unit_test(normals_have_unit_length_and_point_inward),
+        cmocka_unit_test(far_places_say_far_and_have_no_normal),
+        cmocka_unit_test(saturated_field_has_no_normal),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
