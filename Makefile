@@ -37,9 +37,9 @@ VDB_LINK      := -lopenvdb -ltbb -lImath-3_1
 BAKE_LINK     := $(VDB_LINK) -lassimp -lccd
 HOST_LINK     := -lpng -lglfw -ldl
 
-PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy
+PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/docs
 
-.PHONY: all run test bench fuzz format help clean tests-build tests-build-san fuzz-programs
+.PHONY: all run test bench fuzz format help clean docs tests-build tests-build-san fuzz-programs
 .DEFAULT_GOAL := all
 MAKEFLAGS += --no-builtin-rules
 
@@ -82,6 +82,7 @@ endef
 $(eval $(call program,seldinger,host/app/main.cpp,$(HOST_LIBS),$(HOST_LINK)))
 $(eval $(call program,bake,tools/bake/main.cpp,$(BAKE_LIBS),$(BAKE_LINK)))
 $(eval $(call program,anatomy,tools/anatomy/main.cpp,$(ANATOMY_LIBS),$(VDB_LINK)))
+$(eval $(call program,docs,tools/docs/main.cpp,shared/wire,))
 
 # --- tests: every test_* file is one program --------------------------------------------------------------------
 FIRMWARE_TESTS := $(wildcard firmware/tests/test_*.c shared/*/tests/test_*.c hil_tests/test_*.c)
@@ -147,6 +148,10 @@ $(foreach b,$(BENCHES),$(eval $(call bench_rule,$(b))))
 bench: packages-build packages-run packages-bench ## measure; writes out/bench.tsv and prints it (CASES=text: only names with it)
 	@$(QUIET_MAKE) $(PROGRAMS) $(foreach b,$(BENCHES),$(call bench_program,$(b)))
 	@tools/bench/run_bench.py --build $(BUILD) --cases '$(CASES)' $(foreach b,$(BENCHES),$(call bench_program,$(b)))
+
+docs: packages-build ## write the generated tables of docs/wire.md and docs/faults.md
+	@$(QUIET_MAKE) $(BUILD)/bin/docs
+	@$(BUILD)/bin/docs --write
 
 clean: ## remove build/ and out/
 	rm -rf build out

@@ -1,0 +1,115 @@
+// Writes the generated tables of docs/wire.md and docs/faults.md from the one definition in shared/wire.
+//   docs --write    puts the tables between the marks in the documents
+//   docs --check    exit 1 when a document is not current
+// May include: shared/wire. Called by: make docs, tools/docs/tests.
+#include "shared/wire/wire.h"
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+#include <string>
+
+namespace
+{
+
+std::string bar_safe(const char *text)
+{
+    std::string result;
+    for (const char *c = text; *c; c++) result += *c == '|' ? std::string("\\|") : std::string(1, *c);
+    return result;
+}
+
+std::string row(std::initializer_list<std::string> cells)
+{
+    std::string result = "|";
+    for (const std::string &cell : cells) result += " " + cell + " |";
+    return result + "\n";
+}
+
+std::string message_tables()
+{
+    char hash[40];
+    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(seld_wire_schema_hash()));
+    std::string out = "Protocol " + std::to_string(SELD_WIRE_PROTOCOL_MAJOR) + "." +
+                      std::to_string(SELD_WIRE_PROTOCOL_MINOR) + ", schema hash `" + hash + "`.\n\n";
+    char number[16];
+    const char *const head = "\n| field | type | unit | meaning |\n|---|---|---|---|\n";
+#define RECORD(name, text)                                                                                   \
+    out +=                                                                                                   \
+        "### Record `" #name "` (" + std::to_string(SELD_WIRE_BYTES_##name) + " bytes)\n" text ".\n" + head;
+#define MESSAGE(name, type, direction, text)                                                                 \
+    std::snprintf(number, sizeof number, "0x%02x", type);                                                    \
+    out += "### " + std::string(number) + " `" #name "` (from " direction ", up to " +                       \
+           std::to_string(SELD_WIRE_BYTES_##name) + " bytes)\n" text ".\n" + head;
+#define FIELD(owner, type, name, unit, text) out += row({"`" #name "`", #type, unit, bar_safe(text)});
+#define ARRAY(owner, type, name, max, unit, text)                                                            \
+    out += row({"`" #name "`", "u16 count, then count × " #type ", at most " #max, unit, bar_safe(text)});
+#define END(owner) out += "\n";
+#include "shared/wire/wire_messages.def"
+    return out;
+}
+
+std::string fault_table()
+{
+    std::string out = "| code | name | effect | what happened | what to do |\n|---|---|---|---|---|\n";
+#define FAULT(NAME, code, effect, text, remedy)                                                              \
+    out += row({#code, "`" #NAME "`", effect, bar_safe(text), bar_safe(remedy)});
+#include "shared/wire/wire_faults.def"
+    return out;
+}
+
+std::string reject_table()
+{
+    std::string out = "| code | name | why | what to do |\n|---|---|---|---|\n";
+#define REJECT(NAME, code, text, remedy) out += row({#code, "`" #NAME "`", bar_safe(text), bar_safe(remedy)});
+#include "shared/wire/wire_faults.def"
+    return out;
+}
+
+std::string read_file(const std::string &path)
+{
+    std::ifstream stream(path);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+}
+
+// The document with everything between "<!-- begin NAME -->" and "<!-- end NAME -->" replaced; empty without marks.
+std::string with_table(const std::string &document, const std::string &name, const std::string &table)
+{
+    const std::string begin = "<!-- begin " + name + " -->\n", end = "<!-- end " + name + " -->";
+    const std::size_t from = document.find(begin), to = document.find(end);
+    if (from == std::string::npos || to == std::string::npos || to < from) return "";
+    return document.substr(0, from + begin.size()) + table + document.substr(to);
+}
+
+bool handle(const std::string &path, const std::string &name, const std::string &table, bool write)
+{
+    const std::string old = read_file(path);
+    const std::string wanted = with_table(old, name, table);
+    if (wanted.empty()) {
+        std::cerr << path << ": the marks '<!-- begin " << name << " -->' and '<!-- end " << name
+                  << " -->' are missing\n";
+        return false;
+    }
+    if (old == wanted) return true;
+    if (write) return static_cast<bool>(std::ofstream(path) << wanted);
+    std::cerr << path << ": the table '" << name << "' is not current; run `make docs`\n";
+    return false;
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    const std::string mode = argc == 2 ? argv[1] : "";
+    if (mode != "--write" && mode != "--check") {
+        std::cerr << "usage: docs --write | --check   (from the repository's root)\n";
+        return 2;
+    }
+    const bool write = mode == "--write";
+    bool ok = handle("docs/wire.md", "messages", message_tables(), write);
+    ok = handle("docs/faults.md", "faults", fault_table(), write) && ok;
+    ok = handle("docs/faults.md", "refusals", reject_table(), write) && ok;
+    return ok ? 0 : 1;
+}
