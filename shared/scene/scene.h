@@ -1,0 +1,146 @@
+/* The scene container: one check for device and host, before anything of a scene is used.
+ *
+ *   seld_scene_open()   bytes -> status; on OK a view into the bytes (nothing is copied, nothing is kept)
+ *   seld_scene_body()   one body of a body file
+ *
+ * A caller that replaces a scene opens the new bytes first, in another place, and changes over only on OK: a refused
+ * scene leaves the old one as it was. docs/scene.md has every byte.
+ *
+ * May include: shared/wire (CRC-32). Called by: firmware/app, host, tools. C11 and C++20.
+ */
+#ifndef SELD_SCENE_H
+#define SELD_SCENE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum {
+    SELD_SCENE_MAJOR = 1,
+    SELD_SCENE_MINOR = 0,
+    SELD_SCENE_ALIGNMENT = 16,       /* of sections in the file */
+    SELD_SCENE_ADDRESS_MULTIPLE = 4, /* of the bytes in memory */
+    SELD_SCENE_HEADER_BYTES = 32,
+    SELD_SCENE_TABLE_ROW_BYTES = 16,
+    SELD_SCENE_BYTES_MAX = 8 << 20,          /* what a device must hold */
+    SELD_SCENE_BODIES_BYTES_MAX = 256 << 20, /* body files stay on the host */
+    SELD_SCENE_BODY_MAX = 256,
+    SELD_SCENE_TRIANGLE_MAX = 8000000, /* of all bodies */
+    SELD_SCENE_NAME_BYTES = 64,
+    SELD_SCENE_SOURCE_BYTES = 192,
+    SELD_SCENE_META_BYTES = SELD_SCENE_NAME_BYTES + SELD_SCENE_SOURCE_BYTES,
+    SELD_SCENE_ENTRY_BYTES = 24,
+    SELD_SCENE_LUMEN_HEADER_BYTES = 32,
+    SELD_SCENE_BRICK_BYTES = 1000,
+    SELD_SCENE_BRICK_LOG2_Q30 = 23, /* edge of a coarse brick: 2^23 Q30 m = 7.8 mm */
+    SELD_SCENE_LATTICE_MAX = 512,   /* coarse bricks along an axis: 4 m */
+    SELD_SCENE_BODY_HEADER_BYTES = 64,
+    SELD_SCENE_BODY_NAME_BYTES = 32,
+    SELD_SCENE_MATERIAL_BYTES = 16,
+    SELD_SCENE_BODY_REACH_um = 2000000,
+    SELD_SCENE_ENTRY_REACH_Q30 = 2040109465, /* 1.9 m, as the core takes it */
+};
+
+typedef enum seld_scene_kind {
+    SELD_SCENE_KIND_SCENE = 1,
+    SELD_SCENE_KIND_BODIES = 2,
+} seld_scene_kind;
+
+typedef enum seld_scene_section {
+    SELD_SCENE_META = 1,
+    SELD_SCENE_ENTRY = 2,
+    SELD_SCENE_LUMEN = 3,
+    SELD_SCENE_BODY = 16,
+} seld_scene_section;
+
+/* One line of text each: seld_scene_status_text. */
+typedef enum seld_scene_status {
+    SELD_SCENE_OK = 0,
+    SELD_SCENE_UNALIGNED,       /* the bytes do not lie at a multiple of 4 */
+    SELD_SCENE_BYTE_ORDER,      /* this processor is big-endian */
+    SELD_SCENE_TRUNCATED,       /* fewer bytes than the header says, or no whole header */
+    SELD_SCENE_TRAILING,        /* more bytes than the header says */
+    SELD_SCENE_OVERSIZED,       /* more than the limit of its kind */
+    SELD_SCENE_MAGIC,           /* no scene at all */
+    SELD_SCENE_NEWER,           /* written by a newer format */
+    SELD_SCENE_OLDER,           /* of a major version before this one */
+    SELD_SCENE_HEADER_CRC,      /* header or section table damaged */
+    SELD_SCENE_KIND,            /* neither scene nor bodies */
+    SELD_SCENE_RESERVED,        /* a field or gap that must be zero is not */
+    SELD_SCENE_SECTION_COUNT,   /* too few or too many sections */
+    SELD_SCENE_SECTION_TYPE,    /* a section that does not belong there */
+    SELD_SCENE_SECTION_PLACE,   /* unaligned, overlapping, with a gap, or beyond the end */
+    SELD_SCENE_SECTION_SIZE,    /* its size does not follow from its contents */
+    SELD_SCENE_SECTION_CRC,     /* its bytes are damaged */
+    SELD_SCENE_TEXT,            /* a text without end, or with control characters */
+    SELD_SCENE_ENTRY_POSITION,  /* beyond 1.9 m */
+    SELD_SCENE_ENTRY_DIRECTION, /* no unit vector */
+    SELD_SCENE_LATTICE,         /* brick counts out of range, or the lattice leaves the number range */
+    SELD_SCENE_CHILD_ROWS,      /* more rows refining coarse bricks than rows */
+    SELD_SCENE_INDEX_BRICK,     /* an index entry names a brick that is not there */
+    SELD_SCENE_INDEX_ROW,       /* an index entry names a child row that is not there or not allowed there */
+    SELD_SCENE_BODY_PARENT,     /* a parent that is not there, or bodies lying in each other in a circle */
+    SELD_SCENE_BODY_SIZE,       /* no triangles, or too many in all */
+    SELD_SCENE_BODY_VERTEX,     /* a vertex beyond 2 m */
+    SELD_SCENE_BODY_TRIANGLE,   /* a triangle names a vertex that is not there, or one twice */
+    SELD_SCENE_STATUS_COUNT,
+} seld_scene_status;
+
+/* The lumen, as firmware/core's seld_lumen wants it. */
+typedef struct seld_scene_lumen {
+    int32_t origin_m_q30[3];
+    uint16_t brick_count_xyz[3];
+    uint16_t child_row_count;
+    uint32_t brick_count;
+    const uint16_t *index;
+    const uint16_t *children;
+    const int8_t *samples;
+} seld_scene_lumen;
+
+/* A checked file. Valid as long as the bytes are. */
+typedef struct seld_scene {
+    seld_scene_kind kind;
+    uint32_t hash; /* the header's CRC-32, which covers those of the sections */
+    const char *name;
+    const char *source;
+    int32_t entry_position_m_q30[3]; /* KIND_SCENE */
+    int32_t entry_direction_q30[3];
+    seld_scene_lumen lumen;
+    uint32_t body_count; /* KIND_BODIES */
+    const uint8_t *bytes;
+} seld_scene;
+
+typedef struct seld_scene_body_view {
+    const char *name;
+    const char *material;
+    int32_t parent; /* -1: in air */
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    const uint8_t *vertices_um; /* 3 x i32 each: seld_scene_i32 */
+    const uint8_t *triangles;   /* 3 x u32 each: seld_scene_u32 */
+} seld_scene_body_view;
+
+/* Check everything. On OK fills *scene; otherwise leaves it alone and, when where_byte is not NULL, says at which byte
+ * of the file the fault stands. Time is linear in size; no memory, no recursion. */
+seld_scene_status seld_scene_open(const uint8_t *bytes, size_t size, seld_scene *scene, uint32_t *where_byte);
+
+/* What a status means and what to do about it, one line without full stop. */
+const char *seld_scene_status_text(seld_scene_status status);
+
+/* Body number `index` < body_count of an opened body file. */
+seld_scene_body_view seld_scene_body(const seld_scene *scene, uint32_t index);
+
+/* Little-endian words at any address. */
+uint32_t seld_scene_u32(const uint8_t *bytes);
+int32_t seld_scene_i32(const uint8_t *bytes);
+uint16_t seld_scene_u16(const uint8_t *bytes);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
