@@ -40,7 +40,7 @@ void seld_app_entry(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_rig(seld_app *app, const uint8_t *payload, size_t length);
 
 /* app_lumen.c: scene bytes -> the core's view of them. 0, or the scene status that says what is wrong. */
-uint32_t seld_app_lumen_open(const uint8_t *scene, uint32_t scene_bytes, seld_lumen *lumen);
+uint32_t seld_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, seld_lumen *lumen);
 
 /* app_session.c: states, modes and ticks */
 void seld_app_command(seld_app *app, const uint8_t *payload, size_t length);

@@ -1,8 +1,7 @@
 /* Codecs of every record and message, made from wire_messages.def. */
 #include "shared/wire/wire.h"
 
-/* --- plain values
- * -------------------------------------------------------------------------------------------- */
+/* --- plain values --- */
 #define PLAIN(type, bytes)                                                                                   \
     static bool seld_wire_put_##type(seld_wire_writer *writer, const seld_wire_##type *value)                \
     {                                                                                                        \
@@ -31,8 +30,7 @@ static bool seld_wire_get_i32(seld_wire_reader *reader, int32_t *value)
     return !reader->failed;
 }
 
-/* --- counts
- * -------------------------------------------------------------------------------------------------- */
+/* --- counts --- */
 static uint16_t put_count(seld_wire_writer *writer, uint16_t count, uint16_t max)
 {
     if (count > max) {
@@ -50,8 +48,7 @@ static uint16_t get_count(seld_wire_reader *reader, uint16_t max)
     return reader->failed ? 0 : count;
 }
 
-/* --- records and messages
- * ------------------------------------------------------------------------------------ */
+/* --- records and messages --- */
 /* clang-format off */
 #define RECORD(name, text) \
     bool seld_wire_put_##name(seld_wire_writer *writer, const seld_wire_##name *value) {

@@ -19,8 +19,7 @@ uint32_t seld_wire_crc32(uint32_t crc, const uint8_t *bytes, size_t length)
     return ~crc;
 }
 
-/* --- encoding
- * ------------------------------------------------------------------------------------------------ */
+/* --- encoding --- */
 typedef struct cobs_writer {
     uint8_t *bytes;
     size_t length;
@@ -66,8 +65,7 @@ size_t seld_wire_frame_encode(const seld_wire_header *header, const uint8_t *pay
     return writer.length;
 }
 
-/* --- decoding
- * ------------------------------------------------------------------------------------------------ */
+/* --- decoding --- */
 void seld_wire_decoder_init(seld_wire_decoder *decoder)
 {
     for (size_t i = 0; i < SELD_WIRE_EVENT_COUNT; i++) decoder->event_counts[i] = 0;

@@ -1,0 +1,31 @@
+#include "host/app/interrupt.hpp"
+#include <csignal>
+
+namespace seld
+{
+
+namespace
+{
+
+volatile std::sig_atomic_t interrupted = 0;
+
+void on_signal(int number)
+{
+    interrupted = 1;
+    std::signal(number, SIG_DFL);
+}
+
+} // namespace
+
+void watch_for_interrupt()
+{
+    std::signal(SIGINT, on_signal);
+    std::signal(SIGTERM, on_signal);
+}
+
+bool is_interrupted()
+{
+    return interrupted != 0;
+}
+
+} // namespace seld

@@ -1,0 +1,195 @@
+#include "host/app/replay.hpp"
+#include "host/app/interrupt.hpp"
+#include "host/model/timeline.hpp"
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <thread>
+
+namespace seld
+{
+
+namespace
+{
+
+using Clock = std::chrono::steady_clock;
+constexpr std::uint32_t ticks_per_second = 1000;
+constexpr std::uint32_t batch_ticks = 16;
+
+std::string hex(std::uint64_t value)
+{
+    char text[20];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+    return text;
+}
+
+class Replayer
+{
+  public:
+    Replayer(Device &device, const Recording &recording, FrameSink *sink, const ReplaySettings &settings)
+        : device_(device), link_(device.link()), recording_(recording), sink_(sink), settings_(settings)
+    {
+    }
+
+    ReplayResult run()
+    {
+        go_to_start();
+        while (picture_tick(picture_, settings_.pictures_per_second) < link_.tick()) picture_++;
+        begin_ = Clock::now();
+        begin_tick_ = link_.tick();
+        picture_when_due(true);
+        while (link_.tick() < recording_.ticks.size() && !is_interrupted() &&
+               !result_.first_difference_tick) {
+            batch();
+            keep_pace();
+        }
+        result_.was_interrupted = link_.tick() < recording_.ticks.size() && !result_.first_difference_tick;
+        result_.tick = link_.tick();
+        result_.hash = link_.read_hash64().hash;
+        compare_hash(result_.tick, result_.hash);
+        if (sink_) sink_->finish();
+        return result_;
+    }
+
+  private:
+    void go_to_start()
+    {
+        const double last = static_cast<double>(recording_.ticks.size());
+        const auto wanted =
+            static_cast<std::uint32_t>(std::clamp(settings_.from_s * ticks_per_second, 0.0, last));
+        const RecordedSnapshot *snapshot = recording_.snapshot_before(wanted);
+        if (snapshot) device_.restore(snapshot->bytes);
+        while (link_.tick() < wanted && !is_interrupted() && !result_.first_difference_tick) {
+            step(std::min<std::size_t>(batch_ticks, wanted - link_.tick()), false);
+        }
+    }
+
+    std::size_t batch_size() const
+    {
+        const std::uint32_t tick = link_.tick();
+        std::size_t count =
+            std::min<std::size_t>(batch_ticks - tick % batch_ticks, recording_.ticks.size() - tick);
+        if (settings_.speed.is_paused)
+            count = std::min<std::size_t>(count, ticks_per_second - tick % ticks_per_second);
+        if (settings_.speed.is_paused && tick % ticks_per_second < batch_ticks) count = 1;
+        if (sink_)
+            count =
+                std::min<std::size_t>(count, picture_tick(picture_, settings_.pictures_per_second) - tick);
+        return count;
+    }
+
+    void batch()
+    {
+        const std::size_t count = batch_size();
+        const bool is_picture_due =
+            sink_ && link_.tick() + count == picture_tick(picture_, settings_.pictures_per_second);
+        step(count, is_picture_due);
+        picture_when_due(false);
+    }
+
+    void step(std::size_t count, bool want_nodes)
+    {
+        inputs_.clear();
+        for (std::size_t i = 0; i < count; i++) inputs_.push_back(recording_.ticks[link_.tick() + i].input);
+        for (const seld_wire_tick_state &state : link_.step(inputs_, want_nodes)) {
+            result_.figures.take(state);
+            compare_lanes(state);
+        }
+        const auto hash = link_.last_hash64();
+        if (hash && hash->tick > hash_tick_) {
+            hash_tick_ = hash->tick;
+            compare_hash(hash->tick, hash->hash);
+        }
+    }
+
+    void compare_lanes(const seld_wire_tick_state &state)
+    {
+        if (!settings_.verifies || result_.first_difference_tick) return;
+        const RecordedTick &recorded = recording_.ticks[state.tick - 1];
+        result_.ticks_compared++;
+        if (recorded.hash_lane[0] == state.hash_lane0 && recorded.hash_lane[1] == state.hash_lane1) return;
+        result_.first_difference_tick = state.tick;
+        char text[120];
+        std::snprintf(text, sizeof text, "hash lanes are %08x %08x, recorded %08x %08x",
+                      unsigned{state.hash_lane0}, unsigned{state.hash_lane1}, unsigned{recorded.hash_lane[0]},
+                      unsigned{recorded.hash_lane[1]});
+        result_.difference = text;
+    }
+
+    void compare_hash(std::uint32_t tick, std::uint64_t hash)
+    {
+        if (!settings_.verifies || result_.first_difference_tick) return;
+        for (const RecordedHash &recorded : recording_.hashes) {
+            if (recorded.tick != tick) continue;
+            result_.hashes_compared++;
+            if (recorded.hash == hash) continue;
+            result_.first_difference_tick = tick;
+            result_.difference = "full hash is " + hex(hash) + ", recorded " + hex(recorded.hash);
+            return;
+        }
+    }
+
+    void picture_when_due(bool is_first)
+    {
+        if (!sink_ || link_.tick() != picture_tick(picture_, settings_.pictures_per_second)) return;
+        if (is_first) link_.read_nodes();
+        sink_->frame(wire_frame(link_.nodes(), link_.node_table()), recording_.view_at(link_.tick()));
+        picture_++;
+    }
+
+    void keep_pace()
+    {
+        if (settings_.speed.is_paused && link_.tick() % ticks_per_second == 0) halt();
+        if (settings_.speed.factor <= 0.0) return;
+        const double seconds = (link_.tick() - begin_tick_) * 1e-3 / settings_.speed.factor;
+        const auto due =
+            begin_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+        std::this_thread::sleep_until(due);
+    }
+
+    void halt() const
+    {
+        if (!settings_.waits_for_enter) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+            return;
+        }
+        std::fprintf(stderr, "paused at %.3f s; Enter goes on ", link_.tick() * 1e-3);
+        std::string line;
+        std::getline(std::cin, line);
+    }
+
+    Device &device_;
+    Link &link_;
+    const Recording &recording_;
+    FrameSink *sink_;
+    const ReplaySettings &settings_;
+    ReplayResult result_;
+    std::vector<seld_wire_encoders> inputs_;
+    Clock::time_point begin_;
+    std::uint32_t begin_tick_ = 0, picture_ = 0, hash_tick_ = 0;
+};
+
+} // namespace
+
+std::optional<ReplaySpeed> replay_speed(const std::string &text)
+{
+    if (text == "fast") return ReplaySpeed{};
+    if (text == "slow") return ReplaySpeed{0.5, false};
+    if (text == "paused") return ReplaySpeed{0.0, true};
+    double factor = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), factor);
+    if (error != std::errc() || end != text.data() + text.size() || !(factor >= 0.001 && factor <= 1000.0))
+        return {};
+    return ReplaySpeed{factor, false};
+}
+
+ReplayResult replay_recording(Device &device, const Recording &recording, FrameSink *sink,
+                              const ReplaySettings &settings)
+{
+    return Replayer(device, recording, sink, settings).run();
+}
+
+} // namespace seld

@@ -1,0 +1,43 @@
+// Play a recording again on a fresh device and compare every hash.
+// May include: device, recording, frame_sink. Called by: cli.
+#pragma once
+#include "host/app/device.hpp"
+#include "host/app/frame_sink.hpp"
+#include <optional>
+
+namespace seld
+{
+
+// How fast ticks may pass: 1 is real time, 0 as fast as the machine allows.
+struct ReplaySpeed {
+    double factor = 0.0;
+    bool is_paused = false; // one tick at a time around every full second, with a halt there
+};
+
+// "fast", "slow" (half real time), "paused" or a positive number; nullopt for anything else.
+std::optional<ReplaySpeed> replay_speed(const std::string &text);
+
+struct ReplaySettings {
+    ReplaySpeed speed;
+    bool verifies = false;
+    double from_s = 0.0; // start at the snapshot before this time, then step up to it
+    std::uint32_t pictures_per_second = 15;
+    bool waits_for_enter = false; // paused, and a person sits at the terminal
+};
+
+struct ReplayResult {
+    SessionFigures figures;
+    std::uint32_t tick = 0;
+    std::uint64_t hash = 0;
+    std::uint32_t ticks_compared = 0;
+    std::uint32_t hashes_compared = 0;
+    bool was_interrupted = false;
+    std::optional<std::uint32_t> first_difference_tick;
+    std::string difference; // what differed
+};
+
+// Throws LinkError. Stops at the first difference when it verifies.
+ReplayResult replay_recording(Device &device, const Recording &recording, FrameSink *sink,
+                              const ReplaySettings &settings);
+
+} // namespace seld

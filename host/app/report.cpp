@@ -1,0 +1,50 @@
+// The figures of a session as JSON.
+#include "host/app/run.hpp"
+#include "host/model/text.hpp"
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace seld
+{
+
+void write_report(const std::string &path, const RunResult &result, const std::string &scene,
+                  const Instrument &instrument, const std::string &session)
+{
+    const SessionFigures &figures = result.figures;
+    char hash[20];
+    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(result.hash));
+    nlohmann::ordered_json report;
+    report["scene"] = scene;
+    report["instrument"] = instrument.name;
+    report["session"] = session;
+    report["ticks"] = figures.ticks;
+    report["hash"] = hash;
+    report["wall_clock_s"] = result.seconds;
+    report["realtime_factor"] = result.seconds > 0.0 ? figures.ticks * 1e-3 / result.seconds : 0.0;
+    report["penetration_max_mm"] = figures.penetration_max_m * 1e3;
+    report["penetration_max_tick"] = figures.penetration_max_tick;
+    report["length_error_max_pct"] = figures.strain_max * 1e2;
+    report["length_error_max_tick"] = figures.strain_max_tick;
+    report["inserted_mm"] = figures.inserted_m * 1e3;
+    report["inserted_max_mm"] = figures.inserted_max_m * 1e3;
+    report["handle_force_max_N"] = figures.handle_axial_max_N;
+    report["contacts_max"] = figures.contact_count_max;
+    report["interrupted"] = result.was_interrupted;
+    report["script_lines_given_up"] = result.given_up_lines;
+    report["faults"] = nlohmann::json::array();
+    for (std::uint16_t i = 0; i < result.faults.entries_count; i++) {
+        const seld_wire_fault_entry &fault = result.faults.entries[i];
+        report["faults"].push_back({{"name", seld_wire_fault_name(fault.code)},
+                                    {"tick_first", fault.tick_first},
+                                    {"count", fault.count},
+                                    {"text", seld_wire_fault_text(fault.code)}});
+    }
+    std::ofstream stream(path);
+    stream << report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    stream.flush();
+    if (!stream)
+        throw FileError(path, 0, 0, "cannot write; check that the folder exists and the disk has room");
+}
+
+} // namespace seld

@@ -1,0 +1,128 @@
+#include "host/app/run.hpp"
+#include "host/app/interrupt.hpp"
+#include "host/model/timeline.hpp"
+#include "host/model/units.hpp"
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+namespace seld
+{
+
+namespace
+{
+
+using Clock = std::chrono::steady_clock;
+
+class Runner
+{
+  public:
+    Runner(Device &device, const Session &session, Recorder *recorder, FrameSink *sink,
+           const RunSettings &settings)
+        : link_(device.link()), player_(session), recorder_(recorder), sink_(sink), settings_(settings)
+    {
+    }
+
+    RunResult run()
+    {
+        const Clock::time_point begin = Clock::now();
+        if (recorder_) recorder_->view(0, player_.view());
+        view_ = player_.view();
+        picture_when_due();
+        while (!player_.is_done() && !is_interrupted()) batch();
+        RunResult result;
+        result.figures = figures_;
+        result.was_interrupted = !player_.is_done();
+        result.given_up_lines = player_.given_up_lines();
+        result.hash = link_.read_hash64().hash;
+        result.faults = link_.read_fault_log();
+        if (recorder_) recorder_->finish(link_.tick(), result.hash);
+        if (sink_) sink_->finish();
+        result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+        if (settings_.shows_progress) std::fprintf(stderr, "\r%60s\r", "");
+        return result;
+    }
+
+  private:
+    // Ticks until something has to be done besides stepping.
+    std::uint32_t batch_size() const
+    {
+        const std::uint32_t tick = link_.tick();
+        std::uint32_t count = SessionPlayer::observe_every_ticks - tick % SessionPlayer::observe_every_ticks;
+        if (sink_) count = std::min(count, picture_tick(picture_, settings_.pictures_per_second) - tick);
+        return std::min(count, Recorder::snapshot_every_ticks - tick % Recorder::snapshot_every_ticks);
+    }
+
+    void batch()
+    {
+        const std::uint32_t begin = link_.tick();
+        const std::uint32_t count = batch_size();
+        inputs_.clear();
+        while (inputs_.size() < count && !player_.is_done()) {
+            inputs_.push_back(player_.next());
+            note_view(begin + static_cast<std::uint32_t>(inputs_.size()));
+        }
+        const bool is_picture_due =
+            sink_ && begin + inputs_.size() == picture_tick(picture_, settings_.pictures_per_second);
+        const auto states = link_.step(inputs_, is_picture_due);
+        for (std::size_t i = 0; i < states.size(); i++) {
+            figures_.take(states[i]);
+            if (recorder_) recorder_->tick(inputs_[i], states[i]);
+        }
+        if (link_.tick() % SessionPlayer::observe_every_ticks == 0) player_.observe(figures_.inserted_m);
+        record_state();
+        picture_when_due();
+    }
+
+    void note_view(std::uint32_t tick)
+    {
+        if (player_.view() == view_) return;
+        view_ = player_.view();
+        if (recorder_) recorder_->view(tick, view_);
+    }
+
+    void record_state()
+    {
+        if (!recorder_) return;
+        const auto hash = link_.last_hash64();
+        if (hash && hash->tick > hash_tick_) {
+            hash_tick_ = hash->tick;
+            recorder_->hash(hash->tick, hash->hash);
+        }
+        if (link_.tick() % Recorder::snapshot_every_ticks == 0)
+            recorder_->snapshot(link_.tick(), link_.read_snapshot());
+    }
+
+    void picture_when_due()
+    {
+        if (!sink_ || link_.tick() != picture_tick(picture_, settings_.pictures_per_second)) return;
+        if (picture_ == 0) link_.read_nodes();
+        sink_->frame(wire_frame(link_.nodes(), link_.node_table()), view_);
+        picture_++;
+        if (settings_.shows_progress && picture_ % settings_.pictures_per_second == 0) {
+            std::fprintf(stderr, "\r%6.1f s, %5.1f mm inserted, %u pictures", link_.tick() * 1e-3,
+                         figures_.inserted_m * 1e3, picture_);
+        }
+    }
+
+    Link &link_;
+    SessionPlayer player_;
+    Recorder *recorder_;
+    FrameSink *sink_;
+    const RunSettings &settings_;
+    SessionFigures figures_;
+    ViewState view_;
+    std::vector<seld_wire_encoders> inputs_;
+    std::uint32_t picture_ = 0;
+    std::uint32_t hash_tick_ = 0;
+};
+
+} // namespace
+
+RunResult run_session(Device &device, const Session &session, Recorder *recorder, FrameSink *sink,
+                      const RunSettings &settings)
+{
+    return Runner(device, session, recorder, sink, settings).run();
+}
+
+} // namespace seld
