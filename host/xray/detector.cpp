@@ -1,7 +1,6 @@
 // Attenuation, counting and the helpers of the display.
 #include "host/xray/detector.hpp"
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 namespace seld
@@ -12,36 +11,6 @@ namespace
 constexpr int lanes = 16; // pixels worked on together; sizes are multiples of it
 constexpr float small_mean = 12.0f;
 constexpr int slow_cell = 8;
-
-// 2^f on [0, 1): minimax-like polynomial (Taylor of degree 6 about 1/2), relative error 1.2e-7.
-inline float exp2_fraction(float f)
-{
-    const float x = (f - 0.5f) * 0.69314718f;
-    float sum =
-        1.0f + x * (1.0f + x * (0.5f + x * (0.16666667f +
-                                            x * (0.041666668f + x * (0.0083333338f + x * 0.0013888889f)))));
-    return sum * 1.41421356f;
-}
-
-inline float exp2_minus(float x)
-{
-    x = x < 126.0f ? x : 126.0f;
-    const float y = 126.0f - x; // 2^-x = 2^y 2^-126
-    const auto whole = static_cast<std::int32_t>(y);
-    const float fraction = y - static_cast<float>(whole);
-    const float scale = std::bit_cast<float>((whole + 1) << 23);
-    return exp2_fraction(fraction) * scale;
-}
-
-// log2 of the mantissa m in [1, 2) through atanh: s = (m - q)/(m + q), q = sqrt 2.
-inline float log2_of(float x)
-{
-    const auto bits = std::bit_cast<std::int32_t>(x);
-    const float exponent = static_cast<float>((bits >> 23) - 127);
-    const float m = std::bit_cast<float>((bits & 0x7fffff) | 0x3f800000);
-    const float s = (m - 1.41421356f) / (m + 1.41421356f), s2 = s * s;
-    return exponent + 0.5f + s * (2.8853901f + s2 * (0.96179669f + s2 * (0.57707802f + s2 * 0.41219859f)));
-}
 
 // A well mixed 32-bit hash (two rounds of multiply and xor-shift).
 inline std::uint32_t mix32(std::uint32_t x)
@@ -67,7 +36,7 @@ std::uint16_t count_few(float expected, std::uint32_t key, std::uint32_t pixel)
 {
     if (!(expected > 0.0f)) return 0;
     const float uniform = static_cast<float>(mix32(mix32(pixel + key) ^ key) >> 8) * 5.9604645e-8f;
-    float term = exp2_minus(expected * 1.44269504f), sum = term;
+    float term = exp2_negative(expected * 1.44269504f), sum = term;
     std::uint16_t count = 0;
     while (uniform >= sum && count < 60) {
         ++count;
@@ -87,16 +56,6 @@ inline float count_many(float expected, float z)
 
 } // namespace
 
-float exp2_negative(float x)
-{
-    return x >= 126.0f ? 0.0f : exp2_minus(x);
-}
-
-float log2_positive(float x)
-{
-    return log2_of(x);
-}
-
 float transmission(const std::array<float, material_count> &path_q10mm)
 {
     float share = 0.0f;
@@ -104,7 +63,7 @@ float transmission(const std::array<float, material_count> &path_q10mm)
         float exponent = 0.0f;
         for (int m = 0; m < material_count; ++m)
             exponent = exponent + attenuation_log2_per_q10mm[m][bin] * path_q10mm[m];
-        share = share + beam_share[bin] * exp2_minus(exponent > 0.0f ? exponent : 0.0f);
+        share = share + beam_share[bin] * exp2_negative(exponent > 0.0f ? exponent : 0.0f);
     }
     return share;
 }
@@ -115,6 +74,9 @@ void transmission_row(const std::array<const std::int32_t *, material_count> &pa
         float exponent[beam_bin_count][lanes] = {};
         for (int m = 0; m < material_count; ++m) {
             if (!paths[m]) continue;
+            std::int32_t any = 0;
+            for (int i = 0; i < lanes; ++i) any |= paths[m][x + i];
+            if (any == 0) continue;
             float path[lanes];
             for (int i = 0; i < lanes; ++i) path[i] = static_cast<float>(paths[m][x + i]);
             for (int bin = 0; bin < beam_bin_count; ++bin)
@@ -123,7 +85,7 @@ void transmission_row(const std::array<const std::int32_t *, material_count> &pa
         }
         float sum[lanes] = {};
         for (int bin = 0; bin < beam_bin_count; ++bin)
-            for (int i = 0; i < lanes; ++i) sum[i] += beam_share[bin] * exp2_minus(exponent[bin][i]);
+            for (int i = 0; i < lanes; ++i) sum[i] += beam_share[bin] * exp2_negative(exponent[bin][i]);
         std::copy_n(sum, lanes, share + x);
     }
 }
@@ -216,24 +178,22 @@ std::vector<float> slow_part(const std::vector<float> &values, int size, const s
 
 void slow_row(const std::vector<float> &slow, int size, int row, float *out)
 {
+    constexpr int half = slow_cell / 2;
     const int cells = size / slow_cell;
-    auto locate = [&](int pixel, int &cell, float &share) {
-        const int steps = std::clamp(2 * pixel + 1 - slow_cell, 0, 2 * slow_cell * (cells - 1));
-        cell = std::min(steps / (2 * slow_cell), cells - 2);
-        share = static_cast<float>(steps - cell * 2 * slow_cell) * (0.5f / slow_cell);
-    };
-    int cy;
-    float sy;
-    locate(row, cy, sy);
-    const float *upper = slow.data() + static_cast<std::size_t>(cy) * cells, *lower = upper + cells;
-    for (int x = 0; x < size; ++x) {
-        int cx;
-        float sx;
-        locate(x, cx, sx);
-        const float above = upper[cx] + sx * (upper[cx + 1] - upper[cx]);
-        const float below = lower[cx] + sx * (lower[cx + 1] - lower[cx]);
-        out[x] = above + sy * (below - above);
+    const int steps = std::clamp(2 * row + 1 - slow_cell, 0, 2 * slow_cell * (cells - 1));
+    const int cell = std::min(steps / (2 * slow_cell), cells - 2);
+    const float share = static_cast<float>(steps - cell * 2 * slow_cell) * (0.5f / slow_cell);
+    const float *upper = slow.data() + static_cast<std::size_t>(cell) * cells, *lower = upper + cells;
+    float left = upper[0] + share * (lower[0] - upper[0]);
+    std::fill(out, out + half, left);
+    for (int c = 1; c < cells; ++c) {
+        const float right = upper[c] + share * (lower[c] - upper[c]);
+        const float step = (right - left) * (0.5f / slow_cell);
+        float *begin = out + c * slow_cell - half;
+        for (int k = 0; k < slow_cell; ++k) begin[k] = left + step * static_cast<float>(2 * k + 1);
+        left = right;
     }
+    std::fill(out + size - half, out + size, left);
 }
 
 } // namespace seld

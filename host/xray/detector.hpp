@@ -2,6 +2,7 @@
 // integers: the same bytes from every compiler and thread count.
 #pragma once
 #include "host/xray/attenuation.hpp"
+#include "host/xray/float_math.hpp"
 #include "host/xray/xray.hpp"
 #include <cstdint>
 #include <span>
@@ -9,12 +10,6 @@
 
 namespace seld
 {
-
-// 2^-x for x >= 0 (beyond 126: 0); relative error <= 2e-7.
-float exp2_negative(float x);
-
-// log2(x) for normal x > 0; absolute error <= 2e-5.
-float log2_positive(float x);
 
 // Share of the beam's photons that pass these path lengths (1/1024 mm per material).
 float transmission(const std::array<float, material_count> &path_q10mm);

@@ -96,7 +96,7 @@ void count_all(const XrayCache &cache, const XraySettings &settings, std::uint64
 }
 
 // Light spread of the scintillator: [1 4 1]/6 along both axes. Sum of nine weighted counts, 36 per photon.
-void blur_row(const XrayPicture &picture, int row, std::vector<float> &column, float *blurred)
+void blur_row(const XrayPicture &picture, int row, float *column, float *blurred)
 {
     const int size = picture.size;
     const int above = std::max(row - 1, 0), below = std::min(row + 1, size - 1);
@@ -141,13 +141,13 @@ void display_all(const XrayCache &cache, const XraySettings &settings, XrayPictu
     const int size = cache.size;
     const Curve curve = make_curve(cache, settings.display, picture.photons_open);
     run_on_threads(cache.threads, [&](int thread) {
-        std::vector<float> column(size + 2), blurred(size), slow(size);
+        std::vector<float> scratch(2 * size + 2), slow(size);
         const RowRange rows = rows_of_thread(thread, cache.threads, size);
         for (int row = rows.begin; row < rows.end; ++row) {
             std::uint8_t *grey = picture.grey.data() + static_cast<std::size_t>(row) * size;
-            blur_row(picture, row, column, blurred.data());
             slow_row(cache.log_slow, size, row, slow.data());
-            display_row(curve, blurred.data(), slow.data(), size, grey);
+            blur_row(picture, row, scratch.data() + size, scratch.data());
+            display_row(curve, scratch.data(), slow.data(), size, grey);
             std::fill(grey, grey + cache.open[row].begin, std::uint8_t{0});
             std::fill(grey + cache.open[row].end, grey + size, std::uint8_t{0});
         }
