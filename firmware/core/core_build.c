@@ -336,7 +336,7 @@ static void build_springs(seld_model *model, const int64_t *axial_q8)
         edge->spring = to_exponent(axial_q8[i], exponent);
         int64_t stiffness_q17 = (axial_q8[i] * edge->length_m_q30) >> 21;
         edge->axial_stiffness_N_q17 = seld_sat32(stiffness_q17);
-        model->compliance_m_N_q40[i] = compliance > UINT32_MAX ? UINT32_MAX : (uint32_t)compliance;
+        model->compliance_m_N_q40[i] = compliance > INT32_MAX ? INT32_MAX : (uint32_t)compliance;
         compliance += seld_divide_u64((uint64_t)1 << 48, (uint64_t)axial_q8[i]);
         seld_node *node = &model->nodes[i];
         /* kg in Q40 / (1 ms)^2 -> Q(a) N/m */

@@ -4,14 +4,18 @@
  * side (docs/rod.md, "feed"). May include: rod.h. Called by: core_step.c. */
 #include "firmware/core/rod.h"
 
-enum { FOLLOW_SHIFT = 2 /* the feed covers a quarter of the hand's lead each tick */ };
+enum {
+    FOLLOW_SHIFT = 2, /* the feed covers a quarter of the hand's lead each tick */
+    WALL_COMPLIANCE_m_N_Q40 =
+        43980465, /* 4e-5 m/N: the contact that blocks the tip, k_c + k_deep = 25 kN/m */
+};
 
 static int32_t clamp32(int32_t value, int32_t low, int32_t high)
 {
     return value < low ? low : (value > high ? high : value);
 }
 
-/* Feed that brings the handle to its force limit: (F_max - H) x compliance of the free part, per direction.
+/* Feed that brings the handle to its force limit: (F_max - H) x compliance of the free part and the wall.
  * Format: N Q22 x m/N Q40 -> m Q30. Overflow: saturates at the feed limit. */
 static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
 {
@@ -35,7 +39,7 @@ static int32_t choose_feed(const seld_model *model, seld_state_words *words, int
         lead = kept;
     }
     int32_t feed = (int32_t)lead / (1 << FOLLOW_SHIFT);
-    uint32_t compliance = model->compliance_m_N_q40[words->free_count];
+    uint32_t compliance = model->compliance_m_N_q40[words->free_count] + WALL_COMPLIANCE_m_N_Q40;
     int32_t push = stall_limit(seld_sub_sat(model->stall_N_q22, words->handle_axial_N_q22), compliance);
     int32_t pull = stall_limit(seld_add_sat(model->stall_N_q22, words->handle_axial_N_q22), compliance);
     feed = clamp32(feed, -pull, push);
@@ -100,6 +104,17 @@ static void place_inside(const seld_model *model, seld_state *state, uint32_t i,
     work->slide_m_q33 = node->step_m_q33;
     work->drift_m_q33 = (seld_vec3){{0, 0, 0}};
     work->force_N_q22 = (seld_vec3){{0, 0, 0}};
+}
+
+/* A node freed this tick: x* is on the axis at the new feed, it came from there less the slide, under its weight. */
+static void free_node(const seld_model *model, seld_state *state, uint32_t i)
+{
+    seld_work *work = &state->scratch.nodes[i];
+    work->force_N_q22 = model->nodes[i].weight_N_q22;
+    for (int k = 0; k < 3; k++) {
+        state->words.nodes[i].position_m_q30.v[k] =
+            work->position_m_q30.v[k] - ((work->slide_m_q33.v[k] + 4) >> 3);
+    }
 }
 
 /* x* = x - T ds with the node's tangent T, and the inertia's right side m/h^2 ((1 - gamma h) u - slide).
@@ -179,8 +194,8 @@ void seld_rod_feed(const seld_model *model, seld_state *state, const seld_input 
     seld_vec3 axis1 = base_axis(model, words);
     for (uint32_t i = sliding; i < now + 3; i++) {
         place_inside(model, state, i, axis1);
-        if (i < now) { /* freed this tick: on the axis, moving with the feed, already under its own weight */
-            state->scratch.nodes[i].force_N_q22 = model->nodes[i].weight_N_q22;
+        if (i < now) {
+            free_node(model, state, i);
         }
     }
     for (int k = 0; k < 3; k++) {

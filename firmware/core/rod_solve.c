@@ -187,9 +187,10 @@ static inline void load_row(const seld_work *work, const seld_sym3 *spring_ahead
     }
 }
 
-/* Eliminates node `work`; the forces are copied so that a second solve can start from what was assembled. */
-static inline void eliminate_node(unsigned exponent, seld_work *work, const row3 *here, row3 *next,
-                                  row3 *after)
+/* Eliminates node `work`; the forces are copied so that a second solve can start from what was assembled. Returns
+ * non-zero bits when a force had to be limited. */
+static inline int64_t eliminate_node(unsigned exponent, seld_work *work, const row3 *here, row3 *next,
+                                     row3 *after)
 {
     const int32_t r[3] = {limit(here->r[0], FORCE_MAX_N_Q22), limit(here->r[1], FORCE_MAX_N_Q22),
                           limit(here->r[2], FORCE_MAX_N_Q22)};
@@ -201,6 +202,7 @@ static inline void eliminate_node(unsigned exponent, seld_work *work, const row3
     subtract_forces(next->r, after->r, work, r);
     subtract_product(&next->d, &here->u, work->w_q29);
     subtract_second(&next->u, work->off_second, work->w_q29);
+    return (here->r[0] ^ r[0]) | (here->r[1] ^ r[1]) | (here->r[2] ^ r[2]);
 }
 
 /* One pass from tip to base. */
@@ -211,15 +213,19 @@ static void eliminate(const seld_model *model, seld_state *state)
     seld_work *work = state->scratch.nodes;
     row3 rows[3];
     row3 *here = &rows[0], *next = &rows[1], *after = &rows[2];
+    int64_t limited = 0;
     load_row(&work[0], &no_spring, here);
     load_row(&work[1], &work[0].spring, next);
     for (uint32_t i = 0; i < na; i++) {
         load_row(&work[i + 2], &work[i + 1].spring, after);
-        eliminate_node(model->stiffness_exponent, &work[i], here, next, after);
+        limited |= eliminate_node(model->stiffness_exponent, &work[i], here, next, after);
         row3 *done = here;
         here = next;
         next = after;
         after = done;
+    }
+    if (limited != 0) {
+        state->words.fault_bits |= SELD_FAULT_SATURATED;
     }
 }
 

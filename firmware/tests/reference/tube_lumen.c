@@ -191,7 +191,7 @@ reference_tube *reference_tube_make(const reference_piece *pieces, uint32_t piec
                                     uint32_t level)
 {
     reference_tube *tube = calloc(1, sizeof *tube);
-    double total = 0;
+    double total = 0.02; /* the piece behind the entry */
     for (uint32_t i = 0; i < piece_count; i++) total += pieces[i].length_m;
     tube->points_m = malloc((size_t)(total / 0.001 + 4 * piece_count + 16) * sizeof *tube->points_m);
     tube->radius_m = radius_m;
