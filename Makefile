@@ -58,6 +58,9 @@ Q = @$(if $(V),,echo "  $(@:$(BUILD)/%=%)";)$(if $(V),set -x;)
 # --- rules ------------------------------------------------------------------------------------------------------
 $(BUILD)/obj/firmware/core/%.c.o: OPT := $(CORE_OPT)
 $(BUILD)/obj/firmware/core/%.c.o: CFLAGS += -ffreestanding $(if $(findstring clang,$(CC)),,-fno-schedule-insns)
+# Loops over pixels become vector code; neither flag changes a value.
+$(BUILD)/obj/host/xray/%.cpp.o: OPT := -O3
+$(BUILD)/obj/host/xray/%.cpp.o: CXXFLAGS += -fno-math-errno -fno-trapping-math
 $(BUILD)/obj/%.c.o: %.c
 	@mkdir -p $(@D)
 	$(Q) $(CC) $(CFLAGS) $(OPT) -c $< -o $@
