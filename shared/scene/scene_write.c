@@ -1,0 +1,61 @@
+/* Laying out a scene container: scene_write.h. */
+#include "shared/scene/scene_write.h"
+#include "shared/wire/wire_frame.h"
+
+#include <string.h>
+
+void seld_scene_put_u16(uint8_t *bytes, uint16_t value)
+{
+    bytes[0] = (uint8_t)value;
+    bytes[1] = (uint8_t)(value >> 8);
+}
+
+void seld_scene_put_u32(uint8_t *bytes, uint32_t value)
+{
+    seld_scene_put_u16(bytes, (uint16_t)value);
+    seld_scene_put_u16(bytes + 2, (uint16_t)(value >> 16));
+}
+
+static uint64_t padded(uint64_t bytes)
+{
+    return (bytes + SELD_SCENE_ALIGNMENT - 1) & ~(uint64_t)(SELD_SCENE_ALIGNMENT - 1);
+}
+
+size_t seld_scene_write_bytes(const seld_scene_part *parts, uint32_t part_count)
+{
+    uint64_t total = SELD_SCENE_HEADER_BYTES + (uint64_t)part_count * SELD_SCENE_TABLE_ROW_BYTES;
+    for (uint32_t i = 0; i < part_count; i++) {
+        total = padded(total) + parts[i].size;
+        if (total > INT32_MAX) return 0;
+    }
+    return (size_t)padded(total);
+}
+
+size_t seld_scene_write(seld_scene_kind kind, const seld_scene_part *parts, uint32_t part_count,
+                        uint8_t *file, size_t capacity)
+{
+    static const uint8_t magic[8] = {'S', 'E', 'L', 'D', 'S', 'C', 'N', 0};
+    size_t total = seld_scene_write_bytes(parts, part_count);
+    if (total == 0 || total > capacity) return 0;
+    memset(file, 0, total);
+    memcpy(file, magic, sizeof magic);
+    seld_scene_put_u16(file + 8, SELD_SCENE_MAJOR);
+    seld_scene_put_u16(file + 10, SELD_SCENE_MINOR);
+    seld_scene_put_u32(file + 12, (uint32_t)kind);
+    seld_scene_put_u32(file + 16, (uint32_t)total);
+    seld_scene_put_u32(file + 20, part_count);
+    size_t table_end = SELD_SCENE_HEADER_BYTES + (size_t)part_count * SELD_SCENE_TABLE_ROW_BYTES,
+           end = table_end;
+    for (uint32_t i = 0; i < part_count; i++) {
+        uint8_t *row = file + SELD_SCENE_HEADER_BYTES + (size_t)i * SELD_SCENE_TABLE_ROW_BYTES;
+        end = (size_t)padded(end);
+        if (parts[i].size > 0) memcpy(file + end, parts[i].bytes, parts[i].size);
+        seld_scene_put_u32(row, (uint32_t)parts[i].type);
+        seld_scene_put_u32(row + 4, (uint32_t)end);
+        seld_scene_put_u32(row + 8, (uint32_t)parts[i].size);
+        seld_scene_put_u32(row + 12, seld_wire_crc32(0, file + end, parts[i].size));
+        end += parts[i].size;
+    }
+    seld_scene_put_u32(file + 24, seld_wire_crc32(0, file, table_end));
+    return total;
+}

@@ -1,0 +1,80 @@
+/* Fuzz target: any bytes may be offered as a scene. What the check accepts is then walked as the core and the host
+ * walk it, and a broken promise ends the program. Each input is tried as it is and with its CRCs made right, so that
+ * the checks behind them are reached. */
+#include "shared/scene/tests/scene_sample.h"
+
+#include <stdlib.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity);
+
+static void promise(bool kept)
+{
+    if (!kept) abort();
+}
+
+/* Refinement ends after two rows and every brick is there. */
+static void walk_entry(const seld_scene_lumen *lumen, uint32_t entry)
+{
+    for (int level = 0; entry >= 0x8000; level++) {
+        uint32_t row = entry & 0x7fffu;
+        promise(level < 2 && row < lumen->child_row_count);
+        uint32_t next = 0;
+        for (int i = 0; i < 8; i++) {
+            uint32_t child = lumen->children[row * 8 + (uint32_t)i];
+            promise(child >= 0x8000 || child < 2 || child - 2 < lumen->brick_count);
+            if (child >= 0x8000) next = child;
+        }
+        if (next == 0) return;
+        entry = next;
+    }
+    promise(entry < 2 || entry - 2 < lumen->brick_count);
+}
+
+static void walk(const seld_scene *scene, const uint8_t *end)
+{
+    promise(strlen(scene->name) < 64 && strlen(scene->source) < 192);
+    const seld_scene_lumen *lumen = &scene->lumen;
+    if (scene->kind == SELD_SCENE_KIND_SCENE) {
+        size_t count =
+            (size_t)lumen->brick_count_xyz[0] * lumen->brick_count_xyz[1] * lumen->brick_count_xyz[2];
+        for (size_t i = 0; i < count; i++) walk_entry(lumen, lumen->index[i]);
+        promise((const uint8_t *)lumen->samples + (size_t)lumen->brick_count * 1000 <= end);
+    }
+    for (uint32_t i = 0; i < scene->body_count; i++) {
+        seld_scene_body_view body = seld_scene_body(scene, i);
+        promise(body.parent < (int32_t)scene->body_count && strlen(body.name) < 32 &&
+                strlen(body.material) < 16);
+        promise(body.triangles + 12 * (size_t)body.triangle_count <= end);
+        for (size_t k = 0; k < 3 * (size_t)body.triangle_count; k++)
+            promise(seld_scene_u32(body.triangles + 4 * k) < body.vertex_count);
+    }
+}
+
+static void offer(const uint8_t *bytes, size_t size)
+{
+    seld_scene scene;
+    uint32_t where = 0;
+    seld_scene_status status = seld_scene_open(bytes, size, &scene, &where);
+    promise(seld_scene_status_text(status)[0] != 0 && where <= size);
+    if (status == SELD_SCENE_OK) walk(&scene, bytes + size);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    uint8_t *copy = malloc(size + 1); /* exact, so that a read past the end is seen */
+    if (copy == NULL) return 0;
+    memcpy(copy, bytes, size);
+    offer(copy, size);
+    if (size >= 20) seld_scene_put_u32(copy + 16, (uint32_t)size);
+    sample_seal(copy, size);
+    offer(copy, size);
+    free(copy);
+    return 0;
+}
+
+size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
+{
+    if (index == 0) return sample_scene(bytes, capacity);
+    return index == 1 ? sample_bodies(bytes, capacity) : 0;
+}

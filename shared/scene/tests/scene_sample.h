@@ -1,0 +1,104 @@
+/* Small valid files for the tests of the scene container, and sealing of files changed on purpose.
+ * May include: shared. Called by: shared/scene/tests. */
+#ifndef SELD_SCENE_SAMPLE_H
+#define SELD_SCENE_SAMPLE_H
+
+#include "shared/scene/scene_write.h"
+#include "shared/wire/wire_frame.h"
+
+#include <string.h>
+
+enum {
+    SAMPLE_BYTES_MAX = 8192,
+    SAMPLE_LATTICE = 2, /* coarse bricks: 2 x 1 x 1 */
+    SAMPLE_ROWS = 2,
+    SAMPLE_BRICKS = 3,
+    SAMPLE_LUMEN_BYTES = 32 + 2 * SAMPLE_LATTICE + 16 * SAMPLE_ROWS + 1000 * SAMPLE_BRICKS,
+    SAMPLE_BODY_BYTES = 64 + 12 * 4 + 12 * 4,
+};
+
+static inline void sample_meta(uint8_t *meta)
+{
+    memset(meta, 0, SELD_SCENE_META_BYTES);
+    memcpy(meta, "sample", 6);
+    memcpy(meta + SELD_SCENE_NAME_BYTES, "made by the tests", 17);
+}
+
+static inline void sample_entry(uint8_t *entry)
+{
+    memset(entry, 0, SELD_SCENE_ENTRY_BYTES);
+    seld_scene_put_u32(entry + 16, 1u << 30); /* +y */
+}
+
+/* Coarse brick 0 is brick 0; coarse brick 1 is row 0, whose first octant is row 1; all others are bricks 1 and 2. */
+static inline void sample_lumen(uint8_t *lumen)
+{
+    memset(lumen, 0, SAMPLE_LUMEN_BYTES);
+    seld_scene_put_u32(lumen, (uint32_t) - (1 << 23));
+    seld_scene_put_u16(lumen + 12, 2);
+    seld_scene_put_u16(lumen + 14, 1);
+    seld_scene_put_u16(lumen + 16, 1);
+    seld_scene_put_u16(lumen + 18, SAMPLE_ROWS);
+    seld_scene_put_u32(lumen + 20, SAMPLE_BRICKS);
+    seld_scene_put_u16(lumen + 24, 1);
+    seld_scene_put_u16(lumen + 32, 2);
+    seld_scene_put_u16(lumen + 34, 0x8000);
+    for (int i = 0; i < 16; i++)
+        seld_scene_put_u16(lumen + 36 + 2 * i, (uint16_t)(i == 0 ? 0x8001 : i < 8 ? 3 : 4));
+    for (int i = 0; i < 1000 * SAMPLE_BRICKS; i++) lumen[68 + i] = (uint8_t)(i * 37);
+}
+
+static inline size_t sample_scene(uint8_t *file, size_t capacity)
+{
+    uint8_t meta[SELD_SCENE_META_BYTES], entry[SELD_SCENE_ENTRY_BYTES], lumen[SAMPLE_LUMEN_BYTES];
+    sample_meta(meta);
+    sample_entry(entry);
+    sample_lumen(lumen);
+    const seld_scene_part parts[3] = {{SELD_SCENE_META, meta, sizeof meta},
+                                      {SELD_SCENE_ENTRY, entry, sizeof entry},
+                                      {SELD_SCENE_LUMEN, lumen, sizeof lumen}};
+    return seld_scene_write(SELD_SCENE_KIND_SCENE, parts, 3, file, capacity);
+}
+
+/* A tetrahedron of 1 m named by `name`. */
+static inline void sample_body(uint8_t *body, const char *name, int32_t parent)
+{
+    static const uint32_t triangles[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+    memset(body, 0, SAMPLE_BODY_BYTES);
+    memcpy(body, name, strlen(name));
+    memcpy(body + 32, "bone", 4);
+    seld_scene_put_u32(body + 48, (uint32_t)parent);
+    seld_scene_put_u32(body + 52, 4);
+    seld_scene_put_u32(body + 56, 4);
+    for (int k = 0; k < 3; k++) seld_scene_put_u32(body + 64 + 12 * (k + 1) + 4 * k, 1000000);
+    for (int i = 0; i < 12; i++) seld_scene_put_u32(body + 112 + 4 * i, triangles[i]);
+}
+
+static inline size_t sample_bodies(uint8_t *file, size_t capacity)
+{
+    uint8_t meta[SELD_SCENE_META_BYTES], skin[SAMPLE_BODY_BYTES], bone[SAMPLE_BODY_BYTES];
+    sample_meta(meta);
+    sample_body(bone, "bone", 1);
+    sample_body(skin, "skin", -1);
+    const seld_scene_part parts[3] = {{SELD_SCENE_META, meta, sizeof meta},
+                                      {SELD_SCENE_BODY, bone, sizeof bone},
+                                      {SELD_SCENE_BODY, skin, sizeof skin}};
+    return seld_scene_write(SELD_SCENE_KIND_BODIES, parts, 3, file, capacity);
+}
+
+/* Make every CRC right again where the section table still allows it. */
+static inline void sample_seal(uint8_t *file, size_t size)
+{
+    uint32_t count = size < 32 ? 0 : seld_scene_u32(file + 20);
+    if (size < 32 || count > (size - 32) / 16) return;
+    for (uint32_t i = 0; i < count; i++) {
+        uint8_t *row = file + 32 + 16 * (size_t)i;
+        uint32_t offset = seld_scene_u32(row + 4), bytes = seld_scene_u32(row + 8);
+        if (offset <= size && bytes <= size - offset)
+            seld_scene_put_u32(row + 12, seld_wire_crc32(0, file + offset, bytes));
+    }
+    seld_scene_put_u32(file + 24, 0);
+    seld_scene_put_u32(file + 24, seld_wire_crc32(0, file, 32 + 16 * (size_t)count));
+}
+
+#endif

@@ -1,0 +1,287 @@
+/* Claims: a scene is refused, with its own code and the place, whatever is wrong with it, and nothing of a refused scene
+ * is handed out. Shown on small valid files: cut at every length, every bit flipped, and each rule of docs/scene.md
+ * broken alone with the CRCs made right. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#include "shared/scene/tests/scene_sample.h"
+
+/* In the sample scene: header 32 + table 48 = 80; META 80, ENTRY 336, LUMEN 368. In the bodies: META 80, BODY 336, 496. */
+enum { META_AT = 80, ENTRY_AT = 336, LUMEN_AT = 368, BONE_AT = 336, SKIN_AT = 496 };
+
+static _Alignas(16) uint8_t file[SAMPLE_BYTES_MAX];
+static size_t file_bytes;
+
+static int make_scene(void **state)
+{
+    (void)state;
+    memset(file, 0xee, sizeof file);
+    file_bytes = sample_scene(file, sizeof file);
+    return file_bytes == 0;
+}
+
+static int make_bodies(void **state)
+{
+    (void)state;
+    memset(file, 0xee, sizeof file);
+    file_bytes = sample_bodies(file, sizeof file);
+    return file_bytes == 0;
+}
+
+static seld_scene_status open_file(uint32_t *where)
+{
+    seld_scene scene;
+    memset(&scene, 0x5a, sizeof scene);
+    seld_scene before = scene;
+    seld_scene_status status = seld_scene_open(file, file_bytes, &scene, where);
+    if (status != SELD_SCENE_OK && memcmp(&scene, &before, sizeof scene) != 0)
+        fail_msg("a refused scene was handed out");
+    return status;
+}
+
+static void refuses(seld_scene_status expected, uint32_t place)
+{
+    uint32_t where = 0;
+    seld_scene_status status = open_file(&where);
+    if (status != expected || where != place) {
+        fail_msg("status %d (%s) at byte %u, expected %d (%s) at byte %u", status,
+                 seld_scene_status_text(status), where, expected, seld_scene_status_text(expected), place);
+    }
+}
+
+/* Write a word, make the CRCs right, and expect a refusal; then put the word back. */
+static void refuses_word(size_t at, unsigned bytes, uint32_t value, seld_scene_status expected,
+                         uint32_t place)
+{
+    uint8_t saved[4];
+    memcpy(saved, file + at, bytes);
+    for (unsigned i = 0; i < bytes; i++) file[at + i] = (uint8_t)(value >> 8 * i);
+    sample_seal(file, file_bytes);
+    refuses(expected, place);
+    memcpy(file + at, saved, bytes);
+    sample_seal(file, file_bytes);
+    assert_int_equal(open_file(NULL), SELD_SCENE_OK);
+}
+
+static void scene_gives_back_what_was_written(void **state)
+{
+    (void)state;
+    seld_scene scene;
+    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+    assert_string_equal(scene.name, "sample");
+    assert_string_equal(scene.source, "made by the tests");
+    assert_int_equal(scene.entry_direction_q30[1], 1 << 30);
+    assert_int_equal(scene.lumen.origin_m_q30[0], -(1 << 23));
+    assert_int_equal(scene.lumen.brick_count_xyz[0], 2);
+    assert_int_equal(scene.lumen.brick_count, SAMPLE_BRICKS);
+    assert_int_equal(scene.lumen.index[1], 0x8000);
+    assert_int_equal(scene.lumen.children[0], 0x8001);
+    assert_int_equal(scene.lumen.samples[2999], (int8_t)(uint8_t)(2999 * 37));
+    assert_int_equal(scene.hash, seld_scene_u32(file + 24));
+}
+
+static void bodies_give_back_what_was_written(void **state)
+{
+    (void)state;
+    seld_scene scene;
+    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+    assert_int_equal(scene.body_count, 2);
+    seld_scene_body_view bone = seld_scene_body(&scene, 0), skin = seld_scene_body(&scene, 1);
+    assert_string_equal(bone.name, "bone");
+    assert_string_equal(skin.material, "bone");
+    assert_int_equal(bone.parent, 1);
+    assert_int_equal(skin.parent, -1);
+    assert_int_equal(seld_scene_i32(skin.vertices_um + 12), 1000000);
+    assert_int_equal(seld_scene_u32(skin.triangles + 44), 3);
+}
+
+static void every_shorter_file_is_refused(void **state)
+{
+    (void)state;
+    size_t whole = file_bytes;
+    for (file_bytes = 0; file_bytes < whole; file_bytes++) {
+        uint32_t where = 0;
+        seld_scene_status status = open_file(&where);
+        if (status != SELD_SCENE_TRUNCATED) fail_msg("cut to %zu bytes: status %d", file_bytes, status);
+        assert_true(where <= file_bytes);
+    }
+    file_bytes = whole;
+}
+
+static void every_flipped_bit_is_refused(void **state)
+{
+    (void)state;
+    for (size_t bit = 0; bit < 8 * file_bytes; bit++) {
+        file[bit / 8] ^= (uint8_t)(1u << bit % 8);
+        if (open_file(NULL) == SELD_SCENE_OK)
+            fail_msg("bit %zu of byte %zu flipped: accepted", bit % 8, bit / 8);
+        file[bit / 8] ^= (uint8_t)(1u << bit % 8);
+    }
+    assert_int_equal(open_file(NULL), SELD_SCENE_OK);
+}
+
+static void other_files_newer_and_older_ones_are_told_apart(void **state)
+{
+    (void)state;
+    refuses_word(0, 4, 0x46445025, SELD_SCENE_MAGIC, 0); /* a PDF */
+    refuses_word(8, 2, SELD_SCENE_MAJOR + 1, SELD_SCENE_NEWER, 8);
+    refuses_word(10, 2, SELD_SCENE_MINOR + 1, SELD_SCENE_NEWER, 8);
+    refuses_word(8, 2, 0, SELD_SCENE_OLDER, 8);
+    refuses_word(12, 4, 7, SELD_SCENE_KIND, 12);
+    refuses_word(28, 4, 1, SELD_SCENE_RESERVED, 28);
+    refuses_word(24, 1, file[24] ^ 1u, SELD_SCENE_OK,
+                 0); /* sealed again: the control of refuses_word itself */
+}
+
+static void oversized_and_trailing_bytes_are_refused(void **state)
+{
+    (void)state;
+    refuses_word(16, 4, SELD_SCENE_BYTES_MAX + 16, SELD_SCENE_OVERSIZED, 16);
+    refuses_word(16, 4, 0xffffffffu, SELD_SCENE_OVERSIZED, 16);
+    size_t whole = file_bytes;
+    file_bytes = whole + 16;
+    refuses(SELD_SCENE_TRAILING, (uint32_t)whole);
+    file_bytes = whole;
+}
+
+static void an_unaligned_buffer_is_refused(void **state)
+{
+    (void)state;
+    seld_scene scene;
+    memmove(file + 1, file, file_bytes);
+    assert_int_equal(seld_scene_open(file + 1, file_bytes, &scene, NULL), SELD_SCENE_UNALIGNED);
+}
+
+static void section_table_faults_are_refused(void **state)
+{
+    (void)state;
+    refuses_word(20, 4, 2, SELD_SCENE_SECTION_COUNT, 20);
+    refuses_word(20, 4, 0xffffffff, SELD_SCENE_SECTION_COUNT, 20);
+    refuses_word(32, 4, SELD_SCENE_LUMEN, SELD_SCENE_SECTION_TYPE, 32);
+    refuses_word(52, 4, META_AT, SELD_SCENE_SECTION_PLACE, 52);       /* ENTRY over META */
+    refuses_word(52, 4, ENTRY_AT + 16, SELD_SCENE_SECTION_PLACE, 52); /* a gap */
+    refuses_word(68, 4, 0xfffffff0u, SELD_SCENE_SECTION_PLACE, 68);
+    refuses_word(72, 4, 0xfffffff0u, SELD_SCENE_SECTION_PLACE, 68);
+    refuses_word(ENTRY_AT + 24, 1, 1, SELD_SCENE_RESERVED, ENTRY_AT + 24); /* padding */
+    refuses_word(40, 4, 255, SELD_SCENE_SECTION_SIZE, META_AT);
+    refuses_word(56, 4, 23, SELD_SCENE_SECTION_SIZE, ENTRY_AT);
+}
+
+static void a_damaged_section_is_told_from_a_damaged_header(void **state)
+{
+    (void)state;
+    file[LUMEN_AT + 100] ^= 4;
+    refuses(SELD_SCENE_SECTION_CRC, LUMEN_AT);
+    file[LUMEN_AT + 100] ^= 4;
+    file[44] ^= 4;
+    refuses(SELD_SCENE_HEADER_CRC, 24);
+}
+
+static void texts_must_end_and_be_printable(void **state)
+{
+    (void)state;
+    refuses_word(META_AT + 3, 1, '\n', SELD_SCENE_TEXT, META_AT + 3);
+    refuses_word(META_AT + 63, 1, 'x', SELD_SCENE_TEXT, META_AT + 63);
+    memset(file + META_AT, 'x', 64);
+    sample_seal(file, file_bytes);
+    refuses(SELD_SCENE_TEXT, META_AT);
+}
+
+static void entry_must_be_a_place_and_a_unit_vector(void **state)
+{
+    (void)state;
+    refuses_word(ENTRY_AT + 4, 4, (uint32_t)SELD_SCENE_ENTRY_REACH_Q30 + 1, SELD_SCENE_ENTRY_POSITION,
+                 ENTRY_AT + 4);
+    refuses_word(ENTRY_AT + 8, 4, 0x80000000u, SELD_SCENE_ENTRY_POSITION, ENTRY_AT + 8);
+    refuses_word(ENTRY_AT + 16, 4, 0, SELD_SCENE_ENTRY_DIRECTION, ENTRY_AT + 12);
+    refuses_word(ENTRY_AT + 16, 4, (1u << 30) + 2000, SELD_SCENE_ENTRY_DIRECTION, ENTRY_AT + 12);
+    refuses_word(ENTRY_AT + 12, 4, 0x80000000u, SELD_SCENE_ENTRY_DIRECTION, ENTRY_AT + 12);
+}
+
+static void lattice_and_index_must_stay_inside(void **state)
+{
+    (void)state;
+    const uint32_t lumen = LUMEN_AT, index = LUMEN_AT + 32, children = LUMEN_AT + 36;
+    refuses_word(lumen + 12, 2, 0, SELD_SCENE_LATTICE, lumen + 12);
+    refuses_word(lumen + 16, 2, 513, SELD_SCENE_LATTICE, lumen + 16);
+    refuses_word(lumen, 4, 0x7fffffffu, SELD_SCENE_LATTICE, lumen);
+    refuses_word(lumen + 14, 2, 2, SELD_SCENE_SECTION_SIZE, lumen + 12);
+    refuses_word(lumen + 20, 4, 4, SELD_SCENE_SECTION_SIZE, lumen + 12);
+    refuses_word(lumen + 20, 4, 0x83126f, SELD_SCENE_SECTION_SIZE, lumen + 12); /* x 1000 passes 2^32 */
+    refuses_word(lumen + 24, 2, 3, SELD_SCENE_CHILD_ROWS, lumen + 24);
+    refuses_word(lumen + 26, 2, 1, SELD_SCENE_RESERVED, lumen + 26);
+    refuses_word(index, 2, 2 + SAMPLE_BRICKS, SELD_SCENE_INDEX_BRICK, index);
+    refuses_word(index, 2, 0x7fff, SELD_SCENE_INDEX_BRICK, index);
+    refuses_word(index, 2, 0x8001, SELD_SCENE_INDEX_ROW, index);       /* a row of the second rank */
+    refuses_word(children, 2, 0x8000, SELD_SCENE_INDEX_ROW, children); /* itself: a circle */
+    refuses_word(children, 2, 0x8002, SELD_SCENE_INDEX_ROW, children);
+    refuses_word(children + 16, 2, 0x8001, SELD_SCENE_INDEX_ROW, children + 16); /* a third refinement */
+    refuses_word(children + 30, 2, 5, SELD_SCENE_INDEX_BRICK, children + 30);
+}
+
+static void bodies_must_be_whole_and_lie_in_each_other_without_circle(void **state)
+{
+    (void)state;
+    refuses_word(BONE_AT + 48, 4, 2, SELD_SCENE_BODY_PARENT, BONE_AT + 48);
+    refuses_word(BONE_AT + 48, 4, (uint32_t)-2, SELD_SCENE_BODY_PARENT, BONE_AT + 48);
+    refuses_word(BONE_AT + 48, 4, 0, SELD_SCENE_BODY_PARENT, BONE_AT + 48);
+    refuses_word(SKIN_AT + 48, 4, 0, SELD_SCENE_BODY_PARENT, BONE_AT + 48); /* bone in skin in bone */
+    refuses_word(SKIN_AT + 56, 4, 0, SELD_SCENE_BODY_SIZE, SKIN_AT + 56);
+    refuses_word(SKIN_AT + 56, 4, 0xffffffffu, SELD_SCENE_BODY_SIZE, SKIN_AT + 56);
+    refuses_word(SKIN_AT + 52, 4, 5, SELD_SCENE_SECTION_SIZE, SKIN_AT + 52);
+    refuses_word(SKIN_AT + 60, 4, 1, SELD_SCENE_RESERVED, SKIN_AT + 60);
+    refuses_word(SKIN_AT + 64, 4, 2000001, SELD_SCENE_BODY_VERTEX, SKIN_AT + 64);
+    refuses_word(SKIN_AT + 112, 4, 4, SELD_SCENE_BODY_TRIANGLE, SKIN_AT + 112);
+    refuses_word(SKIN_AT + 116, 4, 0, SELD_SCENE_BODY_TRIANGLE, SKIN_AT + 112);
+    refuses_word(SKIN_AT + 32 + 15, 1, 'x', SELD_SCENE_TEXT, SKIN_AT + 32 + 15);
+}
+
+static void every_status_has_its_own_sentence(void **state)
+{
+    (void)state;
+    for (int a = 0; a < SELD_SCENE_STATUS_COUNT; a++) {
+        assert_non_null(seld_scene_status_text((seld_scene_status)a));
+        for (int b = 0; b < a; b++) {
+            assert_string_not_equal(seld_scene_status_text((seld_scene_status)a),
+                                    seld_scene_status_text((seld_scene_status)b));
+        }
+    }
+    assert_non_null(seld_scene_status_text(SELD_SCENE_STATUS_COUNT));
+}
+
+static void writer_refuses_a_buffer_that_is_too_small(void **state)
+{
+    (void)state;
+    assert_int_equal(sample_scene(file, file_bytes - 1), 0);
+    assert_int_equal(sample_scene(file, file_bytes), file_bytes);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(scene_gives_back_what_was_written, make_scene),
+        cmocka_unit_test_setup(bodies_give_back_what_was_written, make_bodies),
+        cmocka_unit_test_setup(every_shorter_file_is_refused, make_scene),
+        cmocka_unit_test_setup(every_flipped_bit_is_refused, make_scene),
+        {"every_shorter_body_file_is_refused", every_shorter_file_is_refused, make_bodies, NULL, NULL},
+        {"every_flipped_bit_of_a_body_file_is_refused", every_flipped_bit_is_refused, make_bodies, NULL,
+         NULL},
+        cmocka_unit_test_setup(other_files_newer_and_older_ones_are_told_apart, make_scene),
+        cmocka_unit_test_setup(oversized_and_trailing_bytes_are_refused, make_scene),
+        cmocka_unit_test_setup(an_unaligned_buffer_is_refused, make_scene),
+        cmocka_unit_test_setup(section_table_faults_are_refused, make_scene),
+        cmocka_unit_test_setup(a_damaged_section_is_told_from_a_damaged_header, make_scene),
+        cmocka_unit_test_setup(texts_must_end_and_be_printable, make_scene),
+        cmocka_unit_test_setup(entry_must_be_a_place_and_a_unit_vector, make_scene),
+        cmocka_unit_test_setup(lattice_and_index_must_stay_inside, make_scene),
+        cmocka_unit_test_setup(bodies_must_be_whole_and_lie_in_each_other_without_circle, make_bodies),
+        cmocka_unit_test(every_status_has_its_own_sentence),
+        cmocka_unit_test_setup(writer_refuses_a_buffer_that_is_too_small, make_scene),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
