@@ -19,4 +19,29 @@ struct Image {
 // False with a message that names the file and the cause.
 bool write_png(const std::string &path, const Image &image, std::string &error);
 
+// H.264 in yuv420p, every picture RGB of the same even size. The file has its name only after a successful finish();
+// what is unfinished is removed by the destructor, and by ffmpeg's end when this process dies.
+class VideoWriter
+{
+  public:
+    VideoWriter() = default;
+    ~VideoWriter();
+    VideoWriter(const VideoWriter &) = delete;
+    VideoWriter &operator=(const VideoWriter &) = delete;
+
+    // All three: false with a message that says what is wrong and what to do.
+    bool open(const std::string &path, int width, int height, int pictures_per_s, std::string &error);
+    bool add(const Image &image, std::string &error);
+    bool finish(std::string &error);
+    bool is_open() const { return pipe_ >= 0; }
+
+  private:
+    bool fail(const std::string &what, std::string &error);
+    void stop();
+    std::string path_, unfinished_, log_;
+    int width_ = 0, height_ = 0;
+    int pipe_ = -1;
+    int process_ = -1;
+};
+
 } // namespace seld

@@ -1,0 +1,225 @@
+// Display around the picture. Letters are drawn at 512-picture size and grow with larger pictures.
+#include "host/app/picture_overlay.hpp"
+#include "host/app/picture_font.hpp"
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+namespace seld
+{
+namespace
+{
+
+constexpr Colour white{235, 240, 240}, dim{196, 206, 210}, amber{255, 196, 64}, red{255, 96, 80},
+    dark{0, 0, 0};
+
+void put(Image &rgb, int x, int y, Colour colour)
+{
+    if (x < 0 || y < 0 || x >= rgb.width || y >= rgb.height) return;
+    std::uint8_t *pixel = rgb.bytes.data() + 3 * (static_cast<std::size_t>(y) * rgb.width + x);
+    pixel[0] = colour.red;
+    pixel[1] = colour.green;
+    pixel[2] = colour.blue;
+}
+
+void fill_box(Image &rgb, int x0, int y0, int x1, int y1, Colour colour)
+{
+    for (int y = y0; y < y1; ++y)
+        for (int x = x0; x < x1; ++x) put(rgb, x, y, colour);
+}
+
+// Leaves a third of the picture's brightness, as ground for text.
+void dim_box(Image &rgb, int x0, int y0, int x1, int y1)
+{
+    for (int y = std::max(y0, 0); y < std::min(y1, rgb.height); ++y)
+        for (int x = std::max(x0, 0); x < std::min(x1, rgb.width); ++x) {
+            std::uint8_t *pixel = rgb.bytes.data() + 3 * (static_cast<std::size_t>(y) * rgb.width + x);
+            for (int c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>(pixel[c] / 4);
+        }
+}
+
+void draw_letters(Image &rgb, int x, int y, std::string_view text, int scale, Colour colour)
+{
+    for (char letter : text) {
+        const auto rows = glyph(letter);
+        for (int row = 0; row < glyph_rows; ++row)
+            for (int column = 0; column < glyph_columns; ++column) {
+                if (!(rows[row] >> (glyph_columns - 1 - column) & 1)) continue;
+                const int px = x + column * scale, py = y + row * scale;
+                fill_box(rgb, px, py, px + scale, py + scale, colour);
+            }
+        x += (glyph_columns + 1) * scale;
+    }
+}
+
+[[gnu::format(printf, 1, 2)]] std::string format(const char *pattern, ...)
+{
+    char text[160];
+    va_list arguments;
+    va_start(arguments, pattern);
+    std::vsnprintf(text, sizeof text, pattern, arguments);
+    va_end(arguments);
+    return text;
+}
+
+double finite_or_zero(double value)
+{
+    return std::isfinite(value) ? value : 0.0;
+}
+
+// "LAO 30\x7f CRA 10\x7f", whole degrees as on a C-arm.
+std::string angles(const OverlayInfo &info)
+{
+    const long primary = std::lround(finite_or_zero(info.primary_deg));
+    const long secondary = std::lround(finite_or_zero(info.secondary_deg));
+    return format("%s %ld\x7f  %s %ld\x7f", primary < 0 ? "RAO" : "LAO", std::labs(primary),
+                  secondary < 0 ? "CAU" : "CRA", std::labs(secondary));
+}
+
+std::string clock(double time_s)
+{
+    const long tenths = std::lround(std::clamp(finite_or_zero(time_s), 0.0, 1e6) * 10.0);
+    return format("%02ld:%02ld.%ld", tenths / 600, tenths / 10 % 60, tenths % 10);
+}
+
+class Display
+{
+  public:
+    Display(Image &rgb, const OverlayInfo &info)
+        : rgb_(rgb), info_(info), scale_(std::max(1, (rgb.width + 128) / 512)), margin_(16 * scale_),
+          line_(11 * scale_)
+    {
+    }
+
+    void draw()
+    {
+        draw_geometry();
+        draw_dose();
+        draw_instrument();
+        draw_orientation();
+        if (!info_.notice.empty()) draw_notice();
+        if (!info_.panel.empty()) draw_panel();
+    }
+
+  private:
+    void left(int y, const std::string &text, Colour colour)
+    {
+        draw_text(rgb_, margin_, y, text, scale_, colour);
+    }
+    void right(int y, const std::string &text, Colour colour)
+    {
+        draw_text(rgb_, rgb_.width - margin_ - text_width(text, scale_), y, text, scale_, colour);
+    }
+
+    void draw_geometry()
+    {
+        left(margin_, angles(info_), white);
+        left(margin_ + line_, format("FD %.0f cm", finite_or_zero(info_.field_m) * 100.0), dim);
+    }
+
+    void draw_dose()
+    {
+        const std::string state = info_.is_beam_on ? "X-RAY ON" : "LAST IMAGE HOLD";
+        right(margin_, state, info_.is_beam_on ? amber : dim);
+        right(margin_ + line_, "FL " + clock(info_.fluoro_s), white);
+        right(margin_ + 2 * line_, format("%.2f mGy", finite_or_zero(info_.kerma_mGy)), white);
+    }
+
+    // Bottom: the session's time on the right, the instrument and the force on the hand on the left.
+    void draw_instrument()
+    {
+        const int y = rgb_.height - margin_ - 8 * scale_;
+        right(y, clock(info_.time_s), white);
+        left(y - 3 * line_, info_.instrument, dim);
+        left(
+            y - 2 * line_,
+            format("%.0f mm  %+.0f\x7f", finite_or_zero(info_.inserted_mm), finite_or_zero(info_.turned_deg)),
+            white);
+        left(y - line_,
+             format("%.2f N  %.1f mNm", finite_or_zero(info_.axial_N), finite_or_zero(info_.torque_mN_m)),
+             white);
+        draw_force_bar(y + scale_);
+    }
+
+    void draw_force_bar(int y)
+    {
+        const int width = 96 * scale_, height = 5 * scale_;
+        const double share =
+            std::clamp(finite_or_zero(std::fabs(info_.axial_N) / info_.axial_full_scale_N), 0.0, 1.0);
+        const Colour colour = share < 0.4 ? white : share < 0.75 ? amber : red;
+        fill_box(rgb_, margin_ - scale_, y - scale_, margin_ + width + scale_, y + height + scale_, dim);
+        fill_box(rgb_, margin_, y, margin_ + width, y + height, dark);
+        fill_box(rgb_, margin_, y, margin_ + static_cast<int>(share * width), y + height, colour);
+    }
+
+    // Which way the patient lies: head up; the letter of the patient's side that the picture's edge shows.
+    void draw_orientation()
+    {
+        const bool is_mirrored = std::fabs(finite_or_zero(info_.primary_deg)) > 90.0;
+        const int middle = rgb_.height / 2 - 4 * scale_;
+        draw_text(rgb_, rgb_.width - margin_ - 5 * scale_, middle, is_mirrored ? "R" : "L", scale_, white);
+        draw_text(rgb_, margin_, middle, is_mirrored ? "L" : "R", scale_, white);
+        const int x = rgb_.width / 2, y = margin_ + 4 * scale_, r = 4 * scale_;
+        for (int dy = -r; dy <= 3 * r; ++dy) // head and shoulders
+            for (int dx = -2 * r; dx <= 2 * r; ++dx) {
+                const bool is_head = dx * dx + dy * dy <= r * r;
+                const int below = dy - 3 * r;
+                const bool is_trunk = below <= 0 && dx * dx * 5 / 16 + below * below * 5 / 4 <= 5 * r * r / 4;
+                if (is_head || is_trunk) put(rgb_, x + dx, y + dy, dim);
+            }
+    }
+
+    void draw_notice()
+    {
+        const int width = text_width(info_.notice, scale_), x = (rgb_.width - width) / 2, y = rgb_.height / 4;
+        dim_box(rgb_, x - 4 * scale_, y - 4 * scale_, x + width + 4 * scale_, y + 12 * scale_);
+        draw_text(rgb_, x, y, info_.notice, scale_, amber);
+    }
+
+    void draw_panel()
+    {
+        int width = 0;
+        for (const std::string &text : info_.panel) width = std::max(width, text_width(text, scale_));
+        const int height = static_cast<int>(info_.panel.size()) * line_;
+        const int x = (rgb_.width - width) / 2, y = (rgb_.height - height) / 2;
+        dim_box(rgb_, x - 10 * scale_, y - 10 * scale_, x + width + 10 * scale_, y + height + 8 * scale_);
+        for (std::size_t i = 0; i < info_.panel.size(); ++i)
+            draw_text(rgb_, x, y + static_cast<int>(i) * line_, info_.panel[i], scale_,
+                      i == 0 ? amber : white);
+    }
+
+    Image &rgb_;
+    const OverlayInfo &info_;
+    int scale_, margin_, line_;
+};
+
+} // namespace
+
+int text_width(std::string_view text, int scale)
+{
+    return text.empty() ? 0 : (static_cast<int>(text.size()) * (glyph_columns + 1) - 1) * scale;
+}
+
+void draw_text(Image &rgb, int x, int y, std::string_view text, int scale, Colour colour)
+{
+    for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx)
+            if (dx != 0 || dy != 0) draw_letters(rgb, x + dx * scale, y + dy * scale, text, scale, dark);
+    draw_letters(rgb, x, y, text, scale, colour);
+}
+
+Image compose_display(const XrayPicture &picture, const OverlayInfo &info)
+{
+    Image rgb{picture.size, picture.size, 3, {}};
+    rgb.bytes.resize(picture.grey.size() * 3);
+    for (std::size_t i = 0; i < picture.grey.size(); ++i) {
+        rgb.bytes[3 * i] = picture.grey[i];
+        rgb.bytes[3 * i + 1] = picture.grey[i];
+        rgb.bytes[3 * i + 2] = picture.grey[i];
+    }
+    Display(rgb, info).draw();
+    return rgb;
+}
+
+} // namespace seld
