@@ -1,0 +1,59 @@
+// Body files: the container of shared/scene with KIND_BODIES (docs/scene.md).
+#include "host/model/bodies.hpp"
+#include "host/model/text.hpp"
+#include "shared/scene/scene.h"
+
+namespace seld
+{
+namespace
+{
+
+Body read_body(const seld_scene_body_view &view)
+{
+    Body body;
+    body.name = view.name;
+    body.material = view.material;
+    body.parent = view.parent;
+    body.vertices_um.resize(view.vertex_count);
+    for (std::size_t i = 0; i < view.vertex_count; ++i) {
+        const std::uint8_t *at = view.vertices_um + 12 * i;
+        body.vertices_um[i] = {seld_scene_i32(at), seld_scene_i32(at + 4), seld_scene_i32(at + 8)};
+    }
+    body.triangles.resize(view.triangle_count);
+    for (std::size_t i = 0; i < view.triangle_count; ++i) {
+        const std::uint8_t *at = view.triangles + 12 * i;
+        body.triangles[i] = {seld_scene_u32(at), seld_scene_u32(at + 4), seld_scene_u32(at + 8)};
+    }
+    return body;
+}
+
+} // namespace
+
+bool read_bodies(const std::string &path, Bodies &bodies, std::string &error)
+{
+    std::vector<unsigned char> bytes;
+    try {
+        bytes = read_binary_file(path);
+    } catch (const FileError &fault) {
+        error = fault.what();
+        return false;
+    }
+    seld_scene scene;
+    std::uint32_t where_byte = 0;
+    const seld_scene_status status = seld_scene_open(bytes.data(), bytes.size(), &scene, &where_byte);
+    if (status != SELD_SCENE_OK) {
+        error = path + ": byte " + std::to_string(where_byte) + ": " + seld_scene_status_text(status);
+        return false;
+    }
+    if (scene.kind != SELD_SCENE_KIND_BODIES) {
+        error = path + ": a scene for the device, not a body file; name the file that ends in .bodies";
+        return false;
+    }
+    Bodies read;
+    for (std::uint32_t i = 0; i < scene.body_count; ++i)
+        read.bodies.push_back(read_body(seld_scene_body(&scene, i)));
+    bodies = std::move(read);
+    return true;
+}
+
+} // namespace seld
