@@ -1,4 +1,6 @@
 #include "host/app/device.hpp"
+#include "host/app/hand_motion.hpp"
+#include "host/model/timeline.hpp"
 #include "host/model/units.hpp"
 #include <algorithm>
 #include <cmath>
@@ -9,8 +11,8 @@ namespace seld
 seld_wire_rig host_rig()
 {
     seld_wire_rig rig{};
-    rig.translation_pm_per_count = static_cast<std::uint32_t>(1'000'000'000'000 / 1'000'000);
-    rig.rotation_counts_per_turn = 65536;
+    rig.translation_pm_per_count = static_cast<std::uint32_t>(1'000'000'000'000 / counts_per_m);
+    rig.rotation_counts_per_turn = static_cast<std::uint32_t>(counts_per_turn);
     rig.force_gain_milli = 1000;
     rig.force_limit_mN = 8000;
     rig.torque_limit_uN_m = 20000;
@@ -36,6 +38,19 @@ void Device::restore(std::span<const std::uint8_t> snapshot)
     link_.stop();
     link_.write_snapshot(snapshot);
     link_.start();
+}
+
+SessionFrame session_frame(const Link &link, const seld_wire_tick_state &state,
+                           const seld_wire_encoders &input, const ViewState &view)
+{
+    SessionFrame frame;
+    frame.wire = wire_frame(link.nodes(), link.node_table());
+    frame.view = view;
+    frame.inserted_m = units::metres(state.inserted_m_q30);
+    frame.turned_deg = input.rotation_counts * 360.0 / counts_per_turn;
+    frame.axial_N = units::newtons(state.handle_axial_N_q22);
+    frame.torque_N_m = units::newton_metres(state.handle_torque_N_m_q24);
+    return frame;
 }
 
 void SessionFigures::take(const seld_wire_tick_state &state)

@@ -1,6 +1,7 @@
 // A device with everything set up for a session: sim port, handshake, scene, instrument, entry, rig, armed and started.
 // May include: link, model. Called by: run, replay, view.
 #pragma once
+#include "host/app/frame_sink.hpp"
 #include "host/app/recording.hpp"
 #include "host/app/scene_file.hpp"
 #include "host/link/link.hpp"
@@ -28,6 +29,10 @@ class Device
     Link link_;
     seld_wire_hello_reply identity_{};
 };
+
+// The moment after a batch of steps, from the link's last nodes, the last tick's result and the input that led to it.
+SessionFrame session_frame(const Link &link, const seld_wire_tick_state &state,
+                           const seld_wire_encoders &input, const ViewState &view);
 
 // The worst of a session, over every tick.
 struct SessionFigures {

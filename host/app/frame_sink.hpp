@@ -8,11 +8,21 @@
 namespace seld
 {
 
+// Everything of one moment that a picture and its display show.
+struct SessionFrame {
+    WireFrame wire;
+    ViewState view;
+    double inserted_m = 0.0;
+    double turned_deg = 0.0; // of the hand since the start
+    double axial_N = 0.0;    // on the hand, + pushes back out
+    double torque_N_m = 0.0;
+};
+
 class FrameSink
 {
   public:
     virtual ~FrameSink() = default;
-    virtual void frame(const WireFrame &wire, const ViewState &view) = 0;
+    virtual void frame(const SessionFrame &frame) = 0;
     virtual void
     finish() = 0; // after the last frame; throws std::runtime_error when a file could not be written
 };

@@ -1,6 +1,5 @@
 #include "host/app/replay.hpp"
 #include "host/app/interrupt.hpp"
-#include "host/model/timeline.hpp"
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -96,6 +95,7 @@ class Replayer
         for (std::size_t i = 0; i < count; i++) inputs_.push_back(recording_.ticks[link_.tick() + i].input);
         for (const seld_wire_tick_state &state : link_.step(inputs_, want_nodes)) {
             result_.figures.take(state);
+            state_ = state;
             compare_lanes(state);
         }
         const auto hash = link_.last_hash64();
@@ -136,7 +136,8 @@ class Replayer
     {
         if (!sink_ || link_.tick() != picture_tick(picture_, settings_.pictures_per_second)) return;
         if (is_first) link_.read_nodes();
-        sink_->frame(wire_frame(link_.nodes(), link_.node_table()), recording_.view_at(link_.tick()));
+        const seld_wire_encoders input = inputs_.empty() ? seld_wire_encoders{} : inputs_.back();
+        sink_->frame(session_frame(link_, state_, input, recording_.view_at(link_.tick())));
         picture_++;
     }
 
@@ -168,6 +169,7 @@ class Replayer
     const ReplaySettings &settings_;
     ReplayResult result_;
     std::vector<seld_wire_encoders> inputs_;
+    seld_wire_tick_state state_{};
     Clock::time_point begin_;
     std::uint32_t begin_tick_ = 0, picture_ = 0, hash_tick_ = 0;
 };

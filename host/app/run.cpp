@@ -1,7 +1,5 @@
 #include "host/app/run.hpp"
 #include "host/app/interrupt.hpp"
-#include "host/model/timeline.hpp"
-#include "host/model/units.hpp"
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -67,6 +65,7 @@ class Runner
         const auto states = link_.step(inputs_, is_picture_due);
         for (std::size_t i = 0; i < states.size(); i++) {
             figures_.take(states[i]);
+            state_ = states[i];
             if (recorder_) recorder_->tick(inputs_[i], states[i]);
         }
         if (link_.tick() % SessionPlayer::observe_every_ticks == 0) player_.observe(figures_.inserted_m);
@@ -97,7 +96,8 @@ class Runner
     {
         if (!sink_ || link_.tick() != picture_tick(picture_, settings_.pictures_per_second)) return;
         if (picture_ == 0) link_.read_nodes();
-        sink_->frame(wire_frame(link_.nodes(), link_.node_table()), view_);
+        sink_->frame(
+            session_frame(link_, state_, inputs_.empty() ? seld_wire_encoders{} : inputs_.back(), view_));
         picture_++;
         if (settings_.shows_progress && picture_ % settings_.pictures_per_second == 0) {
             std::fprintf(stderr, "\r%6.1f s, %5.1f mm inserted, %u pictures", link_.tick() * 1e-3,
@@ -111,6 +111,7 @@ class Runner
     FrameSink *sink_;
     const RunSettings &settings_;
     SessionFigures figures_;
+    seld_wire_tick_state state_{};
     ViewState view_;
     std::vector<seld_wire_encoders> inputs_;
     std::uint32_t picture_ = 0;

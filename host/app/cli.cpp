@@ -1,0 +1,115 @@
+#include "host/app/cli.hpp"
+#include "host/app/replay.hpp"
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+
+namespace seld
+{
+
+namespace
+{
+
+void add_pictures(CLI::App &command, PictureSettings &pictures)
+{
+    command.add_option(
+        "--bodies", pictures.bodies_path,
+        "Body file for the picture; default: the .bodies file beside the scene, when there is one");
+    command.add_option("--png", pictures.png_path, "Write the last picture");
+    command.add_option("--mp4", pictures.mp4_path, "Write all pictures as a film (needs ffmpeg)");
+    command.add_option("--size", pictures.size, "Pixels along each edge")
+        ->capture_default_str()
+        ->check(CLI::Range(64, 2048));
+    command.add_option("--fps", pictures.pictures_per_second, "Pictures per second")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 60));
+    command.add_option("--seed", pictures.seed, "Seed of the quantum noise")->capture_default_str();
+    command
+        .add_option("--threads", pictures.threads, "Threads of the X-ray, 0: one per processor, at most 4")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 64));
+}
+
+void add_run(CLI::App &app, RunOptions &options)
+{
+    CLI::App *command =
+        app.add_subcommand("run", "Carry out a session script, as fast as the machine allows");
+    command->add_option("--scene", options.scene, "Baked scene; without: free space");
+    command->add_option("--instrument", options.instrument, "Instrument file (docs/instruments.md)")
+        ->required();
+    command->add_option("--session", options.session, "Session script (docs/session.md)")->required();
+    command->add_option("--record", options.record, "Write a recording");
+    command->add_option("--json", options.json, "Write the figures of the session");
+    command->add_flag("--quiet", options.quiet, "No progress line");
+    add_pictures(*command, options.pictures);
+    command->footer(
+        "Example:\n  seldinger run --scene out/aorta.scene --instrument "
+        "shared/examples/instruments/bentson.toml \\\n"
+        "      --session shared/examples/sessions/demo.session --record out/demo.rec --json out/demo.json");
+}
+
+void add_replay(CLI::App &app, ReplayOptions &options)
+{
+    CLI::App *command = app.add_subcommand("replay", "Play a recording again, bit for bit");
+    command->add_option("recording", options.recording, "The recording")->required();
+    command->add_flag("--verify", options.verify,
+                      "Compare the hash of every tick; stop at the first difference");
+    command
+        ->add_option("--speed", options.speed,
+                     "fast, slow (half real time), paused, or a factor of real time")
+        ->capture_default_str()
+        ->check([](const std::string &text) {
+            return replay_speed(text) ? std::string()
+                                      : "'" + text + "' is not fast, slow, paused or a factor 0.001 .. 1000";
+        });
+    command->add_option("--from", options.from_s, "Start at this second, from the snapshot before it")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 1e6));
+    command->add_option("--scene", options.scene, "The scene, when it is no longer where the recording says");
+    add_pictures(*command, options.pictures);
+    command->footer("Examples:\n  seldinger replay out/demo.rec --verify\n  seldinger replay out/demo.rec "
+                    "--speed slow --from 12.5");
+}
+
+} // namespace
+
+std::string bodies_beside(const std::string &scene)
+{
+    if (scene.empty()) return "";
+    const std::filesystem::path path = std::filesystem::path(scene).replace_extension(".bodies");
+    std::error_code ignored;
+    return std::filesystem::exists(path, ignored) ? path.string() : "";
+}
+
+int command_line(int argc, char **argv)
+{
+    CLI::App app("Seldinger: endovascular instruments in fixed point, seen under X-ray");
+    app.require_subcommand(1);
+    app.set_help_all_flag("--help-all", "Help of every command");
+    RunOptions run;
+    ReplayOptions replay;
+    std::string info;
+    add_run(app, run);
+    add_replay(app, replay);
+    CLI::App *info_command =
+        app.add_subcommand("info", "What a recording, scene, instrument or session file holds");
+    info_command->add_option("file", info, "The file")->required();
+    info_command->footer("Example:\n  seldinger info out/demo.rec");
+    app.footer("Examples:\n  seldinger run --help\n  seldinger replay out/demo.rec --verify");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError &error) {
+        const int code = app.exit(error);
+        return code == 0 ? 0 : 2;
+    }
+    try {
+        if (app.got_subcommand("run")) return command_run(run);
+        if (app.got_subcommand("replay")) return command_replay(replay);
+        return command_info(info);
+    } catch (const std::exception &error) {
+        std::fprintf(stderr, "seldinger: %s\n", error.what());
+        return 1;
+    }
+}
+
+} // namespace seld

@@ -1,0 +1,31 @@
+// The command line `seldinger`: exit codes 0 done, 1 failed, 2 wrong usage. May include: all host. Called by: main.
+#pragma once
+#include "host/app/session_pictures.hpp"
+#include <string>
+
+namespace seld
+{
+
+struct RunOptions {
+    std::string scene, instrument, session, record, json;
+    PictureSettings pictures;
+    bool quiet = false;
+};
+
+struct ReplayOptions {
+    std::string recording, scene, speed = "fast";
+    bool verify = false;
+    double from_s = 0.0;
+    PictureSettings pictures;
+};
+
+int command_run(const RunOptions &options);
+int command_replay(const ReplayOptions &options);
+int command_info(const std::string &path);
+
+// Bodies beside a scene: "x.scene" -> "x.bodies" when that file exists, else empty.
+std::string bodies_beside(const std::string &scene);
+
+int command_line(int argc, char **argv);
+
+} // namespace seld

@@ -1,0 +1,93 @@
+// seldinger info
+#include "host/app/cli.hpp"
+#include "host/app/recording.hpp"
+#include "host/app/scene_file.hpp"
+#include "host/app/session.hpp"
+#include "host/model/text.hpp"
+#include "host/model/units.hpp"
+#include <cstdio>
+#include <filesystem>
+
+namespace seld
+{
+
+namespace
+{
+
+void print_recording(const std::string &path)
+{
+    const Recording recording = read_recording(path);
+    const RecordingHeader &header = recording.header;
+    std::printf("recording     %s\n", path.c_str());
+    std::printf("length        %zu ticks (%.3f s), %s\n", recording.ticks.size(),
+                recording.ticks.size() * 1e-3, recording.is_complete ? "complete" : "cut off");
+    std::printf("core version  %u, schema %016llx\n", unsigned{header.core_version},
+                static_cast<unsigned long long>(header.schema_hash));
+    std::printf("scene         %s (%u bytes, CRC-32 %08x)\n",
+                header.scene_bytes == 0 ? "free space" : header.scene_path.c_str(),
+                unsigned{header.scene_bytes}, unsigned{header.scene_crc32});
+    std::printf("instrument    %s, %.0f mm\n", header.instrument.name.c_str(),
+                header.instrument.length_m * 1e3);
+    std::printf("session       %s\n", header.session_path.c_str());
+    std::printf("snapshots     %zu, full hashes %zu, view changes %zu\n", recording.snapshots.size(),
+                recording.hashes.size(), recording.views.size());
+    if (recording.is_complete) {
+        std::printf("final hash    %016llx\n", static_cast<unsigned long long>(recording.hashes.back().hash));
+    }
+}
+
+void print_scene(const std::string &path)
+{
+    const SceneFile scene = read_scene(path);
+    const seld_wire_entry &entry = scene.entry;
+    std::printf("scene         %s\n", scene.name.c_str());
+    std::printf("size          %zu bytes, CRC-32 %08x\n", scene.bytes.size(), unsigned{scene.crc32});
+    std::printf("entry         (%.1f, %.1f, %.1f) mm towards (%.3f, %.3f, %.3f)\n",
+                units::metres(entry.position_x_m_q30) * 1e3, units::metres(entry.position_y_m_q30) * 1e3,
+                units::metres(entry.position_z_m_q30) * 1e3, units::ratio(entry.direction_x_q30),
+                units::ratio(entry.direction_y_q30), units::ratio(entry.direction_z_q30));
+}
+
+void print_instrument(const std::string &path)
+{
+    const Instrument instrument = read_instrument(path);
+    std::printf("instrument    %s, %.0f mm, %u knots\n", instrument.name.c_str(), instrument.length_m * 1e3,
+                unsigned{instrument.table.knots_count});
+    std::printf("%10s %14s %14s %10s %8s %12s\n", "arc mm", "EI N m^2", "GJ N m^2", "g/m", "r mm",
+                "curvature/m");
+    for (std::uint16_t i = 0; i < instrument.table.knots_count; i++) {
+        const seld_wire_knot &knot = instrument.table.knots[i];
+        std::printf("%10.1f %14.3e %14.3e %10.2f %8.3f %12.1f\n", knot.arc_um * 1e-3,
+                    knot.bend_stiffness_nN_m2 * 1e-9, knot.twist_stiffness_nN_m2 * 1e-9,
+                    knot.mass_mg_per_m * 1e-3, knot.radius_outer_um * 1e-3,
+                    knot.rest_curvature1_per_m_milli * 1e-3);
+    }
+}
+
+void print_session(const std::string &path)
+{
+    const Session session = read_session(path);
+    std::printf("session       %zu statements, starts with %.1f mm inserted\n", session.statements.size(),
+                session.inserted_um * 1e-3);
+}
+
+} // namespace
+
+int command_info(const std::string &path)
+{
+    const std::string extension = std::filesystem::path(path).extension().string();
+    if (extension == ".toml") {
+        print_instrument(path);
+    } else if (extension == ".session") {
+        print_session(path);
+    } else if (extension == ".scene") {
+        print_scene(path);
+    } else if (extension == ".rec") {
+        print_recording(path);
+    } else {
+        throw FileError(path, 0, 0, "has none of the endings .rec .scene .toml .session");
+    }
+    return 0;
+}
+
+} // namespace seld

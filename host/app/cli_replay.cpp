@@ -1,0 +1,99 @@
+// seldinger replay
+#include "host/app/cli.hpp"
+#include "host/app/interrupt.hpp"
+#include "host/app/replay.hpp"
+#include "host/model/text.hpp"
+#include <cstdio>
+#include <unistd.h>
+
+namespace seld
+{
+
+namespace
+{
+
+// The very scene of the recording, from where the recording or the user says.
+SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path)
+{
+    if (header.scene_bytes == 0) return read_scene("");
+    const std::string path = given_path.empty() ? header.scene_path : given_path;
+    SceneFile scene;
+    try {
+        scene = read_scene(path);
+    } catch (const FileError &error) {
+        throw std::runtime_error(std::string(error.what()) +
+                                 "; name the scene of this recording with --scene");
+    }
+    if (scene.bytes.size() == header.scene_bytes && scene.crc32 == header.scene_crc32) return scene;
+    char text[256];
+    std::snprintf(text, sizeof text,
+                  " is not the scene of this recording: it has %zu bytes, CRC-32 %08x; recorded was one of "
+                  "%u bytes, CRC-32 %08x; name that one with --scene",
+                  scene.bytes.size(), unsigned{scene.crc32}, unsigned{header.scene_bytes},
+                  unsigned{header.scene_crc32});
+    throw std::runtime_error(path + text);
+}
+
+void check_core(const RecordingHeader &header, const seld_wire_hello_reply &identity)
+{
+    if (header.core_version == identity.core_version) return;
+    throw std::runtime_error("the recording was made by core version " + std::to_string(header.core_version) +
+                             ", this device has version " + std::to_string(identity.core_version) +
+                             ": it cannot be replayed bit for bit; use the release that recorded it");
+}
+
+int print_result(const Recording &recording, const ReplayOptions &options, const ReplayResult &result)
+{
+    std::printf("final hash %016llx at tick %u\n", static_cast<unsigned long long>(result.hash),
+                unsigned{result.tick});
+    if (!recording.is_complete) {
+        std::printf("the recording was cut off; it is whole up to tick %zu\n", recording.ticks.size());
+    }
+    if (result.first_difference_tick) {
+        std::fprintf(stderr, "seldinger: %s: first difference at tick %u: %s\n", options.recording.c_str(),
+                     unsigned{*result.first_difference_tick}, result.difference.c_str());
+        return 1;
+    }
+    if (result.was_interrupted) {
+        std::fprintf(stderr, "seldinger: interrupted\n");
+        return 1;
+    }
+    if (options.verify) {
+        std::printf("verified: %u ticks and %u full hashes agree\n", unsigned{result.ticks_compared},
+                    unsigned{result.hashes_compared});
+    }
+    return 0;
+}
+
+} // namespace
+
+int command_replay(const ReplayOptions &options)
+{
+    const Recording recording = read_recording(options.recording);
+    const RecordingHeader &header = recording.header;
+    const double length_s = recording.ticks.size() * 1e-3;
+    if (options.from_s > length_s) {
+        throw std::runtime_error(options.recording + ": --from " + std::to_string(options.from_s) +
+                                 " is beyond its end at " + std::to_string(length_s) + " s");
+    }
+    const SceneFile scene = recorded_scene(header, options.scene);
+    Device device(scene, header.instrument, header.entry, header.rig);
+    check_core(header, device.identity());
+
+    std::unique_ptr<SessionPictures> pictures;
+    PictureSettings picture_settings = options.pictures;
+    if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(scene.path);
+    if (!picture_settings.png_path.empty() || !picture_settings.mp4_path.empty()) {
+        pictures = std::make_unique<SessionPictures>(picture_settings, header.instrument);
+    }
+    watch_for_interrupt();
+    ReplaySettings settings;
+    settings.speed = *replay_speed(options.speed);
+    settings.verifies = options.verify;
+    settings.from_s = options.from_s;
+    settings.pictures_per_second = picture_settings.pictures_per_second;
+    settings.waits_for_enter = isatty(STDIN_FILENO) != 0;
+    return print_result(recording, options, replay_recording(device, recording, pictures.get(), settings));
+}
+
+} // namespace seld

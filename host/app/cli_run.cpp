@@ -1,0 +1,83 @@
+// seldinger run
+#include "host/app/cli.hpp"
+#include "host/app/interrupt.hpp"
+#include "host/app/run.hpp"
+#include <cstdio>
+#include <unistd.h>
+
+namespace seld
+{
+
+namespace
+{
+
+void print_result(const RunResult &result)
+{
+    const SessionFigures &figures = result.figures;
+    std::printf("ticks                 %u (%.3f s)\n", unsigned{figures.ticks}, figures.ticks * 1e-3);
+    std::printf("final hash            %016llx\n", static_cast<unsigned long long>(result.hash));
+    std::printf("wall clock            %.2f s, %.1f times real time\n", result.seconds,
+                result.seconds > 0.0 ? figures.ticks * 1e-3 / result.seconds : 0.0);
+    std::printf("inserted              %.1f mm at the end, %.1f mm at most\n", figures.inserted_m * 1e3,
+                figures.inserted_max_m * 1e3);
+    std::printf("worst penetration     %.3f mm at tick %u\n", figures.penetration_max_m * 1e3,
+                unsigned{figures.penetration_max_tick});
+    std::printf("worst length error    %.4f %% at tick %u\n", figures.strain_max * 1e2,
+                unsigned{figures.strain_max_tick});
+    std::printf("largest hand force    %.2f N\n", figures.handle_axial_max_N);
+    for (std::uint16_t i = 0; i < result.faults.entries_count; i++) {
+        const seld_wire_fault_entry &fault = result.faults.entries[i];
+        std::printf("fault                 %s at tick %u: %s\n", seld_wire_fault_name(fault.code),
+                    unsigned{fault.tick_first}, seld_wire_fault_text(fault.code));
+    }
+    for (int line : result.given_up_lines) {
+        std::printf("given up              line %d: the length was not reached within %u s\n", line,
+                    unsigned{SessionPlayer::until_limit_ticks / 1000});
+    }
+}
+
+} // namespace
+
+int command_run(const RunOptions &options)
+{
+    const SceneFile scene = read_scene(options.scene);
+    const Instrument instrument = read_instrument(options.instrument);
+    const Session session = read_session(options.session);
+    seld_wire_entry entry = scene.entry;
+    entry.inserted_um = session.inserted_um;
+    const seld_wire_rig rig = host_rig();
+    Device device(scene, instrument, entry, rig);
+
+    std::unique_ptr<SessionPictures> pictures;
+    PictureSettings picture_settings = options.pictures;
+    if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(options.scene);
+    if (!picture_settings.png_path.empty() || !picture_settings.mp4_path.empty()) {
+        pictures = std::make_unique<SessionPictures>(picture_settings, instrument);
+    }
+    std::unique_ptr<Recorder> recorder;
+    if (!options.record.empty()) {
+        const RecordingHeader header = {device.identity().core_version,
+                                        device.identity().schema_hash,
+                                        static_cast<std::uint32_t>(scene.bytes.size()),
+                                        scene.crc32,
+                                        scene.path,
+                                        session.file,
+                                        instrument,
+                                        entry,
+                                        rig};
+        recorder = std::make_unique<Recorder>(options.record, header);
+    }
+    watch_for_interrupt();
+    const RunSettings settings{picture_settings.pictures_per_second,
+                               !options.quiet && isatty(STDERR_FILENO) != 0};
+    const RunResult result = run_session(device, session, recorder.get(), pictures.get(), settings);
+    print_result(result);
+    if (!options.json.empty()) write_report(options.json, result, scene.path, instrument, session.file);
+    if (result.was_interrupted) {
+        std::fprintf(stderr, "seldinger: interrupted; what was written up to here is complete\n");
+        return 1;
+    }
+    return 0;
+}
+
+} // namespace seld

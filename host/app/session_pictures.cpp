@@ -1,0 +1,132 @@
+#include "host/app/session_pictures.hpp"
+#include "host/model/bodies.hpp"
+#include <algorithm>
+#include <stdexcept>
+
+namespace seld
+{
+
+namespace
+{
+
+constexpr double carm_deg_per_s = 40.0;
+constexpr double table_m_per_s = 0.10;
+constexpr double follow_share_per_s = 2.0; // of the remaining distance
+
+double toward(double present, double wanted, double step)
+{
+    return present + std::clamp(wanted - present, -step, step);
+}
+
+} // namespace
+
+CArm ViewMotion::advance(const ViewState &wanted, const WireFrame &wire, double seconds)
+{
+    const double primary_deg = wanted.primary_mdeg * 1e-3;
+    const double secondary_deg = wanted.secondary_mdeg * 1e-3;
+    const bool follows = wanted.follows_tip && !wire.nodes.empty();
+    const Eigen::Vector3d table_m =
+        Eigen::Vector3d(wanted.table_um[0], wanted.table_um[1], wanted.table_um[2]) * 1e-6;
+    const Eigen::Vector3d target_m = follows ? wire.nodes.front().position_m : table_m;
+    carm_.field_m = wanted.field_um * 1e-6;
+    if (is_first_) {
+        carm_.primary_deg = primary_deg;
+        carm_.secondary_deg = secondary_deg;
+        carm_.isocentre_m = target_m;
+        is_first_ = false;
+        return carm_;
+    }
+    carm_.primary_deg = toward(carm_.primary_deg, primary_deg, carm_deg_per_s * seconds);
+    carm_.secondary_deg = toward(carm_.secondary_deg, secondary_deg, carm_deg_per_s * seconds);
+    for (int i = 0; i < 3; i++) {
+        const double gap_m = (target_m[i] - carm_.isocentre_m[i]) *
+                             (follows ? std::min(1.0, follow_share_per_s * seconds) : 1.0);
+        carm_.isocentre_m[i] += std::clamp(gap_m, -table_m_per_s * seconds, table_m_per_s * seconds);
+    }
+    return carm_;
+}
+
+RadiopaqueInstrument instrument_look(const Instrument &instrument)
+{
+    RadiopaqueInstrument look;
+    for (const InstrumentLayer &layer : instrument.layers) {
+        const std::optional<Material> material = material_from_name(layer.material);
+        if (!material) {
+            throw std::runtime_error("instrument '" + instrument.name + "': unknown X-ray material '" +
+                                     layer.material + "'; known: " + material_names());
+        }
+        look.sections.push_back(
+            {layer.arc_begin_m, layer.arc_end_m, *material, layer.fill, layer.radius_share});
+    }
+    return look;
+}
+
+SessionPictures::SessionPictures(const PictureSettings &settings, const Instrument &instrument)
+    : settings_(settings), look_(instrument_look(instrument)), name_(instrument.name)
+{
+    std::string error;
+    Bodies bodies;
+    if (!settings_.bodies_path.empty() && !read_bodies(settings_.bodies_path, bodies, error)) {
+        throw std::runtime_error(error);
+    }
+    if (!scene_.set_bodies(bodies, error)) throw std::runtime_error(settings_.bodies_path + ": " + error);
+    xray_ = std::make_unique<Xray>(scene_, settings_.threads);
+    const bool needs_movie = !settings_.mp4_path.empty();
+    if (needs_movie && settings_.size % 2 != 0) throw std::runtime_error("--mp4 needs an even --size");
+    if (needs_movie && !movie_.open(settings_.mp4_path, settings_.size, settings_.size,
+                                    static_cast<int>(settings_.pictures_per_second), error)) {
+        throw std::runtime_error(error);
+    }
+}
+
+SessionPictures::~SessionPictures() = default;
+
+OverlayInfo SessionPictures::display(const SessionFrame &frame, const CArm &carm, bool is_beam_on) const
+{
+    OverlayInfo info;
+    info.primary_deg = carm.primary_deg;
+    info.secondary_deg = carm.secondary_deg;
+    info.field_m = carm.field_m;
+    info.time_s = frame.wire.tick * 1e-3;
+    info.inserted_mm = frame.inserted_m * 1e3;
+    info.turned_deg = frame.turned_deg;
+    info.axial_N = frame.axial_N;
+    info.torque_mN_m = frame.torque_N_m * 1e3;
+    info.fluoro_s = fluoro_s_;
+    info.kerma_mGy = kerma_mGy_;
+    info.is_beam_on = is_beam_on;
+    info.instrument = name_;
+    return info;
+}
+
+// With the pedal down a new X-ray is made; otherwise the last one is held and only the display goes on.
+void SessionPictures::frame(const SessionFrame &frame)
+{
+    const double period_s = 1.0 / settings_.pictures_per_second;
+    const CArm carm = motion_.advance(frame.view, frame.wire, period_s);
+    const bool is_beam_on = frame.view.is_fluoro_on || !has_picture_;
+    if (is_beam_on) {
+        XraySettings xray;
+        xray.carm = carm;
+        xray.size = settings_.size;
+        xray_->render(xray, look_, frame.wire, settings_.seed, picture_);
+        has_picture_ = true;
+        kerma_mGy_ += picture_.air_kerma_uGy * 1e-3;
+        fluoro_s_ += period_s;
+    }
+    image_ = compose_display(picture_, display(frame, carm, is_beam_on));
+    count_++;
+    std::string error;
+    if (movie_.is_open() && !movie_.add(image_, error)) throw std::runtime_error(error);
+}
+
+void SessionPictures::finish()
+{
+    std::string error;
+    if (movie_.is_open() && !movie_.finish(error)) throw std::runtime_error(error);
+    if (!settings_.png_path.empty() && count_ > 0 && !write_png(settings_.png_path, image_, error)) {
+        throw std::runtime_error(error);
+    }
+}
+
+} // namespace seld

@@ -1,0 +1,68 @@
+// Pictures of a session: C-arm and table that follow what was asked for, X-ray per frame, last image hold, files.
+// A frame is a pure function of the recorded session, its views, bodies, instrument and seed.
+// May include: xray, picture, frame_sink. Called by: cli.
+#pragma once
+#include "host/app/frame_sink.hpp"
+#include "host/app/picture.hpp"
+#include "host/app/picture_overlay.hpp"
+#include "host/model/instrument.hpp"
+#include "host/xray/xray.hpp"
+#include <memory>
+#include <string>
+
+namespace seld
+{
+
+// C-arm turns at 40 deg/s, the table glides at 100 mm/s; following the tip, it is caught up with in about half a second.
+class ViewMotion
+{
+  public:
+    // The C-arm `seconds` after the last call; the first call jumps.
+    CArm advance(const ViewState &wanted, const WireFrame &wire, double seconds);
+
+  private:
+    CArm carm_;
+    bool is_first_ = true;
+};
+
+// Throws std::runtime_error naming the section and the known materials when a material is unknown.
+RadiopaqueInstrument instrument_look(const Instrument &instrument);
+
+struct PictureSettings {
+    std::string bodies_path; // empty: air
+    std::string png_path;    // last picture; empty: none
+    std::string mp4_path;    // empty: none
+    int size = 512;
+    std::uint32_t pictures_per_second = 15;
+    std::uint64_t seed = 1;
+    int threads = 0;
+};
+
+class SessionPictures final : public FrameSink
+{
+  public:
+    SessionPictures(const PictureSettings &settings,
+                    const Instrument &instrument); // throws std::runtime_error
+    ~SessionPictures() override;
+    void frame(const SessionFrame &frame) override;
+    void finish() override;
+    std::uint32_t count() const { return count_; }
+
+  private:
+    OverlayInfo display(const SessionFrame &frame, const CArm &carm, bool is_beam_on) const;
+
+    PictureSettings settings_;
+    RadiopaqueInstrument look_;
+    std::string name_;
+    XrayScene scene_;
+    std::unique_ptr<Xray> xray_; // after the scene has its bodies
+    ViewMotion motion_;
+    XrayPicture picture_; // held while fluoroscopy is off
+    bool has_picture_ = false;
+    Image image_;
+    VideoWriter movie_;
+    std::uint32_t count_ = 0;
+    double fluoro_s_ = 0.0, kerma_mGy_ = 0.0;
+};
+
+} // namespace seld
