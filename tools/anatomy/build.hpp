@@ -1,0 +1,27 @@
+/* Puts an anatomy together: lumen, centrelines and the bodies of the picture, each a closed mesh. */
+#pragma once
+#include "tools/anatomy/mesh.hpp"
+#include "tools/anatomy/vessels.hpp"
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace anatomy
+{
+
+/* One body of the X-ray picture. It lies wholly inside the body named by `inside` ("" for the outermost). */
+struct Body {
+    std::string name, material, inside;
+    MeshRequest request;
+};
+
+struct Fineness {
+    double lumen_voxel_mm = 0.8;
+    double body_scale = 1.0; // multiplies the voxel of every body
+};
+
+MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness);
+std::vector<Body> patient_bodies(const Fineness &fineness);
+std::vector<Body> phantom_bodies(const Fineness &fineness);
+
+} // namespace anatomy

@@ -1,0 +1,43 @@
+/* Closed triangle meshes of solids: OpenVDB level set, its surface, and a simplification that keeps the surface closed. */
+#pragma once
+#include "tools/anatomy/shapes.hpp"
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace anatomy
+{
+
+struct Mesh {
+    std::vector<Vec3> vertices_mm;
+    std::vector<std::array<uint32_t, 3>> triangles; // counter-clockwise seen from outside
+};
+
+/* Gives a distance function for points inside a box, correct where its value is below reach_mm: near one place only few of
+ * a body's shapes matter, and finding them once per block makes meshing many times faster. */
+using LocalDistance = std::function<Distance(const Box &box, double reach_mm)>;
+
+/* What is meshed and how finely. error_mm is how far simplification may move the surface (0: no simplification). */
+struct MeshRequest {
+    Box bounds;
+    LocalDistance distance_in;
+    double voxel_mm = 1.5;
+    double error_mm = 0.15;
+};
+
+/* The zero surface of the request; components with fewer than 60 triangles are dropped as crumbs.
+ * Throws std::runtime_error when the surface is empty or leaves the bounds. */
+Mesh mesh_of(const MeshRequest &request);
+
+/* Edge collapse by quadric error (Garland and Heckbert 1997) until no collapse costs less than error_mm. Every collapse
+ * keeps the surface a closed manifold (link condition) and turns no triangle by more than a right angle. Deterministic. */
+void simplify(Mesh &mesh, double error_mm);
+
+/* Empty when each edge has exactly two triangles of opposite direction; else the first fault in words. */
+std::string closed_mesh_fault(const Mesh &mesh);
+
+double mesh_volume_mm3(const Mesh &mesh);
+
+} // namespace anatomy

@@ -1,0 +1,238 @@
+/* Lungs, heart, mediastinum, airway and the vessels of the lungs. */
+#include "tools/anatomy/organs.hpp"
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace anatomy
+{
+
+namespace
+{
+
+/* Chest cavity by height: half-width, front, back. */
+struct Level {
+    double y, half_width, front, back;
+};
+
+const Level CAVITY[] = {
+    {-60, 116, 0, -86},  {-20, 126, 24, -93},  {0, 129, 36, -96},    {40, 130, 54, -101},
+    {80, 129, 64, -104}, {120, 125, 66, -105}, {160, 116, 60, -104}, {200, 101, 46, -100},
+    {225, 88, 33, -96},  {250, 67, 16, -88},   {270, 48, 2, -78},    {286, 30, -14, -66},
+    {300, 14, -28, -56}, {320, 8, -34, -50},
+};
+
+constexpr double APEX_MM = 291.0;
+
+double cavity_distance(const Vec3 &p)
+{
+    static const auto spline = [](double Level::*field) {
+        std::vector<double> y, value;
+        for (const Level &level : CAVITY) {
+            y.push_back(level.y);
+            value.push_back(level.*field);
+        }
+        return Spline(y, value);
+    };
+    static const Spline width = spline(&Level::half_width), front = spline(&Level::front),
+                        back = spline(&Level::back);
+    const double a = width.at(p.y()), z_front = front.at(p.y()), z_back = back.at(p.y());
+    const double b = 0.5 * (z_front - z_back);
+    const double outline = ellipsoid_distance({p.x(), 0.0, p.z() - 0.5 * (z_front + z_back)}, {a, 1e3, b});
+    return smooth_max(outline, p.y() - APEX_MM, 12.0);
+}
+
+/* Height of the diaphragm above a point: a dome whose edge dips at the side and more so behind. */
+double dome_mm(double sign, double x, double z)
+{
+    const double peak = sign < 0 ? 77.0 : 65.0, out = (sign * x - 62.0) / 64.0, along = (z - 8.0) / 100.0;
+    const double side_fall = out > 0 ? 74.0 * std::pow(out, 2.6) : 12.0 * out * out;
+    const double depth_fall = along < 0 ? 88.0 * std::pow(-along, 2.2) : 34.0 * along * along;
+    return peak - side_fall - depth_fall;
+}
+
+} // namespace
+
+Box lung_bounds(double sign)
+{
+    Box box;
+    box.include(side(sign, 2, -75, -110), 0.0);
+    box.include(side(sign, 134, APEX_MM, 72), 0.0);
+    return box;
+}
+
+Distance lung_cavity(double sign)
+{
+    return [sign](const Vec3 &p) {
+        constexpr double STEEPNESS =
+            0.55; // turns the height difference into about a distance on the steep edge
+        const double above = (dome_mm(sign, p.x(), p.z()) - p.y()) * STEEPNESS;
+        const double own_side = 3.0 - sign * p.x();
+        return smooth_max(smooth_max(cavity_distance(p), above, 4.0), own_side, 3.0);
+    };
+}
+
+namespace
+{
+
+Eigen::Matrix3d axis_to(const Vec3 &direction)
+{
+    return Eigen::Quaterniond::FromTwoVectors(Vec3::UnitX(), direction.normalized()).toRotationMatrix();
+}
+
+/* Heart outline shrunk by wall_mm: ventricles, atria, outflow. */
+Part heart_part(double wall_mm)
+{
+    Part part(18.0);
+    const Vec3 w = Vec3::Constant(wall_mm);
+    part.add<Ellipsoid>(Vec3(40, 93, 24), Vec3(54, 38, 36) - w, axis_to({0.74, -0.46, 0.48}));
+    part.add<Ellipsoid>(Vec3(12, 87, 36), Vec3(48, 34, 29) - w, axis_to({0.9, -0.35, 0.2}));
+    part.add<Ellipsoid>(Vec3(-20, 106, 12), Vec3(27, 38, 30) - w);
+    part.add<Ellipsoid>(Vec3(8, 128, -18), Vec3(37, 24, 22) - w);
+    part.add<Ellipsoid>(Vec3(22, 148, 34), Vec3(18, 30, 17) - w, axis_to({1, 0.15, -0.2}));
+    return part;
+}
+
+} // namespace
+
+Solid heart_blood()
+{
+    Solid solid;
+    solid.add(heart_part(5.0));
+    return solid;
+}
+
+Solid mediastinum()
+{
+    Solid solid;
+    solid.add(heart_part(0.0));
+    Part middle(10.0);
+    // Column in front of the spine, thinning to a septum behind the sternum.
+    middle.add<Tube>(sample_curve({{0, 60, -38}, {0, 130, -42}, {0, 190, -30}, {0, 250, -18}, {0, 300, -18}},
+                                  {24, 22, 20, 22, 24}, 6.0));
+    middle.plate({0, 80, -60}, {0, 80, 66}, {0, 250, -60}, 4.0);
+    middle.plate({0, 80, 66}, {0, 250, -60}, {0, 250, 34}, 4.0);
+    // Superior vena cava with the right brachiocephalic vein, inferior vena cava, pulmonary trunk and hila.
+    middle.rod({{-30, 112, 8}, {-29, 160, 10}, {-27, 215, 12}, {-32, 252, 12}}, {13, 11, 10, 9});
+    middle.rod({{-22, 60, -4}, {-22, 100, 2}}, {14, 14});
+    middle.rod({{20, 150, 32}, {28, 172, 16}, {34, 176, -14}}, {14, 14, 12});
+    middle.rod({{0, 172, -8}, {-34, 170, -12}}, {11, 9});
+    solid.add(middle);
+    Part hila(5.0);
+    for (double s : {-1.0, 1.0}) {
+        const double up = s > 0 ? 8.0 : 0.0;
+        hila.rod({side(s, 30, 170 + up, -14), side(s, 44, 160 + up, -18), side(s, 50, 142 + up, -24)},
+                 {10, 9, 6});
+        hila.rod({side(s, 32, 172 + up, -12), side(s, 46, 180 + up, -8)}, {9, 5});
+        hila.rod({side(s, 26, 140, -18), side(s, 44, 136, -20)}, {9, 5});
+    }
+    solid.add(hila);
+    return solid;
+}
+
+Solid airway()
+{
+    Part part(4.0);
+    part.rod({{-1, 342, -4}, {-2, 300, -8}, {-5, 250, -20}, {-6, 205, -29}}, {8.5, 8.5, 8.8, 9.0});
+    part.rod({{-6, 206, -29}, {-20, 192, -28}, {-33, 180, -27}}, {7.5, 7.0, 6.0});
+    part.rod({{-6, 205, -29}, {14, 190, -29}, {34, 179, -28}}, {7.0, 6.0, 5.5});
+    Solid solid;
+    solid.add(part);
+    return solid;
+}
+
+// --- vessels of the lungs -----------------------------------------------------------------------------------------
+
+namespace
+{
+
+struct Node {
+    Vec3 position;
+    int parent;
+    double path_mm;
+    int leaves = 0;
+};
+
+/* Van der Corput sequence: evenly spread numbers in 0..1 without randomness. */
+double spread(uint32_t index, uint32_t base)
+{
+    double value = 0.0, share = 1.0;
+    for (; index > 0; index /= base) {
+        share /= base;
+        value += share * (index % base);
+    }
+    return value;
+}
+
+/* Ends of the vessels: evenly spread points of the lung, nearest to the hilum first. */
+std::vector<Vec3> vessel_ends(double sign, const Distance &lung, const Vec3 &hilum, size_t count)
+{
+    const Box box = lung_bounds(sign);
+    std::vector<Vec3> ends;
+    for (uint32_t i = 1; ends.size() < count && i < 20000; i++) {
+        const Vec3 share(spread(i, 2), spread(i, 3), spread(i, 5));
+        const Vec3 point = box.low + share.cwiseProduct(box.high - box.low);
+        if (lung(point) < -9.0) ends.push_back(point);
+    }
+    std::stable_sort(ends.begin(), ends.end(), [&](const Vec3 &a, const Vec3 &b) {
+        return (a - hilum).squaredNorm() < (b - hilum).squaredNorm();
+    });
+    return ends;
+}
+
+/* Each end joins the tree where new length and the way back to the hilum are least together. */
+std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
+{
+    constexpr double WAY_BACK = 0.55, STEP_MM = 14.0;
+    std::vector<Node> nodes = {{hilum, -1, 0.0}};
+    for (const Vec3 &end : ends) {
+        int parent = 0;
+        double least = 1e9;
+        for (size_t i = 0; i < nodes.size(); i++) {
+            const double cost = (end - nodes[i].position).norm() + WAY_BACK * nodes[i].path_mm;
+            if (cost < least) {
+                least = cost;
+                parent = static_cast<int>(i);
+            }
+        }
+        const Vec3 start = nodes[static_cast<size_t>(parent)].position;
+        const int steps = std::max(1, static_cast<int>((end - start).norm() / STEP_MM));
+        for (int k = 1; k <= steps; k++) {
+            const Vec3 position = start + (end - start) * k / steps;
+            const double path = nodes[static_cast<size_t>(parent)].path_mm + (end - start).norm() / steps;
+            nodes.push_back({position, parent, path});
+            parent = static_cast<int>(nodes.size()) - 1;
+        }
+    }
+    // Count the ends beyond each node: children always come after their parent.
+    for (size_t i = nodes.size(); i-- > 1;) {
+        if (nodes[i].leaves == 0) nodes[i].leaves = 1;
+        nodes[static_cast<size_t>(nodes[i].parent)].leaves += nodes[i].leaves;
+    }
+    return nodes;
+}
+
+} // namespace
+
+Solid lung_vessels(double sign, const Distance &lung)
+{
+    // Murray's law: the cube of a radius is the sum of the cubes of its branches.
+    constexpr double END_RADIUS_MM = 1.3;
+    constexpr size_t ENDS = 100;
+    const Vec3 hilum = side(sign, 40, sign > 0 ? 172 : 164, -18);
+    const auto nodes = grow_tree(hilum, vessel_ends(sign, lung, hilum, ENDS));
+    auto radius = [&](const Node &node) {
+        return END_RADIUS_MM * std::cbrt(static_cast<double>(node.leaves));
+    };
+    Part part(1.0);
+    for (size_t i = 1; i < nodes.size(); i++) {
+        const Node &parent = nodes[static_cast<size_t>(nodes[i].parent)];
+        const double start = std::min(radius(parent), 1.35 * radius(nodes[i]));
+        part.rod({parent.position, nodes[i].position}, {start, radius(nodes[i])});
+    }
+    Solid solid;
+    solid.add(part);
+    return solid;
+}
+
+} // namespace anatomy

@@ -1,0 +1,131 @@
+#include "tools/anatomy/output.hpp"
+#include <algorithm>
+#include <bit>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace anatomy
+{
+
+namespace
+{
+
+static_assert(std::endian::native == std::endian::little,
+              "PLY files are written by copying little-endian words");
+
+void write_file(const std::filesystem::path &file, const std::string &bytes)
+{
+    std::ofstream out(file, std::ios::binary);
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    out.close();
+    if (!out)
+        throw std::runtime_error(file.string() + ": cannot be written; check the folder and the space left");
+}
+
+template <typename T> void append(std::string &bytes, T value)
+{
+    char raw[sizeof value];
+    std::memcpy(raw, &value, sizeof value);
+    bytes.append(raw, sizeof value);
+}
+
+std::string number(double value)
+{
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4f", value);
+    return text;
+}
+
+std::string triple(const Vec3 &v)
+{
+    return "[" + number(v.x()) + ", " + number(v.y()) + ", " + number(v.z()) + "]";
+}
+
+nlohmann::ordered_json control_point(const CurvePoint &point, const std::string &vessel, size_t index)
+{
+    const Vec3 &p = point.position_mm;
+    auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
+    return {{"id", std::to_string(index + 1)},
+            {"label", vessel + "-" + std::to_string(index + 1)},
+            {"description", ""},
+            {"position", {rounded(p.x()), rounded(-p.z()), rounded(p.y())}},
+            {"selected", true},
+            {"locked", false},
+            {"visibility", true},
+            {"positionStatus", "defined"}};
+}
+
+} // namespace
+
+std::string file_stem(const std::string &name)
+{
+    std::string stem = name;
+    std::replace(stem.begin(), stem.end(), ' ', '_');
+    return stem;
+}
+
+void write_ply(const std::filesystem::path &file, const Mesh &mesh, const std::string &comment)
+{
+    std::string bytes = "ply\nformat binary_little_endian 1.0\ncomment " + comment + "\nelement vertex " +
+                        std::to_string(mesh.vertices_mm.size()) +
+                        "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+                        std::to_string(mesh.triangles.size()) +
+                        "\nproperty list uchar int vertex_indices\nend_header\n";
+    for (const Vec3 &vertex : mesh.vertices_mm)
+        for (int axis = 0; axis < 3; axis++) append(bytes, static_cast<float>(vertex[axis]));
+    for (const auto &triangle : mesh.triangles) {
+        append(bytes, static_cast<uint8_t>(3));
+        for (uint32_t vertex : triangle) append(bytes, static_cast<int32_t>(vertex));
+    }
+    write_file(file, bytes);
+}
+
+void write_centreline(const std::filesystem::path &file, const Vessel &vessel)
+{
+    constexpr double STEP_MM = 4.0;
+    const Curve curve = vessel_curve(vessel, STEP_MM);
+    nlohmann::ordered_json points = nlohmann::ordered_json::array(), radii = nlohmann::ordered_json::array();
+    for (size_t i = 0; i < curve.size(); i++) {
+        points.push_back(control_point(curve[i], vessel.name, i));
+        radii.push_back(std::round(curve[i].radius_mm * 1e4) / 1e4);
+    }
+    const nlohmann::ordered_json radius = {
+        {"name", "Radius"}, {"enabled", true}, {"units", "mm"}, {"controlPointValues", radii}};
+    const nlohmann::ordered_json markup = {{"type", "Curve"},
+                                           {"coordinateSystem", "LPS"},
+                                           {"coordinateUnits", "mm"},
+                                           {"locked", false},
+                                           {"labelFormat", "%N-%d"},
+                                           {"controlPoints", points},
+                                           {"measurements", nlohmann::ordered_json::array({radius})}};
+    const nlohmann::ordered_json document = {
+        {"@schema",
+         "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/"
+         "Schema/markups-schema-v1.0.3.json#"},
+        {"markups", nlohmann::ordered_json::array({markup})}};
+    write_file(file, document.dump(1) + "\n");
+}
+
+void write_scene(const std::filesystem::path &file, const VesselTree &tree, const std::vector<Body> &bodies)
+{
+    std::string text =
+        "# Written by `anatomy " + tree.name + "`. Patient frame: +x patient left, +y head, +z front.\n";
+    text += "[scene]\nname = \"" + tree.title + "\"\n";
+    text += "source = \"Seldinger's own model from stated dimensions; see docs/anatomy.md\"\n\n";
+    text += "[lumen]\nmesh = \"lumen.ply\"\nunit = \"mm\"\n\n";
+    text += "# Mouth of the inserter sheath and the direction in which a wire leaves it.\n";
+    text += "[entry]\nposition_mm = " + triple(tree.entry_position_mm) +
+            "\ndirection = " + triple(tree.entry_direction) + "\n";
+    for (const Body &body : bodies) {
+        text += "\n[[body]]\nname = \"" + body.name + "\"\nmesh = \"" + file_stem(body.name) +
+                ".ply\"\nunit = \"mm\"\n";
+        text += "material = \"" + body.material + "\"\n";
+        if (!body.inside.empty()) text += "inside = \"" + body.inside + "\"\n";
+    }
+    write_file(file, text);
+}
+
+} // namespace anatomy

@@ -1,0 +1,289 @@
+#include "tools/anatomy/shapes.hpp"
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace anatomy
+{
+
+void Box::include(const Vec3 &point, double margin_mm)
+{
+    low = low.cwiseMin(point - Vec3::Constant(margin_mm));
+    high = high.cwiseMax(point + Vec3::Constant(margin_mm));
+}
+
+void Box::include(const Box &other)
+{
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+}
+
+double Box::distance(const Vec3 &point) const
+{
+    return (low - point).cwiseMax(point - high).cwiseMax(0.0).norm();
+}
+
+double Box::distance(const Box &other) const
+{
+    return (low - other.high).cwiseMax(other.low - high).cwiseMax(0.0).norm();
+}
+
+double smooth_min(double a, double b, double blend_mm)
+{
+    if (blend_mm <= 0.0) return std::min(a, b);
+    const double overlap = std::max(blend_mm - std::abs(a - b), 0.0) / blend_mm;
+    return std::min(a, b) - overlap * overlap * blend_mm * 0.25;
+}
+
+double smooth_max(double a, double b, double blend_mm)
+{
+    return -smooth_min(-a, -b, blend_mm);
+}
+
+// --- tube -------------------------------------------------------------------------------------------------------
+
+Tube::Tube(const Curve &curve) : curve_(std::make_shared<const Curve>(curve))
+{
+    build_chunks();
+}
+
+Tube::Tube(const Curve &curve, const Vec3 &flat, double thinness)
+    : curve_(std::make_shared<const Curve>(curve)), flat_(flat.normalized()), thinness_(thinness)
+{
+    build_chunks();
+}
+
+void Tube::build_chunks()
+{
+    constexpr size_t SEGMENTS_PER_CHUNK = 6;
+    for (size_t first = 0; first + 1 < curve_->size(); first += SEGMENTS_PER_CHUNK) {
+        Chunk chunk{first, std::min(first + SEGMENTS_PER_CHUNK, curve_->size() - 1), {}};
+        for (size_t i = chunk.first; i <= chunk.last; i++)
+            chunk.bounds.include((*curve_)[i].position_mm, (*curve_)[i].radius_mm * std::max(1.0, thinness_));
+        bounds.include(chunk.bounds);
+        chunks_.push_back(chunk);
+    }
+}
+
+std::shared_ptr<Shape> Tube::near(const Box &box, double reach_mm) const
+{
+    auto trimmed = std::make_shared<Tube>(*this);
+    std::erase_if(trimmed->chunks_,
+                  [&](const Chunk &chunk) { return chunk.bounds.distance(box) > reach_mm; });
+    if (marrow) trimmed->marrow = marrow->near(box, reach_mm);
+    return trimmed->chunks_.empty() ? nullptr : trimmed;
+}
+
+double Tube::section_distance(const Vec3 &point, size_t segment, double t) const
+{
+    const CurvePoint &a = (*curve_)[segment], &b = (*curve_)[segment + 1];
+    const double radius = a.radius_mm + t * (b.radius_mm - a.radius_mm);
+    const Vec3 offset = point - (a.position_mm + t * (b.position_mm - a.position_mm));
+    if (flat_.isZero()) return offset.norm() - radius;
+    const Vec3 along = (b.position_mm - a.position_mm).normalized();
+    const Vec3 height = (flat_ - along * flat_.dot(along)).normalized(), across = along.cross(height);
+    const double thin = radius * thinness_;
+    return ellipsoid_distance({offset.dot(height), offset.dot(across), offset.dot(along)},
+                              {radius, thin, thin});
+}
+
+double Tube::distance(const Vec3 &point) const
+{
+    // A flat section is looked up at the nearest point of the axis; a round one is the minimum over all segments.
+    double best = std::numeric_limits<double>::max(), best_axis = best, best_t = 0.0;
+    size_t best_segment = 0;
+    const bool round = flat_.isZero();
+    for (const Chunk &chunk : chunks_) {
+        if (chunk.bounds.distance(point) > (round ? best : best_axis)) continue;
+        for (size_t i = chunk.first; i < chunk.last; i++) {
+            const CurvePoint &a = (*curve_)[i], &b = (*curve_)[i + 1];
+            const Vec3 axis = b.position_mm - a.position_mm, offset = point - a.position_mm;
+            const double t = std::clamp(offset.dot(axis) / axis.squaredNorm(), 0.0, 1.0);
+            const double from_axis = (offset - t * axis).norm();
+            if (round)
+                best = std::min(best, from_axis - (a.radius_mm + t * (b.radius_mm - a.radius_mm)));
+            else if (from_axis < best_axis) {
+                best_axis = from_axis;
+                best_segment = i;
+                best_t = t;
+            }
+        }
+    }
+    return round ? best : section_distance(point, best_segment, best_t);
+}
+
+// --- other shapes -----------------------------------------------------------------------------------------------
+
+double ellipsoid_distance(const Vec3 &local, const Vec3 &half_axes_mm)
+{
+    const Vec3 scaled = local.cwiseQuotient(half_axes_mm);
+    const double length = scaled.norm(), gradient = scaled.cwiseQuotient(half_axes_mm).norm();
+    if (gradient < 1e-9) return -half_axes_mm.minCoeff();
+    return length * (length - 1.0) / gradient;
+}
+
+Ellipsoid::Ellipsoid(const Vec3 &centre, const Vec3 &half_axes_mm, const Eigen::Matrix3d &rotation)
+    : centre_(centre), half_axes_(half_axes_mm), inverse_(rotation.transpose())
+{
+    const Vec3 reach = (rotation.cwiseAbs() * half_axes_mm).eval();
+    bounds.include(centre - reach, 0.0);
+    bounds.include(centre + reach, 0.0);
+}
+
+double Ellipsoid::distance(const Vec3 &point) const
+{
+    return ellipsoid_distance(inverse_ * (point - centre_), half_axes_);
+}
+
+Plate::Plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_mm)
+    : a_(a), b_(b), c_(c), half_thickness_mm_(half_thickness_mm)
+{
+    for (const Vec3 &corner : {a, b, c}) bounds.include(corner, half_thickness_mm);
+}
+
+double Plate::distance(const Vec3 &point) const
+{
+    const Vec3 normal = (b_ - a_).cross(c_ - a_);
+    const Vec3 corners[3] = {a_, b_, c_};
+    bool over_face = true;
+    double edge_squared = std::numeric_limits<double>::max();
+    for (int i = 0; i < 3; i++) {
+        const Vec3 edge = corners[(i + 1) % 3] - corners[i], offset = point - corners[i];
+        over_face = over_face && edge.cross(normal).dot(offset) <= 0.0;
+        const double t = std::clamp(offset.dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+        edge_squared = std::min(edge_squared, (offset - t * edge).squaredNorm());
+    }
+    const double distance =
+        over_face ? std::abs(normal.dot(point - a_)) / normal.norm() : std::sqrt(edge_squared);
+    return distance - half_thickness_mm_;
+}
+
+Drum::Drum(const Vec3 &centre, const Eigen::Matrix3d &rotation, double width_mm, double height_mm,
+           double depth_mm)
+    : centre_(centre), inverse_(rotation.transpose()), half_width_(0.5 * width_mm),
+      half_height_(0.5 * height_mm), half_depth_(0.5 * depth_mm)
+{
+    bounds.include(centre, Vec3(half_width_, half_height_, half_depth_).norm());
+}
+
+double Drum::distance(const Vec3 &point) const
+{
+    constexpr double WAIST = 0.09, RIM_ROUND_MM = 3.0, PLATE_HOLLOW_MM = 1.0;
+    const Vec3 local = inverse_ * (point - centre_);
+    const double level = std::clamp(local.y() / half_height_, -1.0, 1.0);
+    const double girth = 1.0 - WAIST * (1.0 - level * level);
+    // The back half of the section is flatter than the front half, as seen from above.
+    const double depth = half_depth_ * girth, width = half_width_ * girth;
+    const double back = local.z() < 0.0 ? 0.88 : 1.0;
+    const double from_side = ellipsoid_distance({local.x(), local.z() / back, 0.0}, {width, depth, width});
+    const double radial = std::min(1.0, std::hypot(local.x() / width, local.z() / depth));
+    const double from_plate = std::abs(local.y()) - half_height_ + PLATE_HOLLOW_MM * (1.0 - radial * radial);
+    return smooth_max(from_side, from_plate, RIM_ROUND_MM);
+}
+
+Formula::Formula(std::function<double(const Vec3 &)> function, const Box &where)
+    : function_(std::move(function))
+{
+    bounds = where;
+}
+
+// --- part and solid ---------------------------------------------------------------------------------------------
+
+Tube &Part::rod(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double cortex_mm)
+{
+    Tube &tube = add<Tube>(sample_curve(points, radii_mm, 4.0));
+    tube.cortex_mm = cortex_mm;
+    return tube;
+}
+
+Plate &Part::plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_mm, double cortex_mm)
+{
+    Plate &flat = add<Plate>(a, b, c, half_thickness_mm);
+    flat.cortex_mm = cortex_mm;
+    return flat;
+}
+
+double Part::evaluate(const Vec3 &point, double cortex_scale) const
+{
+    constexpr double CUT_ROUND_MM = 1.0;
+    double total = 1e9;
+    for (const auto &shape : added) {
+        if (shape->bounds.distance(point) > total + blend_mm + cortex_scale * shape->cortex_mm) continue;
+        const bool own_marrow = cortex_scale > 0.0 && shape->marrow;
+        const double distance = own_marrow ? shape->marrow->distance(point)
+                                           : shape->distance(point) + cortex_scale * shape->cortex_mm;
+        total = smooth_min(total, distance, blend_mm);
+    }
+    for (const auto &shape : removed) {
+        if (shape->bounds.distance(point) > CUT_ROUND_MM + cortex_scale + std::max(0.0, -total)) continue;
+        total = smooth_max(total, cortex_scale * shape->cortex_mm - shape->distance(point), CUT_ROUND_MM);
+    }
+    return total;
+}
+
+double Part::distance(const Vec3 &point) const
+{
+    return evaluate(point, 0.0);
+}
+
+double Part::marrow_distance(const Vec3 &point) const
+{
+    // Smooth joining may thin the shell; it never gets thinner than this, so the marrow stays inside the bone.
+    constexpr double SHELL_LEAST_MM = 0.7;
+    return std::max(evaluate(point, 1.0), evaluate(point, 0.0) + SHELL_LEAST_MM);
+}
+
+Part Part::near(const Box &box, double reach_mm) const
+{
+    Part part(blend_mm);
+    part.bounds = bounds;
+    for (const auto &shape : added) {
+        const double reach = reach_mm + blend_mm + shape->cortex_mm;
+        if (shape->bounds.distance(box) > reach) continue;
+        const auto trimmed = shape->near(box, reach);
+        part.added.push_back(trimmed ? trimmed : shape);
+    }
+    for (const auto &shape : removed)
+        if (shape->bounds.distance(box) <= reach_mm) part.removed.push_back(shape);
+    return part;
+}
+
+void Solid::add(Part part)
+{
+    bounds.include(part.bounds);
+    parts_.push_back(std::move(part));
+}
+
+void Solid::add(const Solid &other)
+{
+    for (const Part &part : other.parts_) add(part);
+}
+
+double Solid::distance(const Vec3 &point) const
+{
+    double best = 1e9;
+    for (const Part &part : parts_)
+        if (part.bounds.distance(point) - part.blend_mm < best) best = std::min(best, part.distance(point));
+    return best;
+}
+
+double Solid::marrow_distance(const Vec3 &point) const
+{
+    double best = 1e9;
+    for (const Part &part : parts_)
+        if (part.bounds.distance(point) - part.blend_mm < best)
+            best = std::min(best, part.marrow_distance(point));
+    return best;
+}
+
+Solid Solid::near(const Box &box, double reach_mm) const
+{
+    Solid solid;
+    solid.bounds = bounds;
+    for (const Part &part : parts_)
+        if (part.bounds.distance(box) <= reach_mm + part.blend_mm)
+            solid.parts_.push_back(part.near(box, reach_mm));
+    return solid;
+}
+
+} // namespace anatomy

@@ -1,0 +1,168 @@
+/* Solids from which bodies are built: each knows (nearly) its signed distance in millimetres, negative inside, and its
+ * bounds. A Part joins shapes smoothly, as one bone is; a Solid is the plain union of parts. Bones carry the thickness of
+ * their cortical shell, so the same Solid also answers for the marrow space inside. */
+#pragma once
+#include "tools/anatomy/spline.hpp"
+#include <Eigen/Geometry>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace anatomy
+{
+
+struct Box {
+    Vec3 low = Vec3::Constant(1e9), high = Vec3::Constant(-1e9);
+    void include(const Vec3 &point, double margin_mm);
+    void include(const Box &other);
+    double distance(const Vec3 &point) const; // 0 inside
+    double distance(const Box &other) const;  // 0 where they touch
+};
+
+using Distance = std::function<double(const Vec3 &)>; // signed distance at a point, millimetres
+
+class Shape
+{
+  public:
+    virtual ~Shape() = default;
+    virtual double distance(const Vec3 &point) const = 0;
+    /* A cheaper shape that agrees with this one near the box; null when there is none. */
+    virtual std::shared_ptr<Shape> near(const Box &, double) const { return nullptr; }
+    Box bounds;
+    double cortex_mm = 1.0;        // shell taken off all round to get the marrow space
+    std::shared_ptr<Shape> marrow; // or the marrow space itself
+};
+
+/* Tube around a curve. Without `flat` the section is a circle of the curve's radius; with it the section is an ellipse whose
+ * half-height along the given direction is the curve's radius and whose other half-axis is radius * thinness. */
+class Tube : public Shape
+{
+  public:
+    explicit Tube(const Curve &curve);
+    Tube(const Curve &curve, const Vec3 &flat, double thinness);
+    double distance(const Vec3 &point) const override;
+    std::shared_ptr<Shape> near(const Box &box, double reach_mm) const override;
+
+  private:
+    struct Chunk {
+        size_t first, last;
+        Box bounds;
+    };
+    void build_chunks();
+    double section_distance(const Vec3 &point, size_t segment, double t) const;
+    std::shared_ptr<const Curve> curve_;
+    Vec3 flat_ = Vec3::Zero();
+    double thinness_ = 1.0;
+    std::vector<Chunk> chunks_;
+};
+
+/* Ellipsoid; rotation maps its own axes to the patient frame. */
+class Ellipsoid : public Shape
+{
+  public:
+    Ellipsoid(const Vec3 &centre, const Vec3 &half_axes_mm,
+              const Eigen::Matrix3d &rotation = Eigen::Matrix3d::Identity());
+    double distance(const Vec3 &point) const override;
+
+  private:
+    Vec3 centre_, half_axes_;
+    Eigen::Matrix3d inverse_;
+};
+
+/* Triangle thickened by half_thickness_mm: flat bone (ilium, scapula, laminae). */
+class Plate : public Shape
+{
+  public:
+    Plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_mm);
+    double distance(const Vec3 &point) const override;
+
+  private:
+    Vec3 a_, b_, c_;
+    double half_thickness_mm_;
+};
+
+/* Vertebral body: a waisted drum with slightly hollow end plates and a flattened back. Axis y of the frame points up. */
+class Drum : public Shape
+{
+  public:
+    Drum(const Vec3 &centre, const Eigen::Matrix3d &rotation, double width_mm, double height_mm,
+         double depth_mm);
+    double distance(const Vec3 &point) const override;
+
+  private:
+    Vec3 centre_;
+    Eigen::Matrix3d inverse_;
+    double half_width_, half_height_, half_depth_;
+};
+
+/* Any function with stated bounds. */
+class Formula : public Shape
+{
+  public:
+    Formula(std::function<double(const Vec3 &)> function, const Box &where);
+    double distance(const Vec3 &point) const override { return function_(point); }
+
+  private:
+    std::function<double(const Vec3 &)> function_;
+};
+
+/* min and max rounded over a width of `blend_mm`. */
+double smooth_min(double a, double b, double blend_mm);
+double smooth_max(double a, double b, double blend_mm);
+
+/* Distance to an ellipsoid given the point in its own frame; exact to first order at the surface. */
+double ellipsoid_distance(const Vec3 &local, const Vec3 &half_axes_mm);
+
+class Part
+{
+  public:
+    explicit Part(double blend) : blend_mm(blend) {}
+    template <typename T, typename... Arguments> T &add(Arguments &&...arguments)
+    {
+        auto shape = std::make_shared<T>(std::forward<Arguments>(arguments)...);
+        bounds.include(shape->bounds);
+        added.push_back(shape);
+        return *shape;
+    }
+    template <typename T, typename... Arguments> void cut(Arguments &&...arguments)
+    {
+        removed.push_back(std::make_shared<T>(std::forward<Arguments>(arguments)...));
+    }
+    /* Tube of varying radius through a few points: the workhorse of the smaller bones. */
+    Tube &rod(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double cortex_mm = 1.0);
+    Plate &plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_mm,
+                 double cortex_mm = 1.0);
+    double distance(const Vec3 &point) const;
+    double marrow_distance(const Vec3 &point) const;
+    /* The same part for points inside `box`, correct where the distance is below reach_mm. */
+    Part near(const Box &box, double reach_mm) const;
+
+    double blend_mm;
+    Box bounds;
+    std::vector<std::shared_ptr<Shape>> added, removed;
+
+  private:
+    double evaluate(const Vec3 &point, double cortex_scale) const;
+};
+
+class Solid
+{
+  public:
+    void add(Part part);
+    void add(const Solid &other);
+    double distance(const Vec3 &point) const;
+    double marrow_distance(const Vec3 &point) const;
+    Solid near(const Box &box, double reach_mm) const;
+    Box bounds;
+
+  private:
+    std::vector<Part> parts_;
+};
+
+/* The point mirrored to the patient's other side. */
+inline Vec3 side(double sign, double x, double y, double z)
+{
+    return {sign * x, y, z};
+}
+
+} // namespace anatomy

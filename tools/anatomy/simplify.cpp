@@ -1,0 +1,236 @@
+/* Simplification by edge collapse; called by mesh_of(). See mesh.hpp for what it promises. */
+#include "tools/anatomy/mesh.hpp"
+#include <algorithm>
+#include <cmath>
+#include <queue>
+
+namespace anatomy
+{
+
+namespace
+{
+
+/* Sum of squared distances to planes, weighted by area: x'Ax + 2b'x + c. */
+struct Quadric {
+    Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+    Vec3 b = Vec3::Zero();
+    double c = 0.0, weight = 0.0;
+    void add_plane(const Vec3 &normal, const Vec3 &point, double area)
+    {
+        const double offset = -normal.dot(point);
+        a += area * normal * normal.transpose();
+        b += area * offset * normal;
+        c += area * offset * offset;
+        weight += area;
+    }
+    void add(const Quadric &other)
+    {
+        a += other.a;
+        b += other.b;
+        c += other.c;
+        weight += other.weight;
+    }
+    /* Mean squared distance of a point to the planes. */
+    double error(const Vec3 &point) const
+    {
+        return std::max(0.0, point.dot(a * point) + 2.0 * b.dot(point) + c) / weight;
+    }
+};
+
+struct Candidate {
+    double cost;
+    uint32_t keep, drop, keep_version, drop_version;
+    bool operator<(const Candidate &other) const
+    {
+        if (cost != other.cost) return cost > other.cost; // the queue's top is the cheapest
+        return keep != other.keep ? keep > other.keep : drop > other.drop;
+    }
+};
+
+class Simplifier
+{
+  public:
+    Simplifier(Mesh &mesh, double error_mm);
+    void run();
+
+  private:
+    Vec3 best_point(uint32_t keep, uint32_t drop, double &cost) const;
+    void offer(uint32_t one, uint32_t other);
+    void offer_around(uint32_t vertex);
+    bool may_collapse(uint32_t keep, uint32_t drop, const Vec3 &point);
+    bool turns_a_triangle(uint32_t moving, uint32_t other, const Vec3 &point) const;
+    void neighbours(uint32_t vertex, std::vector<uint32_t> &found) const;
+    void collapse(uint32_t keep, uint32_t drop, const Vec3 &point);
+    void compact();
+
+    Mesh &mesh_;
+    double limit_; // squared error allowed
+    std::vector<Quadric> quadrics_;
+    std::vector<std::vector<uint32_t>> triangles_of_;
+    std::vector<uint32_t> version_;
+    std::vector<bool> triangle_alive_;
+    std::priority_queue<Candidate> queue_;
+    std::vector<uint32_t> around_keep_, around_drop_, shared_; // reused, to spare allocations
+};
+
+Simplifier::Simplifier(Mesh &mesh, double error_mm)
+    : mesh_(mesh), limit_(error_mm * error_mm), quadrics_(mesh.vertices_mm.size()),
+      triangles_of_(mesh.vertices_mm.size()), version_(mesh.vertices_mm.size(), 0),
+      triangle_alive_(mesh.triangles.size(), true)
+{
+    for (uint32_t t = 0; t < mesh.triangles.size(); t++) {
+        const auto &corner = mesh.triangles[t];
+        const Vec3 &origin = mesh.vertices_mm[corner[0]];
+        const Vec3 normal =
+            (mesh.vertices_mm[corner[1]] - origin).cross(mesh.vertices_mm[corner[2]] - origin);
+        const double area = 0.5 * normal.norm();
+        for (uint32_t vertex : corner) {
+            triangles_of_[vertex].push_back(t);
+            if (area > 1e-9) quadrics_[vertex].add_plane(normal.normalized(), origin, area);
+        }
+    }
+}
+
+/* The point of least error where the planes fix one; otherwise the middle of the edge. A small pull to the middle keeps flat
+ * neighbourhoods well posed. */
+Vec3 Simplifier::best_point(uint32_t keep, uint32_t drop, double &cost) const
+{
+    Quadric sum = quadrics_[keep];
+    sum.add(quadrics_[drop]);
+    const Vec3 middle = 0.5 * (mesh_.vertices_mm[keep] + mesh_.vertices_mm[drop]);
+    const double pull = 1e-3 * sum.weight + 1e-12;
+    const Eigen::Matrix3d system = sum.a + pull * Eigen::Matrix3d::Identity();
+    const Vec3 right = pull * middle - sum.b;
+    const Vec3 point = system.inverse() * right;
+    cost = sum.weight > 0.0 ? sum.error(point) : 0.0;
+    const double span = (mesh_.vertices_mm[keep] - mesh_.vertices_mm[drop]).norm();
+    if ((point - middle).norm() <= span) return point;
+    cost = sum.weight > 0.0 ? sum.error(middle) : 0.0;
+    return middle;
+}
+
+void Simplifier::offer(uint32_t one, uint32_t other)
+{
+    const uint32_t keep = std::min(one, other), drop = std::max(one, other);
+    double cost = 0.0;
+    best_point(keep, drop, cost);
+    // Long thin triangles are avoided by a slight price on length, far below the error limit.
+    const double length = (mesh_.vertices_mm[keep] - mesh_.vertices_mm[drop]).squaredNorm();
+    if (cost < limit_) queue_.push({cost + 1e-5 * length, keep, drop, version_[keep], version_[drop]});
+}
+
+void Simplifier::neighbours(uint32_t vertex, std::vector<uint32_t> &found) const
+{
+    found.clear();
+    for (uint32_t t : triangles_of_[vertex])
+        for (uint32_t corner : mesh_.triangles[t])
+            if (corner != vertex) found.push_back(corner);
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+}
+
+void Simplifier::offer_around(uint32_t vertex)
+{
+    neighbours(vertex, around_keep_);
+    for (uint32_t other : around_keep_) offer(vertex, other);
+}
+
+bool Simplifier::turns_a_triangle(uint32_t moving, uint32_t other, const Vec3 &point) const
+{
+    constexpr double COSINE_LEAST = 0.25, SLENDERNESS_LEAST = 0.08;
+    for (uint32_t t : triangles_of_[moving]) {
+        auto corner = mesh_.triangles[t];
+        if (std::find(corner.begin(), corner.end(), other) != corner.end()) continue;
+        while (corner[0] != moving) std::rotate(corner.begin(), corner.begin() + 1, corner.end());
+        const Vec3 &b = mesh_.vertices_mm[corner[1]], &c = mesh_.vertices_mm[corner[2]];
+        const Vec3 before = (b - mesh_.vertices_mm[moving]).cross(c - mesh_.vertices_mm[moving]);
+        const Vec3 after = (b - point).cross(c - point);
+        if (after.dot(before) < COSINE_LEAST * after.norm() * before.norm()) return true;
+        const double longest =
+            std::max({(b - point).squaredNorm(), (c - point).squaredNorm(), (b - c).squaredNorm()});
+        if (after.norm() < SLENDERNESS_LEAST * longest) return true;
+    }
+    return false;
+}
+
+/* Link condition on a closed surface: the two ends share exactly two neighbours. */
+bool Simplifier::may_collapse(uint32_t keep, uint32_t drop, const Vec3 &point)
+{
+    constexpr size_t VALENCE_MOST = 14;
+    neighbours(keep, around_keep_);
+    neighbours(drop, around_drop_);
+    shared_.clear();
+    std::set_intersection(around_keep_.begin(), around_keep_.end(), around_drop_.begin(), around_drop_.end(),
+                          std::back_inserter(shared_));
+    if (shared_.size() != 2 || around_keep_.size() + around_drop_.size() - 4 > VALENCE_MOST) return false;
+    for (uint32_t vertex : shared_)
+        if (triangles_of_[vertex].size() <= 3) return false;
+    return !turns_a_triangle(keep, drop, point) && !turns_a_triangle(drop, keep, point);
+}
+
+void Simplifier::collapse(uint32_t keep, uint32_t drop, const Vec3 &point)
+{
+    mesh_.vertices_mm[keep] = point;
+    quadrics_[keep].add(quadrics_[drop]);
+    for (uint32_t t : triangles_of_[drop]) {
+        auto &corner = mesh_.triangles[t];
+        const bool dies = std::find(corner.begin(), corner.end(), keep) != corner.end();
+        if (!dies) {
+            std::replace(corner.begin(), corner.end(), drop, keep);
+            triangles_of_[keep].push_back(t);
+            continue;
+        }
+        triangle_alive_[t] = false;
+        for (uint32_t vertex : corner)
+            if (vertex != drop) std::erase(triangles_of_[vertex], t);
+    }
+    triangles_of_[drop].clear();
+    version_[keep]++;
+    version_[drop]++;
+}
+
+void Simplifier::run()
+{
+    for (const auto &corner : mesh_.triangles)
+        for (int i = 0; i < 3; i++)
+            if (corner[i] < corner[(i + 1) % 3]) offer(corner[i], corner[(i + 1) % 3]);
+    while (!queue_.empty()) {
+        const Candidate next = queue_.top();
+        queue_.pop();
+        if (version_[next.keep] != next.keep_version || version_[next.drop] != next.drop_version) continue;
+        double cost = 0.0;
+        const Vec3 point = best_point(next.keep, next.drop, cost);
+        if (!may_collapse(next.keep, next.drop, point)) continue;
+        collapse(next.keep, next.drop, point);
+        offer_around(next.keep);
+    }
+    compact();
+}
+
+void Simplifier::compact()
+{
+    std::vector<uint32_t> renamed(mesh_.vertices_mm.size(), UINT32_MAX);
+    Mesh kept;
+    for (size_t t = 0; t < mesh_.triangles.size(); t++) {
+        if (!triangle_alive_[t]) continue;
+        auto corner = mesh_.triangles[t];
+        for (uint32_t &vertex : corner) {
+            if (renamed[vertex] == UINT32_MAX) {
+                renamed[vertex] = static_cast<uint32_t>(kept.vertices_mm.size());
+                kept.vertices_mm.push_back(mesh_.vertices_mm[vertex]);
+            }
+            vertex = renamed[vertex];
+        }
+        kept.triangles.push_back(corner);
+    }
+    mesh_ = std::move(kept);
+}
+
+} // namespace
+
+void simplify(Mesh &mesh, double error_mm)
+{
+    Simplifier(mesh, error_mm).run();
+}
+
+} // namespace anatomy

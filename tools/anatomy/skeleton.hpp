@@ -1,0 +1,26 @@
+/* The bones of the shipped patient, each group a Solid in the patient frame. */
+#pragma once
+#include "tools/anatomy/shapes.hpp"
+#include <string>
+#include <vector>
+
+namespace anatomy
+{
+
+/* One vertebra as the ribs and the spine need it. up is the direction of the spine at its centre. */
+struct Vertebra {
+    std::string name;
+    double height_mm, width_mm, depth_mm, disc_below_mm;
+    Vec3 centre_mm, up, front;
+};
+
+/* C5 to L5, from the top down. */
+std::vector<Vertebra> vertebrae();
+
+Solid spine_bones();    // C5-L5, sacrum, coccyx
+Solid rib_bones();      // twelve pairs, sternum
+Solid pelvis_bones();   // both hip bones
+Solid femur_bones();    // upper thirds
+Solid shoulder_bones(); // clavicles, shoulder blades, heads of the humerus (arms raised, as for a lateral view)
+
+} // namespace anatomy

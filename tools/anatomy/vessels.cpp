@@ -1,0 +1,30 @@
+#include "tools/anatomy/vessels.hpp"
+
+namespace anatomy
+{
+
+Curve vessel_curve(const Vessel &vessel, double step_mm)
+{
+    std::vector<Vec3> points;
+    std::vector<double> radii_mm;
+    for (const Station &station : vessel.stations) {
+        points.push_back(station.position_mm);
+        radii_mm.push_back(0.5 * station.diameter_mm);
+    }
+    return sample_curve(points, radii_mm, step_mm);
+}
+
+Solid tree_solid(const VesselTree &tree, double wall_mm)
+{
+    Part part(tree.fillet_mm);
+    for (const Vessel &vessel : tree.vessels) {
+        Curve curve = vessel_curve(vessel, 1.0);
+        for (CurvePoint &point : curve) point.radius_mm += wall_mm;
+        part.add<Tube>(curve);
+    }
+    Solid solid;
+    solid.add(part);
+    return solid;
+}
+
+} // namespace anatomy
