@@ -39,7 +39,7 @@ HOST_LINK     := -lpng -lglfw -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/docs
 
-.PHONY: all run test bench fuzz format help clean docs tests-build tests-build-san fuzz-programs
+.PHONY: all run test bench fuzz compilers format help clean docs tests-build tests-build-san fuzz-programs
 .DEFAULT_GOAL := all
 MAKEFLAGS += --no-builtin-rules
 
@@ -137,6 +137,9 @@ test: packages-build packages-test ## build and run every test, also under the s
 fuzz: packages-build packages-test ## look for crashing inputs, SECONDS=60 per target
 	@$(FUZZ_MAKE) fuzz-programs
 	@tools/check/run_fuzz.py --build $(BUILD)/fuzz --seconds $(SECONDS) --jobs $(JOBS) $(basename $(FUZZ_TARGETS))
+
+compilers: packages-build packages-test ## replay out/demo.rec by gcc -O0, gcc -O3 and clang -O2 and compare the hashes
+	@JOBS=$(JOBS) tools/check/compare_compilers.sh
 
 # --- benchmarks: docs/bench.md -------------------------------------------------------------------------------------
 BENCHES := $(wildcard firmware/bench/bench_*.c)
