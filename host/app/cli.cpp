@@ -71,6 +71,35 @@ void add_replay(CLI::App &app, ReplayOptions &options)
                     "--speed slow --from 12.5");
 }
 
+void add_view(CLI::App &app, WindowOptions &options)
+{
+    CLI::App *command = app.add_subcommand("view", "A window: push, turn and look by keyboard");
+    command->add_option("--scene", options.scene, "Baked scene; without: free space");
+    command->add_option("--instrument", options.instrument, "Instrument file (docs/instruments.md)")
+        ->required();
+    command->add_option("--record", options.record, "Write a recording of what the hand does");
+    command->add_option("--bodies", options.pictures.bodies_path,
+                        "Body file; default: the .bodies file beside the scene, when there is one");
+    command->add_option("--size", options.pictures.size, "Pixels along each edge of the X-ray")
+        ->capture_default_str()
+        ->check(CLI::Range(64, 2048));
+    command->add_option("--seed", options.pictures.seed, "Seed of the quantum noise")->capture_default_str();
+    command->add_option("--threads", options.pictures.threads, "Threads of the X-ray, 0: one per processor")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 64));
+    command->add_option("--inserted", options.inserted_mm, "Length outside the inserter at the start, mm")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 2000.0));
+    command->add_flag("--fluoro", options.starts_with_fluoro, "X-ray on from the start");
+    command->add_flag("!--no-help-panel", options.shows_help, "Start without the list of keys");
+    command->add_option("--frames", options.frames, "End after so many screens of 1/60 s; 0: until Esc")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1000000));
+    command->add_option("--screenshot", options.screenshot, "Write the last screen as PNG");
+    command->footer("Example:\n  seldinger view --scene out/aorta.scene --instrument "
+                    "shared/examples/instruments/bentson.toml");
+}
+
 } // namespace
 
 std::string bodies_beside(const std::string &scene)
@@ -88,9 +117,11 @@ int command_line(int argc, char **argv)
     app.set_help_all_flag("--help-all", "Help of every command");
     RunOptions run;
     ReplayOptions replay;
+    WindowOptions window;
     std::string info;
     add_run(app, run);
     add_replay(app, replay);
+    add_view(app, window);
     CLI::App *info_command =
         app.add_subcommand("info", "What a recording, scene, instrument or session file holds");
     info_command->add_option("file", info, "The file")->required();
@@ -105,6 +136,7 @@ int command_line(int argc, char **argv)
     try {
         if (app.got_subcommand("run")) return command_run(run);
         if (app.got_subcommand("replay")) return command_replay(replay);
+        if (app.got_subcommand("view")) return command_view(window);
         return command_info(info);
     } catch (const std::exception &error) {
         std::fprintf(stderr, "seldinger: %s\n", error.what());

@@ -1,6 +1,7 @@
 // The command line `seldinger`: exit codes 0 done, 1 failed, 2 wrong usage. May include: all host. Called by: main.
 #pragma once
 #include "host/app/session_pictures.hpp"
+#include "host/app/window.hpp"
 #include <string>
 
 namespace seld
@@ -21,6 +22,7 @@ struct ReplayOptions {
 
 int command_run(const RunOptions &options);
 int command_replay(const ReplayOptions &options);
+int command_view(WindowOptions options);
 int command_info(const std::string &path);
 
 // Bodies beside a scene: "x.scene" -> "x.bodies" when that file exists, else empty.

@@ -81,12 +81,12 @@ SessionPictures::SessionPictures(const PictureSettings &settings, const Instrume
 
 SessionPictures::~SessionPictures() = default;
 
-OverlayInfo SessionPictures::display(const SessionFrame &frame, const CArm &carm, bool is_beam_on) const
+OverlayInfo SessionPictures::display(const SessionFrame &frame, bool is_beam_on) const
 {
     OverlayInfo info;
-    info.primary_deg = carm.primary_deg;
-    info.secondary_deg = carm.secondary_deg;
-    info.field_m = carm.field_m;
+    info.primary_deg = carm_.primary_deg;
+    info.secondary_deg = carm_.secondary_deg;
+    info.field_m = carm_.field_m;
     info.time_s = frame.wire.tick * 1e-3;
     info.inserted_mm = frame.inserted_m * 1e3;
     info.turned_deg = frame.turned_deg;
@@ -96,6 +96,8 @@ OverlayInfo SessionPictures::display(const SessionFrame &frame, const CArm &carm
     info.kerma_mGy = kerma_mGy_;
     info.is_beam_on = is_beam_on;
     info.instrument = name_;
+    info.notice = notice_;
+    info.panel = panel_;
     return info;
 }
 
@@ -103,21 +105,32 @@ OverlayInfo SessionPictures::display(const SessionFrame &frame, const CArm &carm
 void SessionPictures::frame(const SessionFrame &frame)
 {
     const double period_s = 1.0 / settings_.pictures_per_second;
-    const CArm carm = motion_.advance(frame.view, frame.wire, period_s);
-    const bool is_beam_on = frame.view.is_fluoro_on || !has_picture_;
-    if (is_beam_on) {
+    carm_ = motion_.advance(frame.view, frame.wire, period_s);
+    is_beam_on_ = frame.view.is_fluoro_on || !has_picture_;
+    if (is_beam_on_) {
         XraySettings xray;
-        xray.carm = carm;
+        xray.carm = carm_;
         xray.size = settings_.size;
         xray_->render(xray, look_, frame.wire, settings_.seed, picture_);
         has_picture_ = true;
         kerma_mGy_ += picture_.air_kerma_uGy * 1e-3;
         fluoro_s_ += period_s;
     }
-    image_ = compose_display(picture_, display(frame, carm, is_beam_on));
+    redraw(frame);
     count_++;
     std::string error;
     if (movie_.is_open() && !movie_.add(image_, error)) throw std::runtime_error(error);
+}
+
+void SessionPictures::annotate(const std::string &notice, const std::vector<std::string> &panel)
+{
+    notice_ = notice;
+    panel_ = panel;
+}
+
+void SessionPictures::redraw(const SessionFrame &frame)
+{
+    image_ = compose_display(picture_, display(frame, is_beam_on_));
 }
 
 void SessionPictures::finish()

@@ -47,16 +47,24 @@ class SessionPictures final : public FrameSink
     void frame(const SessionFrame &frame) override;
     void finish() override;
     std::uint32_t count() const { return count_; }
+    const Image &image() const { return image_; } // the last picture with its display
+    // Notice and help panel from the next picture on; empty for none.
+    void annotate(const std::string &notice, const std::vector<std::string> &panel);
+    void
+    redraw(const SessionFrame &frame); // the display again over the last X-ray, for a change of annotation
 
   private:
-    OverlayInfo display(const SessionFrame &frame, const CArm &carm, bool is_beam_on) const;
+    OverlayInfo display(const SessionFrame &frame, bool is_beam_on) const;
 
     PictureSettings settings_;
     RadiopaqueInstrument look_;
-    std::string name_;
+    std::string name_, notice_;
+    std::vector<std::string> panel_;
     XrayScene scene_;
     std::unique_ptr<Xray> xray_; // after the scene has its bodies
     ViewMotion motion_;
+    CArm carm_;
+    bool is_beam_on_ = false;
     XrayPicture picture_; // held while fluoroscopy is off
     bool has_picture_ = false;
     Image image_;

@@ -1,0 +1,168 @@
+// The loop of the window: keys -> hand and C-arm -> ticks -> picture -> screen.
+#include "host/app/window.hpp"
+#include "host/app/cli.hpp"
+#include "host/app/interrupt.hpp"
+#include "host/app/window_keys.hpp"
+#include "host/app/window_live.hpp"
+#include "host/app/window_screen.hpp"
+#include "host/model/units.hpp"
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+#include <thread>
+
+namespace seld
+{
+namespace
+{
+
+using Clock = std::chrono::steady_clock;
+constexpr double screens_per_s = 60.0;
+constexpr std::uint32_t ticks_behind_max = 100; // more than that behind real time: the session slows down
+constexpr int window_edge = 768;
+
+// "live.rec", "live.2.rec", ...
+std::string recording_name(const std::string &wanted, int number)
+{
+    if (wanted.empty() || number == 1) return wanted;
+    std::filesystem::path path(wanted);
+    const std::string extension = path.extension().string();
+    path.replace_extension(std::to_string(number) + extension);
+    return path.string();
+}
+
+// Over the entry, following the tip.
+ViewState first_view(const SceneFile &scene)
+{
+    ViewState view;
+    view.follows_tip = true;
+    const std::int32_t place_m_q30[3] = {scene.entry.position_x_m_q30, scene.entry.position_y_m_q30,
+                                         scene.entry.position_z_m_q30};
+    for (int axis = 0; axis < 3; ++axis)
+        view.table_um[axis] = static_cast<std::int32_t>(std::lround(units::metres(place_m_q30[axis]) * 1e6));
+    return view;
+}
+
+// Ticks due, from the wall clock or from the count of screens.
+class Pace
+{
+  public:
+    explicit Pace(bool is_counted) : is_counted_(is_counted) {}
+
+    std::uint32_t ticks_due()
+    {
+        ++screens_;
+        const double time_s = is_counted_
+                                  ? static_cast<double>(screens_) / screens_per_s
+                                  : std::chrono::duration<double>(Clock::now() - begin_).count() - lost_s_;
+        const auto due = static_cast<std::int64_t>(time_s * 1e3) - ticks_;
+        const std::int64_t given = std::clamp<std::int64_t>(due, 0, ticks_behind_max);
+        lost_s_ += static_cast<double>(std::max<std::int64_t>(due - given, 0)) * 1e-3;
+        ticks_ += given;
+        return static_cast<std::uint32_t>(given);
+    }
+    // Without a display that waits for its own refresh, do not spin.
+    void wait() const
+    {
+        if (is_counted_) return;
+        const double next_s = std::chrono::duration<double>(Clock::now() - begin_).count() + 2e-3;
+        std::this_thread::sleep_until(
+            begin_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(next_s)));
+    }
+
+  private:
+    bool is_counted_;
+    Clock::time_point begin_ = Clock::now();
+    std::int64_t screens_ = 0, ticks_ = 0;
+    double lost_s_ = 0.0;
+};
+
+class Window
+{
+  public:
+    explicit Window(const WindowOptions &options)
+        : options_(options), scene_(read_scene(options.scene)),
+          instrument_(read_instrument(options.instrument)), keys_(first_view(scene_), options.shows_help),
+          screen_("Seldinger", window_edge)
+    {
+        if (options.starts_with_fluoro) keys_.latch_pedal();
+        screen_.on_key([this](const Screen::KeyEvent &event) { keys_.take(event); });
+        start();
+    }
+
+    void run()
+    {
+        Pace pace(options_.frames > 0);
+        for (int frame = 0; options_.frames == 0 || frame < options_.frames; ++frame) {
+            screen_.poll();
+            if (screen_.wants_close() || keys_.wants_end() || is_interrupted()) break;
+            if (keys_.take_reset()) restart();
+            keys_.hold(screen_);
+            keys_.lead(session_->hand());
+            session_->set_view(keys_.view());
+            session_->advance(pace.ticks_due());
+            annotate();
+            screen_.show(session_->image());
+            pace.wait();
+        }
+        std::string error;
+        if (!options_.screenshot.empty() && !write_png(options_.screenshot, screen_.read_back(), error))
+            throw std::runtime_error(error);
+        session_->finish();
+    }
+
+  private:
+    void start()
+    {
+        ++session_number_;
+        session_ = std::make_unique<LiveSession>(scene_, instrument_, options_.inserted_mm,
+                                                 recording_name(options_.record, session_number_),
+                                                 options_.pictures, keys_.view());
+        is_annotated_ = false;
+    }
+
+    void restart()
+    {
+        session_->finish();
+        start();
+    }
+
+    void annotate()
+    {
+        const std::string notice = session_->fault().empty() ? "" : session_->fault() + " - R starts again";
+        if (is_annotated_ && notice == notice_ && keys_.shows_help() == shows_help_) return;
+        notice_ = notice;
+        shows_help_ = keys_.shows_help();
+        is_annotated_ = true;
+        session_->annotate(notice_, shows_help_ ? help_panel() : std::vector<std::string>{});
+    }
+
+    const WindowOptions &options_;
+    SceneFile scene_;
+    Instrument instrument_;
+    WindowKeys keys_;
+    Screen screen_;
+    std::unique_ptr<LiveSession> session_;
+    int session_number_ = 0;
+    bool is_annotated_ = false, shows_help_ = false;
+    std::string notice_;
+};
+
+} // namespace
+
+int run_window(const WindowOptions &options)
+{
+    watch_for_interrupt();
+    Window(options).run();
+    return 0;
+}
+
+int command_view(WindowOptions options)
+{
+    if (options.pictures.bodies_path.empty()) options.pictures.bodies_path = bodies_beside(options.scene);
+    return run_window(options);
+}
+
+} // namespace seld

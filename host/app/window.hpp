@@ -1,0 +1,27 @@
+// The window of `seldinger view`: hand, pedal and C-arm by keyboard, the same pictures as everywhere else.
+// Live input is recorded like a session; the recording replays bit for bit.
+// May include: all host. Called by: cli.
+#pragma once
+#include "host/app/session_pictures.hpp"
+#include <string>
+
+namespace seld
+{
+
+struct WindowOptions {
+    std::string scene;      // empty: free space
+    std::string instrument; // file
+    std::string record;     // empty: none; a reset starts "name.2.rec", "name.3.rec" ...
+    PictureSettings pictures;
+    double inserted_mm = 20.0; // outside the inserter at the start
+    bool starts_with_fluoro = false;
+    bool shows_help = true;
+    // For tests: end after so many screens, each 1/60 s of session time however long it takes; 0: until Esc, real time.
+    int frames = 0;
+    std::string screenshot; // PNG of the window's last screen; empty: none
+};
+
+// 0, or throws std::runtime_error (no display, no OpenGL 3.3, a bad file) for exit code 1.
+int run_window(const WindowOptions &options);
+
+} // namespace seld

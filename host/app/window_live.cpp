@@ -1,0 +1,133 @@
+#include "host/app/window_live.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace seld
+{
+namespace
+{
+
+seld_wire_entry entry_of(const SceneFile &scene, double inserted_mm)
+{
+    seld_wire_entry entry = scene.entry;
+    entry.inserted_um = static_cast<std::uint32_t>(std::lround(inserted_mm * 1e3));
+    return entry;
+}
+
+RecordingHeader header_of(const Device &device, const SceneFile &scene, const Instrument &instrument,
+                          const seld_wire_entry &entry)
+{
+    return {device.identity().core_version,
+            device.identity().schema_hash,
+            static_cast<std::uint32_t>(scene.bytes.size()),
+            scene.crc32,
+            scene.path,
+            "live",
+            instrument,
+            entry,
+            host_rig()};
+}
+
+} // namespace
+
+LiveSession::LiveSession(const SceneFile &scene, const Instrument &instrument, double inserted_mm,
+                         const std::string &record, const PictureSettings &pictures, const ViewState &view)
+    : settings_(pictures), entry_(entry_of(scene, inserted_mm)),
+      device_(scene, instrument, entry_, host_rig()), pictures_(pictures, instrument), view_(view)
+{
+    if (!record.empty()) {
+        recorder_ = std::make_unique<Recorder>(record, header_of(device_, scene, instrument, entry_));
+        recorder_->view(0, view_);
+    }
+    device_.link().read_nodes();
+    picture();
+}
+
+void LiveSession::set_view(const ViewState &view)
+{
+    if (view == view_) return;
+    view_ = view;
+    if (recorder_) recorder_->view(device_.link().tick(), view_);
+}
+
+void LiveSession::annotate(const std::string &notice, const std::vector<std::string> &panel)
+{
+    pictures_.annotate(notice, panel);
+    pictures_.redraw(frame_);
+}
+
+std::uint32_t LiveSession::batch_size(std::uint32_t wanted)
+{
+    const std::uint32_t tick = device_.link().tick();
+    const std::uint32_t to_picture = picture_tick(picture_index_, settings_.pictures_per_second) - tick;
+    const std::uint32_t to_snapshot = Recorder::snapshot_every_ticks - tick % Recorder::snapshot_every_ticks;
+    return std::min({wanted, to_picture, to_snapshot, static_cast<std::uint32_t>(Link::steps_max)});
+}
+
+bool LiveSession::advance(std::uint32_t ticks)
+{
+    try {
+        while (fault_.empty() && ticks > 0) {
+            const std::uint32_t count = batch_size(ticks);
+            batch(count);
+            ticks -= count;
+        }
+    } catch (const LinkError &error) {
+        fault_ = error.what();
+    }
+    return fault_.empty();
+}
+
+void LiveSession::batch(std::uint32_t count)
+{
+    Link &link = device_.link();
+    inputs_.clear();
+    for (std::uint32_t i = 0; i < count; ++i) {
+        hand_.advance_tick();
+        seld_wire_encoders input{};
+        input.translation_counts = hand_.translation_counts();
+        input.rotation_counts = hand_.rotation_counts();
+        inputs_.push_back(input);
+    }
+    const bool is_picture_due =
+        link.tick() + count == picture_tick(picture_index_, settings_.pictures_per_second);
+    const auto states = link.step(inputs_, is_picture_due);
+    for (std::size_t i = 0; i < states.size(); ++i) {
+        state_ = states[i];
+        if (recorder_) recorder_->tick(inputs_[i], states[i]);
+    }
+    record_state();
+    if (is_picture_due) picture();
+}
+
+void LiveSession::record_state()
+{
+    if (!recorder_) return;
+    Link &link = device_.link();
+    const auto hash = link.last_hash64();
+    if (hash && hash->tick > hash_tick_) {
+        hash_tick_ = hash->tick;
+        recorder_->hash(hash->tick, hash->hash);
+    }
+    if (link.tick() % Recorder::snapshot_every_ticks == 0)
+        recorder_->snapshot(link.tick(), link.read_snapshot());
+}
+
+void LiveSession::picture()
+{
+    const seld_wire_encoders input = inputs_.empty() ? seld_wire_encoders{} : inputs_.back();
+    frame_ = session_frame(device_.link(), state_, input, view_);
+    if (inputs_.empty()) frame_.inserted_m = entry_.inserted_um * 1e-6;
+    pictures_.frame(frame_);
+    ++picture_index_;
+}
+
+void LiveSession::finish()
+{
+    if (!recorder_) return;
+    const Hash64 hash = device_.link().read_hash64();
+    recorder_->finish(hash.tick, hash.hash);
+    recorder_.reset();
+}
+
+} // namespace seld

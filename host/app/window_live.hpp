@@ -1,0 +1,51 @@
+// A session led by hand: one device, its recording and its pictures. One object is one session; reset makes a new one.
+// May include: device, recording, session_pictures. Called by: window.
+#pragma once
+#include "host/app/device.hpp"
+#include "host/app/hand_motion.hpp"
+#include "host/app/session_pictures.hpp"
+#include <memory>
+#include <string>
+
+namespace seld
+{
+
+class LiveSession
+{
+  public:
+    // `record` empty: none. Throws what Device, Recorder and SessionPictures throw.
+    LiveSession(const SceneFile &scene, const Instrument &instrument, double inserted_mm,
+                const std::string &record, const PictureSettings &pictures, const ViewState &view);
+
+    LiveHand &hand() { return hand_; }
+    void set_view(const ViewState &view); // in force from the present tick on; recorded
+    const ViewState &view() const { return view_; }
+    // `ticks` ticks; pictures are made when they are due. False when the device stopped: fault() says why.
+    bool advance(std::uint32_t ticks);
+    const std::string &fault() const { return fault_; }
+    void annotate(const std::string &notice, const std::vector<std::string> &panel);
+    const Image &image() const { return pictures_.image(); }
+    void finish(); // closes the recording
+
+  private:
+    std::uint32_t batch_size(std::uint32_t wanted);
+    void batch(std::uint32_t count);
+    void record_state();
+    void picture();
+
+    PictureSettings settings_;
+    seld_wire_entry entry_;
+    Device device_;
+    std::unique_ptr<Recorder> recorder_;
+    SessionPictures pictures_;
+    LiveHand hand_;
+    ViewState view_;
+    std::vector<seld_wire_encoders> inputs_;
+    seld_wire_tick_state state_{};
+    SessionFrame frame_;
+    std::uint32_t picture_index_ = 0;
+    std::uint32_t hash_tick_ = 0;
+    std::string fault_;
+};
+
+} // namespace seld

@@ -1,0 +1,51 @@
+// A GLFW window that shows one square picture, as large as fits, in the middle. Every OpenGL function is asked for by
+// name: nothing of OpenGL is linked.
+#pragma once
+#include "host/app/picture.hpp"
+#include <functional>
+#include <memory>
+#include <string>
+
+struct GLFWwindow;
+
+namespace seld
+{
+
+class Screen
+{
+  public:
+    // Key (GLFW_KEY_*), and what happened to it.
+    struct KeyEvent {
+        int key = 0;
+        bool is_press = false, is_repeat = false, is_release = false;
+    };
+    using KeyHandler = std::function<void(const KeyEvent &)>;
+
+    // Throws std::runtime_error that says what is missing: display, OpenGL 3.3.
+    Screen(const std::string &title, int edge);
+    ~Screen();
+    Screen(const Screen &) = delete;
+    Screen &operator=(const Screen &) = delete;
+
+    void on_key(KeyHandler handler) { handler_ = std::move(handler); }
+    void poll();
+    bool wants_close() const;
+    bool is_down(int key) const;
+    bool has_focus() const;
+    void show(const Image &rgb); // uploads, draws, swaps
+    Image read_back();           // the whole window as shown last
+
+  private:
+    struct Functions;
+    void load_functions();
+    void build_pipeline();
+    void draw();
+
+    GLFWwindow *window_ = nullptr;
+    std::unique_ptr<Functions> gl_;
+    KeyHandler handler_;
+    unsigned program_ = 0, array_ = 0, texture_ = 0;
+    int texture_edge_ = 0;
+};
+
+} // namespace seld
