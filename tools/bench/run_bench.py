@@ -7,6 +7,7 @@ Writes out/bench.tsv (name, value, unit, context, separated by tabs) and prints 
 cases whose name contains TEXT run, and the file is left alone. Ends with 1 when a case could not be measured.
 """
 import argparse
+import json
 import os
 import re
 import subprocess
@@ -15,6 +16,7 @@ import tempfile
 
 TABLE = os.path.join("out", "bench.tsv")
 TIME_LIMIT_S = 900
+SESSION = "session.realtime_factor"
 
 
 class CannotMeasure(Exception):
@@ -97,6 +99,26 @@ def program_cases(program):
         yield name, unit, context, lambda number=number, mode=mode: measure(program, number, mode)
 
 
+def realtime_factor(options, picture_arguments):
+    """Simulated seconds per second of the demo session, from the report that seldinger writes."""
+    for path in (options.scene, options.instrument, options.session):
+        if not os.path.exists(path):
+            raise CannotMeasure("%s does not exist: `make run` makes what is missing" % path)
+    with tempfile.TemporaryDirectory() as folder:
+        report = os.path.join(folder, "report.json")
+        run([os.path.join(options.build, "bin", "seldinger"), "run", "--scene", options.scene, "--instrument",
+             options.instrument, "--session", options.session, "--quiet", "--json", report]
+            + [argument.replace("FOLDER", folder) for argument in picture_arguments])
+        with open(report, encoding="utf-8") as file:
+            return float(json.load(file)["realtime_factor"])
+
+
+def session_cases(options):
+    pictures = ["--mp4", os.path.join("FOLDER", "film.mp4"), "--size", "512", "--fps", "15"]
+    for context, arguments in (("pictures=none", []), ("pictures=512", pictures)):
+        yield SESSION, "1", context, lambda arguments=arguments: realtime_factor(options, arguments)
+
+
 def text_of(value):
     return "%.6g" % value if abs(value) < 1000 else "%.0f" % value
 
@@ -125,6 +147,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default="build", help="build folder (default: build)")
     parser.add_argument("--cases", default="", help="only cases whose name contains this text (default: all)")
+    parser.add_argument("--scene", default="out/aorta.scene", help="of the session (default: %(default)s)")
+    parser.add_argument("--instrument", default="shared/examples/instruments/bentson.toml", help="(default: %(default)s)")
+    parser.add_argument("--session", default="shared/examples/sessions/demo.session", help="(default: %(default)s)")
+    parser.add_argument("--no-session", action="store_true", help="leave out %s" % SESSION)
     parser.add_argument("programs", nargs="+", metavar="PROGRAM")
     options = parser.parse_args()
     cases = []
@@ -134,6 +160,8 @@ def main():
     except CannotMeasure as problem:
         print("run_bench: %s" % problem, file=sys.stderr)
         return 1
+    if not options.no_session:
+        cases += session_cases(options)
     rows, failed = run_cases(cases, options.cases)
     if not rows and not failed:
         print("run_bench: no case has '%s' in its name" % options.cases, file=sys.stderr)
