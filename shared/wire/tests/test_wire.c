@@ -1,0 +1,252 @@
+/* Claims about frames and codecs: what is encoded comes back, whatever is damaged is dropped and counted, and a
+ * receiver that lost its place finds the next frame. Shown on seeded random messages and on every single-bit flip.
+ * Seeds are fixed: running the program again reproduces a failure. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "shared/wire/wire_frame.h"
+
+static uint32_t random_state = 12345;
+
+static uint32_t random_u32(void)
+{
+    random_state ^= random_state << 13;
+    random_state ^= random_state >> 17;
+    random_state ^= random_state << 5;
+    return random_state;
+}
+
+static size_t encode_random(uint8_t *payload, size_t length, int zero_share, uint8_t *frame)
+{
+    for (size_t i = 0; i < length; i++)
+        payload[i] = random_u32() % 8 < (uint32_t)zero_share ? 0 : (uint8_t)random_u32();
+    const seld_wire_header header = {(uint16_t)random_u32(), (uint16_t)random_u32(), (uint16_t)random_u32()};
+    return seld_wire_frame_encode(&header, payload, length, frame, SELD_WIRE_FRAME_MAX);
+}
+
+static seld_wire_event push_all(seld_wire_decoder *decoder, const uint8_t *bytes, size_t count)
+{
+    seld_wire_event event = SELD_WIRE_NEED_MORE;
+    for (size_t i = 0; i < count; i++) event = seld_wire_decoder_push(decoder, bytes[i]);
+    return event;
+}
+
+static uint8_t payload[SELD_WIRE_PAYLOAD_MAX];
+static uint8_t frame[SELD_WIRE_FRAME_MAX];
+static seld_wire_decoder decoder;
+
+/* The published check value of CRC-32 (IEEE 802.3) for the digits 1 to 9. */
+static void crc32_of_the_digits_is_the_published_value(void **state)
+{
+    (void)state;
+    assert_int_equal(seld_wire_crc32(0, (const uint8_t *)"123456789", 9), 0xcbf43926u);
+    uint32_t in_two =
+        seld_wire_crc32(seld_wire_crc32(0, (const uint8_t *)"1234", 4), (const uint8_t *)"56789", 5);
+    assert_int_equal(in_two, 0xcbf43926u);
+}
+
+/* Lengths around the COBS block border of 254, and the largest; with few and many zeros. */
+static void frames_of_every_length_come_back(void **state)
+{
+    (void)state;
+    seld_wire_decoder_init(&decoder);
+    for (size_t length = 0; length <= SELD_WIRE_PAYLOAD_MAX;
+         length = length < 800 ? length + 1 : length + 431) {
+        for (int zero_share = 0; zero_share <= 8; zero_share += 4) {
+            size_t bytes = encode_random(payload, length, zero_share, frame);
+            assert_true(bytes > 0);
+            assert_null(memchr(frame, 0, bytes - 1));
+            assert_int_equal(push_all(&decoder, frame, bytes), SELD_WIRE_FRAME);
+            assert_int_equal(decoder.payload_bytes, length);
+            assert_memory_equal(decoder.payload, payload, length);
+        }
+    }
+}
+
+static void the_longest_payload_fits_and_one_more_byte_is_refused(void **state)
+{
+    (void)state;
+    const seld_wire_header header = {1, 0, 1};
+    static uint8_t longer[SELD_WIRE_PAYLOAD_MAX + 1];
+    memset(longer, 1, sizeof longer);
+    assert_true(seld_wire_frame_encode(&header, longer, SELD_WIRE_PAYLOAD_MAX, frame, sizeof frame) > 0);
+    assert_int_equal(seld_wire_frame_encode(&header, longer, sizeof longer, frame, sizeof frame), 0);
+    assert_int_equal(seld_wire_frame_encode(&header, longer, 100, frame, 100), 0);
+}
+
+/* Every bit of a frame flipped once: never a frame with other contents. A flip may split it or eat the end mark. */
+static void a_flipped_bit_never_gives_another_message(void **state)
+{
+    (void)state;
+    size_t bytes = encode_random(payload, 300, 2, frame);
+    for (size_t bit = 0; bit < 8 * bytes; bit++) {
+        seld_wire_decoder_init(&decoder);
+        frame[bit / 8] ^= (uint8_t)(1u << (bit % 8));
+        for (size_t i = 0; i < bytes; i++) {
+            assert_int_not_equal(seld_wire_decoder_push(&decoder, frame[i]), SELD_WIRE_FRAME);
+        }
+        frame[bit / 8] ^= (uint8_t)(1u << (bit % 8));
+    }
+}
+
+static void the_frame_after_garbage_is_received(void **state)
+{
+    (void)state;
+    seld_wire_decoder_init(&decoder);
+    for (int round = 0; round < 200; round++) {
+        size_t garbage = random_u32() % 12000;
+        for (size_t i = 0; i < garbage; i++) seld_wire_decoder_push(&decoder, (uint8_t)random_u32());
+        seld_wire_decoder_push(&decoder, 0);
+        size_t bytes = encode_random(payload, random_u32() % 500, 2, frame);
+        assert_int_equal(push_all(&decoder, frame, bytes), SELD_WIRE_FRAME);
+    }
+    assert_int_equal(decoder.event_counts[SELD_WIRE_FRAME], 200);
+    assert_true(decoder.event_counts[SELD_WIRE_BAD_SIZE] > 0 && decoder.event_counts[SELD_WIRE_BAD_COBS] > 0);
+}
+
+static void damage_is_counted_by_its_cause(void **state)
+{
+    (void)state;
+    const uint8_t cobs_past_end[] = {9, 1, 2, 0}, too_short[] = {3, 1, 2, 0};
+    seld_wire_decoder_init(&decoder);
+    assert_int_equal(push_all(&decoder, cobs_past_end, sizeof cobs_past_end), SELD_WIRE_BAD_COBS);
+    assert_int_equal(push_all(&decoder, too_short, sizeof too_short), SELD_WIRE_BAD_SIZE);
+    for (int i = 0; i < 3 * SELD_WIRE_FRAME_MAX; i++) seld_wire_decoder_push(&decoder, 1);
+    assert_int_equal(seld_wire_decoder_push(&decoder, 0), SELD_WIRE_BAD_SIZE);
+    size_t bytes = encode_random(payload, 20, 0, frame);
+    frame[14] = (uint8_t)(frame[14] == 7 ? 8 : 7);
+    assert_int_equal(push_all(&decoder, frame, bytes), SELD_WIRE_BAD_CRC);
+}
+
+static void idle_zeros_between_frames_are_no_errors(void **state)
+{
+    (void)state;
+    seld_wire_decoder_init(&decoder);
+    for (int i = 0; i < 100; i++) assert_int_equal(seld_wire_decoder_push(&decoder, 0), SELD_WIRE_NEED_MORE);
+    assert_int_equal(decoder.event_counts[SELD_WIRE_BAD_SIZE], 0);
+}
+
+/* The bytes stand here as the document states them: little end first, count before the elements. */
+static void a_step_is_laid_out_as_documented(void **state)
+{
+    (void)state;
+    static seld_wire_step step = {
+        .tick = 0x01020304, .want_nodes = 1, .inputs_count = 1, .inputs = {{-2, 5, 0x80}}};
+    const uint8_t expected[] = {4, 3, 2, 1, 1, 1, 0, 0xfe, 0xff, 0xff, 0xff, 5, 0, 0, 0, 0x80, 0, 0, 0};
+    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    assert_true(seld_wire_put_step(&writer, &step));
+    assert_int_equal(writer.length, sizeof expected);
+    assert_memory_equal(payload, expected, sizeof expected);
+    static seld_wire_step back;
+    assert_true(seld_wire_decode_step(payload, writer.length, &back));
+    assert_int_equal(back.inputs[0].translation_counts, -2);
+}
+
+static void extreme_values_come_back(void **state)
+{
+    (void)state;
+    const int32_t values[] = {INT32_MIN, INT32_MIN + 1, -1, 0, 1, INT32_MAX};
+    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
+        const seld_wire_input input = {values[i], -(values[i] / 2), UINT32_MAX};
+        seld_wire_input back;
+        seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+        assert_true(seld_wire_put_input(&writer, &input));
+        assert_true(seld_wire_decode_input(payload, writer.length, &back));
+        assert_memory_equal(&input, &back, sizeof input);
+    }
+}
+
+/* Every length of every message from 0 to its largest: accepted only when the bytes fit its counts. */
+static void a_payload_of_wrong_length_is_refused(void **state)
+{
+    (void)state;
+    static seld_wire_ticks ticks;
+    memset(payload, 0, sizeof payload);
+    payload[0] = 3;
+    for (size_t length = 0; length < 500; length++) {
+        bool fits = length == 2 + 3 * SELD_WIRE_BYTES_tick_state;
+        assert_int_equal(seld_wire_decode_ticks(payload, length, &ticks), fits);
+    }
+    payload[0] = SELD_WIRE_MAX_ticks_states + 1;
+    assert_false(seld_wire_decode_ticks(
+        payload, 2 + (SELD_WIRE_MAX_ticks_states + 1) * SELD_WIRE_BYTES_tick_state, &ticks));
+    ticks.states_count = SELD_WIRE_MAX_ticks_states + 1;
+    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    assert_false(seld_wire_put_ticks(&writer, &ticks));
+}
+
+/* SELD_WIRE_PAYLOAD_MAX must be the largest of all. */
+static void no_message_is_longer_than_the_longest_payload(void **state)
+{
+    (void)state;
+#define MESSAGE(name, type, direction, text)                                                                 \
+    assert_true((int)SELD_WIRE_BYTES_##name <= (int)SELD_WIRE_PAYLOAD_MAX);
+#include "shared/wire/wire_messages.def"
+}
+
+static void every_message_number_is_used_once(void **state)
+{
+    (void)state;
+    static uint8_t seen[256];
+#define MESSAGE(name, type, direction, text) assert_int_equal(seen[type]++, 0);
+#include "shared/wire/wire_messages.def"
+}
+
+/* FNV-1a over the same texts, written a second time: names, types and units all count. */
+static void the_schema_hash_covers_names_types_and_units(void **state)
+{
+    (void)state;
+    uint64_t hash = 14695981039346656037u;
+    const char *texts[] = {
+#define RECORD(name, text) "record", #name,
+#define MESSAGE(name, type, direction, text) "message", #name, #type, direction,
+#define FIELD(owner, type, name, unit, text) "field", #type, #name, unit,
+#define ARRAY(owner, type, name, max, unit, text) "array", #type, #name, #max, unit,
+#define END(owner) "end",
+#include "shared/wire/wire_messages.def"
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        for (size_t k = 0; k <= strlen(texts[i]); k++) hash = (hash ^ (uint8_t)texts[i][k]) * 1099511628211u;
+    }
+    assert_true(hash == seld_wire_schema_hash());
+}
+
+static void every_fault_and_refusal_has_a_text_and_a_remedy(void **state)
+{
+    (void)state;
+#define FAULT(NAME, code, effect, text, remedy)                                                              \
+    assert_string_equal(seld_wire_fault_name(code), #NAME);                                                  \
+    assert_true(strlen(text) > 10 && strlen(remedy) > 5 && (effect[0] == 's' || effect[0] == 'l'));
+#define REJECT(NAME, code, text, remedy)                                                                     \
+    assert_string_equal(seld_wire_reject_name(code), #NAME);                                                 \
+    assert_true(strlen(text) > 10 && strlen(remedy) > 5);
+#include "shared/wire/wire_faults.def"
+    assert_string_equal(seld_wire_fault_name(9999), "unknown fault");
+    assert_string_equal(seld_wire_reject_name(9999), "unknown refusal");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(crc32_of_the_digits_is_the_published_value),
+        cmocka_unit_test(frames_of_every_length_come_back),
+        cmocka_unit_test(the_longest_payload_fits_and_one_more_byte_is_refused),
+        cmocka_unit_test(a_flipped_bit_never_gives_another_message),
+        cmocka_unit_test(the_frame_after_garbage_is_received),
+        cmocka_unit_test(damage_is_counted_by_its_cause),
+        cmocka_unit_test(idle_zeros_between_frames_are_no_errors),
+        cmocka_unit_test(a_step_is_laid_out_as_documented),
+        cmocka_unit_test(extreme_values_come_back),
+        cmocka_unit_test(a_payload_of_wrong_length_is_refused),
+        cmocka_unit_test(no_message_is_longer_than_the_longest_payload),
+        cmocka_unit_test(every_message_number_is_used_once),
+        cmocka_unit_test(the_schema_hash_covers_names_types_and_units),
+        cmocka_unit_test(every_fault_and_refusal_has_a_text_and_a_remedy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
