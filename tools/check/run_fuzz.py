@@ -47,7 +47,7 @@ def run_target(build, name, seconds):
     done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
     lines = done.stdout.decode("utf-8", "replace").splitlines()
     if done.returncode == 0:
-        runs = [line.split(":")[1].strip() for line in lines if "number_of_executed_units" in line]
+        runs = [line.rsplit(":", 1)[1].strip() for line in lines if "number_of_executed_units" in line]
         return True, "%s inputs in %d s, nothing found" % (runs[0] if runs else "?", seconds)
     text = lines[-OUTPUT_LINES:]
     for line in lines:
