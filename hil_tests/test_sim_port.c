@@ -1,0 +1,146 @@
+/* Claims about a device, shown through bytes only, so that the same cases can later run against QEMU and a rig: the pipe
+ * may be cut into any pieces, lost bytes cost one frame, and a session gives the same hashes every time. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "firmware/tests/reference/client.h"
+
+static client host;
+static seld_wire_status status;
+static seld_wire_ticks ticks;
+
+static int set_up(void **state)
+{
+    (void)state;
+    client_open(&host, 0);
+    return host.sim == NULL;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    client_close(&host);
+    return 0;
+}
+
+static void a_session_gives_the_same_hashes_every_time(void **state)
+{
+    (void)state;
+    seld_wire_tick_state last[2];
+    for (int run = 0; run < 2; run++) {
+        client_close(&host);
+        client_open(&host, 0);
+        assert_true(client_start_session(&host));
+        for (uint32_t tick = 0; tick < 640; tick += 64) {
+            client_step(&host, tick, 64, (int32_t)tick * 25, 25);
+            assert_true(client_expect_ticks(&host, &ticks));
+        }
+        last[run] = ticks.states[63];
+    }
+    assert_memory_equal(&last[0], &last[1], sizeof last[0]);
+}
+
+static void batches_of_one_and_of_many_give_the_same_hashes(void **state)
+{
+    (void)state;
+    assert_true(client_start_session(&host));
+    client_step(&host, 0, 64, 0, 25);
+    assert_true(client_expect_ticks(&host, &ticks));
+    seld_wire_tick_state expected = ticks.states[63];
+    client_close(&host);
+    client_open(&host, 0);
+    assert_true(client_start_session(&host));
+    for (uint32_t tick = 0; tick < 64; tick++) {
+        client_step(&host, tick, 1, (int32_t)tick * 25, 25);
+        assert_true(client_expect_ticks(&host, &ticks));
+    }
+    assert_memory_equal(&expected, &ticks.states[0], sizeof expected);
+}
+
+static void bytes_may_come_one_by_one(void **state)
+{
+    (void)state;
+    const uint8_t get_status[] = {SELD_WIRE_GET_STATUS};
+    const seld_wire_header header = {500, 0, SELD_WIRE_TYPE_get};
+    assert_true(client_start_session(&host));
+    size_t bytes = seld_wire_frame_encode(&header, get_status, 1, host.frame, sizeof host.frame);
+    for (size_t i = 0; i < bytes; i++) seld_sim_write(host.sim, host.frame + i, 1);
+    assert_true(client_expect_status(&host, &status));
+    assert_int_equal(host.decoder.header.answers, 500);
+}
+
+/* A frame is cut at every place; the next one is answered, and the loss is in the status. */
+static void a_frame_cut_anywhere_costs_only_itself(void **state)
+{
+    (void)state;
+    assert_true(client_start_session(&host));
+    const uint8_t get_status[] = {SELD_WIRE_GET_STATUS};
+    const uint8_t zero = 0;
+    const seld_wire_header header = {9, 0, SELD_WIRE_TYPE_get};
+    size_t bytes = seld_wire_frame_encode(&header, get_status, 1, host.frame, sizeof host.frame);
+    for (size_t cut = 1; cut + 1 < bytes; cut++) {
+        size_t again = seld_wire_frame_encode(&header, get_status, 1, host.frame, sizeof host.frame);
+        seld_sim_write(host.sim, host.frame, cut);
+        seld_sim_write(host.sim, &zero, 1);
+        seld_sim_write(host.sim, host.frame, again);
+        assert_true(client_expect_status(&host, &status));
+        assert_int_equal(status.frames_bad, cut);
+        assert_int_equal(client_receive(&host), 0);
+    }
+}
+
+/* A host that never reads fills the pipe; the device counts what it could not send and still obeys. */
+static void a_host_that_does_not_read_loses_frames_and_nothing_else(void **state)
+{
+    (void)state;
+    assert_true(client_start_session(&host));
+    for (int i = 0; i < 400; i++) client_get(&host, SELD_WIRE_GET_NODE_TABLE);
+    for (int i = 0; i < 50; i++) client_get(&host, SELD_WIRE_GET_SNAPSHOT);
+    while (client_receive(&host) != 0) {
+    }
+    client_step(&host, 0, 1, 0, 0);
+    assert_true(client_expect_ticks(&host, &ticks));
+    client_get(&host, SELD_WIRE_GET_STATUS);
+    assert_true(client_expect_status(&host, &status));
+    assert_true(status.transmit_dropped > 0);
+    assert_int_equal(status.tick, 1);
+}
+
+static void nodes_run_from_the_tip_into_the_inserter(void **state)
+{
+    (void)state;
+    static seld_wire_nodes nodes;
+    static seld_wire_node_table table;
+    assert_true(client_start_session(&host));
+    client_get(&host, SELD_WIRE_GET_NODES);
+    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_nodes);
+    assert_true(seld_wire_decode_nodes(host.decoder.payload, host.decoder.payload_bytes, &nodes));
+    client_get(&host, SELD_WIRE_GET_NODE_TABLE);
+    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_node_table);
+    assert_true(seld_wire_decode_node_table(host.decoder.payload, host.decoder.payload_bytes, &table));
+    /* 50 mm outside along +y, so the tip is at y = 50 mm and the last node at or behind the mouth */
+    assert_in_range(nodes.positions[0].y_m_q30, 53687091 - 1100, 53687091 + 1100);
+    assert_true(nodes.positions[nodes.positions_count - 1].y_m_q30 <= 0);
+    assert_true(nodes.positions_count <= table.nodes_count);
+    assert_int_equal(table.nodes[0].arc_m_q30, 0);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(a_session_gives_the_same_hashes_every_time),
+        TEST(batches_of_one_and_of_many_give_the_same_hashes),
+        TEST(bytes_may_come_one_by_one),
+        TEST(a_frame_cut_anywhere_costs_only_itself),
+        TEST(a_host_that_does_not_read_loses_frames_and_nothing_else),
+        TEST(nodes_run_from_the_tip_into_the_inserter),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
