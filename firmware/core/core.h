@@ -124,8 +124,6 @@ uint64_t seld_state_hash64(const seld_state *state);
 uint32_t seld_state_node_count(const seld_model *model); /* nodes of the whole instrument */
 uint32_t seld_state_free_count(const seld_state *state); /* nodes beyond the inserter: 0 .. free_count-1 */
 seld_vec3 seld_state_position(const seld_state *state, uint32_t node);
-seld_vec3 seld_state_material_axis(const seld_state *state,
-                                   uint32_t edge);                      /* d1 of edge (node, node+1), Q30 */
 int32_t seld_model_edge_length(const seld_model *model, uint32_t edge); /* rest length, Q30 m */
 int32_t seld_model_arc(const seld_model *model, uint32_t node);    /* rest arc length from the tip, Q30 m */
 int32_t seld_model_radius(const seld_model *model, uint32_t node); /* outer radius at the node, Q30 m */

@@ -27,6 +27,7 @@ enum {
     SELD_FEED_MAX_M_Q30 = 536871,            /* 0.5 mm per tick = 0.5 m/s */
     SELD_TURN_MAX_TURN32 = 13671000,         /* 0.02 rad per tick = 20 rad/s */
     SELD_DAMPING_KEEP_Q30 = 21474836,        /* 20/s x 1 ms = 0.02: blood's drag, mass proportional */
+    SELD_POSITION_MAX_M_Q30 = 2126008811,    /* 1.98 m */
     SELD_STEP_CAP_M_Q33 = 4294967,           /* 0.5 mm of motion per tick besides the feed */
     SELD_SPIN_DRAG_N_M_Q26 = 6711,           /* 1e-7 N m s / 1 ms per edge: keeps the twist solve regular */
 };

@@ -57,7 +57,6 @@ void seld_state_init(const seld_model *model, seld_state *state, uint32_t insert
             node->position_m_q30.v[k] = model->entry.position_m_q30.v[k] + seld_mul_q30(beyond, direction);
             node->tangent_q30.v[k] = -direction;
         }
-        node->axis1_q30 = model->base_axis1_q30;
     }
 }
 
@@ -105,8 +104,8 @@ static bool is_small(const seld_vec3 *a, int32_t most)
 
 static bool node_is_valid(const seld_node_state *node)
 {
-    return is_unit(&node->tangent_q30) && is_unit(&node->axis1_q30) && is_small(&node->step_m_q33, 1 << 29) &&
-           is_small(&node->bristle_m_q33, 1 << 29) && is_small(&node->position_m_q30, 2040109465) &&
+    return is_unit(&node->tangent_q30) && is_small(&node->step_m_q33, 1 << 29) &&
+           is_small(&node->bristle_m_q33, 1 << 29) && is_small(&node->position_m_q30, SELD_POSITION_MAX_M_Q30) &&
            node->contact <= SELD_CONTACT_STICKS;
 }
 
@@ -196,11 +195,6 @@ uint32_t seld_state_free_count(const seld_state *state)
 seld_vec3 seld_state_position(const seld_state *state, uint32_t node)
 {
     return state->words.nodes[node].position_m_q30;
-}
-
-seld_vec3 seld_state_material_axis(const seld_state *state, uint32_t edge)
-{
-    return state->words.nodes[edge].axis1_q30;
 }
 
 int32_t seld_model_edge_length(const seld_model *model, uint32_t edge)

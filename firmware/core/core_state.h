@@ -12,10 +12,9 @@
 typedef struct seld_node_state {
     seld_vec3 position_m_q30;
     seld_vec3 step_m_q33;    /* displacement of the last tick (velocity x h) */
-    seld_vec3 tangent_q30;   /* edge i: unit vector towards node i + 1 */
-    seld_vec3 axis1_q30;     /* edge i: material axis d1; d2 = tangent x d1 */
+    seld_vec3 tangent_q30;   /* edge i: unit vector towards node i + 1, at the last predicted configuration */
     seld_vec3 bristle_m_q33; /* friction: elastic tangential displacement at the wall */
-    int32_t torque_N_m_q30;  /* joint i: twisting moment after the last tick */
+    uint32_t angle_turn32;   /* edge i: material axis d1 against the reference axis carried from the inserter */
     uint32_t contact;        /* SELD_CONTACT_* */
 } seld_node_state;
 
@@ -44,7 +43,9 @@ typedef struct seld_work {
     seld_vec3 slide_m_q33; /* x* - x */
     seld_vec3 drift_m_q33; /* last step minus slide: what inertia carries beyond sliding */
     seld_vec3 stretch_q30; /* edge: (x*[i+1] - x*[i]) / length */
-    seld_vec3 tangent_q30; /* edge, at x* */
+    seld_vec3 axis1_q30;     /* edge: d1, where the rest shape needs it */
+    int32_t strain_q30;      /* edge, at x* */
+    int32_t torque_N_m_q30;  /* joint: twisting moment */
     seld_sym3 spring;      /* edge matrix S, Q(a) */
     seld_vec3 force_N_q22; /* right side */
     seld_sym3 wall;        /* contact matrix, Q(a) */

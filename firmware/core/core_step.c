@@ -56,7 +56,9 @@ static void cap_step(seld_state *state)
 void seld_step(const seld_model *model, seld_state *state, const seld_input *input, seld_output *output)
 {
     seld_rod_feed(model, state, input);
-    seld_rod_forces(model, state);
+    seld_rod_stretch(model, state);
+    seld_rod_twist(model, state);
+    seld_rod_bend(model, state);
     seld_contact_assemble(model, state);
     seld_rod_solve(model, state);
     output->solve_count = 1;
@@ -68,13 +70,12 @@ void seld_step(const seld_model *model, seld_state *state, const seld_input *inp
     cap_step(state);
     seld_contact_finish(model, state, output);
     seld_rod_advance(model, state, output);
-    seld_rod_twist(model, state);
     state->words.feed_m_q33 = state->scratch.feed_m_q33;
     state->words.tick++;
 
     output->tick = state->words.tick;
     output->handle_axial_N_q22 = state->words.handle_axial_N_q22;
-    output->handle_torque_N_m_q24 = -(state->words.nodes[state->words.free_count].torque_N_m_q30 / 64);
+    output->handle_torque_N_m_q24 = -(state->scratch.nodes[state->words.free_count].torque_N_m_q30 / 64);
     output->inserted_m_q30 = state->words.inserted_m_q30;
     output->fault_bits = state->words.fault_bits;
     seld_state_hash_lanes(state, output->hash_lane);

@@ -16,13 +16,10 @@ static inline int32_t seld_quotient(int32_t num, int32_t den, unsigned q)
 /* rod_feed.c: hand -> feed and base angle, nodes freed or captured, predicted configuration and inertia. */
 void seld_rod_feed(const seld_model *model, seld_state *state, const seld_input *input);
 
-/* rod_force.c: edges, bending, twist forces and weight at the predicted configuration; rows of the matrix. */
-void seld_rod_forces(const seld_model *model, seld_state *state);
-
-/* Stretch vector w, tangent t and strain of one edge. Positions Q30 m, all results Q30. *t is the fallback
- * direction on entry and is normalised on exit. Sets SELD_FAULT_SATURATED beyond 12.5 % strain. */
-int32_t seld_rod_edge(const seld_edge *edge, const seld_vec3 *from, const seld_vec3 *to, seld_vec3 *w,
-                      seld_vec3 *t, uint32_t *fault_bits);
+/* rod_force.c: edges (tangents, strain, axial forces) at the predicted configuration; then, with the twisting moments
+ * known, bending and twist forces and the rows of the matrix. */
+void seld_rod_stretch(const seld_model *model, seld_state *state);
+void seld_rod_bend(const seld_model *model, seld_state *state);
 
 /* The joint at node i as this tick sees it: clipped at the mouth for i = na-1 and na. */
 static inline const seld_joint *seld_rod_joint(const seld_model *model, const seld_state *state, uint32_t i)
@@ -45,9 +42,11 @@ void seld_contact_finish(const seld_model *model, seld_state *state, seld_output
 /* rod_solve.c: block LDL^T from tip to base and back; solution in scratch, Q33 m. */
 void seld_rod_solve(const seld_model *model, seld_state *state);
 
-/* rod_frame.c: new positions, tangents and material axes, then the twist solve. */
-void seld_rod_advance(const seld_model *model, seld_state *state, seld_output *output);
+/* rod_twist.c: material frames and twisting moments at the predicted configuration. */
 void seld_rod_twist(const seld_model *model, seld_state *state);
+
+/* rod_advance.c: new positions; fills the output's length error. */
+void seld_rod_advance(const seld_model *model, seld_state *state, seld_output *output);
 
 /* core_state.c: the cheap hash of every tick. */
 void seld_state_hash_lanes(const seld_state *state, uint32_t lane[2]);

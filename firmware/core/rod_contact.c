@@ -17,10 +17,10 @@ static int32_t magnitude_sum(const seld_vec3 *a)
     return seld_sat32(sum);
 }
 
-/* Component along n. Format: Q33 . Q30 -> Q33, saturated. */
+/* Component along n. Format: Q33 . Q30 -> Q33. Overflow: impossible, displacements stay below 2^30 (125 mm). */
 static int32_t along(const seld_vec3 *a, const seld_vec3 *n)
 {
-    return seld_sat32(seld_rshift_round64(seld_vec3_dot64(*a, *n), 30));
+    return seld_vec3_dot_unit(a, n);
 }
 
 static seld_vec3 tangential(const seld_vec3 *a, const seld_vec3 *n)
@@ -28,7 +28,7 @@ static seld_vec3 tangential(const seld_vec3 *a, const seld_vec3 *n)
     int32_t part = along(a, n);
     seld_vec3 t;
     for (int k = 0; k < 3; k++) {
-        t.v[k] = seld_sub_sat(a->v[k], seld_mul_q30(part, n->v[k]));
+        t.v[k] = a->v[k] - seld_scale_q30(part, n->v[k]);
     }
     return t;
 }
@@ -84,10 +84,10 @@ static void wall_matrix(seld_work *work, int32_t normal, int32_t friction)
     static const uint8_t column[6] = {0, 1, 2, 1, 2, 2};
     seld_vec3 scaled;
     for (int k = 0; k < 3; k++) {
-        scaled.v[k] = seld_mul_q30(normal - friction, work->normal_q30.v[k]);
+        scaled.v[k] = seld_scale_q30(normal - friction, work->normal_q30.v[k]);
     }
     for (int k = 0; k < 6; k++) {
-        work->wall.m[k] = seld_mul_q30(scaled.v[row[k]], work->normal_q30.v[column[k]]);
+        work->wall.m[k] = seld_scale_q30(scaled.v[row[k]], work->normal_q30.v[column[k]]);
     }
     work->wall.m[0] += friction;
     work->wall.m[3] += friction;

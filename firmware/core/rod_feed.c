@@ -72,22 +72,8 @@ static seld_vec3 position_inside(const seld_model *model, const seld_state_words
     return p;
 }
 
-/* Material axis of the inserter at the base angle: cos d1 + sin (t x d1), t = -direction, so that a positive
- * turn is right-handed about the direction of insertion. */
-static seld_vec3 base_axis(const seld_model *model, const seld_state_words *words)
-{
-    int32_t sine, cosine;
-    seld_sincos_turn32(words->base_turn32, &sine, &cosine);
-    seld_vec3 axis;
-    for (int k = 0; k < 3; k++) {
-        axis.v[k] =
-            seld_mul_q30(model->base_axis1_q30.v[k], cosine) - seld_mul_q30(model->base_axis2_q30.v[k], sine);
-    }
-    return seld_vec3_normalise(axis, model->base_axis1_q30, NULL);
-}
-
 /* Node i and the edge behind it as they are inside the inserter: straight, unloaded, moving with the feed. */
-static void place_inside(const seld_model *model, seld_state *state, uint32_t i, seld_vec3 axis1)
+static void place_inside(const seld_model *model, seld_state *state, uint32_t i)
 {
     seld_node_state *node = &state->words.nodes[i];
     seld_work *work = &state->scratch.nodes[i];
@@ -96,9 +82,8 @@ static void place_inside(const seld_model *model, seld_state *state, uint32_t i,
         node->step_m_q33.v[k] = seld_mul_q30(state->scratch.feed_m_q33, model->entry.direction_q30.v[k]);
     }
     node->position_m_q30 = position_inside(model, &state->words, i);
-    node->axis1_q30 = axis1;
+    node->angle_turn32 = 0u - state->words.base_turn32;
     node->bristle_m_q33 = (seld_vec3){{0, 0, 0}};
-    node->torque_N_m_q30 = 0;
     node->contact = SELD_CONTACT_NONE;
     work->position_m_q30 = node->position_m_q30;
     work->slide_m_q33 = node->step_m_q33;
@@ -134,7 +119,7 @@ static void slide_node(const seld_model *model, seld_state *state, uint32_t i)
         int32_t kept = drift - seld_scale_q30(node->step_m_q33.v[k], SELD_DAMPING_KEEP_Q30);
         work->slide_m_q33.v[k] = slide;
         work->drift_m_q33.v[k] = drift;
-        work->position_m_q30.v[k] = seld_add_sat(node->position_m_q30.v[k], (slide + 4) >> 3);
+        work->position_m_q30.v[k] = node->position_m_q30.v[k] + ((slide + 4) >> 3);
         work->force_N_q22.v[k] = constant->weight_N_q22.v[k] +
                                  (int32_t)seld_rshift_round64((int64_t)constant->inertia * kept, shift);
     }
@@ -191,9 +176,8 @@ void seld_rod_feed(const seld_model *model, seld_state *state, const seld_input 
     for (uint32_t i = 0; i < sliding; i++) {
         slide_node(model, state, i);
     }
-    seld_vec3 axis1 = base_axis(model, words);
     for (uint32_t i = sliding; i < now + 3; i++) {
-        place_inside(model, state, i, axis1);
+        place_inside(model, state, i);
         if (i < now) {
             free_node(model, state, i);
         }

@@ -47,8 +47,8 @@ static int32_t inverse_stretch_of(int32_t e)
 }
 
 /* w, t and the strain of the edge between two positions. Format: positions Q30 m, 1/l Q18 -> Q30. */
-int32_t seld_rod_edge(const seld_edge *edge, const seld_vec3 *from, const seld_vec3 *to, seld_vec3 *w,
-                      seld_vec3 *t, uint32_t *fault_bits)
+static int32_t stretch_of(const seld_edge *edge, const seld_vec3 *from, const seld_vec3 *to, seld_vec3 *w,
+                          seld_vec3 *t, uint32_t *fault_bits)
 {
     for (int k = 0; k < 3; k++) {
         int64_t difference = (int64_t)to->v[k] - from->v[k];
@@ -94,30 +94,31 @@ static void edge_forces(const seld_model *model, seld_state *state, uint32_t i)
     seld_work *here = &state->scratch.nodes[i];
     seld_work *next = here + 1;
     const seld_edge *edge = &model->edges[i];
-    here->tangent_q30 = state->words.nodes[i].tangent_q30;
-    int32_t strain = seld_rod_edge(edge, &here->position_m_q30, &next->position_m_q30, &here->stretch_q30,
-                                   &here->tangent_q30, &state->words.fault_bits);
-    int64_t tension = ((int64_t)edge->axial_stiffness_N_q17 * strain) >> 25; /* Q17 N x Q30 -> Q22 N */
+    seld_vec3 *tangent = &state->words.nodes[i].tangent_q30;
+    here->strain_q30 = stretch_of(edge, &here->position_m_q30, &next->position_m_q30, &here->stretch_q30,
+                                  tangent, &state->words.fault_bits);
+    int64_t tension =
+        ((int64_t)edge->axial_stiffness_N_q17 * here->strain_q30) >> 25; /* Q17 N x Q30 -> Q22 N */
     if (tension > TENSION_MAX_N_Q22 || tension < -TENSION_MAX_N_Q22) {
         state->words.fault_bits |= SELD_FAULT_SATURATED;
         tension = tension > 0 ? TENSION_MAX_N_Q22 : -TENSION_MAX_N_Q22;
     }
-    edge_matrix(edge, &here->tangent_q30, (int32_t)tension, model->stiffness_exponent, &here->spring);
+    edge_matrix(edge, tangent, (int32_t)tension, model->stiffness_exponent, &here->spring);
     for (int k = 0; k < 3; k++) {
-        int32_t pull = seld_scale_q30((int32_t)tension, here->tangent_q30.v[k]);
+        int32_t pull = seld_scale_q30((int32_t)tension, tangent->v[k]);
         add(&here->force_N_q22, k, pull);
         add(&next->force_N_q22, k, -pull);
     }
 }
 
-/* The edge behind node na: straight inside the inserter. */
-static void edge_inside(const seld_model *model, seld_state *state)
+void seld_rod_stretch(const seld_model *model, seld_state *state)
 {
-    seld_work *work = &state->scratch.nodes[state->words.free_count];
-    for (int k = 0; k < 3; k++) {
-        work->tangent_q30.v[k] = -model->entry.direction_q30.v[k];
+    uint32_t na = state->words.free_count;
+    for (uint32_t i = 0; i < na; i++) {
+        edge_forces(model, state, i);
     }
-    work->stretch_q30 = work->tangent_q30;
+    /* The edge behind node na is straight inside the inserter. */
+    state->scratch.nodes[na].stretch_q30 = state->words.nodes[na].tangent_q30;
 }
 
 void seld_rod_rest_turn(const seld_joint *joint, const seld_vec3 *axis1, const seld_vec3 *tangent,
@@ -165,19 +166,21 @@ static void joint_forces(const seld_model *model, seld_state *state, uint32_t i)
 {
     seld_work *here = &state->scratch.nodes[i];
     seld_work *ahead = here - 1;
+    const seld_vec3 *before = &state->words.nodes[i - 1].tangent_q30;
+    const seld_vec3 *after = &state->words.nodes[i].tangent_q30;
     const seld_joint *joint = seld_rod_joint(model, state, i);
     int32_t a = model->edges[i - 1].inverse_length_per_m_q18;
     int32_t c = model->edges[i].inverse_length_per_m_q18;
     seld_vec3 turn = {{0, 0, 0}};
     if (is_curved(joint)) {
         seld_vec3 half_ahead, half_here;
-        seld_rod_rest_turn(joint, &state->words.nodes[i - 1].axis1_q30, &ahead->tangent_q30, &half_ahead);
-        seld_rod_rest_turn(joint, &state->words.nodes[i].axis1_q30, &here->tangent_q30, &half_here);
+        seld_rod_rest_turn(joint, &ahead->axis1_q30, before, &half_ahead);
+        seld_rod_rest_turn(joint, &here->axis1_q30, after, &half_here);
         turn = seld_vec3_add(half_ahead, half_here);
     }
     seld_vec3 twisting = {{0, 0, 0}};
-    if (state->words.nodes[i].torque_N_m_q30 != 0) {
-        twisting = twist_force(state->words.nodes[i].torque_N_m_q30, &ahead->tangent_q30, &here->tangent_q30);
+    if (here->torque_N_m_q30 != 0) {
+        twisting = twist_force(here->torque_N_m_q30, before, after);
     }
     for (int k = 0; k < 3; k++) {
         int64_t bend = (int64_t)here->stretch_q30.v[k] - ahead->stretch_q30.v[k] - turn.v[k];
@@ -215,14 +218,9 @@ static void rows(const seld_model *model, seld_state *state)
     }
 }
 
-void seld_rod_forces(const seld_model *model, seld_state *state)
+void seld_rod_bend(const seld_model *model, seld_state *state)
 {
-    uint32_t na = state->words.free_count;
-    for (uint32_t i = 0; i < na; i++) {
-        edge_forces(model, state, i);
-    }
-    edge_inside(model, state);
-    for (uint32_t i = 1; i <= na; i++) {
+    for (uint32_t i = 1; i <= state->words.free_count; i++) {
         joint_forces(model, state, i);
     }
     rows(model, state);

@@ -29,7 +29,10 @@ enum {
 
 static inline int32_t limit(int64_t value, int32_t most)
 {
-    return value > most ? most : (value < -most ? -most : (int32_t)value);
+    if ((uint64_t)(value + most) <= (uint64_t)most * 2) { /* one comparison for the usual case */
+        return (int32_t)value;
+    }
+    return value > 0 ? most : -most;
 }
 
 /* Leading zeros of a non-zero value. */

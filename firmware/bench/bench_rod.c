@@ -1,0 +1,127 @@
+/* Cost of one tick and accuracy of the elastica (docs/bench.md names the rows).
+ *
+ * Scenes: `bends`, a super stiff wire (EI 1.85e-3 N m^2, 3 mm elements) pushed through a tube of 2 mm radius with three
+ * bends; `floor`, a soft wire (EI 1e-5) lying on the floor of a straight tube, so that nearly every node touches. A row
+ * fails when its scene has fewer contacts than it says.
+ * May include: bench.h, tests/reference, the core. Called by: make bench. */
+#include "firmware/bench/bench.h"
+#include "firmware/core/core_state.h"
+#include "firmware/tests/reference/cantilever.h"
+#include "firmware/tests/reference/tube_lumen.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { CALLS = 100, TIMED_TICKS = 400, ELASTICA_TICKS = 20000, ELEMENT_um = 3000 };
+
+static seld_model model;
+static seld_state state;
+static seld_input input;
+static seld_output output;
+
+typedef struct scene {
+    int elements, on_floor, contacts;
+} scene;
+static const scene scenes[] = {{256, 0, 57}, {128, 0, 20}, {64, 0, 4}, {256, 1, 250}};
+
+/* What callgrind counts: seld_step as called from here, not the ticks of the insertion. */
+static BENCH_MEASURED void measured_step(void)
+{
+    seld_step(&model, &state, &input, &output);
+}
+
+/* Pushes the wire in at 0.1 m/s until the scene's edges are free, then lets it rest for half a second. */
+static void insert(const scene *s)
+{
+    const reference_piece straight = {0.85, 0, 0};
+    reference_tube *tube =
+        s->on_floor ? reference_tube_make(&straight, 1, 0.004, 0) : reference_three_bends(0.002, 1);
+    seld_instrument wire = reference_wire(s->on_floor ? 1e-5 : 1.85e-3, 900000, ELEMENT_um, 0.2);
+    seld_entry entry = reference_entry();
+    uint32_t field;
+    if (seld_model_build(&model, &wire, &tube->lumen, &entry, &field) != SELD_BUILD_OK)
+        bench_fail("no model");
+    seld_state_init(&model, &state, 50000);
+    for (int rest = 0; rest < 500;) {
+        if ((int)seld_state_free_count(&state) < s->elements) {
+            input.hand_feed_m_q30 += 107374;
+        } else {
+            rest++;
+        }
+        seld_step(&model, &state, &input, &output);
+    }
+    fprintf(stderr, "%u free nodes, %u contacts\n", seld_state_free_count(&state), output.contact_count);
+    if (output.contact_count < s->contacts) bench_fail("the scene has fewer contacts than its row says");
+}
+
+static double run_instructions(const bench_case *self)
+{
+    insert(&scenes[self->argument]);
+    for (int i = 0; i < CALLS; i++) measured_step();
+    return 0;
+}
+
+static double run_us(const bench_case *self)
+{
+    insert(&scenes[self->argument]);
+    double fastest = 1e9;
+    for (int i = 0; i < TIMED_TICKS; i++) {
+        double start = bench_now_us();
+        measured_step();
+        fastest = fmin(fastest, bench_now_us() - start);
+    }
+    return fastest;
+}
+
+/* Worst of the six tip loads PL2/EI 0.5 .. 10. Argument: elements * 10 + index of the stiffness. */
+static double run_elastica(const bench_case *self)
+{
+    static const double bend_N_m2[] = {2e-6, 1e-5, 1e-4, 1.85e-3, 4.9e-3};
+    double worst = 0;
+    for (int i = 0; i < REFERENCE_TIP_LOADS; i++) {
+        double error = reference_tip_load_error_pct(&reference_tip_load[i], bend_N_m2[self->argument % 10],
+                                                    (uint32_t)self->argument / 10, ELASTICA_TICKS);
+        worst = fmax(worst, error);
+    }
+    return worst;
+}
+
+#define ELASTICA(elements, index, bend, length)                                                              \
+    {                                                                                                        \
+        "elastica.tip_error_pct_of_L", "%",                                                                  \
+            "elements=" #elements " EI_N_m2=" bend " L_m=" length " PL2_EI=0.5..10", NULL, 0, run_elastica,  \
+            elements * 10 + index                                                                            \
+    }
+#define STEP(elements, contacts, index)                                                                      \
+    {"rod.step_instructions",                                                                                \
+     "instructions",                                                                                         \
+     "elements=" #elements " contacts=" contacts,                                                            \
+     "measured_step",                                                                                        \
+     CALLS,                                                                                                  \
+     run_instructions,                                                                                       \
+     index},                                                                                                 \
+    {                                                                                                        \
+        "rod.step_us", "us", "elements=" #elements " contacts=" contacts, NULL, 0, run_us, index             \
+    }
+
+static const bench_case cases[] = {
+    STEP(256, "57+", 0),
+    STEP(128, "20+", 1),
+    STEP(64, "4+", 2),
+    STEP(256, "all", 3),
+    ELASTICA(256, 0, "2e-6", "0.1"),
+    ELASTICA(256, 1, "1e-5", "0.1"),
+    ELASTICA(256, 2, "1e-4", "0.5"),
+    ELASTICA(256, 3, "1.85e-3", "0.5"),
+    ELASTICA(256, 4, "4.9e-3", "0.5"),
+    ELASTICA(64, 0, "2e-6", "0.1"),
+    ELASTICA(64, 1, "1e-5", "0.1"),
+    ELASTICA(64, 2, "1e-4", "0.5"),
+    ELASTICA(64, 3, "1.85e-3", "0.5"),
+    ELASTICA(64, 4, "4.9e-3", "0.5"),
+};
+
+int main(int argc, char **argv)
+{
+    return bench_main(argc, argv, cases, sizeof cases / sizeof cases[0]);
+}

@@ -1,0 +1,51 @@
+/* After the solve: nodes move, and the length error is read off.
+ * May include: rod.h. Called by: core_step.c. */
+#include "firmware/core/rod.h"
+
+/* +-1.98 m, so that a tick's slide can be added without overflow. Beyond it only in a scene without walls. */
+static int32_t limit_position(int64_t m_q30)
+{
+    if (m_q30 > SELD_POSITION_MAX_M_Q30) {
+        return SELD_POSITION_MAX_M_Q30;
+    }
+    return m_q30 < -SELD_POSITION_MAX_M_Q30 ? -SELD_POSITION_MAX_M_Q30 : (int32_t)m_q30;
+}
+
+static void move_node(seld_state *state, uint32_t i)
+{
+    seld_node_state *node = &state->words.nodes[i];
+    const seld_work *work = &state->scratch.nodes[i];
+    for (int k = 0; k < 3; k++) {
+        int32_t step = work->solution_m_q33.v[k] + work->slide_m_q33.v[k];
+        node->step_m_q33.v[k] = step;
+        node->position_m_q30.v[k] = limit_position((int64_t)node->position_m_q30.v[k] + ((step + 4) >> 3));
+    }
+}
+
+/* Elongation of all free edges to first order: that at x* plus t . (delta[i+1] - delta[i]). Sideways motion of one tick
+ * adds its square over twice the edge, below 0.02 % while steps are below the cap.
+ * Format: sum of Q33 m in 64 bits. */
+static int64_t elongation_m_q33(const seld_model *model, const seld_state *state)
+{
+    int64_t sum = 0;
+    for (uint32_t i = 0; i < state->words.free_count; i++) {
+        const seld_work *work = &state->scratch.nodes[i];
+        const seld_vec3 *t = &state->words.nodes[i].tangent_q30;
+        seld_vec3 relative = {{work[1].solution_m_q33.v[0] - work->solution_m_q33.v[0],
+                               work[1].solution_m_q33.v[1] - work->solution_m_q33.v[1],
+                               work[1].solution_m_q33.v[2] - work->solution_m_q33.v[2]}};
+        sum += seld_vec3_dot64(relative, *t) >> 30;
+        sum += ((int64_t)work->strain_q30 * model->edges[i].length_m_q30) >> 27;
+    }
+    return sum;
+}
+
+void seld_rod_advance(const seld_model *model, seld_state *state, seld_output *output)
+{
+    uint32_t na = state->words.free_count;
+    int32_t excess_m_q30 = seld_sat32(seld_rshift_round64(elongation_m_q33(model, state), 3));
+    output->strain_max_q30 = seld_quotient(excess_m_q30, model->nodes[na].arc_m_q30, 30);
+    for (uint32_t i = 0; i < na; i++) {
+        move_node(state, i);
+    }
+}
