@@ -38,6 +38,8 @@ const float attenuation_log2_per_q10mm[material_count][beam_bin_count] = {
      3.74423901e-04f}, // polymer_barium: 6.370 7.656 5.112 3.603 2.658 1/cm
     {3.56071564e-05f, 3.14601292e-05f, 2.92747546e-05f, 2.78223718e-05f,
      2.67438308e-05f}, // polymer: 0.253 0.223 0.208 0.197 0.190 1/cm
+    {4.70402475e-08f, 3.85407142e-08f, 3.43795623e-08f, 3.18266702e-08f,
+     3.00766841e-08f}, // air: 0.000 0.000 0.000 0.000 0.000 1/cm
 };
 
 const double kerma_behind_patient_nGy_mm2 = 3.355179e-02;

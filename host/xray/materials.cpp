@@ -8,18 +8,26 @@ namespace
 {
 
 constexpr std::string_view names[material_count] = {
-    "soft_tissue",   "muscle",      "blood",       "lung",           "adipose",
-    "bone_cortical", "bone_spongy", "iohexol_350", "steel",          "nitinol",
-    "platinum",      "tungsten",    "gold",        "polymer_barium", "polymer",
+    "soft_tissue", "muscle",         "blood",   "lung",    "adipose",  "bone_cortical",
+    "bone_spongy", "iohexol_350",    "steel",   "nitinol", "platinum", "tungsten",
+    "gold",        "polymer_barium", "polymer", "air",
 };
 
 constexpr std::pair<std::string_view, Material> short_forms[] = {
-    {"tissue", Material::soft_tissue},   {"skin", Material::soft_tissue},
-    {"organ", Material::soft_tissue},    {"water", Material::soft_tissue},
-    {"heart", Material::muscle},         {"fat", Material::adipose},
-    {"bone", Material::bone_cortical},   {"cortical", Material::bone_cortical},
-    {"spongy", Material::bone_spongy},   {"marrow", Material::bone_spongy},
-    {"contrast", Material::iohexol_350}, {"steel_304", Material::steel},
+    {"soft", Material::soft_tissue},
+    {"gas", Material::air},
+    {"tissue", Material::soft_tissue},
+    {"skin", Material::soft_tissue},
+    {"organ", Material::soft_tissue},
+    {"water", Material::soft_tissue},
+    {"heart", Material::muscle},
+    {"fat", Material::adipose},
+    {"bone", Material::bone_cortical},
+    {"cortical_bone", Material::bone_cortical},
+    {"trabecular_bone", Material::bone_spongy},
+    {"marrow", Material::bone_spongy},
+    {"contrast", Material::iohexol_350},
+    {"steel_304", Material::steel},
 };
 
 } // namespace

@@ -25,8 +25,9 @@ enum class Material : std::uint8_t {
     gold,
     polymer_barium,
     polymer,
+    air,
 };
-inline constexpr int material_count = 15;
+inline constexpr int material_count = 16;
 
 // Name as written in files, e.g. "bone_cortical".
 std::string_view material_name(Material material);

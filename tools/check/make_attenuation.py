@@ -32,6 +32,7 @@ MATERIALS = [
     ("gold", {"Au": 1.0}, 19.3),
     ("polymer_barium", {"C6H11NO": 0.60, "BaSO4": 0.40}, 1.63),
     ("polymer", {"C6H11NO": 1.0}, 1.02),
+    ("air", "Air, Dry (near sea level)", 0.0012),
 ]
 
 
