@@ -1,0 +1,255 @@
+// Claims: a session replays bit for bit at any speed and from any snapshot; a cut-off recording is readable up to its
+// last whole chunk; a damaged one is refused, whatever byte is hit.
+#include <algorithm>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include "host/app/replay.hpp"
+#include "host/app/run.hpp"
+#include "host/model/text.hpp"
+#include "shared/wire/wire_frame.h"
+
+// Last, because its macros (fail, ...) would change other headers.
+extern "C" {
+#include <cmocka.h>
+}
+
+namespace
+{
+
+const std::string path = "/tmp/seldinger_test_" + std::to_string(getpid()) + ".rec";
+const seld::SceneFile scene = seld::read_scene("");
+
+struct Recorded {
+    seld::RunResult result;
+    std::vector<std::uint8_t> bytes;
+};
+
+Recorded record(const std::string &script)
+{
+    const seld::Instrument instrument =
+        seld::read_instrument("shared/examples/instruments/amplatz_super_stiff.toml");
+    const seld::Session session = seld::parse_session(script, "test");
+    seld_wire_entry entry = scene.entry;
+    entry.inserted_um = session.inserted_um;
+    seld::Device device(scene, instrument, entry, seld::host_rig());
+    const seld::RecordingHeader header = {device.identity().core_version,
+                                          device.identity().schema_hash,
+                                          0,
+                                          0,
+                                          "",
+                                          "test",
+                                          instrument,
+                                          entry,
+                                          seld::host_rig()};
+    Recorded recorded;
+    {
+        seld::Recorder recorder(path, header);
+        recorded.result = seld::run_session(device, session, &recorder, nullptr, {});
+    }
+    recorded.bytes = seld::read_binary_file(path);
+    std::remove(path.c_str());
+    return recorded;
+}
+
+const Recorded &session()
+{
+    static const Recorded recorded =
+        record("fluoro on\nadvance 150 mm at 30 mm/s while rotate 1 turn\nc-arm LAO 20\nwait 1 s");
+    return recorded;
+}
+
+seld::ReplayResult replay(const seld::Recording &recording, const seld::ReplaySettings &settings)
+{
+    const seld::RecordingHeader &header = recording.header;
+    seld::Device device(scene, header.instrument, header.entry, header.rig);
+    return seld::replay_recording(device, recording, nullptr, settings);
+}
+
+seld::ReplaySettings verify(const char *speed, double from_s)
+{
+    seld::ReplaySettings settings;
+    settings.speed = *seld::replay_speed(speed);
+    settings.verifies = true;
+    settings.from_s = from_s;
+    return settings;
+}
+
+void a_session_replays_bit_for_bit_at_any_speed(void **)
+{
+    const seld::Recording recording = seld::parse_recording(session().bytes, "test");
+    assert_true(recording.is_complete);
+    assert_int_equal(recording.ticks.size(), session().result.figures.ticks);
+    for (const char *speed : {"fast", "paused", "50"}) {
+        const seld::ReplayResult result = replay(recording, verify(speed, 0));
+        assert_false(result.first_difference_tick.has_value());
+        assert_true(result.hash == session().result.hash);
+        assert_int_equal(result.ticks_compared, recording.ticks.size());
+    }
+}
+
+void a_replay_from_a_snapshot_ends_in_the_same_state(void **)
+{
+    const seld::Recording recording = seld::parse_recording(session().bytes, "test");
+    assert_int_equal(recording.snapshots.size(), 1);
+    for (double from_s : {4.999, 5.0, 5.5}) {
+        const seld::ReplayResult result = replay(recording, verify("fast", from_s));
+        assert_false(result.first_difference_tick.has_value());
+        assert_true(result.hash == session().result.hash);
+    }
+}
+
+void a_changed_input_is_found_at_its_tick(void **)
+{
+    seld::Recording recording = seld::parse_recording(session().bytes, "test");
+    recording.ticks[1234].input.translation_counts += 40;
+    const seld::ReplayResult result = replay(recording, verify("fast", 0));
+    assert_true(result.first_difference_tick.has_value());
+    assert_int_equal(*result.first_difference_tick, 1235);
+}
+
+void views_are_recorded_with_their_ticks(void **)
+{
+    const seld::Recording recording = seld::parse_recording(session().bytes, "test");
+    assert_true(recording.view_at(0).is_fluoro_on);
+    assert_int_equal(recording.view_at(0).primary_mdeg, 0);
+    assert_int_equal(recording.view_at(6000).primary_mdeg, 20000);
+}
+
+// Cut at every length in the tail and at many before: either readable with fewer ticks, or refused as truncated.
+void a_recording_cut_off_anywhere_keeps_its_whole_chunks(void **)
+{
+    const std::vector<std::uint8_t> &whole = session().bytes;
+    std::size_t ticks_before = 0;
+    for (std::size_t length = 0; length < whole.size(); length += length + 3000 < whole.size() ? 977 : 1) {
+        try {
+            const seld::Recording recording = seld::parse_recording({whole.data(), length}, "cut");
+            assert_false(recording.is_complete);
+            assert_true(recording.ticks.size() >= ticks_before);
+            ticks_before = recording.ticks.size();
+        } catch (const seld::RecordingError &error) {
+            assert_true(error.fault == seld::RecordingFault::truncated ||
+                        error.fault == seld::RecordingFault::not_a_recording);
+            assert_int_equal(ticks_before, 0);
+        }
+    }
+    assert_int_equal(ticks_before, session().result.figures.ticks);
+}
+
+// One bit flipped at a time. A flip in a chunk's length field may look like a cut-off file; everything else is refused.
+void a_flipped_bit_is_never_taken_for_a_complete_recording(void **)
+{
+    std::vector<std::uint8_t> bytes = session().bytes;
+    for (std::size_t byte = 0; byte < bytes.size(); byte += byte < 400 ? 1 : 211) {
+        const auto bit = static_cast<std::uint8_t>(1u << (byte % 8));
+        bytes[byte] ^= bit;
+        try {
+            assert_false(seld::parse_recording(bytes, "flipped").is_complete);
+        } catch (const seld::RecordingError &) {
+        }
+        bytes[byte] ^= bit;
+    }
+}
+
+void other_files_and_newer_versions_are_refused_by_name(void **)
+{
+    std::vector<std::uint8_t> bytes = session().bytes;
+    bytes[7] = '2';
+    try {
+        seld::parse_recording(bytes, "x.rec");
+        fail_msg("a newer version was accepted");
+    } catch (const seld::RecordingError &error) {
+        assert_true(error.fault == seld::RecordingFault::newer_version);
+        assert_non_null(strstr(error.what(), "x.rec: is a recording of version '2'"));
+    }
+    bytes[0] = 'X';
+    try {
+        seld::parse_recording(bytes, "x.rec");
+        fail_msg("another file was accepted");
+    } catch (const seld::RecordingError &error) {
+        assert_true(error.fault == seld::RecordingFault::not_a_recording);
+    }
+}
+
+// A chunk with a right CRC and a wrong place: the ticks of the second chunk come first.
+void ticks_out_of_order_are_refused(void **)
+{
+    std::vector<std::uint8_t> bytes = session().bytes;
+    std::size_t at = 8;
+    const auto word = [&](std::size_t place) {
+        return bytes[place] | bytes[place + 1] << 8 | bytes[place + 2] << 16 |
+               static_cast<std::uint32_t>(bytes[place + 3]) << 24;
+    };
+    while (word(at) != 2) at += 12 + word(at + 4);
+    bytes[at + 8] = 1;
+    const std::uint32_t covered = 8 + word(at + 4);
+    const std::uint32_t crc = seld_wire_crc32(0, bytes.data() + at, covered);
+    for (unsigned i = 0; i < 4; i++) bytes[at + covered + i] = static_cast<std::uint8_t>(crc >> (8 * i));
+    try {
+        seld::parse_recording(bytes, "x.rec");
+        fail_msg("ticks out of order were accepted");
+    } catch (const seld::RecordingError &error) {
+        assert_true(error.fault == seld::RecordingFault::inconsistent);
+    }
+}
+
+void a_recording_cannot_be_written_into_a_missing_folder(void **)
+{
+    try {
+        seld::Recorder recorder("/does/not/exist/a.rec", {});
+        fail_msg("a recording was opened in a missing folder");
+    } catch (const seld::RecordingError &error) {
+        assert_non_null(strstr(error.what(), "/does/not/exist/a.rec: cannot write"));
+    }
+}
+
+// Pictures split the batches; the session must not notice.
+class CountingSink final : public seld::FrameSink
+{
+  public:
+    void frame(const seld::SessionFrame &frame) override
+    {
+        assert_int_equal(frame.wire.tick, seld::picture_tick(count++, 15));
+        assert_true(frame.wire.nodes.size() > 3);
+    }
+    void finish() override {}
+    std::uint32_t count = 0;
+};
+
+void pictures_do_not_change_the_session(void **)
+{
+    const seld::Recording recording = seld::parse_recording(session().bytes, "test");
+    const seld::RecordingHeader &header = recording.header;
+    seld::Device device(scene, header.instrument, header.entry, header.rig);
+    CountingSink sink;
+    const seld::ReplayResult result = seld::replay_recording(device, recording, &sink, verify("fast", 0));
+    assert_true(result.hash == session().result.hash);
+    assert_int_equal(sink.count, session().result.figures.ticks * 15 / 1000 + 1);
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(a_session_replays_bit_for_bit_at_any_speed),
+        cmocka_unit_test(a_replay_from_a_snapshot_ends_in_the_same_state),
+        cmocka_unit_test(a_changed_input_is_found_at_its_tick),
+        cmocka_unit_test(views_are_recorded_with_their_ticks),
+        cmocka_unit_test(a_recording_cut_off_anywhere_keeps_its_whole_chunks),
+        cmocka_unit_test(a_flipped_bit_is_never_taken_for_a_complete_recording),
+        cmocka_unit_test(other_files_and_newer_versions_are_refused_by_name),
+        cmocka_unit_test(ticks_out_of_order_are_refused),
+        cmocka_unit_test(a_recording_cannot_be_written_into_a_missing_folder),
+        cmocka_unit_test(pictures_do_not_change_the_session),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}

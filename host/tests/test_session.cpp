@@ -1,0 +1,201 @@
+// Claims: scripts become the motion they state, smoothly and exactly; a mistake is reported with its place.
+#include <cmath>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "host/app/session.hpp"
+#include "host/model/text.hpp"
+
+// Last, because its macros (fail, ...) would change other headers.
+extern "C" {
+#include <cmocka.h>
+}
+
+namespace
+{
+
+std::vector<seld_wire_encoders> play(const std::string &text)
+{
+    const seld::Session session = seld::parse_session(text, "test");
+    seld::SessionPlayer player(session);
+    std::vector<seld_wire_encoders> inputs;
+    while (!player.is_done() && inputs.size() < 1000000) inputs.push_back(player.next());
+    return inputs;
+}
+
+void expect_error(const std::string &text, const std::string &expected)
+{
+    try {
+        seld::parse_session(text, "a.session");
+    } catch (const seld::FileError &error) {
+        if (std::string(error.what()).find(expected) == std::string::npos) {
+            fail_msg("message '%s' does not hold '%s'", error.what(), expected.c_str());
+        }
+        return;
+    }
+    fail_msg("'%s' was accepted", text.c_str());
+}
+
+// 120 mm are 120 000 counts; 120 mm / 40 mm/s = 3 s and one ramp of 0.2 s.
+void advance_goes_exactly_the_distance_in_the_stated_time(void **)
+{
+    const auto inputs = play("advance 120 mm at 40 mm/s");
+    assert_int_equal(inputs.size(), 3200);
+    assert_int_equal(inputs.back().translation_counts, 120000);
+}
+
+// Speed never exceeds the stated one (by more than a count of rounding), never turns back, and changes per tick by no
+// more than a smoothstep's steepest, 1.5 x speed / ramp, plus two counts of rounding.
+void motion_is_smooth_and_never_faster_than_stated(void **)
+{
+    const struct {
+        const char *text;
+        double speed_counts_per_tick, ramp_ticks;
+    } cases[] = {{"advance 120 mm at 40 mm/s", 40, 200},
+                 {"advance 2 mm at 100 mm/s", 100, 20},
+                 {"advance 1 m at 0.5 m/s", 500, 200}};
+    for (const auto &c : cases) {
+        double last = 0, last_step = 0;
+        for (const auto &input : play(c.text)) {
+            const double step = input.translation_counts - last;
+            assert_true(step >= 0 && step <= c.speed_counts_per_tick + 1);
+            assert_true(std::fabs(step - last_step) <= 1.5 * c.speed_counts_per_tick / c.ramp_ticks + 2);
+            last_step = step;
+            last = input.translation_counts;
+        }
+    }
+}
+
+void withdraw_and_negative_turns_go_the_other_way(void **)
+{
+    const auto inputs = play("withdraw 1 cm at 10 mm/s while rotate -90 deg at 90 deg/s");
+    assert_int_equal(inputs.back().translation_counts, -10000);
+    assert_int_equal(inputs.back().rotation_counts, -16384);
+}
+
+// Three strokes and two pauses of 150 ms.
+void strokes_add_up_to_the_whole(void **)
+{
+    const auto whole = play("advance 100 mm at 50 mm/s"),
+               strokes = play("advance 100 mm at 50 mm/s in strokes of 40 mm");
+    assert_int_equal(strokes.back().translation_counts, 100000);
+    assert_int_equal(strokes.size(), whole.size() + 2 * 200 + 2 * 150);
+}
+
+void moves_joined_by_while_run_together(void **)
+{
+    const auto both = play("advance 40 mm at 40 mm/s while rotate 90 deg at 45 deg/s");
+    assert_int_equal(both.size(), 2200);
+    assert_int_equal(both[1300].translation_counts, 40000);
+}
+
+// The condition is met at 100 mm; after it the hand may run on for one ramp: 30 mm/s x 0.1 s = 3 mm.
+void until_stops_within_one_ramp(void **)
+{
+    const seld::Session session = seld::parse_session("advance until inserted 100 mm at 30 mm/s", "test");
+    seld::SessionPlayer player(session);
+    double inserted_m = 0.02;
+    std::uint32_t tick = 0;
+    while (!player.is_done() && tick < 100000) {
+        inserted_m = 0.02 + player.next().translation_counts * 1e-6;
+        if (++tick % seld::SessionPlayer::observe_every_ticks == 0) player.observe(inserted_m);
+    }
+    assert_true(inserted_m >= 0.1 && inserted_m < 0.1 + 0.003 + 16 * 30e-6);
+    assert_int_equal(player.given_up_lines().size(), 0);
+}
+
+void until_that_is_never_reached_is_given_up_and_reported(void **)
+{
+    const seld::Session session = seld::parse_session("\nadvance until inserted 100 mm", "test");
+    seld::SessionPlayer player(session);
+    std::uint32_t tick = 0;
+    while (!player.is_done() && tick < 100000) {
+        player.next();
+        if (++tick % seld::SessionPlayer::observe_every_ticks == 0) player.observe(0.02);
+    }
+    assert_true(tick < 61000);
+    assert_int_equal(player.given_up_lines().size(), 1);
+    assert_int_equal(player.given_up_lines()[0], 2);
+}
+
+void views_change_between_moves(void **)
+{
+    const seld::Session session = seld::parse_session(
+        "fluoro on\nc-arm LAO 30 CAU 10\nwait 1 s\nc-arm RAO 20\ntable y 25 cm\nfield 20 cm\nwait 1 s",
+        "test");
+    seld::SessionPlayer player(session);
+    assert_int_equal(player.next().buttons, 1);
+    assert_int_equal(player.view().primary_mdeg, 30000);
+    assert_int_equal(player.view().secondary_mdeg, -10000);
+    for (int i = 0; i < 1000; i++) player.next();
+    assert_int_equal(player.view().primary_mdeg, -20000);
+    assert_int_equal(player.view().secondary_mdeg, -10000);
+    assert_int_equal(player.view().table_um[1], 250000);
+    assert_int_equal(player.view().field_um, 200000);
+}
+
+void mistakes_are_reported_with_place_and_suggestion(void **)
+{
+    expect_error("wait 1 s\nadvanse 10 mm",
+                 "a.session:2:1: unknown statement 'advanse', did you mean 'advance'?");
+    expect_error("advance 10 mn", "a.session:1:12: unknown unit of distance 'mn', did you mean 'mm'?");
+    expect_error("advance ten mm", "a.session:1:9: expected distance (a number), found 'ten'");
+    expect_error("advance 10", "expected unit of distance, the line ends");
+    expect_error("advance 10 mm 5", "'5' does not belong here");
+    expect_error("advance 9 m", "distance is out of range");
+    expect_error("advance nan mm", "expected distance");
+    expect_error("rotate 1e999 deg", "unknown unit of angle 'e999'");
+    expect_error("wait -1 s", "time is out of range");
+    expect_error("fluoro maybe", "unknown switch 'maybe'; known: on, off");
+    expect_error("c-arm LOA 30", "did you mean 'LAO'?");
+    expect_error("c-arm LAO 200", "outside +-180 deg");
+    expect_error("advance 1 mm while withdraw 1 mm", "one hand cannot");
+    expect_error("wait 1 s\nbegin inserted 5 mm", "must be the first statement");
+    expect_error("# nothing\n\n", "holds no statement");
+}
+
+void comments_commas_and_joined_units_are_understood(void **)
+{
+    const auto inputs = play("advance 10mm at 10mm/s, while rotate 90° # push and turn\r\n");
+    assert_int_equal(inputs.back().translation_counts, 10000);
+    assert_int_equal(inputs.back().rotation_counts, 16384);
+}
+
+// Keyboard: a speed is reached by steps and left by steps; the counters follow.
+void a_live_hand_comes_to_rest(void **)
+{
+    seld::LiveHand hand;
+    hand.set_speed(60000, 0);
+    for (int i = 0; i < 1000; i++) hand.advance_tick();
+    assert_in_range(hand.translation_counts(), 55000, 60000);
+    hand.set_speed(0, 0);
+    for (int i = 0; i < 200; i++) hand.advance_tick();
+    const std::int32_t rest = hand.translation_counts();
+    for (int i = 0; i < 100; i++) hand.advance_tick();
+    assert_int_equal(hand.translation_counts(), rest);
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(advance_goes_exactly_the_distance_in_the_stated_time),
+        cmocka_unit_test(motion_is_smooth_and_never_faster_than_stated),
+        cmocka_unit_test(withdraw_and_negative_turns_go_the_other_way),
+        cmocka_unit_test(strokes_add_up_to_the_whole),
+        cmocka_unit_test(moves_joined_by_while_run_together),
+        cmocka_unit_test(until_stops_within_one_ramp),
+        cmocka_unit_test(until_that_is_never_reached_is_given_up_and_reported),
+        cmocka_unit_test(views_change_between_moves),
+        cmocka_unit_test(mistakes_are_reported_with_place_and_suggestion),
+        cmocka_unit_test(comments_commas_and_joined_units_are_understood),
+        cmocka_unit_test(a_live_hand_comes_to_rest),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
