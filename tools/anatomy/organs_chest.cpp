@@ -67,7 +67,7 @@ Distance lung_cavity(double sign)
         constexpr double STEEPNESS =
             0.55; // turns the height difference into about a distance on the steep edge
         const double above = (dome_mm(sign, p.x(), p.z()) - p.y()) * STEEPNESS;
-        const double own_side = 3.0 - sign * p.x();
+        const double own_side = 1.8 - sign * p.x();
         return smooth_max(smooth_max(cavity_distance(p), above, 4.0), own_side, 3.0);
     };
 }
@@ -110,8 +110,11 @@ Solid mediastinum()
     // Column in front of the spine, thinning to a septum behind the sternum.
     middle.add<Tube>(sample_curve({{0, 60, -38}, {0, 130, -42}, {0, 190, -30}, {0, 250, -18}, {0, 300, -18}},
                                   {24, 22, 20, 22, 24}, 6.0));
-    middle.plate({0, 80, -60}, {0, 80, 66}, {0, 250, -60}, 4.0);
-    middle.plate({0, 80, 66}, {0, 250, -60}, {0, 250, 34}, 4.0);
+    middle.plate({0, 80, -60}, {0, 80, 66}, {0, 250, -60}, 1.2);
+    middle.plate({0, 80, 66}, {0, 250, -60}, {0, 250, 34}, 1.2);
+    // Muscles behind the spine: the lungs lie beside the vertebrae, not behind them.
+    middle.add<Tube>(sample_curve({{0, -40, -76}, {0, 60, -97}, {0, 150, -108}, {0, 220, -99}, {0, 300, -78}},
+                                  {26, 27, 27, 26, 26}, 6.0));
     // Superior vena cava with the right brachiocephalic vein, inferior vena cava, pulmonary trunk and hila.
     middle.rod({{-30, 112, 8}, {-29, 160, 10}, {-27, 215, 12}, {-32, 252, 12}}, {13, 11, 10, 9});
     middle.rod({{-22, 60, -4}, {-22, 100, 2}}, {14, 14});
@@ -217,7 +220,7 @@ std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
 Solid lung_vessels(double sign, const Distance &lung)
 {
     // Murray's law: the cube of a radius is the sum of the cubes of its branches.
-    constexpr double END_RADIUS_MM = 1.3;
+    constexpr double END_RADIUS_MM = 1.5;
     constexpr size_t ENDS = 100;
     const Vec3 hilum = side(sign, 40, sign > 0 ? 172 : 164, -18);
     const auto nodes = grow_tree(hilum, vessel_ends(sign, lung, hilum, ENDS));

@@ -42,24 +42,31 @@ double smooth_max(double a, double b, double blend_mm)
 
 // --- tube -------------------------------------------------------------------------------------------------------
 
-Tube::Tube(const Curve &curve) : curve_(std::make_shared<const Curve>(curve))
+Tube::Tube(const Curve &curve)
 {
-    build_chunks();
+    build(curve);
 }
 
 Tube::Tube(const Curve &curve, const Vec3 &flat, double thinness)
-    : curve_(std::make_shared<const Curve>(curve)), flat_(flat.normalized()), thinness_(thinness)
+    : flat_(flat.normalized()), thinness_(thinness)
 {
-    build_chunks();
+    build(curve);
 }
 
-void Tube::build_chunks()
+void Tube::build(const Curve &curve)
 {
     constexpr size_t SEGMENTS_PER_CHUNK = 6;
-    for (size_t first = 0; first + 1 < curve_->size(); first += SEGMENTS_PER_CHUNK) {
-        Chunk chunk{first, std::min(first + SEGMENTS_PER_CHUNK, curve_->size() - 1), {}};
+    std::vector<Segment> segments;
+    for (size_t i = 0; i + 1 < curve.size(); i++) {
+        const Vec3 axis = curve[i + 1].position_mm - curve[i].position_mm;
+        segments.push_back({curve[i].position_mm, axis, 1.0 / axis.squaredNorm(), curve[i].radius_mm,
+                            curve[i + 1].radius_mm - curve[i].radius_mm});
+    }
+    segments_ = std::make_shared<const std::vector<Segment>>(std::move(segments));
+    for (size_t first = 0; first + 1 < curve.size(); first += SEGMENTS_PER_CHUNK) {
+        Chunk chunk{first, std::min(first + SEGMENTS_PER_CHUNK, curve.size() - 1), {}};
         for (size_t i = chunk.first; i <= chunk.last; i++)
-            chunk.bounds.include((*curve_)[i].position_mm, (*curve_)[i].radius_mm * std::max(1.0, thinness_));
+            chunk.bounds.include(curve[i].position_mm, curve[i].radius_mm * std::max(1.0, thinness_));
         bounds.include(chunk.bounds);
         chunks_.push_back(chunk);
     }
@@ -74,15 +81,12 @@ std::shared_ptr<Shape> Tube::near(const Box &box, double reach_mm) const
     return trimmed->chunks_.empty() ? nullptr : trimmed;
 }
 
-double Tube::section_distance(const Vec3 &point, size_t segment, double t) const
+double Tube::section_distance(const Vec3 &point, const Segment &segment, double t) const
 {
-    const CurvePoint &a = (*curve_)[segment], &b = (*curve_)[segment + 1];
-    const double radius = a.radius_mm + t * (b.radius_mm - a.radius_mm);
-    const Vec3 offset = point - (a.position_mm + t * (b.position_mm - a.position_mm));
-    if (flat_.isZero()) return offset.norm() - radius;
-    const Vec3 along = (b.position_mm - a.position_mm).normalized();
+    const double radius = segment.radius_mm + t * segment.radius_change_mm, thin = radius * thinness_;
+    const Vec3 offset = point - segment.start - t * segment.axis;
+    const Vec3 along = segment.axis * std::sqrt(segment.inverse_squared);
     const Vec3 height = (flat_ - along * flat_.dot(along)).normalized(), across = along.cross(height);
-    const double thin = radius * thinness_;
     return ellipsoid_distance({offset.dot(height), offset.dot(across), offset.dot(along)},
                               {radius, thin, thin});
 }
@@ -90,26 +94,26 @@ double Tube::section_distance(const Vec3 &point, size_t segment, double t) const
 double Tube::distance(const Vec3 &point) const
 {
     // A flat section is looked up at the nearest point of the axis; a round one is the minimum over all segments.
-    double best = std::numeric_limits<double>::max(), best_axis = best, best_t = 0.0;
-    size_t best_segment = 0;
+    constexpr double FAR = 1e9;
+    double best = FAR, best_t = 0.0;
+    const Segment *nearest = nullptr;
     const bool round = flat_.isZero();
     for (const Chunk &chunk : chunks_) {
-        if (chunk.bounds.distance(point) > (round ? best : best_axis)) continue;
+        if (chunk.bounds.distance(point) > best) continue;
         for (size_t i = chunk.first; i < chunk.last; i++) {
-            const CurvePoint &a = (*curve_)[i], &b = (*curve_)[i + 1];
-            const Vec3 axis = b.position_mm - a.position_mm, offset = point - a.position_mm;
-            const double t = std::clamp(offset.dot(axis) / axis.squaredNorm(), 0.0, 1.0);
-            const double from_axis = (offset - t * axis).norm();
-            if (round)
-                best = std::min(best, from_axis - (a.radius_mm + t * (b.radius_mm - a.radius_mm)));
-            else if (from_axis < best_axis) {
-                best_axis = from_axis;
-                best_segment = i;
-                best_t = t;
-            }
+            const Segment &segment = (*segments_)[i];
+            const Vec3 offset = point - segment.start;
+            const double t = std::clamp(offset.dot(segment.axis) * segment.inverse_squared, 0.0, 1.0);
+            const double from_axis = (offset - t * segment.axis).norm();
+            const double value =
+                round ? from_axis - segment.radius_mm - t * segment.radius_change_mm : from_axis;
+            if (value >= best) continue;
+            best = value;
+            best_t = t;
+            nearest = &segment;
         }
     }
-    return round ? best : section_distance(point, best_segment, best_t);
+    return round || !nearest ? best : section_distance(point, *nearest, best_t);
 }
 
 // --- other shapes -----------------------------------------------------------------------------------------------

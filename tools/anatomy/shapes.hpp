@@ -44,13 +44,17 @@ class Tube : public Shape
     std::shared_ptr<Shape> near(const Box &box, double reach_mm) const override;
 
   private:
+    struct Segment { // start, axis to its end, 1 / |axis|^2, radius at the start and its change to the end
+        Vec3 start, axis;
+        double inverse_squared, radius_mm, radius_change_mm;
+    };
     struct Chunk {
         size_t first, last;
         Box bounds;
     };
-    void build_chunks();
-    double section_distance(const Vec3 &point, size_t segment, double t) const;
-    std::shared_ptr<const Curve> curve_;
+    void build(const Curve &curve);
+    double section_distance(const Vec3 &point, const Segment &segment, double t) const;
+    std::shared_ptr<const std::vector<Segment>> segments_;
     Vec3 flat_ = Vec3::Zero();
     double thinness_ = 1.0;
     std::vector<Chunk> chunks_;

@@ -102,9 +102,9 @@ void add_processes(Part &part, const Frame &f, const Vertebra &v, size_t index, 
                root_low = f.at(0, -0.4 * v.height_mm, arch - 8);
     const Vec3 tip_top = f.at(0, -drop + 5.0 * lumbar, arch - length);
     const Vec3 tip_low = f.at(0, -drop - 4.0 - 8.0 * lumbar, arch - length + 1);
-    part.plate(root_top, root_low, tip_low, 1.7 + 1.2 * lumbar, 0.8);
-    part.plate(root_top, tip_top, tip_low, 1.7 + 1.2 * lumbar, 0.8);
-    part.rod({tip_top, tip_low}, {2.6 + lumbar, 2.8 + 1.2 * lumbar}, 0.8);
+    part.plate(root_top, root_low, tip_low, 3.0, 0.7);
+    part.plate(root_top, tip_top, tip_low, 3.0, 0.7);
+    part.rod({tip_top, tip_low}, {3.6, 3.6 + 0.4 * lumbar}, 0.7);
 }
 
 Part vertebra_part(const Vertebra &v, size_t index)

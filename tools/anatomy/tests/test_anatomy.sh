@@ -1,0 +1,61 @@
+#!/bin/sh
+# The anatomies that ship: meshes, nesting, stated dimensions, same bytes twice, and messages for bad command lines.
+# Bodies are made coarser than usual (--body-scale 2) to keep this short; the checks do not depend on it.
+BUILD=${BUILD:-build}
+tool=$BUILD/bin/anatomy
+here=$(dirname "$0")
+make -s PACKAGES=skip BUILD="$BUILD" "$tool" >/dev/null || { echo "1..1"; echo "not ok 1 - anatomy builds"; exit 1; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+number=0
+
+report() { # report NAME STATUS
+    number=$((number + 1))
+    if [ "$2" = 0 ]; then echo "ok $number - $1"; else echo "not ok $number - $1"; failed=1; fi
+}
+
+# refuses NAME EXIT_CODE WORDS ARGUMENTS...: the command ends with the code and its message holds the words
+refuses() {
+    name=$1 code=$2 words=$3
+    shift 3
+    "$tool" "$@" >"$work/said" 2>&1
+    got=$?
+    [ "$got" = "$code" ] && grep -q -- "$words" "$work/said"
+    result=$?
+    report "$name" "$result"
+    [ "$result" = 0 ] || { echo "# exit $got, expected $code with '$words'"; sed 's/^/# /' "$work/said"; }
+}
+
+check() { # check NAME: independent checks of one folder; five TAP lines
+    python3 "$here/check_meshes.py" "$work/$1" "$work/$1.tsv" $((number + 1)) || failed=1
+    number=$((number + 5))
+}
+
+for name in aorta phantom; do
+    "$tool" "$name" -o "$work/$name" --body-scale 2 --quiet >/dev/null && "$tool" list "$name" >"$work/$name.tsv"
+    report "$name is made" $?
+    check "$name"
+done
+
+"$tool" phantom -o "$work/again" --body-scale 2 --quiet >/dev/null && diff -r "$work/phantom" "$work/again" >/dev/null
+report "the same command writes the same bytes" $?
+
+lumen=$(sed -n 's/^element face //p' "$work/aorta/lumen.ply" | head -1 | tr -d '\r')
+[ "${lumen:-999999}" -le 80000 ]
+report "the aorta's lumen has at most 80,000 triangles" $?
+
+awk -F'\t' 'NR > 1 && $2 != "length" && $NF == "" { bad = 1 } END { exit bad }' "$work/aorta.tsv"
+report "every stated diameter has a source or is called assumed" $?
+
+refuses "a missing subcommand is a usage error" 2 "subcommand is required"
+refuses "a missing folder is a usage error" 2 "output" aorta
+refuses "an unknown anatomy is a usage error" 2 "heart" list heart
+refuses "a grid spacing out of range is a usage error" 2 "lumen-mm" phantom -o "$work/x" --lumen-mm 9
+refuses "a number that is none is a usage error" 2 "body-scale" phantom -o "$work/x" --body-scale fine
+: >"$work/file"
+refuses "a folder that cannot be made fails and names it" 1 "$work/file/in" phantom -o "$work/file/in"
+refuses "help shows examples" 0 "Examples" --help
+
+echo "1..$number"
+exit $failed
