@@ -68,11 +68,17 @@ double finite_or_zero(double value)
     return std::isfinite(value) ? value : 0.0;
 }
 
+// To 1/steps; never "-0.00".
+double rounded(double value, double steps)
+{
+    return std::round(finite_or_zero(value) * steps) / steps + 0.0;
+}
+
 // "LAO 30\x7f CRA 10\x7f", whole degrees as on a C-arm.
 std::string angles(const OverlayInfo &info)
 {
-    const long primary = std::lround(finite_or_zero(info.primary_deg));
-    const long secondary = std::lround(finite_or_zero(info.secondary_deg));
+    const long primary = std::lround(std::clamp(finite_or_zero(info.primary_deg), -999.0, 999.0));
+    const long secondary = std::lround(std::clamp(finite_or_zero(info.secondary_deg), -999.0, 999.0));
     return format("%s %ld\x7f  %s %ld\x7f", primary < 0 ? "RAO" : "LAO", std::labs(primary),
                   secondary < 0 ? "CAU" : "CRA", std::labs(secondary));
 }
@@ -132,12 +138,11 @@ class Display
         const int y = rgb_.height - margin_ - 8 * scale_;
         right(y, clock(info_.time_s), white);
         left(y - 3 * line_, info_.instrument, dim);
-        left(
-            y - 2 * line_,
-            format("%.0f mm  %+.0f\x7f", finite_or_zero(info_.inserted_mm), finite_or_zero(info_.turned_deg)),
-            white);
+        left(y - 2 * line_,
+             format("%.0f mm  %+.0f\x7f", rounded(info_.inserted_mm, 1.0), rounded(info_.turned_deg, 1.0)),
+             white);
         left(y - line_,
-             format("%.2f N  %.1f mNm", finite_or_zero(info_.axial_N), finite_or_zero(info_.torque_mN_m)),
+             format("%.2f N  %.1f mNm", rounded(info_.axial_N, 100.0), rounded(info_.torque_mN_m, 10.0)),
              white);
         draw_force_bar(y + scale_);
     }

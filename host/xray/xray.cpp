@@ -116,8 +116,8 @@ struct Curve {
 Curve make_curve(const XrayCache &cache, const XrayDisplay &display, double photons_open)
 {
     Curve curve;
-    curve.slope = static_cast<float>(0.62 * std::clamp(display.contrast, 0.1, 10.0));
-    curve.level = static_cast<float>(0.30 + std::clamp(display.brightness, -1.0, 1.0));
+    curve.slope = static_cast<float>(0.70 * std::clamp(display.contrast, 0.1, 10.0));
+    curve.level = static_cast<float>(0.12 + std::clamp(display.brightness, -1.0, 1.0));
     curve.keep_slow = static_cast<float>(1.0 - std::clamp(display.harmonise, 0.0, 1.0));
     curve.log_mean = static_cast<float>(cache.log_mean);
     curve.log_open = log2_positive(static_cast<float>(photons_open) * 36.0f);

@@ -49,7 +49,7 @@ struct XrayBeam {
 struct XrayDisplay {
     double contrast = 1.0;   // slope of the display curve
     double brightness = 0.0; // -1 .. 1
-    double harmonise = 0.55; // 0: plain log image; towards 1: slow changes of density are levelled out
+    double harmonise = 0.65; // 0: plain log image; towards 1: slow changes of density are levelled out
 };
 
 struct XraySettings {
