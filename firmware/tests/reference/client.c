@@ -72,8 +72,9 @@ void client_step(client *c, uint32_t tick, uint16_t count, int32_t translation_b
                  int32_t translation_per_tick)
 {
     seld_wire_step step = {.tick = tick, .want_nodes = 0, .inputs_count = count};
-    for (uint16_t i = 0; i < count; i++) {
-        step.inputs[i] = (seld_wire_encoders){translation_begin + translation_per_tick * i, 0, 0};
+    for (uint16_t i = 0; i < count; i++) { /* the counter wraps like the hardware's */
+        uint32_t counts = (uint32_t)translation_begin + (uint32_t)translation_per_tick * i;
+        step.inputs[i] = (seld_wire_encoders){seld_wire_i32_from_u32(counts), 0, 0};
     }
     SEND(c, step, &step);
 }
