@@ -1,0 +1,158 @@
+// The pipeline: text -> surface -> field -> measurements -> bodies -> files.
+#include "tools/bake/bake.hpp"
+#include "tools/bake/fault.hpp"
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+namespace seld::bake
+{
+namespace
+{
+
+__attribute__((format(printf, 1, 2))) std::string line(const char *format, ...)
+{
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    std::vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    return std::string(text) + "\n";
+}
+
+std::string notes_of(const Mesh &mesh)
+{
+    std::string text;
+    for (const std::string &note : mesh.notes) text += "note: " + mesh.name + ": " + note + "\n";
+    return text;
+}
+
+CurvePoint entry_of(const SceneText &text, const TriangleTree &tree)
+{
+    CurvePoint entry{text.entry.position_mm, text.entry.direction};
+    if (!text.entry.centreline.empty())
+        entry = along(read_centreline(text.entry.centreline, text.lumen.mesh.placement), text.entry.from_last,
+                      text.entry.distance_mm);
+    const double distance = tree.nearest(entry.position_mm).distance_mm;
+    if (distance > -1.0)
+        throw Fault(text.file.string() + ": [entry] lies at " + place_text(entry.position_mm) + ", " +
+                    (distance > 0 ? "outside the lumen" : "within 1 mm of its wall") +
+                    ": move position_mm into the vessel (or raise distance_mm)");
+    if (tree.nearest(entry.position_mm + 5 * entry.direction).distance_mm > 0)
+        throw Fault(text.file.string() + ": [entry] at " + place_text(entry.position_mm) +
+                    " points into the wall 5 mm ahead: turn direction into the vessel");
+    return entry;
+}
+
+std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, std::string &report)
+{
+    std::vector<BakedBody> bodies;
+    for (const BodyText &body : text.bodies) {
+        BakedBody baked;
+        baked.name = body.name;
+        baked.material = body.material;
+        for (std::size_t i = 0; i < text.bodies.size(); ++i)
+            if (text.bodies[i].name == body.inside) baked.parent = static_cast<int>(i);
+        if (body.is_lumen) {
+            baked.mesh = lumen;
+        } else {
+            baked.mesh = load_mesh(body.mesh);
+            check_closed(baked.mesh, body.mesh.cap);
+            report += notes_of(baked.mesh);
+        }
+        bodies.push_back(std::move(baked));
+    }
+    return bodies;
+}
+
+std::string field_report(const Field &field, const FieldError &error)
+{
+    std::string text = line(
+        "bricks            %u (%u of 0.977 mm, %u of 0.488 mm, %u of 0.244 mm voxels), lattice %u x %u x %u",
+        field.lumen.brick_count, field.bricks_of_level[0], field.bricks_of_level[1], field.bricks_of_level[2],
+        field.lumen.brick_count_xyz[0], field.lumen.brick_count_xyz[1], field.lumen.brick_count_xyz[2]);
+    text += line("field error       50 %% %.4f, 99 %% %.4f, 99.9 %% %.4f, largest %.4f mm at %s (%zu points "
+                 "within %.1f mm)",
+                 error.median_mm, error.percent99_mm, error.permille999_mm, error.largest.mm,
+                 place_text(error.largest.place_mm).c_str(), error.points, error_band_mm);
+    text += line("cull - contact    largest %.4f mm at %s (the core allows %.4f)", error.cull.mm,
+                 place_text(error.cull.place_mm).c_str(), int{SELD_LUMEN_CULL_ERROR_M_Q30} * mm_per_q30);
+    return text;
+}
+
+std::string referee_report(const Referee &referee, std::uint64_t seed)
+{
+    if (referee.poses == 0) return "libccd            no capsule of 0.835 mm radius fits into this lumen\n";
+    return line("libccd            worst disagreement %.4f mm at %s (%zu capsules of radius %.3f and length "
+                "%.0f mm, %zu "
+                "touching, seed %llu)",
+                referee.disagreement.mm, place_text(referee.disagreement.place_mm).c_str(), referee.poses,
+                referee.radius_mm, referee.length_mm, referee.touching,
+                static_cast<unsigned long long>(seed));
+}
+
+std::filesystem::path bodies_file(const std::filesystem::path &scene)
+{
+    std::filesystem::path file = scene;
+    return file.replace_extension(".bodies");
+}
+
+} // namespace
+
+Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progress)
+{
+    Mesh mesh;
+    if (text.lumen.centrelines.empty()) {
+        mesh = load_mesh(text.lumen.mesh);
+    } else {
+        std::vector<Centreline> lines;
+        for (const std::filesystem::path &file : text.lumen.centrelines)
+            lines.push_back(read_centreline(file, text.lumen.mesh.placement));
+        mesh = surface_of(lines, text.lumen.surface_mm, progress);
+    }
+    check_closed(mesh, text.lumen.mesh.cap);
+    check_crossing(mesh, progress);
+    report += notes_of(mesh);
+    return mesh;
+}
+
+std::string bake(const Options &options, Progress &progress)
+{
+    const SceneText text = read_scene_text(options.scene, options.data);
+    std::string report = line("scene             %s", text.name.c_str());
+    const Mesh surface = lumen_surface(text, report, progress);
+    const TriangleTree tree(surface);
+    report += line("surface           %zu triangles, %.1f cm2, %.1f ml", surface.triangles.size(),
+                   area_mm2(surface) / 100, volume_mm3(surface) / 1000);
+    const Worst narrowest = smallest_radius(tree, 20000);
+    report +=
+        line("smallest lumen    radius %.2f mm at %s", narrowest.mm, place_text(narrowest.place_mm).c_str());
+    const CurvePoint entry = entry_of(text, tree);
+    report +=
+        line("entry             %s, direction (%.3f, %.3f, %.3f)", place_text(entry.position_mm).c_str(),
+             entry.direction.x(), entry.direction.y(), entry.direction.z());
+
+    const FieldText wanted{text.lumen.tolerance_mm, text.lumen.inside_mm, text.lumen.outside_mm,
+                           text.lumen.level_max};
+    Field field = make_field(tree, wanted, progress);
+    const Bytes scene = scene_bytes(text, entry.position_mm, entry.direction, field);
+    report += field_report(field, measure_field(field.view(), tree, options.points, options.seed, progress));
+    report += referee_report(measure_contact(field.view(), tree, options.poses, options.seed, progress),
+                             options.seed);
+
+    const std::vector<BakedBody> bodies = bodies_of(text, surface, report);
+    Bytes picture;
+    if (!bodies.empty()) picture = bodies_bytes(text, bodies);
+    if (!options.surface.empty()) write_ply(surface, options.surface);
+    if (!bodies.empty()) {
+        write_whole(bodies_file(options.output), picture);
+        report += line("written           %s, %zu bytes, %zu bodies", bodies_file(options.output).c_str(),
+                       picture.size(), bodies.size());
+    }
+    write_whole(options.output, scene);
+    report += line("written           %s, %zu bytes", options.output.c_str(), scene.size());
+    return report;
+}
+
+} // namespace seld::bake

@@ -1,0 +1,136 @@
+// Sections of the scene container: docs/scene.md.
+#include "tools/bake/container.hpp"
+#include "shared/scene/scene_write.h"
+#include "tools/bake/fault.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+namespace seld::bake
+{
+namespace
+{
+
+void put_u32(Bytes &bytes, std::uint32_t value)
+{
+    bytes.resize(bytes.size() + 4);
+    seld_scene_put_u32(&bytes[bytes.size() - 4], value);
+}
+
+void put_u16(Bytes &bytes, std::uint16_t value)
+{
+    bytes.resize(bytes.size() + 2);
+    seld_scene_put_u16(&bytes[bytes.size() - 2], value);
+}
+
+void put_text(Bytes &bytes, const std::string &text, std::size_t capacity)
+{
+    bytes.insert(bytes.end(), text.begin(), text.end());
+    bytes.resize(bytes.size() + capacity - text.size());
+}
+
+Bytes meta_section(const SceneText &text)
+{
+    Bytes bytes;
+    put_text(bytes, text.name, SELD_SCENE_NAME_BYTES);
+    put_text(bytes, text.source, SELD_SCENE_SOURCE_BYTES);
+    return bytes;
+}
+
+Bytes entry_section(const Eigen::Vector3d &position_mm, const Eigen::Vector3d &direction)
+{
+    Bytes bytes;
+    const seld_vec3 position = to_q30(position_mm);
+    for (int k = 0; k < 3; ++k) put_u32(bytes, static_cast<std::uint32_t>(position.v[k]));
+    for (int k = 0; k < 3; ++k)
+        put_u32(bytes, static_cast<std::uint32_t>(
+                           static_cast<std::int32_t>(std::lround(std::ldexp(direction[k], 30)))));
+    return bytes;
+}
+
+Bytes lumen_section(const Field &field)
+{
+    Bytes bytes;
+    for (std::int32_t origin : field.lumen.origin_m_q30) put_u32(bytes, static_cast<std::uint32_t>(origin));
+    for (std::uint16_t count : field.lumen.brick_count_xyz) put_u16(bytes, count);
+    put_u16(bytes, field.lumen.child_row_count);
+    put_u32(bytes, field.lumen.brick_count);
+    put_u16(bytes, static_cast<std::uint16_t>(field.row_first_rank));
+    put_u16(bytes, 0);
+    put_u32(bytes, 0);
+    for (std::uint16_t entry : field.index) put_u16(bytes, entry);
+    for (std::uint16_t entry : field.children) put_u16(bytes, entry);
+    for (std::int8_t sample : field.samples) bytes.push_back(static_cast<std::uint8_t>(sample));
+    return bytes;
+}
+
+Bytes body_section(const BakedBody &body)
+{
+    Bytes bytes;
+    put_text(bytes, body.name, SELD_SCENE_BODY_NAME_BYTES);
+    put_text(bytes, body.material, SELD_SCENE_MATERIAL_BYTES);
+    put_u32(bytes, static_cast<std::uint32_t>(body.parent));
+    put_u32(bytes, static_cast<std::uint32_t>(body.mesh.vertices_mm.size()));
+    put_u32(bytes, static_cast<std::uint32_t>(body.mesh.triangles.size()));
+    put_u32(bytes, 0);
+    for (const Eigen::Vector3d &v : body.mesh.vertices_mm)
+        for (int k = 0; k < 3; ++k)
+            put_u32(bytes, static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(v[k] * 1000))));
+    for (const Triangle &t : body.mesh.triangles)
+        for (std::uint32_t corner : t) put_u32(bytes, corner);
+    return bytes;
+}
+
+// Lay out, then look at the result with the eyes of the device.
+Bytes sealed(seld_scene_kind kind, const std::vector<std::pair<seld_scene_section, Bytes>> &sections,
+             const std::string &what)
+{
+    std::vector<seld_scene_part> parts;
+    for (const auto &[type, bytes] : sections) parts.push_back({type, bytes.data(), bytes.size()});
+    const auto count = static_cast<std::uint32_t>(parts.size());
+    Bytes file(seld_scene_write_bytes(parts.data(), count));
+    if (file.empty() || seld_scene_write(kind, parts.data(), count, file.data(), file.size()) != file.size())
+        throw Fault(what + ": larger than 2 GiB: simplify the meshes");
+    seld_scene scene;
+    std::uint32_t where = 0;
+    const seld_scene_status status = seld_scene_open(file.data(), file.size(), &scene, &where);
+    if (status != SELD_SCENE_OK)
+        throw Fault(what + ": " + seld_scene_status_text(status) + " (byte " + std::to_string(where) + ")");
+    return file;
+}
+
+} // namespace
+
+Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
+                  const Field &field)
+{
+    return sealed(SELD_SCENE_KIND_SCENE,
+                  {{SELD_SCENE_META, meta_section(text)},
+                   {SELD_SCENE_ENTRY, entry_section(entry_mm, direction)},
+                   {SELD_SCENE_LUMEN, lumen_section(field)}},
+                  text.file.string());
+}
+
+Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies)
+{
+    std::vector<std::pair<seld_scene_section, Bytes>> sections{{SELD_SCENE_META, meta_section(text)}};
+    for (const BakedBody &body : bodies) sections.emplace_back(SELD_SCENE_BODY, body_section(body));
+    return sealed(SELD_SCENE_KIND_BODIES, sections, text.file.string());
+}
+
+void write_whole(const std::filesystem::path &file, const Bytes &bytes)
+{
+    const std::filesystem::path part = file.string() + ".part";
+    std::ofstream out(part, std::ios::binary);
+    out.write(reinterpret_cast<const char *>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    out.close();
+    std::error_code error;
+    if (out) std::filesystem::rename(part, file, error);
+    if (out && !error) return;
+    std::error_code ignored;
+    std::filesystem::remove(part, ignored);
+    throw Fault(file.string() + ": cannot be written: is the folder there, writable, and the disk not full?");
+}
+
+} // namespace seld::bake

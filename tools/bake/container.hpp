@@ -1,0 +1,25 @@
+// Baked things as bytes of the scene container, and files that are whole or not there.
+// May include: field.hpp, shared/scene. Called by: bake.cpp, tests.
+#pragma once
+#include "tools/bake/field.hpp"
+
+namespace seld::bake
+{
+
+using Bytes = std::vector<std::uint8_t>;
+
+struct BakedBody {
+    std::string name, material;
+    int parent = -1;
+    Mesh mesh;
+};
+
+// Both are opened by shared/scene before they are returned; a refusal is a Fault.
+Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
+                  const Field &field);
+Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies);
+
+// Written beside the target and renamed, so that an interrupt or a full disk leaves the old file.
+void write_whole(const std::filesystem::path &file, const Bytes &bytes);
+
+} // namespace seld::bake

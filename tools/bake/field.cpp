@@ -1,0 +1,329 @@
+// Making the field: see field.hpp. Bricks are made level by level, so that a finer grid exists only when it is needed.
+#include "tools/bake/field.hpp"
+#include "shared/scene/scene.h"
+#include "tools/bake/fault.hpp"
+#include "tools/bake/vdb.hpp"
+
+#include <openvdb/tools/MeshToVolume.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+
+namespace seld::bake
+{
+namespace
+{
+
+constexpr int filter_reach = 6; // taps of the prefilter on each side; the next would weigh 4e-6
+constexpr int block = 10 + 2 * filter_reach;
+constexpr float band_voxels = 9; // 4 that int8 can hold, and what the prefilter sees of the rest
+constexpr double coefficient_max = 127.0 / 32; // voxels
+constexpr std::uint32_t bricks_max = static_cast<std::uint32_t>(SELD_SCENE_BYTES_MAX) / 1000;
+constexpr int test_points = 6; // along each edge of a brick
+
+double voxel_mm(int level)
+{
+    return voxel0_mm / (1 << level);
+}
+
+using Cell = std::array<int, 3>; // brick of a level, counted from the patient's origin
+
+// --- distances on a grid: sample (i,j,k) at voxel centre (i + 1/2) h ---
+struct MeshInVoxels {
+    const Mesh &mesh;
+    double voxel;
+    std::size_t polygonCount() const { return mesh.triangles.size(); }
+    std::size_t pointCount() const { return mesh.vertices_mm.size(); }
+    std::size_t vertexCount(std::size_t) const { return 3; }
+    void getIndexSpacePoint(std::size_t n, std::size_t v, openvdb::Vec3d &p) const
+    {
+        const Eigen::Vector3d at = mesh.vertices_mm[mesh.triangles[n][v]] / voxel;
+        p = openvdb::Vec3d(at.x() - 0.5, at.y() - 0.5, at.z() - 0.5);
+    }
+};
+
+struct Interrupter {
+    void start(const char * = nullptr) {}
+    void end() {}
+    bool wasInterrupted(int = -1) { return Progress::interrupted(); }
+};
+
+openvdb::FloatGrid::Ptr distances(const Mesh &mesh, int level, Progress &progress)
+{
+    start_openvdb();
+    progress.stage("distances at " + std::to_string(voxel_mm(level)) + " mm", 0);
+    Interrupter interrupter;
+    auto transform = openvdb::math::Transform::createLinearTransform(voxel_mm(level));
+    auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(
+        interrupter, MeshInVoxels{mesh, voxel_mm(level)}, *transform, band_voxels, band_voxels);
+    progress.step(0);
+    progress.finish();
+    return grid;
+}
+
+// --- prefilter: the inverse of (1/8, 3/4, 1/8) is c z^|n| with z = 2 sqrt 2 - 3; cut off and scaled to sum one ---
+std::array<double, 2 * filter_reach + 1> prefilter()
+{
+    const double z = 2 * std::sqrt(2.0) - 3;
+    std::array<double, 2 * filter_reach + 1> taps{};
+    double sum = 0;
+    for (int n = -filter_reach; n <= filter_reach; ++n)
+        sum += taps[n + filter_reach] = std::pow(z, std::abs(n));
+    for (double &tap : taps) tap /= sum;
+    return taps;
+}
+
+// Filter along one axis: `n` lists its length before and after (shorter by twice the reach).
+void filter_axis(std::vector<double> &values, std::array<int, 3> &size, int axis)
+{
+    static const auto taps = prefilter();
+    std::array<int, 3> after = size;
+    after[axis] = 10;
+    const int stride = axis == 0 ? 1 : axis == 1 ? size[0] : size[0] * size[1];
+    std::vector<double> out;
+    out.reserve(static_cast<std::size_t>(after[0] * after[1] * after[2]));
+    for (int z = 0; z < after[2]; ++z)
+        for (int y = 0; y < after[1]; ++y)
+            for (int x = 0; x < after[0]; ++x) {
+                const double *from = &values[static_cast<std::size_t>((z * size[1] + y) * size[0] + x)];
+                double sum = 0;
+                for (int n = 0; n < static_cast<int>(taps.size()); ++n) sum += taps[n] * from[n * stride];
+                out.push_back(sum);
+            }
+    values = std::move(out);
+    size = after;
+}
+
+// --- one brick ---
+struct Brick {
+    Cell cell{};
+    std::uint16_t entry = SELD_LUMEN_ENTRY_OUTSIDE; // OUTSIDE, INSIDE, or FIRST_BRICK: `coefficients` hold
+    bool refine = false;
+    std::vector<std::int8_t> coefficients;
+};
+
+// Samples of a brick and of its surroundings, in voxels.
+std::vector<double> gather(const openvdb::FloatGrid &grid, const Cell &cell, double voxel)
+{
+    auto in = grid.getConstAccessor();
+    std::vector<double> values;
+    values.reserve(block * block * block);
+    const int reach = 1 + filter_reach;
+    for (int z = 0; z < block; ++z)
+        for (int y = 0; y < block; ++y)
+            for (int x = 0; x < block; ++x)
+                values.push_back(
+                    in.getValue({8 * cell[0] + x - reach, 8 * cell[1] + y - reach, 8 * cell[2] + z - reach}) /
+                    voxel);
+    return values;
+}
+
+// Does the part of the field that is kept meet this brick? By its 10^3 samples, half a voxel generous.
+std::uint16_t classify(const std::vector<double> &values, const FieldText &text, double voxel)
+{
+    const double inside = std::min(text.inside_mm / voxel, coefficient_max) + 0.5;
+    const double outside = std::min(text.outside_mm / voxel, coefficient_max) + 0.5;
+    double low = INFINITY, high = -INFINITY;
+    for (int n = 0; n < 1000; ++n) {
+        const int x = n % 10 + filter_reach, y = n / 10 % 10 + filter_reach, z = n / 100 + filter_reach;
+        const double value = values[static_cast<std::size_t>((z * block + y) * block + x)];
+        low = std::min(low, value);
+        high = std::max(high, value);
+    }
+    if (low > outside) return SELD_LUMEN_ENTRY_OUTSIDE;
+    return high < -inside ? SELD_LUMEN_ENTRY_INSIDE : SELD_LUMEN_ENTRY_FIRST_BRICK;
+}
+
+std::vector<std::int8_t> quantise(std::vector<double> values)
+{
+    std::array<int, 3> size{block, block, block};
+    for (int axis = 0; axis < 3; ++axis) filter_axis(values, size, axis);
+    std::vector<std::int8_t> coefficients;
+    coefficients.reserve(values.size());
+    for (double value : values)
+        coefficients.push_back(static_cast<std::int8_t>(std::clamp(std::lround(value * 32), -127l, 127l)));
+    return coefficients;
+}
+
+// The spline of a brick at x voxels from its corner, in voxels.
+double spline(const std::vector<std::int8_t> &c, const Eigen::Vector3d &x)
+{
+    double w[3][3];
+    int first[3];
+    for (int k = 0; k < 3; ++k) {
+        first[k] = std::min(7, static_cast<int>(x[k]));
+        const double u = x[k] - first[k];
+        w[k][0] = (1 - u) * (1 - u) / 2;
+        w[k][2] = u * u / 2;
+        w[k][1] = 1 - w[k][0] - w[k][2];
+    }
+    double sum = 0;
+    for (int n = 0; n < 27; ++n) {
+        const int i = n % 3, j = n / 3 % 3, k = n / 9;
+        sum += w[0][i] * w[1][j] * w[2][k] *
+               c[static_cast<std::size_t>(((first[2] + k) * 10 + first[1] + j) * 10 + first[0] + i)];
+    }
+    return sum / 32;
+}
+
+// Is the brick wrong by more than the tolerance anywhere on a lattice of points near the wall?
+bool is_wrong(const Brick &brick, int level, const TriangleTree &tree, const FieldText &text)
+{
+    const double voxel = voxel_mm(level);
+    const Eigen::Vector3d corner = Eigen::Vector3d(brick.cell[0], brick.cell[1], brick.cell[2]) * 8 * voxel;
+    const double band = std::min(error_band_mm, (coefficient_max - 0.2) * voxel);
+    for (int n = 0; n < test_points * test_points * test_points; ++n) {
+        const Eigen::Vector3d x =
+            (Eigen::Vector3d(n % test_points, n / test_points % test_points, n / test_points / test_points)
+                 .array() +
+             0.5) *
+            (8.0 / test_points);
+        const double guess = spline(brick.coefficients, x) * voxel;
+        if (std::abs(guess) > band + voxel) continue;
+        const double exact = tree.nearest(corner + x * voxel).distance_mm;
+        if (std::abs(exact) <= band && std::abs(guess - exact) > text.tolerance_mm) return true;
+    }
+    return false;
+}
+
+void make_bricks(std::vector<Brick> &bricks, int level, const openvdb::FloatGrid &grid,
+                 const TriangleTree &tree, const FieldText &text, Progress &progress)
+{
+    constexpr std::size_t chunk = 256; // between two looks at the clock and at Ctrl-C
+    progress.stage("bricks of " + std::to_string(voxel_mm(level)) + " mm", bricks.size());
+    for (std::size_t first = 0; first < bricks.size(); first += chunk) {
+        progress.step(first);
+        tbb::parallel_for(first, std::min(first + chunk, bricks.size()), [&](std::size_t i) {
+            Brick &brick = bricks[i];
+            std::vector<double> values = gather(grid, brick.cell, voxel_mm(level));
+            brick.entry = classify(values, text, voxel_mm(level));
+            if (brick.entry != SELD_LUMEN_ENTRY_FIRST_BRICK) return;
+            brick.coefficients = quantise(std::move(values));
+            brick.refine = level < text.level_max && is_wrong(brick, level, tree, text);
+        });
+    }
+    progress.finish();
+}
+
+std::vector<Brick> octants(const std::vector<Brick> &bricks)
+{
+    std::vector<Brick> finer;
+    for (const Brick &brick : bricks) {
+        for (int octant = 0; brick.refine && octant < 8; ++octant) {
+            Brick child;
+            for (int k = 0; k < 3; ++k) child.cell[k] = 2 * brick.cell[k] + (octant >> k & 1);
+            finer.push_back(std::move(child));
+        }
+    }
+    return finer;
+}
+
+// --- the lattice ---
+// Entry of each brick: far, a refinement (rows counted from `row`), or the next place in `samples`.
+std::vector<std::uint16_t> number(const std::vector<Brick> &bricks, int level, std::uint32_t row,
+                                  Field &field)
+{
+    std::vector<std::uint16_t> entries;
+    for (const Brick &brick : bricks) {
+        if (brick.refine) {
+            entries.push_back(static_cast<std::uint16_t>(SELD_LUMEN_ENTRY_REFINED | row++));
+        } else if (brick.entry == SELD_LUMEN_ENTRY_FIRST_BRICK) {
+            entries.push_back(static_cast<std::uint16_t>(SELD_LUMEN_ENTRY_FIRST_BRICK +
+                                                         field.samples.size() / SELD_LUMEN_BRICK_SAMPLES));
+            field.samples.insert(field.samples.end(), brick.coefficients.begin(), brick.coefficients.end());
+            ++field.bricks_of_level[level];
+        } else {
+            entries.push_back(brick.entry);
+        }
+    }
+    return entries;
+}
+
+void check_budget(const std::vector<std::vector<Brick>> &levels)
+{
+    std::size_t count = 0, rows = 0;
+    for (const std::vector<Brick> &bricks : levels)
+        for (const Brick &brick : bricks) {
+            count += !brick.refine && brick.entry == SELD_LUMEN_ENTRY_FIRST_BRICK;
+            rows += brick.refine;
+        }
+    if (count > bricks_max || rows >= 0x7fff)
+        throw Fault("the lumen needs over " + std::to_string(bricks_max) + " bricks, more than a scene of " +
+                    std::to_string(SELD_SCENE_BYTES_MAX >> 20) +
+                    " MiB holds: raise tolerance_mm, lower level_max, or leave out branches");
+}
+
+std::vector<Brick> coarse_bricks(const Mesh &mesh, const FieldText &text, Field &field)
+{
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d &v : mesh.vertices_mm) box.extend(v);
+    Cell low, count;
+    for (int k = 0; k < 3; ++k) {
+        low[k] = static_cast<int>(std::floor((box.min()[k] - text.outside_mm) / brick0_mm));
+        count[k] = static_cast<int>(std::floor((box.max()[k] + text.outside_mm) / brick0_mm)) + 1 - low[k];
+        field.lumen.origin_m_q30[k] = low[k] * (1 << SELD_SCENE_BRICK_LOG2_Q30);
+        field.lumen.brick_count_xyz[k] = static_cast<std::uint16_t>(count[k]);
+    }
+    const std::size_t total = static_cast<std::size_t>(count[0]) * count[1] * count[2];
+    if (2 * total > SELD_SCENE_BYTES_MAX || area_mm2(mesh) / (brick0_mm * brick0_mm) > bricks_max)
+        throw Fault(mesh.name + ": too large for a scene of " + std::to_string(SELD_SCENE_BYTES_MAX >> 20) +
+                    " MiB (" + std::to_string(total) + " coarse bricks, wall of " +
+                    std::to_string(area_mm2(mesh) / 100) +
+                    " cm2): check its unit, or cut off what the wire does not reach");
+    std::vector<Brick> bricks(total);
+    for (std::size_t i = 0; i < total; ++i) {
+        const auto at = static_cast<int>(i);
+        bricks[i].cell = {low[0] + at % count[0], low[1] + at / count[0] % count[1],
+                          low[2] + at / count[0] / count[1]};
+    }
+    return bricks;
+}
+
+} // namespace
+
+const seld_lumen *Field::view()
+{
+    lumen.index = index.data();
+    lumen.children = children.data();
+    lumen.samples = samples.data();
+    return &lumen;
+}
+
+seld_vec3 to_q30(const Eigen::Vector3d &p_mm)
+{
+    return seld_vec3_make(static_cast<std::int32_t>(std::lround(p_mm.x() / mm_per_q30)),
+                          static_cast<std::int32_t>(std::lround(p_mm.y() / mm_per_q30)),
+                          static_cast<std::int32_t>(std::lround(p_mm.z() / mm_per_q30)));
+}
+
+Field make_field(const TriangleTree &tree, const FieldText &text, Progress &progress)
+{
+    Field field;
+    std::vector<std::vector<Brick>> levels;
+    levels.push_back(coarse_bricks(tree.mesh(), text, field));
+    for (int level = 0; level < SELD_LUMEN_LEVELS && !levels.back().empty(); ++level) {
+        const auto grid = distances(tree.mesh(), level, progress);
+        make_bricks(levels.back(), level, *grid, tree, text, progress);
+        check_budget(levels);
+        levels.push_back(octants(levels.back()));
+    }
+    levels.resize(SELD_LUMEN_LEVELS);
+    const auto rows = [&](int level) {
+        return static_cast<std::uint32_t>(std::count_if(levels[level].begin(), levels[level].end(),
+                                                        [](const Brick &b) { return b.refine; }));
+    };
+    field.row_first_rank = rows(0);
+    field.index = number(levels[0], 0, 0, field);
+    field.children = number(levels[1], 1, field.row_first_rank, field);
+    const std::vector<std::uint16_t> last = number(levels[2], 2, 0, field);
+    field.children.insert(field.children.end(), last.begin(), last.end());
+    field.lumen.child_row_count = static_cast<std::uint16_t>(field.children.size() / 8);
+    field.lumen.brick_count = static_cast<std::uint32_t>(field.samples.size() / SELD_LUMEN_BRICK_SAMPLES);
+    field.view();
+    return field;
+}
+
+} // namespace seld::bake

@@ -1,0 +1,46 @@
+// The lumen's field: from a closed mesh to the lattice of bricks of firmware/core/lumen.h.
+//
+//   exact distances near the wall on a grid per level (OpenVDB)  ->  coefficients of the interpolating B-spline
+//   ->  bricks, refined where the measured error exceeds the tolerance  ->  index, child rows, samples
+//
+// May include: triangle_tree.hpp, firmware/core/lumen.h. Called by: bake.cpp, tests.
+#pragma once
+#include "tools/bake/triangle_tree.hpp"
+
+#include <cstddef>
+#include <cstdint>
+// The core is C and says nothing about C++.
+extern "C" {
+#include "firmware/core/lumen.h"
+}
+
+namespace seld::bake
+{
+
+constexpr double mm_per_q30 = 1000.0 / 1073741824.0;
+constexpr double voxel0_mm = 1000.0 / 1024.0; // level 0
+constexpr double brick0_mm = 8 * voxel0_mm;
+constexpr double error_band_mm = 1.5; // where the field's error counts
+
+// A lumen that owns its memory.
+struct Field {
+    seld_lumen lumen{};
+    std::vector<std::uint16_t> index, children;
+    std::vector<std::int8_t> samples;
+    std::uint32_t row_first_rank = 0;
+    std::array<std::uint32_t, 3> bricks_of_level{};
+
+    const seld_lumen *view(); // sets the pointers
+};
+
+struct FieldText {
+    double tolerance_mm, inside_mm, outside_mm;
+    int level_max;
+};
+
+// Throws Fault when the lumen needs more bricks than a scene may hold.
+Field make_field(const TriangleTree &tree, const FieldText &text, Progress &progress);
+
+seld_vec3 to_q30(const Eigen::Vector3d &p_mm);
+
+} // namespace seld::bake

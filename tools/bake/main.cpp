@@ -1,0 +1,68 @@
+// Command line of `bake`: docs/scene.md.
+#include "tools/bake/bake.hpp"
+#include "tools/bake/fault.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+
+namespace
+{
+
+constexpr const char *examples =
+    "Examples:\n"
+    "  bake shared/examples/steve_iliac_arch.toml --data ../shared/anatomy -o out/steve.scene\n"
+    "  bake aorta/scene.toml -o aorta.scene --surface aorta.ply      also keep the lumen's surface\n"
+    "Exit codes: 0 done, 1 the input is unusable (the message says why), 2 usage.\n";
+
+std::string data_folder()
+{
+    const char *folder = std::getenv("SELD_ANATOMY");
+    return folder ? folder : "../shared/anatomy";
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    seld::bake::Options options;
+    options.data = data_folder();
+    std::string surface;
+    CLI::App app{
+        "bake: makes the binary scene of a lumen (and the bodies of its picture) from a text and meshes or "
+        "centrelines"};
+    app.footer(examples);
+    app.add_option("SCENE", options.scene, "the scene's text, a TOML file (docs/scene.md)")->required();
+    app.add_option("-o,--output", options.output, "the scene to write; bodies go beside it as .bodies")
+        ->required();
+    app.add_option("--data", options.data, "folder that paths beginning with data: are in")
+        ->capture_default_str();
+    app.add_option("--surface", surface, "also write the lumen's surface there (PLY, mm, patient frame)");
+    app.add_option("--seed", options.seed, "of the random points and poses of the report")
+        ->capture_default_str();
+    app.add_option("--poses", options.poses, "capsule poses compared with libccd")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 10000000));
+    app.add_option("--points", options.points, "random points of the field error")
+        ->capture_default_str()
+        ->check(CLI::Range(100, 100000000));
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError &error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    options.surface = surface;
+    seld::bake::Progress progress;
+    seld::bake::Progress::catch_interrupts();
+    try {
+        std::fputs(seld::bake::bake(options, progress).c_str(), stdout);
+        return 0;
+    } catch (const seld::bake::Fault &fault) {
+        progress.finish();
+        std::fprintf(stderr, "bake: %s\n", fault.what());
+    } catch (const std::exception &error) {
+        progress.finish();
+        std::fprintf(stderr, "bake: %s: %s\n", options.scene.c_str(), error.what());
+    }
+    return 1;
+}

@@ -1,0 +1,280 @@
+// Measurements of a baked lumen: see measure.hpp.
+#include "tools/bake/measure.hpp"
+#include "tools/bake/fault.hpp"
+
+#include <ccd/ccd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace seld::bake
+{
+namespace
+{
+
+using Random = std::mt19937_64;
+
+// The same on every machine, unlike std::uniform_real_distribution.
+double uniform(Random &random, double from, double to)
+{
+    return from + (to - from) * std::ldexp(static_cast<double>(random() >> 11), -53);
+}
+
+Eigen::Vector3d in_ball(Random &random, double radius)
+{
+    for (;;) {
+        const Eigen::Vector3d p(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
+        if (p.squaredNorm() <= 1 && p.squaredNorm() > 1e-12) return p * radius;
+    }
+}
+
+// Points of the surface, evenly by area.
+class SurfacePoints
+{
+  public:
+    explicit SurfacePoints(const Mesh &mesh) : mesh_(mesh)
+    {
+        double sum = 0;
+        for (const Triangle &t : mesh.triangles) {
+            const Eigen::Vector3d a = mesh.vertices_mm[t[1]] - mesh.vertices_mm[t[0]];
+            sum += a.cross(mesh.vertices_mm[t[2]] - mesh.vertices_mm[t[0]]).norm();
+            area_until_.push_back(sum);
+        }
+    }
+    Eigen::Vector3d draw(Random &random, std::uint32_t &triangle) const
+    {
+        const double at = uniform(random, 0, area_until_.back());
+        const auto found = std::lower_bound(area_until_.begin(), area_until_.end(), at);
+        triangle = static_cast<std::uint32_t>(std::min<std::ptrdiff_t>(
+            found - area_until_.begin(), static_cast<std::ptrdiff_t>(area_until_.size()) - 1));
+        double u = uniform(random, 0, 1), v = uniform(random, 0, 1);
+        if (u + v > 1) {
+            u = 1 - u;
+            v = 1 - v;
+        }
+        const Triangle &t = mesh_.triangles[triangle];
+        const Eigen::Vector3d &a = mesh_.vertices_mm[t[0]];
+        return a + u * (mesh_.vertices_mm[t[1]] - a) + v * (mesh_.vertices_mm[t[2]] - a);
+    }
+
+  private:
+    const Mesh &mesh_;
+    std::vector<double> area_until_;
+};
+
+double contact_mm(const seld_lumen *lumen, const Eigen::Vector3d &p)
+{
+    const seld_vec3 q = to_q30(p);
+    return seld_lumen_contact(lumen, &q).distance_m_q30 * mm_per_q30;
+}
+
+// --- libccd: the capsule and a triangle as support functions, in mm relative to the capsule's centre ---
+struct CcdCapsule {
+    Eigen::Vector3d half_axis;
+    double radius;
+};
+struct CcdTriangle {
+    Eigen::Vector3d corners[3];
+};
+
+Eigen::Vector3d from_ccd(const ccd_vec3_t *v)
+{
+    return {v->v[0], v->v[1], v->v[2]};
+}
+
+void capsule_support(const void *object, const ccd_vec3_t *direction, ccd_vec3_t *out)
+{
+    const auto *capsule = static_cast<const CcdCapsule *>(object);
+    const Eigen::Vector3d d = from_ccd(direction);
+    const double length = d.norm();
+    Eigen::Vector3d p =
+        d.dot(capsule->half_axis) >= 0 ? capsule->half_axis : Eigen::Vector3d(-capsule->half_axis);
+    if (length > 0) p += d * (capsule->radius / length);
+    ccdVec3Set(out, p.x(), p.y(), p.z());
+}
+
+void triangle_support(const void *object, const ccd_vec3_t *direction, ccd_vec3_t *out)
+{
+    const auto *triangle = static_cast<const CcdTriangle *>(object);
+    const Eigen::Vector3d d = from_ccd(direction);
+    int best = 0;
+    for (int k = 1; k < 3; ++k)
+        if (d.dot(triangle->corners[k]) > d.dot(triangle->corners[best])) best = k;
+    const Eigen::Vector3d &p = triangle->corners[best];
+    ccdVec3Set(out, p.x(), p.y(), p.z());
+}
+
+void capsule_centre(const void *, ccd_vec3_t *out)
+{
+    ccdVec3Set(out, 0, 0, 0);
+}
+
+void triangle_centre(const void *object, ccd_vec3_t *out)
+{
+    const auto *triangle = static_cast<const CcdTriangle *>(object);
+    const Eigen::Vector3d p = (triangle->corners[0] + triangle->corners[1] + triangle->corners[2]) / 3;
+    ccdVec3Set(out, p.x(), p.y(), p.z());
+}
+
+// Penetration of the capsule into one triangle, 0 when apart.
+double ccd_depth(const CcdCapsule &capsule, const CcdTriangle &triangle)
+{
+    ccd_t ccd;
+    CCD_INIT(&ccd);
+    ccd.support1 = capsule_support;
+    ccd.support2 = triangle_support;
+    ccd.center1 = capsule_centre;
+    ccd.center2 = triangle_centre;
+    ccd.max_iterations = 200;
+    ccd.epa_tolerance = 1e-4;
+    ccd.mpr_tolerance = 1e-5;
+    ccd_real_t depth = 0;
+    ccd_vec3_t direction, position;
+    return ccdGJKPenetration(&capsule, &triangle, &ccd, &depth, &direction, &position) == 0 ? depth : 0;
+}
+
+struct Pose {
+    Eigen::Vector3d centre, half_axis;
+};
+
+double referee_depth(const TriangleTree &tree, const Pose &pose, double radius,
+                     std::vector<std::uint32_t> &near)
+{
+    Eigen::AlignedBox3d box(pose.centre - pose.half_axis);
+    box.extend(pose.centre + pose.half_axis);
+    box.extend(pose.centre - pose.half_axis);
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(radius);
+    tree.near({box.min().cwiseMin(pose.centre - pose.half_axis.cwiseAbs()) - margin,
+               box.max().cwiseMax(pose.centre + pose.half_axis.cwiseAbs()) + margin},
+              near);
+    double deepest = 0;
+    for (std::uint32_t i : near) {
+        CcdTriangle triangle;
+        for (int k = 0; k < 3; ++k)
+            triangle.corners[k] = tree.mesh().vertices_mm[tree.mesh().triangles[i][k]] - pose.centre;
+        deepest = std::max(deepest, ccd_depth({pose.half_axis, radius}, triangle));
+    }
+    return deepest;
+}
+
+// The core knows points, so the capsule is looked at in 33 places along its axis.
+double core_depth(const seld_lumen *lumen, const Pose &pose, double radius)
+{
+    double deepest = -INFINITY;
+    for (int i = -16; i <= 16; ++i)
+        deepest = std::max(deepest, contact_mm(lumen, pose.centre + pose.half_axis * (i / 16.0)) + radius);
+    return deepest;
+}
+
+// A capsule lying along the wall within its radius, its axis in the lumen; false when the draw is none.
+bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double radius, double length,
+               Random &random, Pose &pose)
+{
+    std::uint32_t triangle = 0;
+    const Eigen::Vector3d wall = surface.draw(random, triangle);
+    pose.centre = wall + in_ball(random, radius);
+    pose.half_axis = in_ball(random, 1).normalized() * (length / 2);
+    constexpr double clearance = 0.05; // the axis must not cross a triangle, or depth has two meanings
+    for (int i = -4; i <= 4; ++i)
+        if (tree.nearest(pose.centre + pose.half_axis * (i / 4.0)).distance_mm > -clearance) return false;
+    return true;
+}
+
+} // namespace
+
+FieldError measure_field(const seld_lumen *lumen, const TriangleTree &tree, std::size_t points,
+                         std::uint64_t seed, Progress &progress)
+{
+    Random random(seed);
+    const SurfacePoints surface(tree.mesh());
+    FieldError error;
+    std::vector<double> errors;
+    progress.stage("field error", points);
+    while (errors.size() < points) {
+        if (errors.size() % 4096 == 0) progress.step(errors.size());
+        std::uint32_t triangle = 0;
+        const Eigen::Vector3d wall = surface.draw(random, triangle);
+        const Eigen::Vector3d p = wall + in_ball(random, error_band_mm);
+        const double exact = tree.nearest(p).distance_mm;
+        const seld_vec3 q = to_q30(p);
+        const double core = seld_lumen_contact(lumen, &q).distance_m_q30 * mm_per_q30;
+        errors.push_back(std::abs(core - exact));
+        error.largest.take(errors.back(), p);
+        error.cull.take(std::abs(seld_lumen_distance(lumen, &q) * mm_per_q30 - core), p);
+    }
+    progress.finish();
+    std::sort(errors.begin(), errors.end());
+    error.points = errors.size();
+    error.median_mm = errors[errors.size() / 2];
+    error.percent99_mm = errors[errors.size() * 99 / 100];
+    error.permille999_mm = errors[errors.size() * 999 / 1000];
+    return error;
+}
+
+Referee measure_contact(const seld_lumen *lumen, const TriangleTree &tree, std::size_t poses,
+                        std::uint64_t seed, Progress &progress)
+{
+    constexpr std::size_t draws_max = 400; // per pose: a lumen narrower than the capsule has none
+    Random random(seed);
+    const SurfacePoints surface(tree.mesh());
+    Referee referee;
+    referee.radius_mm = 0.835; // a 5 F catheter
+    referee.length_mm = 2;
+    progress.stage("libccd referee", poses);
+    std::vector<std::uint32_t> near;
+    for (std::size_t draws = 0; referee.poses < poses && draws < poses * draws_max; ++draws) {
+        Pose pose;
+        if (!draw_pose(tree, surface, referee.radius_mm, referee.length_mm, random, pose)) continue;
+        if (referee.poses % 128 == 0) progress.step(referee.poses);
+        ++referee.poses;
+        const double core = std::max(0.0, core_depth(lumen, pose, referee.radius_mm));
+        const double judged = referee_depth(tree, pose, referee.radius_mm, near);
+        referee.touching += judged > 0;
+        referee.disagreement.take(std::abs(core - judged), pose.centre);
+    }
+    progress.finish();
+    return referee;
+}
+
+// Shrinking balls (Ma, Bae & Choi 2012): a ball that touches the wall at p along the normal is made smaller until no wall
+// is inside it.
+Worst smallest_radius(const TriangleTree &tree, std::size_t points)
+{
+    constexpr double largest_mm = 60;
+    const Mesh &mesh = tree.mesh();
+    const std::size_t stride = std::max<std::size_t>(1, mesh.triangles.size() / points);
+    Worst smallest;
+    smallest.mm = largest_mm;
+    for (std::size_t i = 0; i < mesh.triangles.size(); i += stride) {
+        const Triangle &t = mesh.triangles[i];
+        const Eigen::Vector3d &a = mesh.vertices_mm[t[0]], &b = mesh.vertices_mm[t[1]],
+                              &c = mesh.vertices_mm[t[2]];
+        const Eigen::Vector3d p = (a + b + c) / 3, inward = -(b - a).cross(c - a).normalized();
+        double radius = smallest.mm;
+        for (int round = 0; round < 20; ++round) {
+            const Eigen::Vector3d centre = p + inward * radius;
+            const auto hit = tree.nearest(centre);
+            if (std::abs(hit.distance_mm) > radius * (1 - 1e-6)) break;
+            const Eigen::Vector3d to = hit.point_mm - p;
+            const double along = to.dot(inward);
+            if (along <= 1e-9) break;
+            const double next = to.squaredNorm() / (2 * along);
+            const Eigen::Vector3d ball = p + inward * next;
+            const double cosine = (p - ball).normalized().dot((hit.point_mm - ball).normalized());
+            radius = next;
+            // Touching nearby is a dent of the surface, not the lumen's width.
+            if (cosine > -0.5) {
+                radius = largest_mm;
+                break;
+            }
+        }
+        if (radius < smallest.mm) {
+            smallest.mm = radius;
+            smallest.place_mm = p + inward * radius;
+        }
+    }
+    return smallest;
+}
+
+} // namespace seld::bake

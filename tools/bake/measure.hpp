@@ -1,0 +1,47 @@
+// How good a baked lumen is: its field against exact distances, its two samplers against each other, its contact depth
+// against libccd. All randomness comes from the seed that is printed.
+// May include: field.hpp. Called by: bake.cpp, tests.
+#pragma once
+#include "tools/bake/field.hpp"
+
+namespace seld::bake
+{
+
+struct Worst {
+    double mm = 0;
+    Eigen::Vector3d place_mm = Eigen::Vector3d::Zero();
+    void take(double value_mm, const Eigen::Vector3d &place)
+    {
+        if (value_mm < mm) return;
+        mm = value_mm;
+        place_mm = place;
+    }
+};
+
+struct FieldError {
+    std::size_t points = 0; // within error_band_mm of the wall
+    double median_mm = 0, percent99_mm = 0, permille999_mm = 0;
+    Worst largest;
+    Worst cull; // |seld_lumen_distance - seld_lumen_contact|
+};
+
+// Random points within error_band_mm of the wall: |core's distance - exact signed distance|.
+FieldError measure_field(const seld_lumen *lumen, const TriangleTree &tree, std::size_t points,
+                         std::uint64_t seed, Progress &progress);
+
+struct Referee {
+    std::size_t poses = 0, touching = 0;
+    double radius_mm = 0, length_mm = 0;
+    Worst disagreement;
+};
+
+// Random capsules whose axis lies in the lumen and which reach the wall: depth by the core (largest phi + r along the axis)
+// against the deepest penetration that libccd finds with the triangles around.
+Referee measure_contact(const seld_lumen *lumen, const TriangleTree &tree, std::size_t poses,
+                        std::uint64_t seed, Progress &progress);
+
+// Radius of the smallest ball that touches two opposite walls (at least 120 degrees apart seen from its centre), over up
+// to `points` places of the surface.
+Worst smallest_radius(const TriangleTree &tree, std::size_t points);
+
+} // namespace seld::bake

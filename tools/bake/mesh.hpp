@@ -1,0 +1,54 @@
+// A triangle mesh in patient millimetres: loading, checking, closing, writing.
+// May include: scene_text.hpp, progress.hpp. Called by: bake.cpp, tests.
+#pragma once
+#include "tools/bake/progress.hpp"
+#include "tools/bake/scene_text.hpp"
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace seld::bake
+{
+
+constexpr std::size_t mesh_file_bytes_max = std::size_t{1} << 30;
+constexpr std::size_t mesh_triangles_max = 4'000'000;
+constexpr double mesh_extent_min_mm = 5.0;
+constexpr double mesh_extent_max_mm = 3000.0;
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+struct Mesh {
+    std::string name; // file, for messages
+    std::vector<Eigen::Vector3d> vertices_mm;
+    std::vector<Triangle> triangles;
+    std::vector<std::string> notes; // what was repaired
+};
+
+std::string place_text(const Eigen::Vector3d &p_mm); // "(1.0, 2.0, 3.0) mm"
+
+// Loads by assimp, places, and welds equal vertices. Throws Fault for what no mesh may have: unreadable, empty, too many
+// triangles, numbers that are not finite, a size that suggests another unit.
+Mesh load_mesh(const MeshText &text);
+
+// Finite, of a possible size, not empty. `unit` for the advice.
+void check_extent(const Mesh &mesh, const std::string &unit);
+
+// One vertex for equal positions; triangles without area dropped (noted).
+void weld(Mesh &mesh);
+
+// Closed, every edge in exactly two triangles of opposite sense; openings are capped when `cap` and flat. Turns a mesh
+// inside out when its volume is negative (noted). Throws Fault otherwise.
+void check_closed(Mesh &mesh, bool cap);
+
+// Pairs of triangles that cross without sharing a vertex: throws Fault with the first pair and the number.
+void check_crossing(const Mesh &mesh, Progress &progress);
+
+double volume_mm3(const Mesh &mesh);
+double area_mm2(const Mesh &mesh);
+
+void write_ply(const Mesh &mesh, const std::filesystem::path &file);
+
+} // namespace seld::bake

@@ -1,0 +1,165 @@
+// Loading a mesh by assimp, placing it in the patient, welding it, writing it.
+#include "tools/bake/fault.hpp"
+#include "tools/bake/mesh.hpp"
+
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <numeric>
+
+namespace seld::bake
+{
+namespace
+{
+
+void check_file(const std::filesystem::path &file)
+{
+    std::error_code error;
+    const auto bytes = std::filesystem::file_size(file, error);
+    if (error) throw Fault(file.string() + ": cannot be read: " + error.message());
+    if (bytes == 0) throw Fault(file.string() + ": is empty: export the mesh again");
+    if (bytes > mesh_file_bytes_max)
+        throw Fault(file.string() + ": " + std::to_string(bytes >> 20) + " MiB, over " +
+                    std::to_string(mesh_file_bytes_max >> 20) +
+                    " MiB: simplify the mesh, or give it in binary");
+}
+
+// The triangles of one part of the file. `other` counts faces that are points or lines.
+void append(const aiMesh &part, const MeshText &text, double unit_mm, Mesh &mesh, std::size_t &other)
+{
+    const auto base = static_cast<std::uint32_t>(mesh.vertices_mm.size());
+    for (unsigned i = 0; i < part.mNumVertices; ++i) {
+        const aiVector3D &v = part.mVertices[i];
+        if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
+            throw Fault(text.file.string() + ": vertex " + std::to_string(base + i) +
+                        " is not a number or infinite: export the mesh again, or delete that vertex");
+        mesh.vertices_mm.push_back(text.placement.place({v.x, v.y, v.z}, unit_mm));
+    }
+    for (unsigned i = 0; i < part.mNumFaces; ++i) {
+        const aiFace &face = part.mFaces[i];
+        if (face.mNumIndices != 3) {
+            ++other;
+            continue;
+        }
+        mesh.triangles.push_back({base + face.mIndices[0], base + face.mIndices[1], base + face.mIndices[2]});
+    }
+}
+
+} // namespace
+
+std::string place_text(const Eigen::Vector3d &p_mm)
+{
+    char text[96];
+    std::snprintf(text, sizeof text, "(%.1f, %.1f, %.1f) mm", p_mm.x(), p_mm.y(), p_mm.z());
+    return text;
+}
+
+Mesh load_mesh(const MeshText &text)
+{
+    check_file(text.file);
+    Assimp::Importer importer;
+    // Only what changes no vertex: the welding is ours, so that it is the same for every format.
+    const aiScene *scene =
+        importer.ReadFile(text.file.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices);
+    if (!scene)
+        throw Fault(text.file.string() +
+                    ": cannot be read as STL, OBJ, PLY or glTF: " + importer.GetErrorString());
+    Mesh mesh;
+    mesh.name = text.file.string();
+    std::size_t other = 0, triangles = 0;
+    for (unsigned i = 0; i < scene->mNumMeshes; ++i) triangles += scene->mMeshes[i]->mNumFaces;
+    if (triangles > mesh_triangles_max)
+        throw Fault(mesh.name + ": " + std::to_string(triangles) + " triangles, over " +
+                    std::to_string(mesh_triangles_max) + ": simplify the mesh");
+    for (unsigned i = 0; i < scene->mNumMeshes; ++i)
+        append(*scene->mMeshes[i], text, millimetres_per(text.placement.unit), mesh, other);
+    if (other > 0) mesh.notes.push_back(std::to_string(other) + " points or lines left out");
+    if (mesh.triangles.empty())
+        throw Fault(mesh.name + ": holds no triangle: export the surface, not points or lines");
+    check_extent(mesh, text.placement.unit);
+    weld(mesh);
+    return mesh;
+}
+
+void check_extent(const Mesh &mesh, const std::string &unit)
+{
+    Eigen::Vector3d low = mesh.vertices_mm[0], high = low;
+    for (const Eigen::Vector3d &v : mesh.vertices_mm) {
+        low = low.cwiseMin(v);
+        high = high.cwiseMax(v);
+    }
+    const double extent_mm = (high - low).maxCoeff();
+    const double reach_mm = std::max(high.cwiseAbs().maxCoeff(), low.cwiseAbs().maxCoeff());
+    if (extent_mm < mesh_extent_min_mm || extent_mm > mesh_extent_max_mm) {
+        std::string other;
+        for (const char *guess : {"m", "cm", "mm", "um"}) {
+            const double guessed_mm = extent_mm / millimetres_per(unit) * millimetres_per(guess);
+            if (guessed_mm >= 20 && guessed_mm <= 2500)
+                other += std::string(other.empty() ? "" : " or ") + "'" + guess + "'";
+        }
+        char size[64];
+        std::snprintf(size, sizeof size, "%.4g mm", extent_mm);
+        throw Fault(mesh.name + ": is " + size + " long with unit '" + unit +
+                    "', a patient's parts are 5 mm to 3 m: " +
+                    (other.empty() ? "check unit and scale" : "did you mean unit " + other + "?"));
+    }
+    if (reach_mm > 1900)
+        throw Fault(mesh.name + ": lies farther than 1.9 m from the origin: move it with offset_mm");
+}
+
+void weld(Mesh &mesh)
+{
+    std::vector<std::uint32_t> order(mesh.vertices_mm.size()), same(mesh.vertices_mm.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto &v = mesh.vertices_mm;
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        for (int k = 0; k < 3; ++k)
+            if (v[a][k] != v[b][k]) return v[a][k] < v[b][k];
+        return a < b;
+    });
+    std::vector<std::uint32_t> first(mesh.vertices_mm.size());
+    for (std::size_t i = 0; i < order.size(); ++i)
+        first[order[i]] = i > 0 && v[order[i]] == v[order[i - 1]] ? first[order[i - 1]] : order[i];
+    std::vector<Eigen::Vector3d> kept;
+    for (std::uint32_t i = 0; i < first.size(); ++i) {
+        if (first[i] != i) continue;
+        same[i] = static_cast<std::uint32_t>(kept.size());
+        kept.push_back(v[i]);
+    }
+    std::vector<Triangle> triangles;
+    for (const Triangle &t : mesh.triangles) {
+        const Triangle welded = {same[first[t[0]]], same[first[t[1]]], same[first[t[2]]]};
+        if (welded[0] == welded[1] || welded[1] == welded[2] || welded[2] == welded[0]) continue;
+        triangles.push_back(welded);
+    }
+    const std::size_t dropped = mesh.triangles.size() - triangles.size();
+    if (dropped > 0)
+        mesh.notes.push_back(std::to_string(dropped) + " triangles with two equal corners left out");
+    mesh.vertices_mm = std::move(kept);
+    mesh.triangles = std::move(triangles);
+    if (mesh.triangles.empty())
+        throw Fault(mesh.name + ": every triangle has two equal corners: export it again");
+}
+
+void write_ply(const Mesh &mesh, const std::filesystem::path &file)
+{
+    std::ofstream out(file, std::ios::binary);
+    out << "ply\nformat binary_little_endian 1.0\ncomment unit mm, patient frame\nelement vertex "
+        << mesh.vertices_mm.size()
+        << "\nproperty double x\nproperty double y\nproperty double z\nelement face " << mesh.triangles.size()
+        << "\nproperty list uchar uint vertex_indices\nend_header\n";
+    for (const Eigen::Vector3d &v : mesh.vertices_mm) out.write(reinterpret_cast<const char *>(v.data()), 24);
+    for (const Triangle &t : mesh.triangles) {
+        out.put(3);
+        out.write(reinterpret_cast<const char *>(t.data()), 12);
+    }
+    out.close();
+    if (!out) throw Fault(file.string() + ": cannot be written: is the folder there and the disk not full?");
+}
+
+} // namespace seld::bake

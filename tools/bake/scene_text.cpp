@@ -1,0 +1,279 @@
+// Reading the text of a scene with toml++. Every fault names file, line and key.
+#include "tools/bake/scene_text.hpp"
+#include "shared/scene/scene.h"
+#include "tools/bake/fault.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <set>
+#include <toml++/toml.h>
+
+namespace seld::bake
+{
+namespace
+{
+
+// One table of the text, with what is needed to complain about it.
+struct Table {
+    const SceneText &scene;
+    std::filesystem::path data;
+    std::string name; // "[lumen]"
+    const toml::table &table;
+
+    [[noreturn]] void fail(const toml::node *node, const std::string &what) const
+    {
+        const auto line = node ? node->source().begin.line : table.source().begin.line;
+        throw Fault(scene.file.string() + ":" + std::to_string(line) + ": " + name + " " + what);
+    }
+
+    void only(const std::set<std::string> &keys) const
+    {
+        for (const auto &[key, node] : table) {
+            if (keys.count(std::string(key.str()))) continue;
+            std::string list;
+            for (const std::string &known : keys) list += (list.empty() ? "" : ", ") + known;
+            fail(&node, "has no key '" + std::string(key.str()) + "': use one of " + list);
+        }
+    }
+
+    std::string text(const char *key, const std::string &standard, std::size_t bytes_max) const
+    {
+        const toml::node *node = table.get(key);
+        if (!node) return standard;
+        if (!node->is_string()) fail(node, std::string(key) + " must be a text in quotes");
+        const std::string value = node->value<std::string>().value();
+        if (value.size() > bytes_max)
+            fail(node,
+                 std::string(key) + " is longer than " + std::to_string(bytes_max) + " bytes: shorten it");
+        for (unsigned char c : value)
+            if (c < 0x20 || c == 0x7f) fail(node, std::string(key) + " holds a control character: remove it");
+        return value;
+    }
+
+    double number(const char *key, double standard, double low, double high) const
+    {
+        const toml::node *node = table.get(key);
+        if (!node) return standard;
+        const double value = node->value<double>().value_or(NAN);
+        if (!(value >= low && value <= high)) {
+            char range[64];
+            std::snprintf(range, sizeof range, " must be a number from %g to %g", low, high);
+            fail(node, key + std::string(range));
+        }
+        return value;
+    }
+
+    bool truth(const char *key) const
+    {
+        const toml::node *node = table.get(key);
+        if (node && !node->is_boolean()) fail(node, std::string(key) + " must be true or false");
+        return node && node->value<bool>().value();
+    }
+
+    Eigen::Vector3d vector(const char *key) const
+    {
+        const toml::node *node = table.get(key);
+        const toml::array *array = node ? node->as_array() : nullptr;
+        Eigen::Vector3d value;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto component =
+                array && array->size() == 3 ? array->get(k)->value<double>() : std::nullopt;
+            if (!component || !std::isfinite(*component) || std::abs(*component) > 1e6)
+                fail(node,
+                     std::string(key) + " must be three numbers within a million, like [1.0, 0.0, 0.0]");
+            value[static_cast<int>(k)] = *component;
+        }
+        return value;
+    }
+
+    std::filesystem::path resolve(const toml::node *node, const char *key) const
+    {
+        const std::string written = node->value<std::string>().value_or("");
+        if (written.empty()) fail(node, std::string(key) + " must be a file name in quotes");
+        const bool from_data = written.rfind("data:", 0) == 0;
+        const std::filesystem::path path =
+            from_data ? data / written.substr(5) : scene.file.parent_path() / written;
+        std::error_code ignored;
+        if (!std::filesystem::is_regular_file(path, ignored))
+            fail(node, std::string(key) + " names " + path.string() + ", which is no readable file" +
+                           (from_data ? ": give the data's folder with --data" : ""));
+        return path;
+    }
+};
+
+Eigen::Matrix3d axes_of(const Table &t)
+{
+    const toml::node *node = t.table.get("axes");
+    if (!node) return Eigen::Matrix3d::Identity();
+    const toml::array *array = node->as_array();
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+    static const std::string letters = "xyz";
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::string word =
+            array && array->size() == 3 ? array->get(k)->value<std::string>().value_or("") : "";
+        const std::size_t axis = word.size() == 2 ? letters.find(word[1]) : std::string::npos;
+        if (axis == std::string::npos || (word[0] != '+' && word[0] != '-'))
+            t.fail(node,
+                   "axes must name the file axes of left, head and anterior, like [\"+x\", \"+y\", \"+z\"]");
+        axes(static_cast<int>(k), static_cast<int>(axis)) = word[0] == '+' ? 1.0 : -1.0;
+    }
+    if (std::abs(axes.determinant()) < 0.5)
+        t.fail(node, "axes uses a file axis twice: name each of x, y, z once");
+    if (axes.determinant() < 0)
+        t.fail(node, "axes would mirror the patient: check the signs against a place whose side is known");
+    return axes;
+}
+
+Placement placement_of(const Table &t)
+{
+    Placement placement;
+    placement.unit = t.text("unit", "", 8);
+    if (!placement.unit.empty() && millimetres_per(placement.unit) == 0)
+        t.fail(t.table.get("unit"), "unit is '" + placement.unit + "': use m, cm, mm or um");
+    placement.axes = axes_of(t);
+    placement.scale = t.number("scale", 1.0, 1e-3, 1e3);
+    if (t.table.contains("offset_mm")) placement.offset_mm = t.vector("offset_mm");
+    return placement;
+}
+
+MeshText mesh_of(const Table &t)
+{
+    MeshText mesh;
+    mesh.placement = placement_of(t);
+    mesh.file = t.resolve(t.table.get("mesh"), "mesh");
+    mesh.cap = t.truth("cap");
+    if (mesh.placement.unit.empty())
+        t.fail(t.table.get("mesh"), "mesh needs its unit: add unit = \"mm\" (or m, cm, um)");
+    return mesh;
+}
+
+LumenText lumen_of(const Table &t)
+{
+    t.only({"mesh", "unit", "centrelines", "surface_mm", "axes", "scale", "offset_mm", "cap", "tolerance_mm",
+            "level_max", "inside_mm", "outside_mm"});
+    LumenText lumen;
+    const toml::node *mesh = t.table.get("mesh"), *lines = t.table.get("centrelines");
+    if (!mesh == !lines) t.fail(nullptr, "needs either mesh or centrelines");
+    lumen.surface_mm = t.number("surface_mm", lumen.surface_mm, 0.1, 2);
+    lumen.tolerance_mm = t.number("tolerance_mm", lumen.tolerance_mm, 0.005, 1);
+    lumen.level_max = static_cast<int>(t.number("level_max", lumen.level_max, 0, 2));
+    lumen.inside_mm = t.number("inside_mm", lumen.inside_mm, 1, 3.5);
+    lumen.outside_mm = t.number("outside_mm", lumen.outside_mm, 1, 3.5);
+    if (mesh) {
+        lumen.mesh = mesh_of(t);
+        return lumen;
+    }
+    if (t.table.contains("unit"))
+        t.fail(t.table.get("unit"), "unit belongs to a mesh: centreline files state their own");
+    lumen.mesh.placement = placement_of(t);
+    const toml::array *array = lines->as_array();
+    if (!array || array->empty()) t.fail(lines, "centrelines must be a list of file names");
+    for (const toml::node &node : *array) lumen.centrelines.push_back(t.resolve(&node, "centrelines"));
+    return lumen;
+}
+
+EntryText entry_of(const Table &t)
+{
+    t.only({"position_mm", "direction", "centreline", "end", "distance_mm"});
+    EntryText entry;
+    if (const toml::node *line = t.table.get("centreline")) {
+        if (t.table.contains("position_mm") || t.table.contains("direction"))
+            t.fail(line, "takes either centreline or position_mm and direction, not both");
+        entry.centreline = t.resolve(line, "centreline");
+        entry.distance_mm = t.number("distance_mm", entry.distance_mm, 0, 1000);
+        const std::string end = t.text("end", "last", 8);
+        if (end != "first" && end != "last") t.fail(t.table.get("end"), "end must be \"first\" or \"last\"");
+        entry.from_last = end == "last";
+        return entry;
+    }
+    entry.position_mm = t.vector("position_mm");
+    entry.direction = t.vector("direction");
+    if (entry.direction.norm() < 1e-6) t.fail(t.table.get("direction"), "direction has no length");
+    entry.direction.normalize();
+    return entry;
+}
+
+BodyText body_of(const Table &t)
+{
+    t.only({"name", "mesh", "unit", "material", "inside", "axes", "scale", "offset_mm", "cap"});
+    BodyText body;
+    body.name = t.text("name", "", SELD_SCENE_BODY_NAME_BYTES - 1);
+    body.material = t.text("material", "", SELD_SCENE_MATERIAL_BYTES - 1);
+    body.inside = t.text("inside", "", SELD_SCENE_BODY_NAME_BYTES - 1);
+    if (body.name.empty()) t.fail(nullptr, "needs a name");
+    if (body.material.empty()) t.fail(nullptr, "'" + body.name + "' needs a material");
+    if (!t.table.contains("mesh")) t.fail(nullptr, "'" + body.name + "' needs a mesh");
+    body.is_lumen = t.text("mesh", "", 4096) == "lumen";
+    if (!body.is_lumen) body.mesh = mesh_of(t);
+    return body;
+}
+
+void check_bodies(const SceneText &scene)
+{
+    std::set<std::string> names;
+    for (const BodyText &body : scene.bodies)
+        if (!names.insert(body.name).second)
+            throw Fault(scene.file.string() + ": two bodies are called '" + body.name + "': rename one");
+    for (const BodyText &body : scene.bodies)
+        if (!body.inside.empty() && (!names.count(body.inside) || body.inside == body.name))
+            throw Fault(scene.file.string() + ": body '" + body.name + "' lies inside '" + body.inside +
+                        "', which is no other body: correct `inside`");
+    if (scene.bodies.size() > SELD_SCENE_BODY_MAX)
+        throw Fault(scene.file.string() + ": more than " + std::to_string(SELD_SCENE_BODY_MAX) +
+                    " bodies: join some");
+}
+
+const toml::table &table_of(const SceneText &scene, const toml::table &root, const char *key)
+{
+    const toml::node *node = root.get(key);
+    if (!node || !node->is_table())
+        throw Fault(scene.file.string() + ": the table [" + key +
+                    "] is missing: docs/scene.md has an example");
+    return *node->as_table();
+}
+
+} // namespace
+
+double millimetres_per(const std::string &unit)
+{
+    if (unit == "m") return 1000.0;
+    if (unit == "cm") return 10.0;
+    if (unit == "mm") return 1.0;
+    return unit == "um" ? 1e-3 : 0.0;
+}
+
+SceneText read_scene_text(const std::filesystem::path &file, const std::filesystem::path &data)
+{
+    SceneText scene;
+    scene.file = file;
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored))
+        throw Fault(file.string() + ": no such file: give the scene's TOML text");
+    if (std::filesystem::file_size(file, ignored) > 16u << 20)
+        throw Fault(file.string() + ": over 16 MiB, so hardly a scene text: give the TOML file, not a mesh");
+    toml::table root;
+    try {
+        root = toml::parse_file(file.string());
+    } catch (const toml::parse_error &error) {
+        throw Fault(file.string() + ":" + std::to_string(error.source().begin.line) + ": " +
+                    std::string(error.description()));
+    }
+    const Table top{scene, data, "the file", root};
+    top.only({"scene", "lumen", "entry", "body"});
+    const Table head{scene, data, "[scene]", table_of(scene, root, "scene")};
+    head.only({"name", "source"});
+    scene.name = head.text("name", "", SELD_SCENE_NAME_BYTES - 1);
+    scene.source = head.text("source", "", SELD_SCENE_SOURCE_BYTES - 1);
+    if (scene.name.empty()) head.fail(nullptr, "needs a name");
+    scene.lumen = lumen_of({scene, data, "[lumen]", table_of(scene, root, "lumen")});
+    scene.entry = entry_of({scene, data, "[entry]", table_of(scene, root, "entry")});
+    if (const toml::node *bodies = root.get("body")) {
+        if (!bodies->is_array_of_tables()) top.fail(bodies, "has [body]: write [[body]]");
+        for (const toml::node &node : *bodies->as_array())
+            scene.bodies.push_back(body_of({scene, data, "[[body]]", *node.as_table()}));
+    }
+    check_bodies(scene);
+    return scene;
+}
+
+} // namespace seld::bake

@@ -1,0 +1,55 @@
+// Exact geometry of a closed triangle mesh: signed distance (sign by angle-weighted normals of the nearest feature,
+// Baerentzen & Aanaes 2005) and the triangles near a box. The referee for everything the baker approximates.
+// May include: mesh.hpp. Called by: tools/bake.
+#pragma once
+#include "tools/bake/mesh.hpp"
+
+#include <Eigen/Geometry>
+
+namespace seld::bake
+{
+
+class TriangleTree
+{
+  public:
+    explicit TriangleTree(const Mesh &mesh); // the mesh must outlive the tree
+
+    struct Nearest {
+        double distance_mm; // negative inside
+        Eigen::Vector3d point_mm;
+        std::uint32_t triangle;
+    };
+    Nearest nearest(const Eigen::Vector3d &p_mm) const;
+    // Distance without sign, but no farther than limit_mm (then limit_mm): cheaper.
+    double distance_below(const Eigen::Vector3d &p_mm, double limit_mm) const;
+
+    // Triangles whose box meets the given box.
+    void near(const Eigen::AlignedBox3d &box, std::vector<std::uint32_t> &triangles) const;
+
+    const Mesh &mesh() const { return mesh_; }
+
+  private:
+    struct Node {
+        Eigen::AlignedBox3d box;
+        std::uint32_t first,
+            count; // leaf: triangles order_[first ...]; inner: count 0, children first, first + 1
+    };
+    struct Hit {
+        double square;
+        Eigen::Vector3d point;
+        std::uint32_t triangle;
+        int feature; // 0-2 corner, 3-5 edge from corner (feature - 3), 6 face
+    };
+    void build(std::uint32_t node, std::uint32_t first, std::uint32_t count);
+    Hit search(const Eigen::Vector3d &p_mm, double limit_square) const;
+    Hit closest_on(std::uint32_t triangle, const Eigen::Vector3d &p_mm) const;
+
+    const Mesh &mesh_;
+    std::vector<Node> nodes_;
+    std::vector<std::uint32_t> order_;
+    std::vector<Eigen::Vector3d> centres_;
+    std::vector<Eigen::Vector3d> face_normals_, corner_normals_;
+    std::vector<std::array<Eigen::Vector3d, 3>> edge_normals_;
+};
+
+} // namespace seld::bake

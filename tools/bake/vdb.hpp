@@ -1,0 +1,15 @@
+// OpenVDB as the baker uses it. Its own headers warn, so they are read here as system headers.
+// May include: nothing of ours. Called by: surface.cpp, field.cpp.
+#pragma once
+#pragma GCC system_header
+#include <openvdb/openvdb.h>
+
+namespace seld::bake
+{
+
+inline void start_openvdb()
+{
+    openvdb::initialize(); // may be called again
+}
+
+} // namespace seld::bake
