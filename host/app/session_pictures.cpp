@@ -64,6 +64,7 @@ RadiopaqueInstrument instrument_look(const Instrument &instrument)
 SessionPictures::SessionPictures(const PictureSettings &settings, const Instrument &instrument)
     : settings_(settings), look_(instrument_look(instrument)), name_(instrument.name)
 {
+    settings_.size = held_size(settings.size);
     std::string error;
     Bodies bodies;
     if (!settings_.bodies_path.empty() && !read_bodies(settings_.bodies_path, bodies, error)) {
@@ -72,7 +73,6 @@ SessionPictures::SessionPictures(const PictureSettings &settings, const Instrume
     if (!scene_.set_bodies(bodies, error)) throw std::runtime_error(settings_.bodies_path + ": " + error);
     xray_ = std::make_unique<Xray>(scene_, settings_.threads);
     const bool needs_movie = !settings_.mp4_path.empty();
-    if (needs_movie && settings_.size % 2 != 0) throw std::runtime_error("--mp4 needs an even --size");
     if (needs_movie && !movie_.open(settings_.mp4_path, settings_.size, settings_.size,
                                     static_cast<int>(settings_.pictures_per_second), error)) {
         throw std::runtime_error(error);

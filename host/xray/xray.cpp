@@ -30,7 +30,7 @@ XraySettings held_settings(const XraySettings &settings)
 {
     XraySettings held = settings;
     held.carm = clamp_carm(settings.carm);
-    held.size = (std::clamp(settings.size, 64, 2048) + 15) / 16 * 16;
+    held.size = held_size(settings.size);
     held.beam.collimator_share = std::clamp(settings.beam.collimator_share, 0.2, 1.0);
     held.beam.dose_per_frame_nGy = std::clamp(settings.beam.dose_per_frame_nGy, 0.1, 1e5);
     return held;
@@ -168,6 +168,11 @@ void set_exposure(const XrayCache &cache, const XraySettings &settings, XrayPict
 }
 
 } // namespace
+
+int held_size(int size)
+{
+    return (std::clamp(size, 64, 2048) + 15) / 16 * 16;
+}
 
 XrayScene::XrayScene() : meshes_(std::make_unique<Meshes>()) {}
 XrayScene::~XrayScene() = default;

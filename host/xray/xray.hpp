@@ -59,6 +59,9 @@ struct XraySettings {
     int size = 512; // pixels along each edge, 64 .. 2048
 };
 
+// The edge a picture really gets: within 64 .. 2048, a multiple of 16.
+int held_size(int size);
+
 struct XrayPicture {
     int size = 0;
     std::uint32_t tick = 0;
