@@ -1,5 +1,6 @@
 // Pictures of a session: C-arm and table that follow what was asked for, X-ray per frame, last image hold, files.
-// A frame is a pure function of the recorded session, its views, bodies, instrument and seed.
+// The X-ray of a frame is a pure function of wire, C-arm, bodies, instrument, seed and tick. Gliding table, turning C-arm
+// and dose sums have a history: they begin where playing begins, so a replay --from S shows them from S on.
 // May include: xray, picture, frame_sink. Called by: cli.
 #pragma once
 #include "host/app/frame_sink.hpp"
