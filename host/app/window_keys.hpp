@@ -23,6 +23,7 @@ class WindowKeys
     bool shows_help() const { return shows_help_; }
     bool wants_end() const { return wants_end_; }
     bool take_reset(); // true once after R
+    void latch_pedal() { is_pedal_latched_ = true; }
 
   private:
     void change_field(int steps);
@@ -33,9 +34,6 @@ class WindowKeys
     bool wants_end_ = false, wants_reset_ = false;
     bool is_pedal_down_ = false, is_pedal_latched_ = false;
     std::int64_t push_um_per_s_ = 0, turn_counts_per_s_ = 0;
-
-  public:
-    void latch_pedal() { is_pedal_latched_ = true; }
 };
 
 std::vector<std::string> help_panel();

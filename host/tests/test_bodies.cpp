@@ -1,0 +1,126 @@
+// Body files are read as they were written, and what is no body file is refused with file, place and remedy.
+#include "host/model/bodies.hpp"
+#include "host/tests/xray_shapes.hpp"
+#include "shared/scene/scene_write.h"
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <unistd.h>
+extern "C" {
+#include <cmocka.h>
+}
+
+using namespace seld;
+
+namespace
+{
+
+const std::string path = "/tmp/seldinger-bodies-" + std::to_string(getpid()) + ".bodies";
+
+// The BODY section of docs/scene.md, written here independently of tools/bake.
+std::vector<std::uint8_t> body_section(const Body &body)
+{
+    std::vector<std::uint8_t> bytes(64);
+    std::memcpy(bytes.data(), body.name.data(), body.name.size());
+    std::memcpy(bytes.data() + 32, body.material.data(), body.material.size());
+    seld_scene_put_u32(bytes.data() + 48, static_cast<std::uint32_t>(body.parent));
+    seld_scene_put_u32(bytes.data() + 52, static_cast<std::uint32_t>(body.vertices_um.size()));
+    seld_scene_put_u32(bytes.data() + 56, static_cast<std::uint32_t>(body.triangles.size()));
+    auto put = [&](std::uint32_t word) {
+        bytes.resize(bytes.size() + 4);
+        seld_scene_put_u32(bytes.data() + bytes.size() - 4, word);
+    };
+    for (const auto &vertex : body.vertices_um)
+        for (int axis = 0; axis < 3; ++axis) put(static_cast<std::uint32_t>(vertex[axis]));
+    for (const auto &triangle : body.triangles)
+        for (std::uint32_t corner : triangle) put(corner);
+    return bytes;
+}
+
+std::vector<std::uint8_t> body_file(const Bodies &bodies)
+{
+    std::vector<std::uint8_t> meta(SELD_SCENE_META_BYTES, 0);
+    std::memcpy(meta.data(), "test", 4);
+    std::vector<std::vector<std::uint8_t>> sections;
+    for (const Body &body : bodies.bodies) sections.push_back(body_section(body));
+    std::vector<seld_scene_part> parts = {{SELD_SCENE_META, meta.data(), meta.size()}};
+    for (const auto &section : sections) parts.push_back({SELD_SCENE_BODY, section.data(), section.size()});
+    const auto count = static_cast<std::uint32_t>(parts.size());
+    std::vector<std::uint8_t> file(seld_scene_write_bytes(parts.data(), count));
+    seld_scene_write(SELD_SCENE_KIND_BODIES, parts.data(), count, file.data(), file.size());
+    return file;
+}
+
+void write(const std::vector<std::uint8_t> &bytes)
+{
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char *>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+Bodies two_bodies()
+{
+    return {{sphere_body("skin", "soft", -1, {0, 0, 0}, 0.1, 3),
+             box_body("spine", "cortical_bone", 0, {-0.01, -0.02, -0.03}, {0.01, 0.02, 0.03})}};
+}
+
+} // namespace
+
+static void body_file_reads_back_as_written(void **)
+{
+    write(body_file(two_bodies()));
+    Bodies read;
+    std::string error;
+    if (!read_bodies(path, read, error)) std::printf("# %s\n", error.c_str());
+    assert_int_equal(read.bodies.size(), 2);
+    for (std::size_t i = 0; i < 2; ++i) {
+        const Body got = read.bodies[i], wanted = two_bodies().bodies[i];
+        assert_string_equal(got.name.c_str(), wanted.name.c_str());
+        assert_string_equal(got.material.c_str(), wanted.material.c_str());
+        assert_int_equal(got.parent, wanted.parent);
+        assert_true(got.vertices_um == wanted.vertices_um);
+        assert_true(got.triangles == wanted.triangles);
+    }
+    unlink(path.c_str());
+}
+
+static void missing_file_is_named(void **)
+{
+    Bodies read;
+    std::string error;
+    assert_false(read_bodies("/nowhere/a.bodies", read, error));
+    assert_true(error.find("/nowhere/a.bodies") != error.npos);
+}
+
+// Every truncation and a flipped bit in every 37th byte: refused, and nothing half read.
+static void damaged_file_is_refused_and_leaves_the_old_bodies(void **)
+{
+    const std::vector<std::uint8_t> whole = body_file(two_bodies());
+    Bodies old = two_bodies();
+    std::string error;
+    for (std::size_t at = 0; at < whole.size(); at += 37) {
+        write({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(at)});
+        assert_false(read_bodies(path, old, error));
+        std::vector<std::uint8_t> flipped = whole;
+        flipped[at] ^= 0x10;
+        write(flipped);
+        error.clear();
+        assert_false(read_bodies(path, old, error));
+        assert_true(error.find(path) == 0 && error.find("byte") != error.npos);
+        assert_int_equal(old.bodies.size(), 2);
+    }
+    unlink(path.c_str());
+}
+
+int main()
+{
+    cmocka_set_message_output(CM_OUTPUT_TAP);
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(body_file_reads_back_as_written),
+        cmocka_unit_test(missing_file_is_named),
+        cmocka_unit_test(damaged_file_is_refused_and_leaves_the_old_bodies),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
