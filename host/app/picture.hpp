@@ -20,7 +20,7 @@ struct Image {
 bool write_png(const std::string &path, const Image &image, std::string &error);
 
 // H.264 in yuv420p, every picture RGB of the same even size. The file has its name only after a successful finish();
-// what is unfinished is removed by the destructor, and by ffmpeg's end when this process dies.
+// what is unfinished is removed by the destructor (after SIGKILL "name.partPID" stays, never a half "name").
 class VideoWriter
 {
   public:
