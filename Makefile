@@ -91,6 +91,7 @@ $(eval $(call program,docs,tools/docs/main.cpp,shared/wire,))
 FIRMWARE_TESTS := $(wildcard firmware/tests/test_*.c shared/*/tests/test_*.c hil_tests/test_*.c)
 HOST_TESTS     := $(wildcard host/tests/test_*.cpp)
 TOOL_TESTS     := $(wildcard tools/bake/tests/test_*.cpp)
+SYSTEM_TESTS   := $(wildcard hil_tests/test_*.cpp) # the whole program against real anatomy
 SCRIPT_TESTS   := $(wildcard tools/check/test_*.sh tools/check/test_*.py host/tests/test_*.sh tools/*/tests/test_*.sh)
 test_program    = $(patsubst %,$(BUILD)/test/%,$(basename $(1)))
 REFERENCE       := $(wildcard firmware/tests/reference/*.c)
@@ -103,8 +104,9 @@ endef
 $(foreach t,$(FIRMWARE_TESTS),$(eval $(call test_rule,$(t),$(FIRMWARE_LIBS),,$(REFERENCE))))
 $(foreach t,$(HOST_TESTS),$(eval $(call test_rule,$(t),$(HOST_LIBS),$(HOST_LINK),)))
 $(foreach t,$(TOOL_TESTS),$(eval $(call test_rule,$(t),$(BAKE_LIBS),$(BAKE_LINK),)))
+$(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/xray host/link tools/bake host/model $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
-ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(TOOL_TESTS),$(call test_program,$(t)))
+ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(TOOL_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
 
 tests-build: $(ALL_TEST_PROGRAMS) ## build the test programs
 tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS),$(call test_program,$(t))) ## build those without OpenVDB

@@ -3,6 +3,8 @@
 
 /* --- states --- */
 
+enum { START_DEPTH_MAX_M_Q30 = 322123 /* 0.3 mm: the wall pushes that back without a jolt */ };
+
 /* Constants and rest state from what was set up; READY -> ARMED. */
 static void arm(seld_app *app)
 {
@@ -19,6 +21,9 @@ static void arm(seld_app *app)
     SELD_REJECT_IF(app, type, app->inserted_um > length_um, SELD_REJECT_LENGTH_INSERTED, app->inserted_um,
                    length_um);
     seld_state_init(&app->model, &app->core, app->inserted_um);
+    int32_t depth_m_q30 = seld_state_depth(&app->model, &app->core);
+    SELD_REJECT_IF(app, type, depth_m_q30 > START_DEPTH_MAX_M_Q30, SELD_REJECT_START_IN_WALL,
+                   (uint32_t)(((uint64_t)(uint32_t)depth_m_q30 * 1000000u) >> 30), app->inserted_um);
     seld_hand_reset(&app->hand);
     seld_app_motors_off(app);
     app->core_faults_seen = 0;

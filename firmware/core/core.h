@@ -127,6 +127,10 @@ seld_vec3 seld_state_position(const seld_state *state, uint32_t node);
 int32_t seld_model_edge_length(const seld_model *model, uint32_t edge); /* rest length, Q30 m */
 int32_t seld_model_arc(const seld_model *model, uint32_t node);    /* rest arc length from the tip, Q30 m */
 int32_t seld_model_radius(const seld_model *model, uint32_t node); /* outer radius at the node, Q30 m */
+
+/* Deepest contact depth of the free nodes, Q30 m: negative while all are inside the lumen, INT32_MIN without a lumen.
+ * For set-up (is the start possible?) and tests; a step reports its own in the output. */
+int32_t seld_state_depth(const seld_model *model, const seld_state *state);
 uint32_t seld_state_tick(const seld_state *state);
 
 #endif

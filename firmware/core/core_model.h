@@ -29,7 +29,8 @@ enum {
     SELD_DAMPING_KEEP_Q30 = 21474836,        /* 20/s x 1 ms = 0.02: blood's drag, mass proportional */
     SELD_POSITION_MAX_M_Q30 = 2126008811,    /* 1.98 m */
     SELD_STEP_CAP_M_Q33 = 4294967,           /* 0.5 mm of motion per tick besides the feed */
-    SELD_SPIN_DRAG_N_M_Q26 = 6711,           /* 1e-7 N m s / 1 ms per edge: keeps the twist solve regular */
+    SELD_RELEASE_STEP_Q30 = 1 << 22, /* a shaped tip leaves the introducer over 256 ticks, not in one */
+    SELD_SPIN_DRAG_N_M_Q26 = 6711,   /* 1e-7 N m s / 1 ms per edge: keeps the twist solve regular */
 };
 
 /* Constants of the joint at a node. */

@@ -105,8 +105,8 @@ static bool is_small(const seld_vec3 *a, int32_t most)
 static bool node_is_valid(const seld_node_state *node)
 {
     return is_unit(&node->tangent_q30) && is_small(&node->step_m_q33, 1 << 29) &&
-           is_small(&node->bristle_m_q33, 1 << 29) && is_small(&node->position_m_q30, SELD_POSITION_MAX_M_Q30) &&
-           node->contact <= SELD_CONTACT_STICKS;
+           is_small(&node->bristle_m_q33, 1 << 29) &&
+           is_small(&node->position_m_q30, SELD_POSITION_MAX_M_Q30) && node->contact <= SELD_CONTACT_STICKS;
 }
 
 static bool words_are_valid(const seld_model *model, const seld_state_words *words)
@@ -120,6 +120,10 @@ static bool words_are_valid(const seld_model *model, const seld_state_words *wor
         return false;
     }
     int32_t feed_max = SELD_FEED_MAX_M_Q30 * 8;
+    if (words->release_q30 < 0 || words->release_q30 > SELD_ONE_Q30 ||
+        words->release_q30 % SELD_RELEASE_STEP_Q30 != 0) {
+        return false;
+    }
     if (words->feed_m_q33 > feed_max || words->feed_m_q33 < -feed_max) {
         return false;
     }
@@ -210,6 +214,17 @@ int32_t seld_model_arc(const seld_model *model, uint32_t node)
 int32_t seld_model_radius(const seld_model *model, uint32_t node)
 {
     return model->nodes[node].radius_m_q30;
+}
+
+int32_t seld_state_depth(const seld_model *model, const seld_state *state)
+{
+    int32_t deepest = INT32_MIN;
+    for (uint32_t i = 0; model->lumen != NULL && i < state->words.free_count; i++) {
+        seld_lumen_sample wall = seld_lumen_contact(model->lumen, &state->words.nodes[i].position_m_q30);
+        int32_t depth = seld_add_sat(wall.distance_m_q30, model->nodes[i].radius_m_q30);
+        deepest = depth > deepest ? depth : deepest;
+    }
+    return deepest;
 }
 
 uint32_t seld_state_tick(const seld_state *state)

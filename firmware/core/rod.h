@@ -28,9 +28,9 @@ static inline const seld_joint *seld_rod_joint(const seld_model *model, const se
     return i + 1 < na ? &model->joints[i] : &state->scratch.mouth[i + 1 - na];
 }
 
-/* Rest turning vector g of the joint at node i, split in the halves of edge i-1 and i. Q30. */
-void seld_rod_rest_turn(const seld_joint *joint, const seld_vec3 *axis1, const seld_vec3 *tangent,
-                        seld_vec3 *half);
+/* One edge's half of a joint's rest turning vector g, times the share that is in force. Q30. */
+void seld_rod_rest_turn(const seld_joint *joint, int32_t release_q30, const seld_vec3 *axis1,
+                        const seld_vec3 *tangent, seld_vec3 *half);
 
 /* rod_contact.c: wall contact and friction at the predicted configuration. */
 void seld_contact_assemble(const seld_model *model, seld_state *state);

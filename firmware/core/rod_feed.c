@@ -169,6 +169,9 @@ void seld_rod_feed(const seld_model *model, seld_state *state, const seld_input 
     state->scratch.feed_m_q33 = feed * 8;
     words->inserted_m_q30 += feed;
     turn_base(words, input->hand_turn32);
+    if (words->release_q30 < SELD_ONE_Q30) {
+        words->release_q30 += SELD_RELEASE_STEP_Q30;
+    }
     uint32_t before = words->free_count;
     uint32_t now = count_free(model, words);
     words->free_count = now;

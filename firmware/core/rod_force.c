@@ -121,14 +121,14 @@ void seld_rod_stretch(const seld_model *model, seld_state *state)
     state->scratch.nodes[na].stretch_q30 = state->words.nodes[na].tangent_q30;
 }
 
-void seld_rod_rest_turn(const seld_joint *joint, const seld_vec3 *axis1, const seld_vec3 *tangent,
-                        seld_vec3 *half)
+void seld_rod_rest_turn(const seld_joint *joint, int32_t release_q30, const seld_vec3 *axis1,
+                        const seld_vec3 *tangent, seld_vec3 *half)
 {
     seld_vec3 axis2 = seld_vec3_cross_unit(tangent, axis1);
+    int32_t turn1 = seld_scale_q30(joint->turn1_q30, release_q30);
+    int32_t turn2 = seld_scale_q30(joint->turn2_q30, release_q30);
     for (int k = 0; k < 3; k++) {
-        half->v[k] =
-            (seld_scale_q30(axis1->v[k], joint->turn1_q30) + seld_scale_q30(axis2.v[k], joint->turn2_q30)) >>
-            1;
+        half->v[k] = (seld_scale_q30(turn1, axis1->v[k]) + seld_scale_q30(turn2, axis2.v[k])) >> 1;
     }
 }
 
@@ -174,8 +174,8 @@ static void joint_forces(const seld_model *model, seld_state *state, uint32_t i)
     seld_vec3 turn = {{0, 0, 0}};
     if (is_curved(joint)) {
         seld_vec3 half_ahead, half_here;
-        seld_rod_rest_turn(joint, &ahead->axis1_q30, before, &half_ahead);
-        seld_rod_rest_turn(joint, &here->axis1_q30, after, &half_here);
+        seld_rod_rest_turn(joint, state->words.release_q30, &ahead->axis1_q30, before, &half_ahead);
+        seld_rod_rest_turn(joint, state->words.release_q30, &here->axis1_q30, after, &half_here);
         turn = seld_vec3_add(half_ahead, half_here);
     }
     seld_vec3 twisting = {{0, 0, 0}};

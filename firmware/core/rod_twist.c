@@ -121,8 +121,8 @@ static void curvature_torque(const seld_model *model, const seld_state *state, u
     const seld_node_state *node = &state->words.nodes[i];
     const seld_work *work = &state->scratch.nodes[i];
     seld_vec3 half[2];
-    seld_rod_rest_turn(joint, &work[-1].axis1_q30, &node[-1].tangent_q30, &half[0]);
-    seld_rod_rest_turn(joint, &work->axis1_q30, &node->tangent_q30, &half[1]);
+    seld_rod_rest_turn(joint, state->words.release_q30, &work[-1].axis1_q30, &node[-1].tangent_q30, &half[0]);
+    seld_rod_rest_turn(joint, state->words.release_q30, &work->axis1_q30, &node->tangent_q30, &half[1]);
     seld_vec3 bend = seld_vec3_sub(work->stretch_q30, work[-1].stretch_q30);
     seld_vec3 excess = seld_vec3_sub(bend, seld_vec3_add(half[0], half[1]));
     for (int side = 0; side < 2; side++) {

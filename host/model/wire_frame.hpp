@@ -5,7 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-namespace seld {
+namespace seld
+{
 
 struct WireNode {
     Eigen::Vector3d position_m; // patient frame: +x left, +y head, +z anterior
@@ -16,7 +17,8 @@ struct WireNode {
 
 struct WireFrame {
     std::uint32_t tick = 0;
-    std::vector<WireNode> nodes; // node 0 is the tip; only nodes beyond the inserter and the first one inside it
+    std::vector<WireNode>
+        nodes; // node 0 is the tip; only nodes beyond the inserter and the first one inside it
 };
 
 } // namespace seld
