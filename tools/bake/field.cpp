@@ -11,6 +11,7 @@
 #include <atomic>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 namespace seld::bake
 {
@@ -19,7 +20,8 @@ namespace
 
 constexpr int filter_reach = 6; // taps of the prefilter on each side; the next would weigh 4e-6
 constexpr int block = 10 + 2 * filter_reach;
-constexpr float band_voxels = 9; // 4 that int8 can hold, and what the prefilter sees of the rest
+constexpr float band_voxels = 9;  // 4 that int8 can hold, and what the prefilter sees of the rest
+constexpr float exact_voxels = 7; // farther samples weigh less than 0.005 in the prefilter
 constexpr double coefficient_max = 127.0 / 32; // voxels
 constexpr std::uint32_t bricks_max = static_cast<std::uint32_t>(SELD_SCENE_BYTES_MAX) / 1000;
 constexpr int test_points = 6; // along each edge of a brick
@@ -30,6 +32,13 @@ double voxel_mm(int level)
 }
 
 using Cell = std::array<int, 3>; // brick of a level, counted from the patient's origin
+
+struct Brick {
+    Cell cell{};
+    std::uint16_t entry = SELD_LUMEN_ENTRY_OUTSIDE; // OUTSIDE, INSIDE, or FIRST_BRICK: `coefficients` hold
+    bool refine = false;
+    std::vector<std::int8_t> coefficients;
+};
 
 // --- distances on a grid: sample (i,j,k) at voxel centre (i + 1/2) h ---
 struct MeshInVoxels {
@@ -62,6 +71,41 @@ openvdb::FloatGrid::Ptr distances(const Mesh &mesh, int level, Progress &progres
     progress.step(0);
     progress.finish();
     return grid;
+}
+
+// OpenVDB keeps one triangle per voxel while it spreads distances, which is 0.03 mm too far where triangles are smaller
+// than voxels. So near the wall, and where bricks are wanted, distances are made exact. Leaves are 8^3 voxels: a brick and
+// its neighbours.
+void make_exact(openvdb::FloatGrid &grid, const std::vector<Brick> &bricks, int level,
+                const TriangleTree &tree, Progress &progress)
+{
+    constexpr std::size_t chunk = 128;
+    const float reach_mm = static_cast<float>(exact_voxels * voxel_mm(level));
+    std::set<Cell> wanted;
+    for (const Brick &brick : bricks)
+        for (int n = 0; n < 27; ++n)
+            wanted.insert(
+                {brick.cell[0] + n % 3 - 1, brick.cell[1] + n / 3 % 3 - 1, brick.cell[2] + n / 9 - 1});
+    std::vector<openvdb::FloatTree::LeafNodeType *> leaves;
+    for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
+        const openvdb::Coord at = leaf->origin();
+        if (wanted.count({at.x() >> 3, at.y() >> 3, at.z() >> 3})) leaves.push_back(leaf.getLeaf());
+    }
+    progress.stage("exact distances at " + std::to_string(voxel_mm(level)) + " mm", leaves.size());
+    for (std::size_t first = 0; first < leaves.size(); first += chunk) {
+        progress.step(first);
+        tbb::parallel_for(first, std::min(first + chunk, leaves.size()), [&](std::size_t i) {
+            for (auto value = leaves[i]->beginValueOn(); value; ++value) {
+                const float old = std::abs(*value);
+                if (old > reach_mm) continue;
+                const openvdb::Coord at = value.getCoord();
+                const Eigen::Vector3d p =
+                    (Eigen::Vector3d(at.x(), at.y(), at.z()).array() + 0.5) * voxel_mm(level);
+                value.setValue(static_cast<float>(tree.nearest(p, 1.001 * old + 1e-3).distance_mm));
+            }
+        });
+    }
+    progress.finish();
 }
 
 // --- prefilter: the inverse of (1/8, 3/4, 1/8) is c z^|n| with z = 2 sqrt 2 - 3; cut off and scaled to sum one ---
@@ -98,13 +142,6 @@ void filter_axis(std::vector<double> &values, std::array<int, 3> &size, int axis
 }
 
 // --- one brick ---
-struct Brick {
-    Cell cell{};
-    std::uint16_t entry = SELD_LUMEN_ENTRY_OUTSIDE; // OUTSIDE, INSIDE, or FIRST_BRICK: `coefficients` hold
-    bool refine = false;
-    std::vector<std::int8_t> coefficients;
-};
-
 // Samples of a brick and of its surroundings, in voxels.
 std::vector<double> gather(const openvdb::FloatGrid &grid, const Cell &cell, double voxel)
 {
@@ -306,6 +343,7 @@ Field make_field(const TriangleTree &tree, const FieldText &text, Progress &prog
     levels.push_back(coarse_bricks(tree.mesh(), text, field));
     for (int level = 0; level < SELD_LUMEN_LEVELS && !levels.back().empty(); ++level) {
         const auto grid = distances(tree.mesh(), level, progress);
+        make_exact(*grid, levels.back(), level, tree, progress);
         make_bricks(levels.back(), level, *grid, tree, text, progress);
         check_budget(levels);
         levels.push_back(octants(levels.back()));

@@ -3,6 +3,7 @@
 #include "tools/bake/fault.hpp"
 
 #include <ccd/ccd.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -138,16 +139,13 @@ struct Pose {
     Eigen::Vector3d centre, half_axis;
 };
 
-double referee_depth(const TriangleTree &tree, const Pose &pose, double radius,
-                     std::vector<std::uint32_t> &near)
+double referee_depth(const TriangleTree &tree, const Pose &pose, double radius)
 {
-    Eigen::AlignedBox3d box(pose.centre - pose.half_axis);
-    box.extend(pose.centre + pose.half_axis);
-    box.extend(pose.centre - pose.half_axis);
+    std::vector<std::uint32_t> near;
     const Eigen::Vector3d margin = Eigen::Vector3d::Constant(radius);
-    tree.near({box.min().cwiseMin(pose.centre - pose.half_axis.cwiseAbs()) - margin,
-               box.max().cwiseMax(pose.centre + pose.half_axis.cwiseAbs()) + margin},
-              near);
+    tree.near(
+        {pose.centre - pose.half_axis.cwiseAbs() - margin, pose.centre + pose.half_axis.cwiseAbs() + margin},
+        near);
     double deepest = 0;
     for (std::uint32_t i : near) {
         CcdTriangle triangle;
@@ -179,6 +177,24 @@ bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double ra
     for (int i = -4; i <= 4; ++i)
         if (tree.nearest(pose.centre + pose.half_axis * (i / 4.0)).distance_mm > -clearance) return false;
     return true;
+}
+
+// Radius of the largest ball that touches the wall at p along its inward normal with no wall inside it, made smaller step
+// by step (shrinking balls: Ma, Bae & Choi 2012). `limit` and more when it touches nothing, or nothing opposite.
+double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eigen::Vector3d &inward,
+                   double limit)
+{
+    constexpr double facet_slack = 0.03; // flat triangles reach into a ball that fits the curved wall
+    double radius = limit;
+    for (int round = 0; round < 30; ++round) {
+        const auto hit = tree.nearest(p + inward * radius);
+        const Eigen::Vector3d to = hit.point_mm - p;
+        if (std::abs(hit.distance_mm) > radius * (1 - facet_slack) || to.dot(inward) <= 1e-9) break;
+        radius = to.squaredNorm() / (2 * to.dot(inward));
+    }
+    if (radius >= limit) return limit;
+    // A ball in a dent of the surface touches nearby only: where it ends there is no wall.
+    return std::abs(tree.nearest(p + inward * (2 * radius)).distance_mm) > 0.3 * radius ? limit : radius;
 }
 
 } // namespace
@@ -216,59 +232,48 @@ Referee measure_contact(const seld_lumen *lumen, const TriangleTree &tree, std::
                         std::uint64_t seed, Progress &progress)
 {
     constexpr std::size_t draws_max = 400; // per pose: a lumen narrower than the capsule has none
+    constexpr std::size_t chunk = 512;
     Random random(seed);
     const SurfacePoints surface(tree.mesh());
     Referee referee;
     referee.radius_mm = 0.835; // a 5 F catheter
     referee.length_mm = 2;
-    progress.stage("libccd referee", poses);
-    std::vector<std::uint32_t> near;
-    for (std::size_t draws = 0; referee.poses < poses && draws < poses * draws_max; ++draws) {
+    std::vector<Pose> drawn;
+    for (std::size_t draws = 0; drawn.size() < poses && draws < poses * draws_max; ++draws) {
         Pose pose;
-        if (!draw_pose(tree, surface, referee.radius_mm, referee.length_mm, random, pose)) continue;
-        if (referee.poses % 128 == 0) progress.step(referee.poses);
-        ++referee.poses;
-        const double core = std::max(0.0, core_depth(lumen, pose, referee.radius_mm));
-        const double judged = referee_depth(tree, pose, referee.radius_mm, near);
-        referee.touching += judged > 0;
-        referee.disagreement.take(std::abs(core - judged), pose.centre);
+        if (draw_pose(tree, surface, referee.radius_mm, referee.length_mm, random, pose))
+            drawn.push_back(pose);
+    }
+    referee.poses = drawn.size();
+    progress.stage("libccd referee", poses);
+    std::vector<double> core(drawn.size()), judged(drawn.size());
+    for (std::size_t first = 0; first < drawn.size(); first += chunk) {
+        progress.step(first);
+        tbb::parallel_for(first, std::min(first + chunk, drawn.size()), [&](std::size_t i) {
+            core[i] = std::max(0.0, core_depth(lumen, drawn[i], referee.radius_mm));
+            judged[i] = referee_depth(tree, drawn[i], referee.radius_mm);
+        });
+    }
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+        referee.touching += judged[i] > 0;
+        referee.disagreement.take(std::abs(core[i] - judged[i]), drawn[i].centre);
     }
     progress.finish();
     return referee;
 }
 
-// Shrinking balls (Ma, Bae & Choi 2012): a ball that touches the wall at p along the normal is made smaller until no wall
-// is inside it.
 Worst smallest_radius(const TriangleTree &tree, std::size_t points)
 {
-    constexpr double largest_mm = 60;
     const Mesh &mesh = tree.mesh();
     const std::size_t stride = std::max<std::size_t>(1, mesh.triangles.size() / points);
     Worst smallest;
-    smallest.mm = largest_mm;
+    smallest.mm = 60;
     for (std::size_t i = 0; i < mesh.triangles.size(); i += stride) {
         const Triangle &t = mesh.triangles[i];
         const Eigen::Vector3d &a = mesh.vertices_mm[t[0]], &b = mesh.vertices_mm[t[1]],
                               &c = mesh.vertices_mm[t[2]];
         const Eigen::Vector3d p = (a + b + c) / 3, inward = -(b - a).cross(c - a).normalized();
-        double radius = smallest.mm;
-        for (int round = 0; round < 20; ++round) {
-            const Eigen::Vector3d centre = p + inward * radius;
-            const auto hit = tree.nearest(centre);
-            if (std::abs(hit.distance_mm) > radius * (1 - 1e-6)) break;
-            const Eigen::Vector3d to = hit.point_mm - p;
-            const double along = to.dot(inward);
-            if (along <= 1e-9) break;
-            const double next = to.squaredNorm() / (2 * along);
-            const Eigen::Vector3d ball = p + inward * next;
-            const double cosine = (p - ball).normalized().dot((hit.point_mm - ball).normalized());
-            radius = next;
-            // Touching nearby is a dent of the surface, not the lumen's width.
-            if (cosine > -0.5) {
-                radius = largest_mm;
-                break;
-            }
-        }
+        const double radius = ball_radius(tree, p, inward, smallest.mm);
         if (radius < smallest.mm) {
             smallest.mm = radius;
             smallest.place_mm = p + inward * radius;

@@ -53,8 +53,9 @@ std::string edge_text(const Mesh &mesh, const Side &side)
 
 void check_manifold(const Mesh &mesh, const std::vector<Side> &sides)
 {
-    std::size_t count = 0, first = 0, most = 0;
+    std::size_t count = 0, first = 0, most = 0, open = 0;
     for_each_edge(sides, [&](std::size_t begin, std::size_t end) {
+        open += end - begin == 1;
         if (end - begin <= 2) return;
         if (count++ == 0) {
             first = begin;
@@ -63,8 +64,9 @@ void check_manifold(const Mesh &mesh, const std::vector<Side> &sides)
     });
     if (count > 0)
         throw Fault(mesh.name + ": " + std::to_string(count) + " non-manifold edges, the first, " +
-                    edge_text(mesh, sides[first]) + ", lies in " + std::to_string(most) +
-                    " triangles: remove double and inner faces (\"make manifold\" in a mesh editor)");
+                    edge_text(mesh, sides[first]) + ", lies in " + std::to_string(most) + " triangles" +
+                    (open ? ", and " + std::to_string(open) + " open edges" : "") +
+                    ": remove double and inner faces (\"make manifold\" in a mesh editor)");
 }
 
 // Turn triangles so that neighbours agree. Returns how many were turned; throws for a one-sided surface.

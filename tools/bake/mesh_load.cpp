@@ -7,6 +7,7 @@
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -19,6 +20,11 @@ namespace
 
 void check_file(const std::filesystem::path &file)
 {
+    std::string ending = file.extension().string();
+    for (char &c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (ending != ".stl" && ending != ".obj" && ending != ".ply" && ending != ".gltf" && ending != ".glb")
+        throw Fault(file.string() +
+                    ": is no .stl, .obj, .ply, .gltf or .glb file: export the mesh as one of these");
     std::error_code error;
     const auto bytes = std::filesystem::file_size(file, error);
     if (error) throw Fault(file.string() + ": cannot be read: " + error.message());
@@ -55,7 +61,9 @@ void append(const aiMesh &part, const MeshText &text, double unit_mm, Mesh &mesh
 std::string place_text(const Eigen::Vector3d &p_mm)
 {
     char text[96];
-    std::snprintf(text, sizeof text, "(%.1f, %.1f, %.1f) mm", p_mm.x(), p_mm.y(), p_mm.z());
+    const auto plain = [](double mm) { return std::abs(mm) < 0.05 ? 0.0 : mm; }; // not "-0.0"
+    std::snprintf(text, sizeof text, "(%.1f, %.1f, %.1f) mm", plain(p_mm.x()), plain(p_mm.y()),
+                  plain(p_mm.z()));
     return text;
 }
 

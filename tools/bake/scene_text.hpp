@@ -32,8 +32,8 @@ struct MeshText {
 struct LumenText {
     MeshText mesh;                                  // when `centrelines` is empty
     std::vector<std::filesystem::path> centrelines; // resolved
-    double surface_mm = 0.5;
-    double tolerance_mm = 0.08;
+    double surface_mm = 0.75;
+    double tolerance_mm = 0.12;
     int level_max = 1;
     double inside_mm = 2.5;
     double outside_mm = 1.5;

@@ -129,20 +129,16 @@ TriangleTree::Hit TriangleTree::search(const Eigen::Vector3d &p, double limit_sq
     return best;
 }
 
-TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d &p_mm) const
+TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d &p_mm, double bound_mm) const
 {
-    const Hit hit = search(p_mm, INFINITY);
+    Hit hit = search(p_mm, bound_mm * bound_mm);
+    if (hit.triangle == UINT32_MAX) hit = search(p_mm, INFINITY); // the bound was none
     const Triangle &t = mesh_.triangles[hit.triangle];
     const Eigen::Vector3d &normal = hit.feature == 6   ? face_normals_[hit.triangle]
                                     : hit.feature >= 3 ? edge_normals_[hit.triangle][hit.feature - 3]
                                                        : corner_normals_[t[hit.feature]];
     const double distance = std::sqrt(hit.square);
     return {normal.dot(p_mm - hit.point) < 0 ? -distance : distance, hit.point, hit.triangle};
-}
-
-double TriangleTree::distance_below(const Eigen::Vector3d &p_mm, double limit_mm) const
-{
-    return std::sqrt(search(p_mm, limit_mm * limit_mm).square);
 }
 
 void TriangleTree::near(const Eigen::AlignedBox3d &box, std::vector<std::uint32_t> &triangles) const

@@ -5,6 +5,7 @@
 #include "tools/bake/mesh.hpp"
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 namespace seld::bake
 {
@@ -19,9 +20,8 @@ class TriangleTree
         Eigen::Vector3d point_mm;
         std::uint32_t triangle;
     };
-    Nearest nearest(const Eigen::Vector3d &p_mm) const;
-    // Distance without sign, but no farther than limit_mm (then limit_mm): cheaper.
-    double distance_below(const Eigen::Vector3d &p_mm, double limit_mm) const;
+    // `bound_mm`: no smaller than the distance (faster), or infinite.
+    Nearest nearest(const Eigen::Vector3d &p_mm, double bound_mm = INFINITY) const;
 
     // Triangles whose box meets the given box.
     void near(const Eigen::AlignedBox3d &box, std::vector<std::uint32_t> &triangles) const;
