@@ -39,7 +39,7 @@ HOST_LINK     := -lpng -lglfw -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/docs
 
-.PHONY: all run test bench fuzz compilers format help clean docs tests-build tests-build-san fuzz-programs
+.PHONY: all run window test bench fuzz compilers format help clean docs tests-build tests-build-san fuzz-programs
 .DEFAULT_GOAL := all
 MAKEFLAGS += --no-builtin-rules
 
@@ -86,6 +86,36 @@ $(eval $(call program,seldinger,host/app/main.cpp,$(HOST_LIBS),$(HOST_LINK)))
 $(eval $(call program,bake,tools/bake/main.cpp,$(BAKE_LIBS),$(BAKE_LINK)))
 $(eval $(call program,anatomy,tools/anatomy/main.cpp,$(ANATOMY_LIBS),$(VDB_LINK)))
 $(eval $(call program,docs,tools/docs/main.cpp,shared/wire,))
+
+# --- the demo: shipped anatomy -> scene -> session -> film -----------------------------------------------------------
+ANATOMY := $(BUILD)/anatomy/aorta/scene.toml
+SCENE   := out/aorta.scene
+DEMO    := shared/examples/sessions/demo.session
+WIRE    := shared/examples/instruments/j_wire.toml
+
+$(ANATOMY): $(BUILD)/bin/anatomy
+	@echo "Making the anatomy"
+	@$(BUILD)/bin/anatomy aorta -o $(@D)
+$(SCENE): $(ANATOMY) $(BUILD)/bin/bake
+	@mkdir -p out
+	@echo "Baking $(SCENE)"
+	@$(BUILD)/bin/bake $(ANATOMY) -o $(SCENE)
+out/demo.mp4: $(SCENE) $(DEMO) $(WIRE) $(BUILD)/bin/seldinger
+	@echo "Running $(DEMO)"
+	@$(BUILD)/bin/seldinger run --scene $(SCENE) --instrument $(WIRE) --session $(DEMO) --record out/demo.rec \
+	    --json out/demo.json --png out/demo.png --mp4 out/demo.mp4
+
+run: packages-build packages-run ## build, make the anatomy, run the demo into out/, and open the window where there is a display
+	@$(QUIET_MAKE) $(PROGRAMS)
+	@$(MAKE) --no-print-directory PACKAGES=skip out/demo.mp4
+	@echo "Written: out/demo.mp4 out/demo.png out/demo.rec out/demo.json"
+	@if [ -n "$$DISPLAY$$WAYLAND_DISPLAY" ]; then $(BUILD)/bin/seldinger view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec; \
+	else echo "No display, so no window: 'make window' opens it where there is one."; fi
+
+window: packages-build packages-run ## push and turn a wire by keyboard (needs a display)
+	@$(QUIET_MAKE) $(PROGRAMS)
+	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
+	@$(BUILD)/bin/seldinger view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec
 
 # --- tests: every test_* file is one program --------------------------------------------------------------------
 FIRMWARE_TESTS := $(wildcard firmware/tests/test_*.c shared/*/tests/test_*.c hil_tests/test_*.c)

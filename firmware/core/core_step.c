@@ -26,12 +26,9 @@ static int32_t handle_axial(const seld_model *model, const seld_state *state)
     return seld_sat32(seld_rshift_round64(axial, 30));
 }
 
-/* Scales the whole deviation when a node would move more than max(0.5 mm, 3 feeds) beyond the slide: one
- * factor for all nodes keeps the shape; per-node caps add energy (docs/rod.md, "cap"). */
-static void cap_step(seld_state *state)
+/* Largest component of any node's deviation, Q33 m. */
+static int32_t largest_deviation(const seld_state *state)
 {
-    int32_t feed = state->scratch.feed_m_q33 < 0 ? -state->scratch.feed_m_q33 : state->scratch.feed_m_q33;
-    int32_t cap = 3 * feed > SELD_STEP_CAP_M_Q33 ? 3 * feed : SELD_STEP_CAP_M_Q33;
     int32_t largest = 0;
     for (uint32_t i = 0; i < state->words.free_count; i++) {
         for (int k = 0; k < 3; k++) {
@@ -40,15 +37,24 @@ static void cap_step(seld_state *state)
             largest = part > largest ? part : largest;
         }
     }
-    if (largest <= cap) {
+    return largest;
+}
+
+/* Scales the whole deviation when a node would move more than max(0.5 mm, 3 feeds) beyond the slide: one factor for
+ * all nodes keeps the shape; per-node caps add energy (docs/rod.md, "contact"). */
+static void cap_step(seld_state *state, int32_t largest_m_q33)
+{
+    int32_t feed = state->scratch.feed_m_q33 < 0 ? -state->scratch.feed_m_q33 : state->scratch.feed_m_q33;
+    int32_t cap = 3 * feed > SELD_STEP_CAP_M_Q33 ? 3 * feed : SELD_STEP_CAP_M_Q33;
+    if (largest_m_q33 <= cap) {
         return;
     }
     state->words.fault_bits |= SELD_FAULT_STEP_CAPPED;
-    int32_t factor_q30 = seld_quotient(cap, largest, 30);
+    int32_t factor_q30 = seld_quotient(cap, largest_m_q33, 30);
     for (uint32_t i = 0; i < state->words.free_count; i++) {
         for (int k = 0; k < 3; k++) {
             int32_t *part = &state->scratch.nodes[i].solution_m_q33.v[k];
-            *part = seld_mul_q30(*part, factor_q30);
+            *part = seld_scale_q30(*part, factor_q30);
         }
     }
 }
@@ -62,12 +68,14 @@ void seld_step(const seld_model *model, seld_state *state, const seld_input *inp
     seld_contact_assemble(model, state);
     seld_rod_solve(model, state);
     output->solve_count = 1;
-    if (seld_contact_missed(model, state) > 0) {
+    int32_t largest_m_q33 = largest_deviation(state);
+    if (seld_contact_missed(model, state, largest_m_q33) > 0) {
         seld_rod_solve(model, state);
         output->solve_count = 2;
+        largest_m_q33 = largest_deviation(state);
     }
     state->words.handle_axial_N_q22 = handle_axial(model, state);
-    cap_step(state);
+    cap_step(state, largest_m_q33);
     seld_contact_finish(model, state, output);
     seld_rod_advance(model, state, output);
     state->words.feed_m_q33 = state->scratch.feed_m_q33;

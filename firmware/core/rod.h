@@ -34,8 +34,8 @@ void seld_rod_rest_turn(const seld_joint *joint, int32_t release_q30, const seld
 
 /* rod_contact.c: wall contact and friction at the predicted configuration. */
 void seld_contact_assemble(const seld_model *model, seld_state *state);
-/* Looks for contacts the prediction missed, given the solution; returns how many it added. */
-uint32_t seld_contact_missed(const seld_model *model, seld_state *state);
+/* Looks for contacts the prediction missed, given the solution and its largest component; returns how many it added. */
+uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t largest_m_q33);
 /* Friction bristles after the solve; fills the output's contact fields. */
 void seld_contact_finish(const seld_model *model, seld_state *state, seld_output *output);
 

@@ -6,7 +6,7 @@
  * Called by: core_step.c. */
 #include "firmware/core/rod.h"
 
-enum { MARGIN_M_Q30 = 53687 /* 0.05 mm beyond the drift before the dear sample is skipped */ };
+enum { MARGIN_M_Q30 = SELD_LUMEN_CULL_ERROR_M_Q30 }; /* beyond the drift before the dear sample is skipped */
 
 static int32_t magnitude_sum(const seld_vec3 *a)
 {
@@ -172,16 +172,17 @@ void seld_contact_assemble(const seld_model *model, seld_state *state)
     }
 }
 
-uint32_t seld_contact_missed(const seld_model *model, seld_state *state)
+uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t largest_m_q33)
 {
+    if (model->lumen == NULL) {
+        return 0;
+    }
     uint32_t added = 0;
-    for (uint32_t i = 0; model->lumen != NULL && i < state->words.free_count; i++) {
+    int32_t reach = 2 * (largest_m_q33 >> 3) + MARGIN_M_Q30 - SELD_MISSED_CONTACT_M_Q30; /* sqrt(3) < 2 */
+    for (uint32_t i = 0; i < state->words.free_count; i++) {
         seld_work *work = &state->scratch.nodes[i];
-        int32_t room = -SELD_MISSED_CONTACT_M_Q30 / 2 - model->nodes[i].radius_m_q30;
-        if (work->touching || work->distance_m_q30 + (magnitude_sum(&work->solution_m_q33) >> 3) < room) {
-            continue;
-        }
-        if (!sample(model, work, i)) {
+        if (work->touching || work->distance_m_q30 < -model->nodes[i].radius_m_q30 - reach ||
+            !sample(model, work, i)) {
             continue;
         }
         int32_t ended = seld_sub_sat(work->depth_m_q30, along(&work->solution_m_q33, &work->normal_q30) >> 3);

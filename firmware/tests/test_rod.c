@@ -342,11 +342,11 @@ static void restore_refuses_impossible_words(void **context)
     uint64_t before = seld_state_hash64(&r->state);
     const size_t node = offsetof(seld_state_words, nodes);
     const size_t guarded[] = {
-        offsetof(seld_state_words, free_count),          offsetof(seld_state_words, inserted_m_q30),
-        offsetof(seld_state_words, feed_m_q33),
-                              offsetof(seld_state_words, release_q30),          node + offsetof(seld_node_state, position_m_q30),
-        node + offsetof(seld_node_state, step_m_q33),    node + offsetof(seld_node_state, tangent_q30),
-        node + offsetof(seld_node_state, bristle_m_q33), node + offsetof(seld_node_state, contact)};
+        offsetof(seld_state_words, free_count),           offsetof(seld_state_words, inserted_m_q30),
+        offsetof(seld_state_words, feed_m_q33),           offsetof(seld_state_words, release_q30),
+        node + offsetof(seld_node_state, position_m_q30), node + offsetof(seld_node_state, step_m_q33),
+        node + offsetof(seld_node_state, tangent_q30),    node + offsetof(seld_node_state, bristle_m_q33),
+        node + offsetof(seld_node_state, contact)};
     for (size_t i = 0; i < sizeof guarded / sizeof guarded[0]; i++) {
         uint8_t kept[4];
         memcpy(kept, saved + guarded[i], 4);
