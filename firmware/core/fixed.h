@@ -26,6 +26,12 @@ static inline int64_t seld_asr64(int64_t a, unsigned n)
     return a >> n;
 }
 
+/* The same for 32 bits, 0 <= n <= 31. */
+static inline int32_t seld_asr32(int32_t a, unsigned n)
+{
+    return a >> n;
+}
+
 /* Rounding shift right. Format: floor(a / 2^n + 1/2), 1 <= n <= 62. Overflow: |a| must be < 2^63 - 2^(n-1).
  * Error: 1/2 LSB. */
 static inline int64_t seld_rshift_round64(int64_t a, unsigned n)

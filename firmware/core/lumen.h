@@ -39,7 +39,7 @@ enum {
 
 typedef struct seld_lumen {
     int32_t origin_m_q30[3];     /* corner of coarse brick (0,0,0) */
-    uint16_t brick_count_xyz[3]; /* coarse bricks along each axis, each >= 1 */
+    uint32_t brick_count_xyz[3]; /* coarse bricks along each axis, each >= 1 */
     uint16_t child_row_count;
     uint32_t brick_count;     /* bricks in `samples`, all levels */
     const uint16_t *index;    /* brick_count_xyz product entries, x fastest */

@@ -28,6 +28,11 @@ report $? "the hash program builds with gcc -O2" "$folder/log"
 "$folder/reference" >"$folder/expected" 2>&1
 report $? "the hash program runs" "$folder/expected"
 
+# A golden hash changes only in a commit whose message says why the physics changed; then write it anew with
+# gcc -std=c11 -O2 -I. firmware/core/*.c tools/check/core_hash.c -o hash && ./hash > tools/check/core_hash.golden
+diff tools/check/core_hash.golden "$folder/expected" >"$folder/log" 2>&1
+report $? "the hashes are those of tools/check/core_hash.golden" "$folder/log"
+
 "$folder/reference" 1 >"$folder/other" 2>&1 && ! cmp -s "$folder/expected" "$folder/other"
 report $? "a hand that turns one unit in 2^32 more per tick gives another hash"
 
