@@ -47,6 +47,7 @@ static const uint8_t magic[8] = {'S', 'E', 'L', 'D', 'S', 'C', 'N', 0};
 static seld_scene_status check_version(seld_scene_check *check)
 {
     const uint8_t *b = check->bytes;
+    if (check->size == 0) return seld_scene_fault_at(check, SELD_SCENE_TRUNCATED, 0); /* bytes may be NULL */
     if (check->size < sizeof magic || memcmp(b, magic, sizeof magic) != 0) {
         bool begins = check->size < sizeof magic && memcmp(b, magic, check->size) == 0;
         return seld_scene_fault_at(check, begins ? SELD_SCENE_TRUNCATED : SELD_SCENE_MAGIC, 0);

@@ -261,11 +261,22 @@ static void writer_refuses_a_buffer_that_is_too_small(void **state)
     assert_int_equal(sample_scene(file, file_bytes), file_bytes);
 }
 
+/* An empty file: no bytes, and no address either. The sanitized run shows that nothing is read. */
+static void no_bytes_at_all_are_refused(void **state)
+{
+    (void)state;
+    seld_scene scene;
+    uint32_t where = 7;
+    assert_int_equal(seld_scene_open(NULL, 0, &scene, &where), SELD_SCENE_TRUNCATED);
+    assert_int_equal(where, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(scene_gives_back_what_was_written, make_scene),
         cmocka_unit_test_setup(bodies_give_back_what_was_written, make_bodies),
+        cmocka_unit_test(no_bytes_at_all_are_refused),
         cmocka_unit_test_setup(every_shorter_file_is_refused, make_scene),
         cmocka_unit_test_setup(every_flipped_bit_is_refused, make_scene),
         {"every_shorter_body_file_is_refused", every_shorter_file_is_refused, make_bodies, NULL, NULL},
