@@ -61,9 +61,9 @@ int bake_scene(void **)
     baked.folder = fs::temp_directory_path() / ("seldinger_anatomy_" + std::to_string(getpid()));
     fs::create_directories(baked.folder);
     baked.scene = baked.folder / "steve.scene";
-    const char *program = std::getenv("SELD_BAKE");
+    const char *build = std::getenv("BUILD"); // set by the test runner
     const fs::path surface = baked.folder / "steve.ply";
-    const std::string command = std::string(program ? program : "build/bin/bake") +
+    const std::string command = std::string(build ? build : "build") + "/bin/bake" +
                                 " shared/examples/steve_iliac_arch.toml --data '" +
                                 anatomy_folder().string() + "' -o '" + baked.scene.string() +
                                 "' --surface '" + surface.string() + "' > '" +

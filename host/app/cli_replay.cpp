@@ -58,6 +58,11 @@ int print_result(const Recording &recording, const ReplayOptions &options, const
         std::fprintf(stderr, "seldinger: interrupted\n");
         return 1;
     }
+    if (options.verify && result.ticks_compared == 0) {
+        std::fprintf(stderr, "seldinger: %s: nothing to verify: no tick of it is whole\n",
+                     options.recording.c_str());
+        return 1;
+    }
     if (options.verify) {
         std::printf("verified: %u ticks and %u full hashes agree\n", unsigned{result.ticks_compared},
                     unsigned{result.hashes_compared});
@@ -72,7 +77,7 @@ int command_replay(const ReplayOptions &options)
     const Recording recording = read_recording(options.recording);
     const RecordingHeader &header = recording.header;
     const double length_s = recording.ticks.size() * 1e-3;
-    if (options.from_s > length_s) {
+    if (!(options.from_s <= length_s)) { // NaN too
         throw std::runtime_error(options.recording + ": --from " + std::to_string(options.from_s) +
                                  " is beyond its end at " + std::to_string(length_s) + " s");
     }

@@ -193,7 +193,7 @@ void parse_c_arm(LineParser &line, ViewState &view)
             continue;
         }
         const bool is_primary = direction == "LAO" || direction == "RAO";
-        const double limit = is_primary ? 180.0 : 90.0;
+        const double limit = is_primary ? 120.0 : 50.0; // what the C-arm can reach: host/xray/carm.cpp
         const double angle = line.number("angle in degrees");
         line.accept("deg");
         if (!(angle >= -limit && angle <= limit))

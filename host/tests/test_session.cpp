@@ -153,7 +153,7 @@ void mistakes_are_reported_with_place_and_suggestion(void **)
     expect_error("wait -1 s", "time is out of range");
     expect_error("fluoro maybe", "unknown switch 'maybe'; known: on, off");
     expect_error("c-arm LOA 30", "did you mean 'LAO'?");
-    expect_error("c-arm LAO 200", "outside +-180 deg");
+    expect_error("c-arm LAO 200", "outside +-120 deg");
     expect_error("advance 1 mm while withdraw 1 mm", "one hand cannot");
     expect_error("wait 1 s\nbegin inserted 5 mm", "must be the first statement");
     expect_error("# nothing\n\n", "holds no statement");

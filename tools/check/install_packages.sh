@@ -20,6 +20,10 @@ if ! command -v dpkg-query >/dev/null; then
     exit 1
 fi
 
+# One installer at a time: `make -j` may start this twice.
+exec 9>"${TMPDIR:-/tmp}/seldinger-packages-$(id -u).lock"
+if command -v flock >/dev/null; then flock 9; fi
+
 missing=()
 for package in $(printf '%s\n' "${wanted[@]}" | sort -u); do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
