@@ -24,6 +24,10 @@ static void hello(seld_app *app, const uint8_t *payload, size_t length)
     app->is_greeted =
         hello.protocol_major == SELD_WIRE_PROTOCOL_MAJOR && hello.schema_hash == seld_wire_schema_hash();
     if (app->is_greeted && app->state == SELD_WIRE_STATE_INIT) app->state = SELD_WIRE_STATE_READY;
+    if (!app->is_greeted && app->state == SELD_WIRE_STATE_RUNNING) {
+        app->state = SELD_WIRE_STATE_ARMED; /* nobody is left who could stop the motors */
+        seld_app_motors_off(app);
+    }
     seld_app_send_hello_reply(app, app->is_greeted);
 }
 
@@ -125,7 +129,7 @@ static void take_frame(seld_app *app)
     if (app->sequence_is_known && !follows) app->sequence_gaps++;
     app->sequence_in = sequence;
     app->sequence_is_known = true;
-    app->silent_ticks = 0;
+    if (app->is_greeted) app->silent_ticks = 0;
     app->answers = sequence;
     dispatch(app, app->decoder.header.type, app->decoder.payload, app->decoder.payload_bytes);
     app->answers = 0;

@@ -120,7 +120,7 @@ static void touch(const seld_model *model, seld_state *state, uint32_t i, int32_
     seld_vec3 drift = tangential(&work->drift_m_q33, n);
     seld_vec3 reach = seld_vec3_add(held, drift);
     int32_t friction = friction_stiffness(model, limit, &reach);
-    int32_t normal = model->contact + (predicted_m_q30 > SELD_CONTACT_DEEP_M_Q30 ? model->contact_deep : 0);
+    int32_t normal = model->contact + (work->depth_m_q30 > SELD_CONTACT_DEEP_M_Q30 ? model->contact_deep : 0);
     wall_matrix(work, normal, friction);
     wall_force(model, work, &held, friction);
     work->touching = 1;

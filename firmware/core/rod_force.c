@@ -128,7 +128,8 @@ void seld_rod_rest_turn(const seld_joint *joint, int32_t release_q30, const seld
     int32_t turn1 = seld_scale_q30(joint->turn1_q30, release_q30);
     int32_t turn2 = seld_scale_q30(joint->turn2_q30, release_q30);
     for (int k = 0; k < 3; k++) {
-        half->v[k] = (seld_scale_q30(turn1, axis1->v[k]) + seld_scale_q30(turn2, axis2.v[k])) >> 1;
+        int64_t sum = (int64_t)seld_scale_q30(turn1, axis1->v[k]) + seld_scale_q30(turn2, axis2.v[k]);
+        half->v[k] = (int32_t)(sum >> 1);
     }
 }
 
@@ -202,6 +203,10 @@ static void rows(const seld_model *model, seld_state *state)
         work->diagonal = model->nodes[i].diagonal;
         work->off_diagonal = model->nodes[i].off_diagonal;
         work->off_second = model->nodes[i].off_second;
+    }
+    for (uint32_t i = na; i < na + 2; i++) {
+        state->scratch.nodes[i].spring = (seld_sym3){{0, 0, 0, 0, 0, 0}};
+        state->scratch.nodes[i].wall = (seld_sym3){{0, 0, 0, 0, 0, 0}};
     }
     for (uint32_t i = na - 1; i <= na; i++) {
         const seld_joint *clipped = &state->scratch.mouth[i + 1 - na];

@@ -62,7 +62,9 @@ static inline void invert(const seld_sym3 *d, inverse3 *inverse)
         n[k] = (n[k] + half) >> cut;
     }
     int64_t determinant = xx * n[XX] + xy * n[XY] + xz * n[XZ];
-    determinant = determinant < 1 ? 1 : determinant;
+    /* An instrument far softer than its format's step could fall below; the floor keeps every shift in range. */
+    const int64_t least = (int64_t)1 << 30;
+    determinant = determinant < least ? least : determinant;
     unsigned lead = clz64((uint64_t)determinant);
     /* determinant = mantissa 2^(33 - lead); reciprocal = 2^61 / mantissa */
     int64_t reciprocal = seld_reciprocal_q30((uint32_t)(((uint64_t)determinant << lead) >> 33));
