@@ -28,6 +28,12 @@ static inline const seld_joint *seld_rod_joint(const seld_model *model, const se
     return i + 1 < na ? &model->joints[i] : &state->scratch.mouth[i + 1 - na];
 }
 
+/* Has the joint a rest shape that its frames must be known for? */
+static inline bool seld_rod_is_curved(const seld_joint *joint)
+{
+    return (joint->turn1_q30 | joint->turn2_q30) != 0;
+}
+
 /* One edge's half of a joint's rest turning vector g, times the share that is in force. Q30. */
 void seld_rod_rest_turn(const seld_joint *joint, int32_t release_q30, const seld_vec3 *axis1,
                         const seld_vec3 *tangent, seld_vec3 *half);

@@ -133,11 +133,6 @@ void seld_rod_rest_turn(const seld_joint *joint, int32_t release_q30, const seld
     }
 }
 
-static bool is_curved(const seld_joint *joint)
-{
-    return (joint->turn1_q30 | joint->turn2_q30) != 0;
-}
-
 /* F = tau kb / 2 = tau (t x t') / (1 + t.t'). Format: tau Q30 N m -> Q30 N m. For small turning 1/(1+c) is
  * 1/2 + (1-c)/4 + (1-c)^2/8, good to 1e-4 at 40 degrees. */
 static seld_vec3 twist_force(int32_t torque_N_m_q30, const seld_vec3 *before, const seld_vec3 *after)
@@ -173,7 +168,7 @@ static void joint_forces(const seld_model *model, seld_state *state, uint32_t i)
     int32_t a = model->edges[i - 1].inverse_length_per_m_q18;
     int32_t c = model->edges[i].inverse_length_per_m_q18;
     seld_vec3 turn = {{0, 0, 0}};
-    if (is_curved(joint)) {
+    if (seld_rod_is_curved(joint)) {
         seld_vec3 half_ahead, half_here;
         seld_rod_rest_turn(joint, state->words.release_q30, &ahead->axis1_q30, before, &half_ahead);
         seld_rod_rest_turn(joint, state->words.release_q30, &here->axis1_q30, after, &half_here);

@@ -69,11 +69,6 @@ static seld_vec3 transport(seld_vec3 axis, const seld_vec3 *from, const seld_vec
     return axis;
 }
 
-static bool is_curved(const seld_joint *joint)
-{
-    return (joint->turn1_q30 | joint->turn2_q30) != 0;
-}
-
 /* d1 of an edge from its reference axis and angle. */
 static void material_axis(const seld_vec3 *reference, const seld_vec3 *tangent, uint32_t angle_turn32,
                           seld_vec3 *axis1)
@@ -98,7 +93,7 @@ static void carry_axes(const seld_model *model, seld_state *state)
         if (j < na) {
             reference = transport(reference, &nodes[j + 1].tangent_q30, &nodes[j].tangent_q30);
         }
-        if (is_curved(&model->joints[j]) || is_curved(&model->joints[j + 1])) {
+        if (seld_rod_is_curved(&model->joints[j]) || seld_rod_is_curved(&model->joints[j + 1])) {
             orthonormalise(&reference, &nodes[j].tangent_q30);
             material_axis(&reference, &nodes[j].tangent_q30, nodes[j].angle_turn32,
                           &state->scratch.nodes[j].axis1_q30);
@@ -158,7 +153,7 @@ static void eliminate_edge(const seld_model *model, seld_state *state, uint32_t 
     int32_t moment = seld_mul(next, angle, 26);
     int32_t curve_torque[2] = {0, 0};
     int32_t curve_q26[2] = {0, 0};
-    if (is_curved(joint)) {
+    if (seld_rod_is_curved(joint)) {
         curvature_torque(model, state, j + 1, curve_torque, curve_q26);
     }
     int64_t pivot = (int64_t)carry->coupling_q26 + next + SELD_SPIN_DRAG_N_M_Q26 + carry->curve_q26 +
@@ -186,7 +181,7 @@ static void turn_edge(const seld_model *model, seld_state *state, uint32_t j, in
 {
     seld_node_state *node = &state->words.nodes[j];
     node->angle_turn32 += (uint32_t)seld_scale_q30(angle_q30, TWO_OVER_PI_Q30);
-    if (!is_curved(&model->joints[j]) && !is_curved(&model->joints[j + 1])) {
+    if (!seld_rod_is_curved(&model->joints[j]) && !seld_rod_is_curved(&model->joints[j + 1])) {
         return;
     }
     seld_vec3 *axis1 = &state->scratch.nodes[j].axis1_q30;
