@@ -41,7 +41,7 @@ HOST_LINK     := -lpng -lglfw -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/docs
 
-.PHONY: all run window test bench fuzz compilers format help clean docs tests-build tests-build-san fuzz-programs
+.PHONY: all run window test bench bench-peers fuzz compilers format help clean docs tests-build tests-build-san fuzz-programs
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -191,6 +191,13 @@ $(call bench_program,$(1)): $(call objects,$(1) firmware/bench/bench.c $(REFEREN
 	$$(Q) $(CC) $$^ -o $$@ $(LDFLAGS) -lm
 endef
 $(foreach b,$(BENCHES),$(eval $(call bench_rule,$(b))))
+
+PEER_ROD := $(BUILD)/bench/peer_rod
+$(eval $(call bench_rule,firmware/bench/peer_rod.c))
+
+bench-peers: packages-build packages-peers ## the same rod by other simulators (fetched into build/peers) and by ours: out/bench_peers.tsv
+	@$(QUIET_MAKE) $(PEER_ROD)
+	@tools/bench/run_peers.py --environment $(BUILD)/peers --ours $(PEER_ROD)
 
 bench: packages-build packages-run packages-bench ## measure; writes out/bench.tsv and prints it (CASES=text: only names with it)
 	@$(QUIET_MAKE) $(PROGRAMS) $(foreach b,$(BENCHES),$(call bench_program,$(b)))
