@@ -41,7 +41,7 @@ HOST_LINK     := -lpng -lglfw -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/docs
 
-.PHONY: all run window test bench bench-peers fuzz compilers format help clean docs tests-build tests-build-san fuzz-programs
+.PHONY: all run window test bench bench-peers fuzz compilers matrix format help clean docs tests-build tests-build-san fuzz-programs
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -164,7 +164,7 @@ SAN_MAKE   = $(QUIET_MAKE) BUILD=$(BUILD)/san SAN=address,undefined OPT=-O1 CORE
 FUZZ_MAKE  = $(QUIET_MAKE) BUILD=$(BUILD)/fuzz CC=clang CXX=clang++ SAN=fuzzer-no-link,address,undefined OPT=-O1 CORE_OPT=-O1
 
 # What does not build is reported by run_tests.py as failed, with everything else run all the same.
-test: packages-build packages-test ## build and run every test, also under the sanitizers, and a short fuzz run
+test: packages-build packages-test packages-matrix ## build and run every test, also under the sanitizers, and a short fuzz run
 	@status=0; \
 	$(QUIET_MAKE) -k $(PROGRAMS) tests-build || status=1; \
 	$(SAN_MAKE) -k tests-build-san || status=1; \
@@ -181,6 +181,9 @@ compilers: packages-build packages-test ## replay out/demo.rec by gcc -O0, gcc -
 	@$(QUIET_MAKE) $(PROGRAMS)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(DEMO_OUT)
 	@JOBS=$(JOBS) tools/check/compare_compilers.sh
+
+matrix: packages-build packages-test packages-matrix ## one hash on five machines, gcc and clang, -O0/2/3: docs/determinism.md
+	@tools/check/matrix.py --jobs $(JOBS)
 
 # --- benchmarks: docs/bench.md -------------------------------------------------------------------------------------
 BENCHES := $(wildcard firmware/bench/bench_*.c)

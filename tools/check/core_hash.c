@@ -1,166 +1,250 @@
-/* Drives the core through a session made of integers only and prints its state hashes: test_compilers.sh
- * builds this with several compilers and optimisation levels, and every build must print the same lines.
+/* Drives the core through the scenes of core_scenes.c and prints its state hashes: every compiler, optimisation level and
+ * machine must print the same lines (tools/check/test_compilers.sh, tools/check/matrix.py). To find where two machines part,
+ * it also prints a hash per tick and subsystem, and every word of one tick.
  *
- * The lumen is a square tube, 8 mm wide and 120 mm long, closed at its end: the wire enters, touches, turns,
- * is pushed against the end wall until it buckles, and is pulled back.
- *
- *      entry -> ================================|   y = 120 mm
- *               8 mm                            |
- *               ================================|
- *
- * May include: the core's public headers. Called by: tools/check/test_compilers.sh. */
-#include <stdio.h>
-#include <stdlib.h>
+ * Freestanding, with its memory in itself: runs on a bare Cortex-M7 as on a PC.
+ * May include: the core's headers for owners of its memory, console.h. Called by: test_compilers.sh, matrix.py. */
+#include "tools/check/console.h"
+#include "tools/check/core_scenes.h"
 
-#include "firmware/core/core.h"
+enum { TICKS_PER_LINE = 500, NONE = 0x7fffffff };
 
-enum {
-    BRICKS_X = 3,
-    BRICKS_Y = 20,
-    BRICKS_Z = 3,
-    BRICK_COUNT = BRICKS_X * BRICKS_Y * BRICKS_Z,
-    SAMPLE_EDGE = 10,
-    HALF_VOXEL = 16, /* a voxel is 32 units of a coefficient */
-    HALF_WIDTH = 4 * 32 + 3,
-    LENGTH = 123 * 32,
-    TICKS_PER_LINE = 500,
-    LINES = 8,
-};
+static seld_model model;
+static seld_state state;
 
-static uint16_t brick_index[BRICK_COUNT];
-static int8_t brick_samples[BRICK_COUNT * SELD_LUMEN_BRICK_SAMPLES];
+/* --- what of the state belongs to which part of a tick, in the order of core_step.c --------------------------------- */
 
-static int largest(int a, int b)
-{
-    return a > b ? a : b;
-}
+typedef struct part {
+    const char *name;
+    size_t offset; /* of a member of seld_node_state or seld_work */
+    uint32_t words;
+    bool in_scratch;
+} part;
 
-/* Distance in 1/32 voxel at a point in 1/32 voxel: the largest of the distances from the five walls. */
-static int tube_distance(int x, int y, int z)
-{
-    int distance = largest(largest(abs(x), abs(z)) - HALF_WIDTH, y - LENGTH);
-    return distance > 127 ? 127 : distance < -127 ? -127 : distance;
-}
-
-static void fill_brick(int brick)
-{
-    int corner_x = (brick % BRICKS_X * SELD_LUMEN_BRICK_EDGE - BRICKS_X * SELD_LUMEN_BRICK_EDGE / 2) * 32;
-    int corner_y = brick / BRICKS_X % BRICKS_Y * SELD_LUMEN_BRICK_EDGE * 32;
-    int corner_z =
-        (brick / (BRICKS_X * BRICKS_Y) * SELD_LUMEN_BRICK_EDGE - BRICKS_Z * SELD_LUMEN_BRICK_EDGE / 2) * 32;
-    int8_t *samples = &brick_samples[brick * SELD_LUMEN_BRICK_SAMPLES];
-    for (int i = 0; i < SELD_LUMEN_BRICK_SAMPLES; i++) {
-        int x = corner_x + (i % SAMPLE_EDGE - 1) * 32 + HALF_VOXEL;
-        int y = corner_y + (i / SAMPLE_EDGE % SAMPLE_EDGE - 1) * 32 + HALF_VOXEL;
-        int z = corner_z + (i / (SAMPLE_EDGE * SAMPLE_EDGE) - 1) * 32 + HALF_VOXEL;
-        samples[i] = (int8_t)tube_distance(x, y, z);
+#define OF_STATE(name, member)                                                                               \
+    {                                                                                                        \
+        name, offsetof(seld_node_state, member), sizeof(((seld_node_state *)0)->member) / 4, false           \
     }
-    brick_index[brick] = (uint16_t)(brick + SELD_LUMEN_ENTRY_FIRST_BRICK);
+#define OF_WORK(name, member)                                                                                \
+    {                                                                                                        \
+        name, offsetof(seld_work, member), sizeof(((seld_work *)0)->member) / 4, true                        \
+    }
+static const part parts[] = {
+    OF_WORK("feed", position_m_q30),
+    OF_WORK("stretch", strain_q30),
+    OF_WORK("twist", torque_N_m_q30),
+    OF_WORK("contact", touching),
+    OF_WORK("contact", depth_m_q30),
+    OF_WORK("force", force_N_q22),
+    OF_WORK("solve", w_q29),
+    OF_WORK("solve", solution_m_q33),
+    OF_STATE("angle", angle_turn32),
+    OF_STATE("friction", contact),
+    OF_STATE("friction", bristle_m_q33),
+    OF_STATE("motion", step_m_q33),
+    OF_STATE("motion", position_m_q30),
+};
+enum { PART_COUNT = sizeof parts / sizeof parts[0] };
+
+static uint32_t *words_of(const part *p, uint32_t node)
+{
+    unsigned char *base = p->in_scratch ? (unsigned char *)&state.scratch.nodes[node]
+                                        : (unsigned char *)&state.words.nodes[node];
+    return (uint32_t *)(base + p->offset);
 }
 
-static seld_lumen make_tube(void)
+static bool same(const char *a, const char *b)
 {
-    for (int brick = 0; brick < BRICK_COUNT; brick++) fill_brick(brick);
-    const int32_t brick_edge = (int32_t)SELD_LUMEN_BRICK_EDGE << SELD_LUMEN_VOXEL_LOG2_Q30;
-    seld_lumen lumen = {
-        .origin_m_q30 = {-BRICKS_X * brick_edge / 2, 0, -BRICKS_Z * brick_edge / 2},
-        .brick_count_xyz = {BRICKS_X, BRICKS_Y, BRICKS_Z},
-        .brick_count = BRICK_COUNT,
-        .index = brick_index,
-        .samples = brick_samples,
-    };
-    return lumen;
+    while (*a != '\0' && *a == *b) a++, b++;
+    return *a == *b;
 }
 
-/* A J wire: floppy curved tip of 15 mm, transition to a stiff shaft at 60 mm. */
-static seld_instrument make_wire(void)
+/* FNV-1a of one part of all free nodes. */
+static uint32_t hash_part(const part *p, uint32_t hash)
 {
-    const seld_knot tip = {.arc_um = 0,
-                           .bend_stiffness_nN_m2 = 10000,
-                           .twist_stiffness_nN_m2 = 10000,
-                           .mass_mg_per_m = 4000,
-                           .radius_outer_um = 445,
-                           .friction_kinetic_milli = 100,
-                           .friction_static_milli = 120,
-                           .rest_curvature1_per_m_milli = 150000};
-    seld_knot bend_end = tip;
-    bend_end.arc_um = 15000;
-    seld_knot straight = bend_end;
-    straight.rest_curvature1_per_m_milli = 0;
-    seld_knot shaft = straight;
-    shaft.arc_um = 60000;
-    shaft.bend_stiffness_nN_m2 = 500000;
-    shaft.twist_stiffness_nN_m2 = 500000;
-    seld_knot end = shaft;
-    end.arc_um = 400000;
-    seld_instrument wire = {.knot_count = 5,
-                            .knots = {tip, bend_end, straight, shaft, end},
-                            .axial_stiffness_max_N = 3000,
-                            .element_tip_um = 1000,
-                            .element_shaft_um = 3000,
-                            .element_fine_um = 40000};
-    return wire;
+    for (uint32_t i = 0; i < state.words.free_count; i++) {
+        const uint32_t *words = words_of(p, i);
+        for (uint32_t k = 0; k < p->words; k++) hash = (hash ^ words[k]) * 16777619u;
+    }
+    return hash;
 }
 
-/* 2.5 s forwards at 60 mm/s with a turn on the way, then back at 30 mm/s. `variant` changes the hand a
- * little. */
-static seld_input hand_at(uint32_t tick, uint32_t variant)
+/* --- text -------------------------------------------------------------------------------------------------------- */
+
+static void write_hex(uint64_t value, int digits)
 {
-    const int32_t step_m_q30 = 64425; /* 60 mm/s for 1 ms */
-    const uint32_t forward_ticks = 2500;
-    uint32_t forward = tick < forward_ticks ? tick : forward_ticks;
-    seld_input input = {
-        .hand_feed_m_q30 = (int32_t)forward * step_m_q30 - (int32_t)(tick - forward) * (step_m_q30 / 2),
-        .hand_turn32 = forward * (1717987u + variant), /* 0.4 turns per second */
-    };
-    return input;
+    char text[17];
+    for (int i = 0; i < digits; i++) text[i] = "0123456789abcdef"[value >> (4 * (digits - 1 - i)) & 15u];
+    text[digits] = '\0';
+    console_write(text);
 }
 
-static void run(const seld_model *model, seld_state *state, uint32_t variant)
+static void write_decimal(int32_t value)
 {
-    seld_output output = {0};
-    uint32_t contacts_max = 0;
-    int32_t force_max_N_q22 = 0;
-    seld_state_init(model, state, 40000);
-    for (uint32_t tick = 1; tick <= LINES * TICKS_PER_LINE; tick++) {
-        seld_input input = hand_at(tick, variant);
-        seld_step(model, state, &input, &output);
-        contacts_max = output.contact_count > contacts_max ? output.contact_count : contacts_max;
-        force_max_N_q22 =
-            output.handle_axial_N_q22 > force_max_N_q22 ? output.handle_axial_N_q22 : force_max_N_q22;
-        if (tick % TICKS_PER_LINE == 0) {
-            printf("tick %u hash %016llx lanes %08x %08x\n", output.tick,
-                   (unsigned long long)seld_state_hash64(state), output.hash_lane[0], output.hash_lane[1]);
+    char text[12];
+    int at = 11;
+    uint32_t rest = value < 0 ? 0u - (uint32_t)value : (uint32_t)value;
+    text[at] = '\0';
+    do {
+        text[--at] = (char)('0' + rest % 10);
+        rest /= 10;
+    } while (rest != 0);
+    if (value < 0) text[--at] = '-';
+    console_write(&text[at]);
+}
+
+static void write_field(const char *name, int32_t value)
+{
+    console_write(name);
+    write_decimal(value);
+}
+
+/* One line per tick: `trace SCENE TICK feed=HASH stretch=HASH ...`. */
+static void write_trace(const core_scene *scene, uint32_t tick)
+{
+    console_write("trace ");
+    console_write(scene->name);
+    write_field(" ", (int32_t)tick);
+    for (uint32_t p = 0; p < PART_COUNT; p++) {
+        uint32_t hash = hash_part(&parts[p], 2166136261u);
+        while (p + 1 < PART_COUNT && same(parts[p].name, parts[p + 1].name))
+            hash = hash_part(&parts[++p], hash);
+        console_write(" ");
+        console_write(parts[p].name);
+        console_write("=");
+        write_hex(hash, 8);
+    }
+    console_write("\n");
+}
+
+/* One line per node and part: `node SCENE TICK PART NODE WORDS`. */
+static void write_nodes(const core_scene *scene, uint32_t tick)
+{
+    for (uint32_t p = 0; p < PART_COUNT; p++) {
+        for (uint32_t i = 0; i < state.words.free_count; i++) {
+            console_write("node ");
+            console_write(scene->name);
+            write_field(" ", (int32_t)tick);
+            console_write(" ");
+            console_write(parts[p].name);
+            write_field(" ", (int32_t)i);
+            for (uint32_t k = 0; k < parts[p].words; k++) {
+                console_write(" ");
+                write_hex(words_of(&parts[p], i)[k], 8);
+            }
+            console_write("\n");
         }
     }
-    printf("contacts_max %u force_max_mN %lld\n", contacts_max,
-           (long long)force_max_N_q22 * 1000 / (1 << 22));
+}
+
+static void write_hash(const core_scene *scene, const seld_output *output)
+{
+    console_write(scene->name);
+    write_field(" tick ", (int32_t)output->tick);
+    console_write(" hash ");
+    write_hex(seld_state_hash64(&state), 16);
+    console_write(" lanes ");
+    write_hex(output->hash_lane[0], 8);
+    console_write(" ");
+    write_hex(output->hash_lane[1], 8);
+    console_write("\n");
+}
+
+/* --- the program --------------------------------------------------------------------------------------------------- */
+
+typedef struct options {
+    bool trace;
+    uint32_t variant, nodes_tick, flip_tick, flip_node;
+    const char *flip_part, *scene; /* NULL: every scene */
+} options;
+
+/* Changes the lowest bit of one word as a wrong machine would, and of the node's position, which follows from it. */
+static void flip(const options *o, uint32_t tick)
+{
+    for (uint32_t p = 0; p < PART_COUNT && tick == o->flip_tick; p++) {
+        if (same(parts[p].name, o->flip_part)) {
+            *words_of(&parts[p], o->flip_node) ^= 1u;
+            state.words.nodes[o->flip_node].position_m_q30.v[0] ^= 16;
+            return;
+        }
+    }
+}
+
+static bool run(uint32_t scene, const options *o)
+{
+    const core_scene *s = &core_scenes[scene];
+    if (!core_scene_start(scene, &model, &state)) {
+        console_write("core_hash: the core refuses a scene\n");
+        return false;
+    }
+    uint32_t contacts = 0, solved_twice = 0, faults = 0;
+    for (uint32_t tick = 1; tick <= s->ticks; tick++) {
+        seld_output output = {0};
+        seld_input input = core_scene_hand(scene, tick, o->variant);
+        seld_step(&model, &state, &input, &output);
+        flip(o, tick);
+        contacts = output.contact_count > contacts ? output.contact_count : contacts;
+        solved_twice += output.solve_count - 1u;
+        faults = output.fault_bits;
+        if (o->trace) write_trace(s, tick);
+        if (tick == o->nodes_tick) write_nodes(s, tick);
+        if (!o->trace && o->nodes_tick == NONE && tick % TICKS_PER_LINE == 0) write_hash(s, &output);
+    }
+    console_write(s->name);
+    write_field(" contacts_max ", (int32_t)contacts);
+    write_field(" solved_twice ", (int32_t)solved_twice);
+    write_field(" faults ", (int32_t)faults);
+    console_write("\n");
+    return true;
+}
+
+static uint32_t number(const char *text)
+{
+    uint32_t value = 0;
+    while (*text >= '0' && *text <= '9') value = value * 10 + (uint32_t)(*text++ - '0');
+    return value;
+}
+
+static bool read_options(int argc, char **argv, options *o)
+{
+    int i = 1;
+    while (i < argc) {
+        int left = argc - i;
+        if (same(argv[i], "trace")) {
+            o->trace = true;
+            i += 1;
+        } else if (same(argv[i], "scene") && left >= 2) {
+            o->scene = argv[i + 1];
+            i += 2;
+        } else if (same(argv[i], "nodes") && left >= 2) {
+            o->nodes_tick = number(argv[i + 1]);
+            i += 2;
+        } else if (same(argv[i], "variant") && left >= 2) {
+            o->variant = number(argv[i + 1]);
+            i += 2;
+        } else if (same(argv[i], "flip") && left >= 4) {
+            o->flip_tick = number(argv[i + 1]);
+            o->flip_part = argv[i + 2];
+            o->flip_node = number(argv[i + 3]);
+            i += 4;
+        } else {
+            return false;
+        }
+    }
+    return o->flip_node < SELD_NODE_MAX;
 }
 
 int main(int argc, char **argv)
 {
-    if (argc > 2) {
-        fprintf(stderr,
-                "usage: %s [VARIANT]   (VARIANT: a number that changes the hand's motion, default 0)\n",
-                argv[0]);
+    options o = {.nodes_tick = NONE, .flip_tick = NONE};
+    if (!read_options(argc, argv, &o)) {
+        console_write(
+            "usage: core_hash [scene NAME] [trace] [nodes TICK] [variant N] [flip TICK PART NODE]\n");
         return 2;
     }
-    uint32_t variant = argc == 2 ? (uint32_t)strtoul(argv[1], NULL, 10) : 0;
-    seld_lumen lumen = make_tube();
-    seld_instrument wire = make_wire();
-    seld_entry entry = {.position_m_q30 = {{0, 8 << 20, 0}}, .direction_q30 = {{0, SELD_ONE_Q30, 0}}};
-    seld_model *model = malloc(seld_model_size());
-    seld_state *state = malloc(seld_state_size());
-    uint32_t field = 0;
-    seld_build_status status = model == NULL || state == NULL
-                                   ? SELD_BUILD_LENGTH
-                                   : seld_model_build(model, &wire, &lumen, &entry, &field);
-    if (status == SELD_BUILD_OK) {
-        run(model, state, variant);
-    } else {
-        fprintf(stderr, "core_hash: the model cannot be built: status %d, field %u\n", (int)status, field);
+    for (uint32_t scene = 0; scene < CORE_SCENE_COUNT; scene++) {
+        bool wanted = o.scene == NULL || same(o.scene, core_scenes[scene].name);
+        if (wanted && !run(scene, &o)) return 1;
     }
-    free(state);
-    free(model);
-    return status == SELD_BUILD_OK ? 0 : 1;
+    return 0;
 }

@@ -1,0 +1,19 @@
+/* What an image asks of the debugger or emulator that runs it ("semihosting"): text, files, arguments, exit.
+ * May include: nothing. Called by: images for measuring and comparing, never by the product. */
+#ifndef SELD_PORT_SEMIHOST_H
+#define SELD_PORT_SEMIHOST_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+void semihost_write(const char *text);
+
+/* Reads a whole file. Returns its size, or 0 when it cannot be read or is larger than `capacity`. */
+size_t semihost_read_file(const char *path, void *bytes, size_t capacity);
+
+/* Splits the command line at blanks; argv[count] is NULL. Returns the count, at most `most`. */
+int semihost_arguments(char *line, size_t capacity, char **argv, int most);
+
+_Noreturn void semihost_exit(int code);
+
+#endif

@@ -1,0 +1,30 @@
+/* The 24-bit counter of the processor, running down at the processor's clock. QEMU with -icount shift=0 lets one
+ * instruction take 1 ns and this board's clock is 25 MHz, so that one count is exactly 40 instructions there.
+ * May include: nothing. Called by: images for measuring. */
+#ifndef SELD_PORT_SYSTICK_H
+#define SELD_PORT_SYSTICK_H
+
+#include <stdint.h>
+
+enum { SYSTICK_INSTRUCTIONS_PER_COUNT = 40, SYSTICK_MASK = 0xffffff };
+
+static volatile uint32_t *const systick = (volatile uint32_t *)0xe000e010u; /* control, reload, value */
+
+static inline void systick_start(void)
+{
+    systick[1] = SYSTICK_MASK;
+    systick[2] = 0;
+    systick[0] = 5; /* processor clock, no interrupt, on */
+}
+
+/* Counts since `start`, which was read by systick_now(); right while fewer than 2^24. */
+static inline uint32_t systick_now(void)
+{
+    return systick[2];
+}
+static inline uint32_t systick_since(uint32_t start)
+{
+    return (start - systick_now()) & SYSTICK_MASK;
+}
+
+#endif

@@ -1,0 +1,8 @@
+/* The console of a bare image. May include: the port's semihosting. Called by: core_hash.c. */
+#include "firmware/port/mps2_an500/semihost.h"
+#include "tools/check/console.h"
+
+void console_write(const char *text)
+{
+    semihost_write(text);
+}

@@ -1,0 +1,9 @@
+/* The console of a program under an operating system. May include: the C library. Called by: core_hash.c. */
+#include "tools/check/console.h"
+
+#include <stdio.h>
+
+void console_write(const char *text)
+{
+    fputs(text, stdout);
+}

@@ -1,0 +1,204 @@
+/* The scenes of core_hash.c; core_scenes.h says what they are for.
+ *
+ * tube: a J wire enters a square tube, 8 mm wide and 120 mm long, touches, turns, is pushed against the end wall until it
+ * buckles, and is pulled back.
+ *
+ *      entry -> ================================|   y = 120 mm
+ *               8 mm                            |
+ *               ================================|
+ *
+ * fine: a stiff uniform wire in the same tube made of refined bricks, 4 mm wide, pushed, pulled and turned as fast as the
+ * core allows, so that limits act. air: a floppy shaped wire without a lumen, hanging and turned.
+ * May include: core_scenes.h. Called by: core_hash.c. */
+#include "tools/check/core_scenes.h"
+
+enum { TUBE, FINE, AIR };
+enum {
+    BRICKS_X = 3,
+    BRICKS_Y = 20,
+    BRICKS_Z = 3,
+    COARSE_COUNT = BRICKS_X * BRICKS_Y * BRICKS_Z,
+    FINE_COUNT = 8 * COARSE_COUNT,
+    SAMPLE_EDGE = 10,
+    HALF_VOXEL = 16, /* a voxel is 32 units of a coefficient */
+    TUBE_HALF_WIDTH = 4 * 32 + 3,
+    FINE_HALF_WIDTH = 2 * 32 + 5,
+    TUBE_LENGTH = 123 * 32,
+};
+
+const core_scene core_scenes[CORE_SCENE_COUNT] = {{"tube", 4000}, {"fine", 1500}, {"air", 1000}};
+
+/* What a scene's lumen is made in. One at a time: core_scene_start makes it anew. */
+static struct {
+    seld_lumen lumen;
+    uint16_t index[COARSE_COUNT];
+    uint16_t children[FINE_COUNT];
+    int8_t samples[FINE_COUNT * SELD_LUMEN_BRICK_SAMPLES];
+} field;
+
+static int32_t largest(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+static int32_t size_of(int32_t a)
+{
+    return a < 0 ? -a : a;
+}
+
+/* Distance at a point in 1/32 coarse voxel: the largest of the distances from the five walls. */
+static int32_t tube_distance(int32_t x, int32_t y, int32_t z, int32_t half_width)
+{
+    return largest(largest(size_of(x), size_of(z)) - half_width, y - TUBE_LENGTH);
+}
+
+/* Brick with its low corner at (x, y, z) in 1/32 coarse voxel; its voxels are 2^level times finer. */
+static void fill_brick(int8_t *samples, const int32_t corner[3], unsigned level, int32_t half_width)
+{
+    for (int32_t i = 0; i < SELD_LUMEN_BRICK_SAMPLES; i++) {
+        const int32_t place[3] = {i % SAMPLE_EDGE, i / SAMPLE_EDGE % SAMPLE_EDGE,
+                                  i / (SAMPLE_EDGE * SAMPLE_EDGE)};
+        int32_t point[3];
+        for (int k = 0; k < 3; k++) point[k] = corner[k] + ((place[k] - 1) * 32 + HALF_VOXEL) / (1 << level);
+        int32_t distance = tube_distance(point[0], point[1], point[2], half_width) * (1 << level);
+        samples[i] = (int8_t)(distance > 127 ? 127 : (distance < -127 ? -127 : distance));
+    }
+}
+
+static void coarse_corner(int32_t brick, int32_t corner[3])
+{
+    const int32_t edge = SELD_LUMEN_BRICK_EDGE * 32;
+    corner[0] = brick % BRICKS_X * edge - BRICKS_X * edge / 2;
+    corner[1] = brick / BRICKS_X % BRICKS_Y * edge;
+    corner[2] = brick / (BRICKS_X * BRICKS_Y) * edge - BRICKS_Z * edge / 2;
+}
+
+static void fill_coarse(void)
+{
+    for (int32_t brick = 0; brick < COARSE_COUNT; brick++) {
+        int32_t corner[3];
+        coarse_corner(brick, corner);
+        fill_brick(&field.samples[brick * SELD_LUMEN_BRICK_SAMPLES], corner, 0, TUBE_HALF_WIDTH);
+        field.index[brick] = (uint16_t)(brick + SELD_LUMEN_ENTRY_FIRST_BRICK);
+    }
+}
+
+static void fill_fine(void)
+{
+    for (int32_t fine = 0; fine < FINE_COUNT; fine++) {
+        int32_t corner[3];
+        coarse_corner(fine / 8, corner);
+        for (int k = 0; k < 3; k++) corner[k] += (fine >> k & 1) * SELD_LUMEN_BRICK_EDGE * 16;
+        fill_brick(&field.samples[fine * SELD_LUMEN_BRICK_SAMPLES], corner, 1, FINE_HALF_WIDTH);
+        field.children[fine] = (uint16_t)(fine + SELD_LUMEN_ENTRY_FIRST_BRICK);
+        field.index[fine / 8] = (uint16_t)(SELD_LUMEN_ENTRY_REFINED | fine / 8);
+    }
+}
+
+static const seld_lumen *make_lumen(uint32_t scene)
+{
+    if (scene == AIR) return NULL;
+    if (scene == FINE) {
+        fill_fine();
+    } else {
+        fill_coarse();
+    }
+    const int32_t brick_edge = (int32_t)SELD_LUMEN_BRICK_EDGE << SELD_LUMEN_VOXEL_LOG2_Q30;
+    field.lumen = (seld_lumen){
+        .origin_m_q30 = {-BRICKS_X * brick_edge / 2, 0, -BRICKS_Z * brick_edge / 2},
+        .brick_count_xyz = {BRICKS_X, BRICKS_Y, BRICKS_Z},
+        .child_row_count = scene == FINE ? COARSE_COUNT : 0,
+        .brick_count = scene == FINE ? FINE_COUNT : COARSE_COUNT,
+        .index = field.index,
+        .children = field.children,
+        .samples = field.samples,
+    };
+    return &field.lumen;
+}
+
+/* A J wire: floppy curved tip of 15 mm, transition to a shaft at 60 mm. */
+static seld_instrument make_j_wire(uint32_t shaft_nN_m2)
+{
+    const seld_knot tip = {.arc_um = 0,
+                           .bend_stiffness_nN_m2 = 10000,
+                           .twist_stiffness_nN_m2 = 10000,
+                           .mass_mg_per_m = 4000,
+                           .radius_outer_um = 445,
+                           .friction_kinetic_milli = 100,
+                           .friction_static_milli = 120,
+                           .rest_curvature1_per_m_milli = 150000};
+    seld_knot bend_end = tip;
+    bend_end.arc_um = 15000;
+    seld_knot straight = bend_end;
+    straight.rest_curvature1_per_m_milli = 0;
+    seld_knot shaft = straight;
+    shaft.arc_um = 60000;
+    shaft.bend_stiffness_nN_m2 = shaft_nN_m2;
+    shaft.twist_stiffness_nN_m2 = shaft_nN_m2;
+    seld_knot end = shaft;
+    end.arc_um = 400000;
+    seld_instrument wire = {.knot_count = 5,
+                            .knots = {tip, bend_end, straight, shaft, end},
+                            .axial_stiffness_max_N = 3000,
+                            .element_tip_um = 1000,
+                            .element_shaft_um = 3000,
+                            .element_fine_um = 40000};
+    return wire;
+}
+
+/* 4.9e-3 N m^2 from end to end, the stiffest wire that is sold. */
+static seld_instrument make_stiff_wire(void)
+{
+    const seld_knot tip = {.arc_um = 0,
+                           .bend_stiffness_nN_m2 = 4900000,
+                           .twist_stiffness_nN_m2 = 3800000,
+                           .mass_mg_per_m = 5000,
+                           .radius_outer_um = 445,
+                           .friction_kinetic_milli = 200,
+                           .friction_static_milli = 300,
+                           .rest_curvature1_per_m_milli = 2000};
+    seld_knot end = tip;
+    end.arc_um = 300000;
+    seld_instrument wire = {.knot_count = 2,
+                            .knots = {tip, end},
+                            .axial_stiffness_max_N = 3000,
+                            .element_tip_um = 3000,
+                            .element_shaft_um = 3000,
+                            .element_fine_um = 0};
+    return wire;
+}
+
+bool core_scene_start(uint32_t scene, seld_model *model, seld_state *state)
+{
+    const uint32_t inserted_um[CORE_SCENE_COUNT] = {40000, 60000, 200000};
+    const seld_entry entry = {.position_m_q30 = {{0, 8 << 20, 0}}, .direction_q30 = {{0, SELD_ONE_Q30, 0}}};
+    seld_instrument wire = scene == FINE ? make_stiff_wire() : make_j_wire(scene == TUBE ? 500000 : 20000);
+    uint32_t fault_field = 0;
+    if (seld_model_build(model, &wire, make_lumen(scene), &entry, &fault_field) != SELD_BUILD_OK)
+        return false;
+    seld_state_init(model, state, inserted_um[scene]);
+    return true;
+}
+
+/* Forwards at `step` with a turn on the way, then back at half of it. */
+static seld_input forward_and_back(uint32_t tick, uint32_t forward_ticks, int32_t step_m_q30, uint32_t turn32)
+{
+    uint32_t forward = tick < forward_ticks ? tick : forward_ticks;
+    seld_input input = {
+        .hand_feed_m_q30 = (int32_t)forward * step_m_q30 - (int32_t)(tick - forward) * (step_m_q30 / 2),
+        .hand_turn32 = forward * turn32,
+    };
+    return input;
+}
+
+seld_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant)
+{
+    if (scene == FINE) { /* 0.5 m/s and 3 turns per second, to and fro every quarter of a second */
+        uint32_t phase = tick % 500;
+        uint32_t place = phase < 250 ? phase : 500 - phase;
+        seld_input input = {(int32_t)place * 536871, place * (12884902u + variant)};
+        return input;
+    }
+    if (scene == AIR) return forward_and_back(tick, 600, 107374, 8589935u + variant);
+    return forward_and_back(tick, 2500, 64425, 1717987u + variant); /* 60 mm/s, 0.4 turns per second */
+}
