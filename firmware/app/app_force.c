@@ -21,8 +21,8 @@ static int32_t approach(int32_t present, int64_t target, int32_t slew, int32_t l
 void seld_motor_update(seld_motor *motor, const seld_rig *rig, const seld_output *output, bool fade)
 {
     int64_t gain = fade ? 0 : (int64_t)rig->force_gain_milli;
-    int64_t axial_mN = seld_rshift_round64((int64_t)output->handle_axial_N_q22 * gain, 22);
-    int64_t torque_uN_m = seld_rshift_round64((int64_t)output->handle_torque_N_m_q24 * gain * 1000, 24);
+    int64_t axial_mN = seld_rshift_round64((int64_t)output->tools[0].axial_N_q22 * gain, 22);
+    int64_t torque_uN_m = seld_rshift_round64((int64_t)output->tools[0].torque_N_m_q24 * gain * 1000, 24);
     motor->axial_mN =
         approach(motor->axial_mN, axial_mN, SELD_APP_FORCE_SLEW_mN_per_tick, rig->force_limit_mN);
     motor->torque_uN_m =

@@ -77,8 +77,8 @@ static uint32_t turn32(int64_t counts, uint64_t turn48_per_count)
 
 void seld_hand_input(const seld_hand *hand, const seld_rig *rig, seld_input *input)
 {
-    input->hand_feed_m_q30 = feed_m_q30(hand->translation_counts, rig->translation_m_q46_per_count);
-    input->hand_turn32 = turn32(hand->rotation_counts, rig->rotation_turn48_per_count);
+    input->hands[0].feed_m_q30 = feed_m_q30(hand->translation_counts, rig->translation_m_q46_per_count);
+    input->hands[0].turn32 = turn32(hand->rotation_counts, rig->rotation_turn48_per_count);
 }
 
 static bool in_range(uint32_t value, uint32_t low, uint32_t high)

@@ -87,7 +87,7 @@ void seld_app_send_node_table(seld_app *app)
     table->nodes_count = (uint16_t)count;
     for (uint32_t i = 0; i < count; i++) {
         table->nodes[i] =
-            (seld_wire_node_rest){seld_model_arc(&app->model, i), seld_model_radius(&app->model, i)};
+            (seld_wire_node_rest){seld_model_arc(&app->model, i), seld_state_radius(&app->core, i)};
     }
     SEND(app, node_table, table);
 }

@@ -9,18 +9,18 @@ enum { START_DEPTH_MAX_M_Q30 = 322123 /* 0.3 mm: the wall pushes that back witho
 static void arm(seld_app *app)
 {
     const uint16_t type = SELD_WIRE_TYPE_command;
-    uint32_t field = 0;
+    seld_build_place place = {0, 0};
     SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_READY, SELD_REJECT_WRONG_STATE, app->state, 0);
     SELD_REJECT_IF(app, type, !app->has_instrument || !app->has_entry, SELD_REJECT_INSTRUMENT_MISSING,
                    app->has_instrument, app->has_entry);
-    seld_build_status status = seld_model_build(&app->model, &app->instrument,
-                                                app->has_scene ? &app->lumen : NULL, &app->entry, &field);
-    SELD_REJECT_IF(app, type, status == SELD_BUILD_ENTRY, SELD_REJECT_ENTRY_INVALID, status, field);
-    SELD_REJECT_IF(app, type, status != SELD_BUILD_OK, SELD_REJECT_INSTRUMENT_INVALID, status, field);
+    seld_build_status status = seld_model_build(&app->model, &app->instrument, 1,
+                                                app->has_scene ? &app->lumen : NULL, &app->entry, &place);
+    SELD_REJECT_IF(app, type, status == SELD_BUILD_ENTRY, SELD_REJECT_ENTRY_INVALID, status, place.knot);
+    SELD_REJECT_IF(app, type, status != SELD_BUILD_OK, SELD_REJECT_INSTRUMENT_INVALID, status, place.knot);
     uint32_t length_um = app->instrument.knots[app->instrument.knot_count - 1].arc_um;
     SELD_REJECT_IF(app, type, app->inserted_um > length_um, SELD_REJECT_LENGTH_INSERTED, app->inserted_um,
                    length_um);
-    seld_state_init(&app->model, &app->core, app->inserted_um);
+    seld_state_init(&app->model, &app->core, &app->inserted_um);
     int32_t depth_m_q30 = seld_state_depth(&app->model, &app->core);
     SELD_REJECT_IF(app, type, depth_m_q30 > START_DEPTH_MAX_M_Q30, SELD_REJECT_START_IN_WALL,
                    (uint32_t)(((uint64_t)(uint32_t)depth_m_q30 * 1000000u) >> 30), app->inserted_um);
@@ -117,11 +117,11 @@ static seld_wire_tick_state tick_state(const seld_output *output, const seld_mot
         .tick = output->tick,
         .hash_lane0 = output->hash_lane[0],
         .hash_lane1 = output->hash_lane[1],
-        .handle_axial_N_q22 = output->handle_axial_N_q22,
-        .handle_torque_N_m_q24 = output->handle_torque_N_m_q24,
+        .handle_axial_N_q22 = output->tools[0].axial_N_q22,
+        .handle_torque_N_m_q24 = output->tools[0].torque_N_m_q24,
         .motor_axial_mN = motor->axial_mN,
         .motor_torque_uN_m = motor->torque_uN_m,
-        .inserted_m_q30 = output->inserted_m_q30,
+        .inserted_m_q30 = output->tools[0].inserted_m_q30,
         .penetration_max_m_q30 = output->penetration_max_m_q30,
         .strain_max_q30 = output->strain_max_q30,
         .contact_count = output->contact_count,
@@ -138,7 +138,7 @@ bool seld_app_tick(seld_app *app, const seld_port_encoders *encoders)
         seld_app_fault(app, jump, value[0], value[1]);
         return false;
     }
-    seld_input input;
+    seld_input input = {0};
     seld_output output;
     seld_hand_input(&app->hand, &app->rig, &input);
     seld_step(&app->model, &app->core, &input, &output);

@@ -82,7 +82,10 @@ static seld_knot knot_from_wire(const seld_wire_knot *wire)
 static seld_build_status try_build(seld_app *app, const seld_instrument *instrument, const seld_entry *entry,
                                    uint32_t *field)
 {
-    return seld_model_build(&app->model, instrument, NULL, entry, field);
+    seld_build_place place = {0, 0};
+    seld_build_status status = seld_model_build(&app->model, instrument, 1, NULL, entry, &place);
+    *field = place.knot;
+    return status;
 }
 
 static const seld_entry neutral_entry = {{{0, 0, 0}}, {{0, SELD_ONE_Q30, 0}}};

@@ -39,13 +39,14 @@ static void insert(const scene *s)
         s->on_floor ? reference_tube_make(&straight, 1, 0.0006, 1) : reference_three_bends(0.002, 1);
     seld_instrument wire = reference_wire(s->on_floor ? 2e-6 : 1.85e-3, 900000, ELEMENT_um, 0.2);
     seld_entry entry = reference_entry();
-    uint32_t field;
-    if (seld_model_build(&model, &wire, &tube->lumen, &entry, &field) != SELD_BUILD_OK)
+    seld_build_place place;
+    const uint32_t inserted_um = 50000;
+    if (seld_model_build(&model, &wire, 1, &tube->lumen, &entry, &place) != SELD_BUILD_OK)
         bench_fail("no model");
-    seld_state_init(&model, &state, 50000);
+    seld_state_init(&model, &state, &inserted_um);
     for (int rest = 0; rest < 500;) {
         if ((int)seld_state_free_count(&state) < s->elements) {
-            input.hand_feed_m_q30 += 107374;
+            input.hands[0].feed_m_q30 += 107374;
         } else {
             rest++;
         }

@@ -1,12 +1,14 @@
-/* The constants of one instrument in one lumen: everything seld_step() reads and never writes.
+/* The constants of the tools of one line in one lumen: everything seld_step() reads and never writes.
  *
- *      tip                                                         inserter
+ *      leading tip                                                 inserter
  *   node 0 --edge 0-- node 1 --edge 1-- node 2  ...  node na-1 --edge na-1-- node na --edge na-- node na+1
  *                     joint 1           joint 2                              joint na
  *
- * A joint sits on the node between two edges and owns the cell half an edge to either side. Stiffness entries
- * of the matrix are in Q(a) N/m with one exponent a for the whole rod (`stiffness_exponent`), chosen so that
- * no assembled diagonal can reach 2^29.
+ * One mesh serves all tools: node i lies at rest arc length S[i] behind the leading tip, whichever tool that is. Tool k,
+ * whose tip is `offset` behind the leading one, is sampled at its own arc length S[i] - offset (rod_line.c). A joint sits
+ * on the node between two edges and owns the cell half an edge to either side. Stiffness entries of the matrix are
+ * in Q(a) N/m with one exponent a for the whole line (`stiffness_exponent`), chosen so that no assembled diagonal can
+ * reach 2^29 wherever the tools stand.
  *
  * May include: core.h. Called by: this folder, and owners of model memory.
  */
@@ -22,6 +24,7 @@ enum {
     SELD_CONTACT_STIFFNESS_N_m = 5000,       /* normal penalty; 2e4 chatters at r = 1.5 mm */
     SELD_CONTACT_STIFFNESS_DEEP_N_m = 20000, /* added beyond SELD_CONTACT_DEEP */
     SELD_FRICTION_STIFFNESS_N_m = 2000,      /* bristle */
+    SELD_HOLD_STIFFNESS_N_m = 200000,        /* of a held tip; within LOAD_RESERVE_N_m of core_build.c */
     SELD_CONTACT_DEEP_M_Q30 = 214748,        /* 0.2 mm */
     SELD_MISSED_CONTACT_M_Q30 = 107374,      /* 0.1 mm: an unseen contact deeper than this is solved again */
     SELD_FEED_MAX_M_Q30 = 536871,            /* 0.5 mm per tick = 0.5 m/s */
@@ -29,55 +32,85 @@ enum {
     SELD_DAMPING_KEEP_Q30 = 21474836,        /* 20/s x 1 ms = 0.02: blood's drag, mass proportional */
     SELD_POSITION_MAX_M_Q30 = 2126008811,    /* 1.98 m */
     SELD_STEP_CAP_M_Q33 = 4294967,           /* 0.5 mm of motion per tick besides the feed */
-    SELD_RELEASE_STEP_Q30 = 1 << 22, /* a shaped tip leaves the introducer over 256 ticks, not in one */
-    SELD_SPIN_DRAG_N_M_Q26 = 6711,   /* 1e-7 N m s / 1 ms per edge: keeps the twist solve regular */
+    SELD_RELEASE_STEP_Q30 = 1 << 22,     /* a shaped tip leaves the introducer over 256 ticks, not in one */
+    SELD_SPIN_DRAG_N_M_Q26 = 6711,       /* 1e-7 N m s / 1 ms per edge: keeps the twist solve regular */
+    SELD_GRIP_STIFFNESS_N_M_Q26 = 26844, /* 4e-4 N m: bristle of one tool turning in another */
+    SELD_GRIP_COMPLIANCE_PER_N_M = 2500, /* its inverse */
+    SELD_WITHDRAWN_M_Q30 =
+        -5368709, /* -5 mm: how far a tool that does not lead may be drawn into the inserter */
 };
 
-/* Constants of the joint at a node. */
-typedef struct seld_joint {
-    int32_t bend_N_m_q26;  /* W = 1 / integral ds/EI over the cell */
-    int32_t twist_N_m_q26; /* the same with GJ */
-    int32_t p, q, r;       /* W a^2, W a c, W c^2 in Q(a) N/m; a, c = 1 / edge before and after */
-    int32_t turn1_q30;     /* rest turning over the cell towards d1, radians */
-    int32_t turn2_q30;
-} seld_joint;
+/* What is known of a tool at an arc length; indices into the arrays of a span. */
+typedef enum seld_property {
+    SELD_BEND_N_M2_Q35,    /* EI */
+    SELD_TWIST_N_M2_Q35,   /* GJ */
+    SELD_CURVE1_PER_M_Q20, /* rest curvature towards d1 */
+    SELD_CURVE2_PER_M_Q20,
+    SELD_MASS_KG_PER_M_Q34,
+    SELD_RADIUS_M_Q30,
+    SELD_KINETIC_Q30,
+    SELD_STATIC_Q30,
+    SELD_PROPERTY_COUNT
+} seld_property;
 
-/* Constants of an edge between node i and node i + 1. */
-typedef struct seld_edge {
+/* A stretch of a tool between two knots of different arc length; properties are linear in it. */
+typedef struct seld_span {
+    int32_t begin_m_q30, end_m_q30;
+    int32_t inverse_mantissa; /* 1 / length = mantissa 2^-shift in units of 1 / LSB */
+    uint32_t shift;
+    uint32_t flat; /* 1: every property is the same at both ends */
+    int32_t from[SELD_PROPERTY_COUNT];
+    int32_t delta[SELD_PROPERTY_COUNT];
+} seld_span;
+
+typedef struct seld_tool {
+    uint32_t span_count;
     int32_t length_m_q30;
-    int32_t inverse_length_per_m_q18;
-    int32_t axial_stiffness_N_q17; /* EA */
-    int32_t spring;                /* EA / length in Q(a) N/m */
-} seld_edge;
+    int32_t inserted_max_m_q30;
+    int32_t lumen_friction_q30; /* against the tool inside */
+    int32_t shaft_radius_m_q30; /* at the proximal end: lever of the friction inside the next tool */
+    seld_span spans[SELD_KNOT_MAX - 1];
+} seld_tool;
 
-/* Constants of a node. */
-typedef struct seld_node {
+/* Geometry of node i, the edge behind it and its cell, which ends in the middle of that edge. */
+typedef struct seld_mesh_node {
     int32_t arc_m_q30;
-    int32_t radius_m_q30;
-    int32_t mass_kg_q40;
-    int32_t inertia; /* mass / h^2 in Q(a) N/m */
-    int32_t friction_kinetic_q30;
-    int32_t friction_static_q30;
-    seld_vec3 weight_N_q22;
-    int32_t diagonal, off_diagonal, off_second; /* matrix rows without edges: see rod_solve.c */
-} seld_node;
+    int32_t length_m_q30; /* of the edge to node i + 1 */
+    int32_t inverse_length_per_m_q18;
+    int32_t cell_end_m_q30; /* arc + length / 2 */
+    int32_t inverse_cell_per_m_q18;
+} seld_mesh_node;
+
+/* Holds the tip by springs of 2e5 N/m, for validation cases (Euler's and Greenhill's ends). */
+typedef struct seld_tip_hold {
+    bool pinned;     /* node 0 is held at position_m_q30[0] */
+    uint32_t second; /* when not 0: this node too, at position_m_q30[1]; the farther, the stiffer the clamp */
+    bool axial_free; /* both are free along `axis` */
+    bool turn;       /* tool 0's first edge is held at `turn32` against the reference axis */
+    seld_vec3 axis_q30;
+    seld_vec3 position_m_q30[2];
+    uint32_t turn32;
+} seld_tip_hold;
 
 struct seld_model {
     const seld_lumen *lumen;
     seld_entry entry;
+    uint32_t tool_count;
     uint32_t node_count;
     uint32_t stiffness_exponent;
-    int32_t contact, contact_deep, friction;  /* Q(a) N/m */
-    int32_t stall_N_q22;                      /* handle force at which the feed stops */
-    seld_vec3 tip_load_N_q22;                 /* dead load on node 0, for validation */
+    int32_t contact, contact_deep, friction; /* Q(a) N/m */
+    int32_t axial_max_N_q17;                 /* cap of EA */
+    int32_t stall_N_q22;                     /* handle force at which the feed stops */
+    int32_t gravity_m_s2_q20[3];
+    seld_vec3 tip_load_N_q22; /* dead load on node 0, for validation */
+    seld_tip_hold hold;
     seld_vec3 base_axis1_q30, base_axis2_q30; /* material axes of the inserter at hand angle 0 */
-    seld_joint joints[SELD_ARRAY_NODES];
-    seld_edge edges[SELD_ARRAY_NODES];
-    seld_node nodes[SELD_ARRAY_NODES];
-    uint32_t compliance_m_N_q40[SELD_ARRAY_NODES]; /* sum of length/EA of edges 0 .. i-1 */
+    seld_tool tools[SELD_TOOL_MAX];
+    seld_mesh_node mesh[SELD_ARRAY_NODES];
 };
 
 /* Dead load on the tip in newtons (Q22), patient frame; for validation cases. */
 void seld_model_set_tip_load(seld_model *model, seld_vec3 load_N_q22);
+void seld_model_set_tip_hold(seld_model *model, const seld_tip_hold *hold);
 
 #endif

@@ -33,31 +33,53 @@ static size_t live_words(const seld_state_words *words)
     return HEADER_WORDS + (size_t)NODE_WORDS * (words->free_count + INSIDE_KEPT);
 }
 
-void seld_state_init(const seld_model *model, seld_state *state, uint32_t inserted_um)
+static int32_t inserted_q30(uint32_t um)
+{
+    uint32_t bounded_um = um > 1900000u ? 1900000u : um;
+    return (int32_t)seld_divide_u64((uint64_t)bounded_um << 30, 1000000u);
+}
+
+/* Lengths outside the inserter, each within its tool, the longest long enough for a line. */
+static void place_tools(const seld_model *model, seld_state_words *words, const uint32_t *inserted_um)
+{
+    const int32_t least = model->mesh[3].arc_m_q30 + 1024;
+    uint32_t longest = 0;
+    for (uint32_t k = 0; k < model->tool_count; k++) {
+        int32_t inserted = inserted_q30(inserted_um[k]);
+        int32_t most = model->tools[k].inserted_max_m_q30;
+        words->tools[k].inserted_m_q30 = inserted > most ? most : inserted;
+        longest = words->tools[k].inserted_m_q30 > words->tools[longest].inserted_m_q30 ? k : longest;
+    }
+    if (words->tools[longest].inserted_m_q30 < least) {
+        words->tools[longest].inserted_m_q30 = least;
+    }
+    for (uint32_t k = 0; k < model->tool_count; k++) {
+        words->tools[k].hand_offset_m_q30 = words->tools[k].inserted_m_q30;
+    }
+}
+
+void seld_state_init(const seld_model *model, seld_state *state, const uint32_t *inserted_um)
 {
     unsigned char *bytes = (unsigned char *)state;
     for (size_t i = 0; i < sizeof *state; i++) {
         bytes[i] = 0;
     }
     seld_state_words *words = &state->words;
-    uint32_t bounded_um = inserted_um > 1900000u ? 1900000u : inserted_um;
-    int32_t inserted = (int32_t)seld_divide_u64((uint64_t)bounded_um << 30, 1000000u);
-    int32_t least = model->nodes[3].arc_m_q30 + 1024;
-    int32_t most = model->nodes[model->node_count - 3].arc_m_q30;
-    words->inserted_m_q30 = inserted < least ? least : (inserted > most ? most : inserted);
-    words->hand_offset_m_q30 = words->inserted_m_q30;
-    while (model->nodes[words->free_count].arc_m_q30 < words->inserted_m_q30) {
+    place_tools(model, words, inserted_um);
+    int32_t inserted = seld_lead_inserted(model, words);
+    while (model->mesh[words->free_count].arc_m_q30 < inserted) {
         words->free_count++;
     }
     for (uint32_t i = 0; i < words->free_count + INSIDE_KEPT; i++) {
         seld_node_state *node = &words->nodes[i];
-        int32_t beyond = words->inserted_m_q30 - model->nodes[i].arc_m_q30;
+        int32_t beyond = inserted - model->mesh[i].arc_m_q30;
         for (int k = 0; k < 3; k++) {
             int32_t direction = model->entry.direction_q30.v[k];
             node->position_m_q30.v[k] = model->entry.position_m_q30.v[k] + seld_mul_q30(beyond, direction);
             node->tangent_q30.v[k] = -direction;
         }
     }
+    seld_line_update(model, state);
 }
 
 void seld_state_save(const seld_state *state, uint8_t *bytes)
@@ -102,34 +124,81 @@ static bool is_small(const seld_vec3 *a, int32_t most)
     return true;
 }
 
+static bool within(int32_t value, int32_t most)
+{
+    return value >= -most && value <= most;
+}
+
+/* Bounds that the tick's own arithmetic keeps: displacements of 62 mm, turns of half a radian a tick. */
 static bool node_is_valid(const seld_node_state *node)
 {
-    return is_unit(&node->tangent_q30) && is_small(&node->step_m_q33, 1 << 29) &&
-           is_small(&node->bristle_m_q33, 1 << 29) &&
+    enum { STEP_MAX_M_Q33 = 1 << 29, TURN_MAX_Q30 = 1 << 29 };
+    bool turns = true;
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        turns = turns && within(node->spin_q30[k], TURN_MAX_Q30);
+    }
+    return turns && is_unit(&node->tangent_q30) && is_small(&node->step_m_q33, STEP_MAX_M_Q33) &&
+           is_small(&node->bristle_m_q33, STEP_MAX_M_Q33) &&
            is_small(&node->position_m_q30, SELD_POSITION_MAX_M_Q30) && node->contact <= SELD_CONTACT_STICKS;
+}
+
+/* No edge is longer than twice its rest length: beyond that no tick of ours would leave it. */
+static bool edge_is_valid(const seld_model *model, const seld_node_state *node, uint32_t i)
+{
+    int32_t most = 2 * model->mesh[i].length_m_q30;
+    for (int k = 0; k < 3; k++) {
+        int64_t apart = (int64_t)node[1].position_m_q30.v[k] - node->position_m_q30.v[k];
+        if (apart > most || apart < -most) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool tools_are_valid(const seld_model *model, const seld_state_words *words)
+{
+    const seld_tool_state none = {0, 0, 0, 0, 0};
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        const seld_tool_state *tool = &words->tools[k];
+        if (k >= model->tool_count) {
+            if (tool->inserted_m_q30 != none.inserted_m_q30 || tool->hand_offset_m_q30 != 0 ||
+                tool->base_turn32 != 0 || tool->handle_axial_N_q22 != 0 || tool->slide_grip_m_q33 != 0) {
+                return false;
+            }
+        } else if (tool->inserted_m_q30 < SELD_WITHDRAWN_M_Q30 ||
+                   tool->inserted_m_q30 > model->tools[k].inserted_max_m_q30) {
+            return false;
+        }
+    }
+    return true;
 }
 
 static bool words_are_valid(const seld_model *model, const seld_state_words *words)
 {
     uint32_t na = words->free_count;
-    if (na < 4 || na + 3 > model->node_count) {
+    if (na < 4 || na + INSIDE_KEPT > model->node_count || !tools_are_valid(model, words)) {
         return false;
     }
-    if (model->nodes[na - 1].arc_m_q30 >= words->inserted_m_q30 ||
-        model->nodes[na].arc_m_q30 < words->inserted_m_q30) {
+    int32_t inserted = seld_lead_inserted(model, words);
+    if (model->mesh[na - 1].arc_m_q30 >= inserted || model->mesh[na].arc_m_q30 < inserted) {
         return false;
     }
-    int32_t feed_max = SELD_FEED_MAX_M_Q30 * 8;
     if (words->release_q30 < 0 || words->release_q30 > SELD_ONE_Q30 ||
         words->release_q30 % SELD_RELEASE_STEP_Q30 != 0) {
-        return false;
-    }
-    if (words->feed_m_q33 > feed_max || words->feed_m_q33 < -feed_max) {
         return false;
     }
     for (uint32_t i = 0; i < na + INSIDE_KEPT; i++) {
         if (!node_is_valid(&words->nodes[i])) {
             return false;
+        }
+        if (i + 1 < na + INSIDE_KEPT && !edge_is_valid(model, &words->nodes[i], i)) {
+            return false;
+        }
+    }
+    const uint32_t *all = (const uint32_t *)words;
+    for (size_t i = live_words(words); i < STATE_WORDS; i++) {
+        if (all[i] != 0) {
+            return false; /* nodes in the inserter follow from the rest */
         }
     }
     return true;
@@ -146,6 +215,8 @@ bool seld_state_restore(const seld_model *model, seld_state *state, const uint8_
         return false;
     }
     state->words = *copy;
+    state->line.count = 0;
+    seld_line_update(model, state);
     return true;
 }
 
@@ -186,6 +257,11 @@ uint64_t seld_state_hash64(const seld_state *state)
 /* --- reading
  * --------------------------------------------------------------------------------------------------- */
 
+uint32_t seld_model_tool_count(const seld_model *model)
+{
+    return model->tool_count;
+}
+
 uint32_t seld_state_node_count(const seld_model *model)
 {
     return model->node_count;
@@ -203,17 +279,22 @@ seld_vec3 seld_state_position(const seld_state *state, uint32_t node)
 
 int32_t seld_model_edge_length(const seld_model *model, uint32_t edge)
 {
-    return model->edges[edge].length_m_q30;
+    return model->mesh[edge].length_m_q30;
 }
 
 int32_t seld_model_arc(const seld_model *model, uint32_t node)
 {
-    return model->nodes[node].arc_m_q30;
+    return model->mesh[node].arc_m_q30;
 }
 
-int32_t seld_model_radius(const seld_model *model, uint32_t node)
+int32_t seld_state_radius(const seld_state *state, uint32_t node)
 {
-    return model->nodes[node].radius_m_q30;
+    return state->line.nodes[node].radius_m_q30;
+}
+
+int32_t seld_state_inserted(const seld_state *state, uint32_t tool)
+{
+    return state->words.tools[tool].inserted_m_q30;
 }
 
 int32_t seld_state_depth(const seld_model *model, const seld_state *state)
@@ -221,7 +302,7 @@ int32_t seld_state_depth(const seld_model *model, const seld_state *state)
     int32_t deepest = INT32_MIN;
     for (uint32_t i = 0; model->lumen != NULL && i < state->words.free_count; i++) {
         seld_lumen_sample wall = seld_lumen_contact(model->lumen, &state->words.nodes[i].position_m_q30);
-        int32_t depth = seld_add_sat(wall.distance_m_q30, model->nodes[i].radius_m_q30);
+        int32_t depth = seld_add_sat(wall.distance_m_q30, state->line.nodes[i].radius_m_q30);
         deepest = depth > deepest ? depth : deepest;
     }
     return deepest;

@@ -1,6 +1,7 @@
-/* The state of one instrument. `seld_state_words` is everything that matters from one tick to the next:
- * 32-bit words without pointers or padding, hashed, saved and compared as such. `seld_scratch` lives beside
- * it so that the core needs neither heap nor a deep stack; its contents are dead between ticks.
+/* The state of one line. `seld_state_words` is everything that matters from one tick to the next: 32-bit words
+ * without pointers or padding, hashed, saved and compared as such. Beside it lie two areas, so that the core needs
+ * neither heap nor a deep stack: `seld_line`, what the tools add up to where they stand (derived from words and model,
+ * kept while no tool slides against another), and `seld_scratch`, dead between ticks.
  *
  * May include: core_model.h. Called by: this folder, and owners of state memory.
  */
@@ -9,57 +10,108 @@
 
 #include "firmware/core/core_model.h"
 
+enum { SELD_PAIR_MAX = SELD_TOOL_MAX - 1 }; /* tool k inside tool k + 1 */
+
 typedef struct seld_node_state {
     seld_vec3 position_m_q30;
     seld_vec3 step_m_q33;    /* displacement of the last tick (velocity x h) */
     seld_vec3 tangent_q30;   /* edge i: unit vector towards node i + 1, at the last predicted configuration */
-    seld_vec3 bristle_m_q33; /* friction: elastic tangential displacement at the wall */
-    uint32_t angle_turn32; /* edge i: material axis d1 against the reference axis carried from the inserter */
-    uint32_t contact;      /* SELD_CONTACT_* */
+    seld_vec3 bristle_m_q33; /* friction: elastic tangential displacement of the surface at the wall */
+    uint32_t
+        angle_turn32[SELD_TOOL_MAX]; /* edge i: material axis d1 against the axis carried from the inserter */
+    int32_t spin_q30[SELD_TOOL_MAX]; /* edge i: turn of the last tick, radians */
+    int32_t grip_q30[SELD_PAIR_MAX]; /* edge i: elastic turn of tool k inside tool k + 1, radians */
+    uint32_t contact;                /* SELD_CONTACT_* */
 } seld_node_state;
 
 enum { SELD_CONTACT_NONE = 0, SELD_CONTACT_SLIPS = 1, SELD_CONTACT_STICKS = 2 };
 
+typedef struct seld_tool_state {
+    int32_t inserted_m_q30;    /* s: tip beyond the mouth */
+    int32_t hand_offset_m_q30; /* hand position + offset = wanted s; changes only when the hand slips */
+    uint32_t base_turn32;      /* angle of the tool's material frame in the inserter */
+    int32_t handle_axial_N_q22;
+    int32_t slide_grip_m_q33; /* friction: elastic slide of this tool inside the next one */
+} seld_tool_state;
+
 typedef struct seld_state_words {
     uint32_t tick;
     uint32_t fault_bits;
-    uint32_t free_count;       /* na: nodes beyond the inserter */
-    int32_t inserted_m_q30;    /* s */
-    int32_t hand_offset_m_q30; /* hand position + offset = wanted s; changes only when the hand slips */
-    int32_t feed_m_q33;        /* ds of the last tick */
-    uint32_t base_turn32;      /* angle of the inserter's material frame */
-    int32_t handle_axial_N_q22;
+    uint32_t free_count; /* na: nodes beyond the inserter */
     int32_t
-        release_q30; /* share of the rest shape that is in force: 0 in the introducer, 1 after 256 ticks */
+        release_q30; /* share of the rest shapes that is in force: 0 in the introducer, 1 after 256 ticks */
+    seld_tool_state tools[SELD_TOOL_MAX];
     seld_node_state nodes[SELD_ARRAY_NODES];
 } seld_state_words;
+
+/* The tools together at one node: its joint, the edge behind it, its mass and its surface. */
+typedef struct seld_joint {
+    int32_t bend_N_m_q26; /* W = 1 / integral ds/EI over the cell, EI of all tools there */
+    int32_t p, q, r;      /* W a^2, W a c, W c^2 in Q(a) N/m; a, c = 1 / edge before and after */
+    int32_t twist_N_m_q26[SELD_TOOL_MAX]; /* the same with a tool's GJ; 0 where the tool is not */
+    int32_t turn1_q30[SELD_TOOL_MAX]; /* a tool's part of the cell's rest turning, towards its d1, radians */
+    int32_t turn2_q30[SELD_TOOL_MAX];
+    uint16_t inner_share_q15[SELD_PAIR_MAX]; /* share of the tools up to k in the bending stiffness */
+    uint32_t curved;                         /* bit k: turn1 or turn2 of tool k is not 0 */
+} seld_joint;
+
+typedef struct seld_line_node {
+    seld_joint joint;
+    int32_t spring;                /* edge: EA / length in Q(a) N/m */
+    int32_t axial_stiffness_N_q17; /* edge: EA */
+    int32_t compliance_m_N_q40;    /* sum of length / EA of edges 0 .. i-1, saturated */
+    int32_t mass_kg_q40;
+    int32_t radius_m_q30;
+    int32_t kinetic_q30, static_q30;
+    uint8_t outer, under; /* the tool that touches the wall, and the one beneath it in the cell of a tip */
+    uint16_t outer_share_q15; /* 2^15 everywhere but in the cell of the outer tool's tip */
+} seld_line_node;
+
+typedef struct seld_line {
+    uint32_t count;                      /* nodes that are up to date; 0: none */
+    int32_t offset_m_q30[SELD_TOOL_MAX]; /* how far each tip is behind the leading one */
+    seld_line_node nodes[SELD_ARRAY_NODES];
+} seld_line;
 
 /* Symmetric 3x3: xx, xy, xz, yy, yz, zz. */
 typedef struct seld_sym3 {
     int32_t m[6];
 } seld_sym3;
 
+/* Dead once the matrix is assembled: what the elimination writes takes its place. */
+typedef struct seld_assembly {
+    seld_vec3 stretch_q30;              /* edge: (x*[i+1] - x*[i]) / length */
+    seld_vec3 axis1_q30[SELD_TOOL_MAX]; /* edge: d1 of a tool, where its rest shape needs it */
+    int32_t twist_ratio_q30, twist_angle_q30;
+    int32_t joint_angle_q30;              /* of the joint behind the edge: twist before the solve */
+    int32_t press_N_m_q30[SELD_PAIR_MAX]; /* edge: mu N r between tool k and k + 1 */
+} seld_assembly;
+
+typedef struct seld_factor {
+    int32_t w_q29[9]; /* block LDL^T: W = D^-1 U */
+    seld_sym3 p_q29;  /* P = D^-1 kb */
+} seld_factor;
+
 typedef struct seld_work {
-    /* predicted configuration x* = x - T ds: the rod slid along itself by this tick's feed */
+    /* predicted configuration x* = x - T ds: the line slid along itself by this tick's feed */
     seld_vec3 position_m_q30;
     seld_vec3 slide_m_q33;  /* x* - x */
     seld_vec3 drift_m_q33;  /* last step minus slide: what inertia carries beyond sliding */
-    seld_vec3 stretch_q30;  /* edge: (x*[i+1] - x*[i]) / length */
-    seld_vec3 axis1_q30;    /* edge: d1, where the rest shape needs it */
     int32_t strain_q30;     /* edge, at x* */
-    int32_t torque_N_m_q30; /* joint: twisting moment */
-    seld_sym3 spring;       /* edge matrix S, Q(a) */
+    int32_t geometric;      /* edge: tension / length in Q(a), 0 in compression */
+    int32_t torque_N_m_q30; /* joint: twisting moment of all tools */
     seld_vec3 force_N_q22;  /* right side */
-    seld_sym3 wall;         /* contact matrix, Q(a) */
     seld_vec3 normal_q30;
-    int32_t depth_m_q30; /* at x*; meaningful while touching */
+    int32_t distance_m_q30;             /* cull distance at x* */
+    int32_t depth_m_q30;                /* at x*; meaningful while touching */
+    int32_t wall_normal, wall_friction; /* contact stiffnesses, Q(a); 0 where nothing touches */
+    int32_t roll_m_q33;                 /* way of the surface by turning, along normal x tangent */
     uint32_t touching;
-    int32_t distance_m_q30; /* cull distance at x* */
-    int32_t diagonal, off_diagonal, off_second;
-    int32_t w_q29[9]; /* block LDL^T: W = D^-1 U */
-    seld_sym3 p_q29;  /* P = D^-1 kb */
+    union {
+        seld_assembly a;
+        seld_factor f;
+    } u;
     seld_vec3 solution_m_q33;
-    int32_t twist_ratio_q30, twist_angle_q30;
 } seld_work;
 
 typedef struct seld_scratch {
@@ -68,11 +120,17 @@ typedef struct seld_scratch {
         seld_state_words incoming; /* a state being restored, until it has passed its checks */
     };
     seld_joint mouth[2]; /* joints na-1 and na with their cells clipped at the inserter's mouth */
-    int32_t feed_m_q33;
+    int32_t feed_m_q33;  /* of the leading tip: how far the line slides along itself */
+    int32_t slide_m_q33[SELD_TOOL_MAX];      /* of each tool along the line: its feed less that of the line */
+    int32_t turn_q30[SELD_TOOL_MAX];         /* of each tool in the inserter, radians */
+    int32_t torque_N_m_q30[SELD_TOOL_MAX];   /* on each handle */
+    int32_t axial_N_q22[SELD_TOOL_MAX];      /* on each handle of a tool that does not lead */
+    int32_t grip_limit_N_q22[SELD_PAIR_MAX]; /* sum of mu N between tool k and k + 1 */
 } seld_scratch;
 
 struct seld_state {
     seld_state_words words;
+    seld_line line;
     seld_scratch scratch;
 };
 

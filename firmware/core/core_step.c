@@ -2,30 +2,6 @@
  * May include: rod.h. Called by: firmware/app, tools, tests through core.h. */
 #include "firmware/core/rod.h"
 
-/* Force the rod exerts on the two nodes held by the inserter, after the solve: f - A delta, along the axis.
- * Bending is part of it: the edge force alone jumps when a node is freed and reads low with a bent mouth
- * (docs/rod.md). */
-static int32_t handle_axial(const seld_model *model, const seld_state *state)
-{
-    uint32_t na = state->words.free_count;
-    const seld_work *work = state->scratch.nodes;
-    const int32_t *s = work[na - 1].spring.m;
-    int64_t off = work[na - 1].off_diagonal;
-    const int64_t row[9] = {off - s[0], -s[1], -s[2], -s[1], off - s[3], -s[4], -s[2], -s[4], off - s[5]};
-    const int32_t *near = work[na - 1].solution_m_q33.v;
-    const int32_t *far = work[na - 2].solution_m_q33.v;
-    unsigned shift = model->stiffness_exponent + 11;
-    int64_t axial = 0;
-    for (int k = 0; k < 3; k++) {
-        int64_t moved = row[3 * k] * near[0] + row[3 * k + 1] * near[1] + row[3 * k + 2] * near[2];
-        moved += (int64_t)work[na - 2].off_second * far[k] + (int64_t)work[na - 1].off_second * near[k];
-        int64_t force = (int64_t)work[na].force_N_q22.v[k] + work[na + 1].force_N_q22.v[k];
-        force -= seld_rshift_round64(moved, shift);
-        axial -= force * model->entry.direction_q30.v[k];
-    }
-    return seld_sat32(seld_rshift_round64(axial, 30));
-}
-
 /* Largest component of any node's deviation, Q33 m. */
 static int32_t largest_deviation(const seld_state *state)
 {
@@ -59,13 +35,46 @@ static void cap_step(seld_state *state, int32_t largest_m_q33)
     }
 }
 
+/* The leading tool's hand bears what the line does to the inserter, less what the other hands bear. */
+static void share_handles(const seld_model *model, seld_state *state, int32_t line_axial_N_q22)
+{
+    uint32_t lead = seld_lead_tool(model, &state->words);
+    int64_t rest = line_axial_N_q22;
+    for (uint32_t k = 0; k < model->tool_count; k++) {
+        rest -= k == lead ? 0 : state->scratch.axial_N_q22[k];
+    }
+    state->scratch.axial_N_q22[lead] = seld_sat32(rest);
+    for (uint32_t k = 0; k < model->tool_count; k++) {
+        state->words.tools[k].handle_axial_N_q22 = state->scratch.axial_N_q22[k];
+    }
+}
+
+static void report(const seld_model *model, const seld_state *state, seld_output *output)
+{
+    const seld_state_words *words = &state->words;
+    output->tick = words->tick;
+    output->lead_tool = (uint16_t)seld_lead_tool(model, words);
+    output->fault_bits = words->fault_bits;
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        const seld_tool_state *tool = &words->tools[k];
+        output->tools[k] = (seld_handle){tool->handle_axial_N_q22, -(state->scratch.torque_N_m_q30[k] / 64),
+                                         tool->inserted_m_q30};
+    }
+    seld_state_hash_lanes(state, output->hash_lane);
+}
+
 void seld_step(const seld_model *model, seld_state *state, const seld_input *input, seld_output *output)
 {
     seld_rod_feed(model, state, input);
     seld_rod_stretch(model, state);
+    seld_contact_find(model, state);
+    seld_frames_carry(model, state);
+    seld_tools_grip(model, state);
     seld_rod_twist(model, state);
+    seld_tools_turned(model, state);
     seld_rod_bend(model, state);
-    seld_contact_assemble(model, state);
+    seld_tools_handles(model, state);
+    seld_contact_forces(model, state);
     seld_rod_solve(model, state);
     output->solve_count = 1;
     int32_t largest_m_q33 = largest_deviation(state);
@@ -74,17 +83,12 @@ void seld_step(const seld_model *model, seld_state *state, const seld_input *inp
         output->solve_count = 2;
         largest_m_q33 = largest_deviation(state);
     }
-    state->words.handle_axial_N_q22 = handle_axial(model, state);
+    int32_t line_axial_N_q22 = seld_rod_handle_axial(model, state);
     cap_step(state, largest_m_q33);
     seld_contact_finish(model, state, output);
+    seld_tools_slide(model, state);
+    share_handles(model, state, line_axial_N_q22);
     seld_rod_advance(model, state, output);
-    state->words.feed_m_q33 = state->scratch.feed_m_q33;
     state->words.tick++;
-
-    output->tick = state->words.tick;
-    output->handle_axial_N_q22 = state->words.handle_axial_N_q22;
-    output->handle_torque_N_m_q24 = -(state->scratch.nodes[state->words.free_count].torque_N_m_q30 / 64);
-    output->inserted_m_q30 = state->words.inserted_m_q30;
-    output->fault_bits = state->words.fault_bits;
-    seld_state_hash_lanes(state, output->hash_lane);
+    report(model, state, output);
 }

@@ -13,33 +13,144 @@ static inline int32_t seld_quotient(int32_t num, int32_t den, unsigned q)
     return seld_sat32(seld_rshift_round64(num * inverse, 61 - lead - q));
 }
 
-/* rod_feed.c: hand -> feed and base angle, nodes freed or captured, predicted configuration and inertia. */
+static inline int32_t seld_clamp(int32_t value, int32_t low, int32_t high)
+{
+    return value < low ? low : (value > high ? high : value);
+}
+
+/* --- a tool's properties along its arc length ---------------------------------------------------------------- */
+
+/* Place within a span, Q30, clamped to its ends. */
+static inline int32_t seld_span_fraction(const seld_span *span, int32_t arc_m_q30)
+{
+    int32_t beyond = arc_m_q30 - span->begin_m_q30;
+    if (beyond <= 0) {
+        return 0;
+    }
+    if (arc_m_q30 >= span->end_m_q30) {
+        return SELD_ONE_Q30;
+    }
+    return (int32_t)(((int64_t)beyond * span->inverse_mantissa) >> span->shift);
+}
+
+static inline int32_t seld_span_value(const seld_span *span, seld_property which, int32_t fraction_q30)
+{
+    return span->from[which] + seld_scale_q30(span->delta[which], fraction_q30);
+}
+
+/* W a c in N/m with 8 fractional bits. Overflow: W < 2^31 and a c <= 2.5e7 (Q4: 2^28.6): below 2^60. */
+static inline int64_t seld_bend_spring_q8(int32_t bend_N_m_q26, int32_t a_per_m_q18, int32_t c_per_m_q18)
+{
+    int64_t ac_q4 = ((int64_t)a_per_m_q18 * c_per_m_q18) >> 32;
+    return (ac_q4 * bend_N_m_q26) >> 22;
+}
+
+/* EA / length of an edge between joints of which the softer has W: at most 256 W a^2, because above about 450 the
+ * fixed-point solve loses accuracy, and at most the cap. N/m with 8 fractional bits. */
+static inline int64_t seld_axial_spring_q8(const seld_model *model, uint32_t edge, int32_t bend_N_m_q26)
+{
+    int32_t inverse = model->mesh[edge].inverse_length_per_m_q18;
+    int64_t cap = ((int64_t)model->axial_max_N_q17 * inverse) >> 27;
+    int64_t most = seld_bend_spring_q8(bend_N_m_q26, inverse, inverse) << 8;
+    return most < cap ? most : cap;
+}
+
+/* Shift from 8 fractional bits to Q(a), rounded. */
+static inline int32_t seld_to_exponent(int64_t value_q8, unsigned exponent)
+{
+    return seld_sat32(exponent >= 8 ? value_q8 << (exponent - 8)
+                                    : seld_rshift_round64(value_q8, 8 - exponent));
+}
+
+/* m / h^2 in Q(a) N/m from kg in Q40. */
+static inline int32_t seld_line_inertia(const seld_model *model, const seld_line_node *line)
+{
+    return seld_sat32(((int64_t)line->mass_kg_q40 * 1000000) >> (40 - model->stiffness_exponent));
+}
+
+/* --- parts of the tick --------------------------------------------------------------------------------------- */
+
+/* How far the leading tip is beyond the mouth. */
+static inline int32_t seld_lead_inserted(const seld_model *model, const seld_state_words *words)
+{
+    int32_t lead = words->tools[0].inserted_m_q30;
+    for (uint32_t k = 1; k < model->tool_count; k++) {
+        lead = words->tools[k].inserted_m_q30 > lead ? words->tools[k].inserted_m_q30 : lead;
+    }
+    return lead;
+}
+
+/* Whose tip that is: the innermost of those that are farthest in. */
+static inline uint32_t seld_lead_tool(const seld_model *model, const seld_state_words *words)
+{
+    uint32_t lead = 0;
+    for (uint32_t k = 1; k < model->tool_count; k++) {
+        lead = words->tools[k].inserted_m_q30 > words->tools[lead].inserted_m_q30 ? k : lead;
+    }
+    return lead;
+}
+
+/* Bit k: tool k has a rest shape at one of the joints of edge j, so that its frame must be known there. */
+static inline uint32_t seld_edge_curved(const seld_state *state, uint32_t j)
+{
+    return state->line.nodes[j].joint.curved | state->line.nodes[j + 1].joint.curved;
+}
+
+/* rod_line.c: joints, edges and surfaces of the tools together where they stand; nothing to do while none slides
+ * against another. */
+void seld_line_update(const seld_model *model, seld_state *state);
+
+/* rod_feed.c: hands -> feeds and base angles, nodes freed or captured, predicted configuration and inertia. */
 void seld_rod_feed(const seld_model *model, seld_state *state, const seld_input *input);
 
 /* rod_force.c: edges (tangents, strain, axial forces) at the predicted configuration; then, with the twisting moments
- * known, bending and twist forces and the rows of the matrix. */
+ * known, bending and twist forces. */
 void seld_rod_stretch(const seld_model *model, seld_state *state);
 void seld_rod_bend(const seld_model *model, seld_state *state);
 
 /* The joint at node i as this tick sees it: clipped at the mouth for i = na-1 and na. */
-static inline const seld_joint *seld_rod_joint(const seld_model *model, const seld_state *state, uint32_t i)
+static inline const seld_joint *seld_rod_joint(const seld_state *state, uint32_t i)
 {
     uint32_t na = state->words.free_count;
-    return i + 1 < na ? &model->joints[i] : &state->scratch.mouth[i + 1 - na];
+    return i + 1 < na ? &state->line.nodes[i].joint : &state->scratch.mouth[i + 1 - na];
 }
 
-/* Has the joint a rest shape that its frames must be known for? */
-static inline bool seld_rod_is_curved(const seld_joint *joint)
-{
-    return (joint->turn1_q30 | joint->turn2_q30) != 0;
-}
-
-/* One edge's half of a joint's rest turning vector g, times the share that is in force. Q30. */
-void seld_rod_rest_turn(const seld_joint *joint, int32_t release_q30, const seld_vec3 *axis1,
+/* One edge's half of a joint's rest turning vector of tool k, times the share that is in force. Q30. */
+void seld_rod_rest_turn(const seld_joint *joint, uint32_t tool, int32_t release_q30, const seld_vec3 *axis1,
                         const seld_vec3 *tangent, seld_vec3 *half);
 
-/* rod_contact.c: wall contact and friction at the predicted configuration. */
-void seld_contact_assemble(const seld_model *model, seld_state *state);
+/* Way of a surface of this radius that turns. Format: Q30 m x Q30 rad -> Q33 m. Overflow: 2 mm x 0.5 rad = 1 mm. */
+static inline int32_t seld_surface_way(int32_t radius_m_q30, int32_t turn_q30)
+{
+    return (int32_t)(((int64_t)radius_m_q30 * turn_q30 + (1 << 26)) >> 27);
+}
+
+/* Rest turning of joint i at this tick's frames: of one tool, and of all that have one there. Q30. */
+seld_vec3 seld_rod_tool_turn(const seld_state *state, const seld_joint *joint, uint32_t tool, uint32_t i);
+seld_vec3 seld_rod_line_turn(const seld_model *model, const seld_state *state, const seld_joint *joint,
+                             uint32_t i);
+
+/* rod_frames.c: reference axes from the inserter to the tip, material axes where a rest shape needs them. */
+void seld_frames_carry(const seld_model *model, seld_state *state);
+/* First-order repair: orthogonal to t, unit length. Leaves an error of the square of what it finds. */
+void seld_frames_orthonormalise(seld_vec3 *axis, const seld_vec3 *tangent);
+
+/* rod_twist.c: turns and twisting moments at the predicted configuration; the wall's friction resists. */
+void seld_rod_twist(const seld_model *model, seld_state *state);
+
+/* rod_tools.c: what tools do to each other and to the hands of those that do not lead. `grip` (how hard tools press on
+ * each other) before the twist, `turned` after it, `handles` before the solve, `slide` after it. */
+void seld_tools_grip(const seld_model *model, seld_state *state);
+void seld_tools_turned(const seld_model *model, seld_state *state);
+void seld_tools_handles(const seld_model *model, seld_state *state);
+void seld_tools_slide(const seld_model *model, seld_state *state);
+
+/* rod_contact.c: contacts at the predicted configuration with their stiffnesses; their forces, once the turn of the
+ * surface is known. */
+void seld_contact_find(const seld_model *model, seld_state *state);
+/* Expected way of node i's surface across the normal, besides its turn: bristle, slide and drift. Q33 m. */
+seld_vec3 seld_contact_way(const seld_state *state, uint32_t i);
+void seld_contact_forces(const seld_model *model, seld_state *state);
 /* Looks for contacts the prediction missed, given the solution and its largest component; returns how many it added. */
 uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t largest_m_q33);
 /* Friction bristles after the solve; fills the output's contact fields. */
@@ -47,9 +158,8 @@ void seld_contact_finish(const seld_model *model, seld_state *state, seld_output
 
 /* rod_solve.c: block LDL^T from tip to base and back; solution in scratch, Q33 m. */
 void seld_rod_solve(const seld_model *model, seld_state *state);
-
-/* rod_twist.c: material frames and twisting moments at the predicted configuration. */
-void seld_rod_twist(const seld_model *model, seld_state *state);
+/* Force of the line on the two nodes that the inserter holds, along its axis, after the solve; + pushes out. Q22 N. */
+int32_t seld_rod_handle_axial(const seld_model *model, const seld_state *state);
 
 /* rod_advance.c: new positions; fills the output's length error. */
 void seld_rod_advance(const seld_model *model, seld_state *state, seld_output *output);

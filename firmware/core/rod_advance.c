@@ -35,7 +35,7 @@ static int64_t elongation_m_q33(const seld_model *model, const seld_state *state
                                work[1].solution_m_q33.v[1] - work->solution_m_q33.v[1],
                                work[1].solution_m_q33.v[2] - work->solution_m_q33.v[2]}};
         sum += seld_vec3_dot64(relative, *t) >> 30;
-        sum += ((int64_t)work->strain_q30 * model->edges[i].length_m_q30) >> 27;
+        sum += ((int64_t)work->strain_q30 * model->mesh[i].length_m_q30) >> 27;
     }
     return sum;
 }
@@ -44,7 +44,7 @@ void seld_rod_advance(const seld_model *model, seld_state *state, seld_output *o
 {
     uint32_t na = state->words.free_count;
     int32_t excess_m_q30 = seld_sat32(seld_rshift_round64(elongation_m_q33(model, state), 3));
-    output->strain_max_q30 = seld_quotient(excess_m_q30, model->nodes[na].arc_m_q30, 30);
+    output->strain_max_q30 = seld_quotient(excess_m_q30, model->mesh[na].arc_m_q30, 30);
     for (uint32_t i = 0; i < na; i++) {
         move_node(state, i);
     }

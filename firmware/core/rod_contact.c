@@ -1,9 +1,11 @@
 /* Wall contact and friction (docs/rod.md, "contact"). At the predicted configuration x*:
  *   depth = phi + r, n = inward normal; touching when depth > 0 or when the drift will make it so
  *   normal: k_n n n^T in the matrix, k_c depth (+ k_deep beyond 0.2 mm) along n on the right
- *   friction: bristle z with stiffness k_f = min(k_t, mu N / |z + u_t|) (lagged secant: true stick, no
- * chatter) After the solve z takes the tangential motion and is limited to mu N / k_t. May include: rod.h.
- * Called by: core_step.c. */
+ *   friction: bristle z with stiffness k_f = min(k_t, mu N / |z + way|) (lagged secant: true stick, no chatter).
+ * The way of the surface is that of the node, plus what the outer tool slides against the line, plus what it turns:
+ * r theta along n x t. So one limit mu N bounds sliding and turning together, and a wire that slides turns freely.
+ * After the solve z takes the way and is limited to mu N / k_t.
+ * May include: rod.h. Called by: core_step.c. */
 #include "firmware/core/rod.h"
 
 enum { MARGIN_M_Q30 = SELD_LUMEN_CULL_ERROR_M_Q30 }; /* beyond the drift before the dear sample is skipped */
@@ -58,10 +60,10 @@ static bool inverse_length(const seld_vec3 *a, int64_t *root_q30, unsigned *half
     return true;
 }
 
-static int32_t friction_of(const seld_model *model, uint32_t i, uint32_t contact)
+static int32_t friction_of(const seld_state *state, uint32_t i)
 {
-    const seld_node *node = &model->nodes[i];
-    return contact == SELD_CONTACT_SLIPS ? node->friction_kinetic_q30 : node->friction_static_q30;
+    const seld_line_node *line = &state->line.nodes[i];
+    return state->words.nodes[i].contact == SELD_CONTACT_SLIPS ? line->kinetic_q30 : line->static_q30;
 }
 
 /* k_f in Q(a): mu N / |z + u_t|, at most k_t. Format: N Q22 / m Q33 -> Q(a): N root 2^(half_lead - 62) 2^(11
@@ -78,61 +80,88 @@ static int32_t friction_stiffness(const seld_model *model, int32_t limit_N_q22, 
     return stiffness > model->friction ? model->friction : (int32_t)stiffness;
 }
 
-static void wall_matrix(seld_work *work, int32_t normal, int32_t friction)
+/* Adds the way of the surface beyond that of the node: the outer tool's slide and its turn. */
+static void add_surface_way(const seld_state *state, uint32_t i, int32_t roll_m_q33, seld_vec3 *way)
 {
-    static const uint8_t row[6] = {0, 0, 0, 1, 1, 2};
-    static const uint8_t column[6] = {0, 1, 2, 1, 2, 2};
-    seld_vec3 scaled;
+    const seld_line_node *line = &state->line.nodes[i];
+    const seld_work *work = &state->scratch.nodes[i];
+    const seld_vec3 *tangent = &state->words.nodes[i].tangent_q30;
+    int32_t under = state->scratch.slide_m_q33[line->under];
+    int64_t more = (int64_t)(state->scratch.slide_m_q33[line->outer] - under) * line->outer_share_q15;
+    int32_t slide = under + (int32_t)(more >> 15);
+    if ((slide | roll_m_q33) == 0) {
+        return;
+    }
+    seld_vec3 around = {{0, 0, 0}};
+    if (roll_m_q33 != 0) {
+        around = seld_vec3_cross_unit(&work->normal_q30, tangent);
+    }
     for (int k = 0; k < 3; k++) {
-        scaled.v[k] = seld_scale_q30(normal - friction, work->normal_q30.v[k]);
+        int64_t sum = (int64_t)way->v[k] - seld_scale_q30(slide, tangent->v[k]) +
+                      seld_scale_q30(roll_m_q33, around.v[k]);
+        way->v[k] = seld_sat32(sum);
     }
-    for (int k = 0; k < 6; k++) {
-        work->wall.m[k] = seld_scale_q30(scaled.v[row[k]], work->normal_q30.v[column[k]]);
-    }
-    work->wall.m[0] += friction;
-    work->wall.m[3] += friction;
-    work->wall.m[5] += friction;
 }
 
-/* Right side of contact and friction in newtons Q22. */
-static void wall_force(const seld_model *model, seld_work *work, const seld_vec3 *bristle_and_slide,
-                       int32_t friction)
+/* Bristle and what the surface does besides the node's deviation, across the normal. */
+static seld_vec3 held_way(const seld_state *state, uint32_t i, int32_t roll_m_q33)
 {
+    const seld_work *work = &state->scratch.nodes[i];
+    seld_vec3 way = seld_vec3_add(state->words.nodes[i].bristle_m_q33, work->slide_m_q33);
+    add_surface_way(state, i, roll_m_q33, &way);
+    return tangential(&way, &work->normal_q30);
+}
+
+seld_vec3 seld_contact_way(const seld_state *state, uint32_t i)
+{
+    const seld_work *work = &state->scratch.nodes[i];
+    seld_vec3 drift = tangential(&work->drift_m_q33, &work->normal_q30);
+    return seld_vec3_add(held_way(state, i, 0), drift);
+}
+
+/* Contact of node i with `predicted` depth after the expected motion: its stiffnesses. */
+static void touch(const seld_model *model, seld_state *state, uint32_t i, int32_t predicted_m_q30,
+                  int32_t roll_m_q33)
+{
+    seld_work *work = &state->scratch.nodes[i];
+    int32_t force = predicted_m_q30 > 0 ? normal_force(model, predicted_m_q30) : 0;
+    int32_t limit = seld_mul_q30(force, friction_of(state, i));
+    seld_vec3 held = held_way(state, i, roll_m_q33);
+    seld_vec3 drift = tangential(&work->drift_m_q33, &work->normal_q30);
+    seld_vec3 reach = seld_vec3_add(held, drift);
+    work->wall_friction = friction_stiffness(model, limit, &reach);
+    work->wall_normal =
+        model->contact + (work->depth_m_q30 > SELD_CONTACT_DEEP_M_Q30 ? model->contact_deep : 0);
+    work->touching = 1;
+}
+
+/* Right side of contact and friction in newtons Q22, once the turn of the surface is known. */
+static void push_node(const seld_model *model, seld_state *state, uint32_t i)
+{
+    seld_work *work = &state->scratch.nodes[i];
+    seld_vec3 held = held_way(state, i, work->roll_m_q33);
     int32_t push = normal_force(model, work->depth_m_q30);
     for (int k = 0; k < 3; k++) {
         int64_t drag =
-            seld_rshift_round64((int64_t)friction * bristle_and_slide->v[k], model->stiffness_exponent + 11);
+            seld_rshift_round64((int64_t)work->wall_friction * held.v[k], model->stiffness_exponent + 11);
         work->force_N_q22.v[k] =
             seld_sat32(work->force_N_q22.v[k] + seld_mul_q30(push, work->normal_q30.v[k]) - drag);
     }
 }
 
-/* Contact of node i with `predicted` depth after the expected motion. */
-static void touch(const seld_model *model, seld_state *state, uint32_t i, int32_t predicted_m_q30)
+/* Depth and normal at x*; false when the field has no gradient there. */
+static bool sample(const seld_model *model, seld_state *state, uint32_t i)
 {
     seld_work *work = &state->scratch.nodes[i];
-    seld_node_state *node = &state->words.nodes[i];
-    const seld_vec3 *n = &work->normal_q30;
-    int32_t force = predicted_m_q30 > 0 ? normal_force(model, predicted_m_q30) : 0;
-    int32_t limit = seld_mul_q30(force, friction_of(model, i, node->contact));
-    seld_vec3 held = seld_vec3_add(node->bristle_m_q33, work->slide_m_q33);
-    held = tangential(&held, n);
-    seld_vec3 drift = tangential(&work->drift_m_q33, n);
-    seld_vec3 reach = seld_vec3_add(held, drift);
-    int32_t friction = friction_stiffness(model, limit, &reach);
-    int32_t normal = model->contact + (work->depth_m_q30 > SELD_CONTACT_DEEP_M_Q30 ? model->contact_deep : 0);
-    wall_matrix(work, normal, friction);
-    wall_force(model, work, &held, friction);
-    work->touching = 1;
-}
-
-/* Depth and normal at x*; false when the field has no gradient there. */
-static bool sample(const seld_model *model, seld_work *work, uint32_t i)
-{
     seld_lumen_sample wall = seld_lumen_contact(model->lumen, &work->position_m_q30);
-    work->depth_m_q30 = seld_add_sat(wall.distance_m_q30, model->nodes[i].radius_m_q30);
+    work->distance_m_q30 = wall.distance_m_q30;
+    work->depth_m_q30 = seld_add_sat(wall.distance_m_q30, state->line.nodes[i].radius_m_q30);
     work->normal_q30 = wall.normal_q30;
-    return (wall.normal_q30.v[0] | wall.normal_q30.v[1] | wall.normal_q30.v[2]) != 0;
+    bool known = (wall.normal_q30.v[0] | wall.normal_q30.v[1] | wall.normal_q30.v[2]) != 0;
+    if (!known && wall.distance_m_q30 > 0) {
+        state->words.fault_bits |= SELD_FAULT_OUTSIDE;
+    }
+    return known;
 }
 
 static void clear(seld_node_state *node)
@@ -141,12 +170,24 @@ static void clear(seld_node_state *node)
     node->contact = SELD_CONTACT_NONE;
 }
 
-static void assemble_node(const seld_model *model, seld_state *state, uint32_t i)
+/* A node that touched in the last tick is sampled at once, another only when the cheap distance allows contact. */
+static bool may_touch(const seld_model *model, seld_state *state, uint32_t i)
 {
     seld_work *work = &state->scratch.nodes[i];
-    work->distance_m_q30 = seld_lumen_distance(model->lumen, &work->position_m_q30);
-    int32_t reach = (magnitude_sum(&work->drift_m_q33) >> 3) + MARGIN_M_Q30;
-    if (work->distance_m_q30 < -model->nodes[i].radius_m_q30 - reach || !sample(model, work, i)) {
+    if (state->words.nodes[i].contact == SELD_CONTACT_NONE) {
+        work->distance_m_q30 = seld_lumen_distance(model->lumen, &work->position_m_q30);
+        int32_t reach = (magnitude_sum(&work->drift_m_q33) >> 3) + MARGIN_M_Q30;
+        if (work->distance_m_q30 < -state->line.nodes[i].radius_m_q30 - reach) {
+            return false;
+        }
+    }
+    return sample(model, state, i);
+}
+
+static void find_node(const seld_model *model, seld_state *state, uint32_t i)
+{
+    seld_work *work = &state->scratch.nodes[i];
+    if (!may_touch(model, state, i)) {
         clear(&state->words.nodes[i]);
         return;
     }
@@ -155,19 +196,57 @@ static void assemble_node(const seld_model *model, seld_state *state, uint32_t i
         clear(&state->words.nodes[i]);
         return;
     }
-    touch(model, state, i, predicted);
+    int32_t spin = state->words.nodes[i].spin_q30[state->line.nodes[i].outer];
+    touch(model, state, i, predicted, seld_surface_way(state->line.nodes[i].radius_m_q30, spin));
 }
 
-void seld_contact_assemble(const seld_model *model, seld_state *state)
+/* The springs of a held tip take the place of a contact. */
+static void hold_node(const seld_model *model, seld_state *state, uint32_t i, const seld_vec3 *anchor_m_q30)
 {
-    for (uint32_t i = 0; i < state->words.free_count; i++) {
+    seld_work *work = &state->scratch.nodes[i];
+    clear(&state->words.nodes[i]);
+    work->touching = 0;
+    work->normal_q30 = model->hold.axis_q30;
+    work->wall_friction = SELD_HOLD_STIFFNESS_N_m << model->stiffness_exponent;
+    work->wall_normal = model->hold.axial_free ? 0 : work->wall_friction;
+    seld_vec3 miss = seld_vec3_sub(*anchor_m_q30, work->position_m_q30);
+    if (model->hold.axial_free) {
+        miss = tangential(&miss, &model->hold.axis_q30);
+    }
+    for (int k = 0; k < 3; k++) {
+        /* Q30 m -> Q22 N */
+        int64_t pull = ((int64_t)SELD_HOLD_STIFFNESS_N_m * miss.v[k]) >> 8;
+        work->force_N_q22.v[k] = seld_sat32(work->force_N_q22.v[k] + pull);
+    }
+}
+
+void seld_contact_find(const seld_model *model, seld_state *state)
+{
+    uint32_t na = state->words.free_count;
+    for (uint32_t i = 0; i < na + 2; i++) { /* two held nodes too: the solve reads past the last free one */
         seld_work *work = &state->scratch.nodes[i];
         work->touching = 0;
-        work->wall = (seld_sym3){{0, 0, 0, 0, 0, 0}};
-        if (model->lumen != NULL) {
-            assemble_node(model, state, i);
+        work->wall_normal = 0;
+        work->wall_friction = 0;
+        if (model->lumen != NULL && i < na) {
+            find_node(model, state, i);
         } else {
             clear(&state->words.nodes[i]);
+        }
+    }
+    if (model->hold.pinned) {
+        hold_node(model, state, 0, &model->hold.position_m_q30[0]);
+    }
+    if (model->hold.second > 0 && model->hold.second < na) {
+        hold_node(model, state, model->hold.second, &model->hold.position_m_q30[1]);
+    }
+}
+
+void seld_contact_forces(const seld_model *model, seld_state *state)
+{
+    for (uint32_t i = 0; i < state->words.free_count; i++) {
+        if (state->scratch.nodes[i].touching) {
+            push_node(model, state, i);
         }
     }
 }
@@ -181,45 +260,61 @@ uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t
     int32_t reach = 2 * (largest_m_q33 >> 3) + MARGIN_M_Q30 - SELD_MISSED_CONTACT_M_Q30; /* sqrt(3) < 2 */
     for (uint32_t i = 0; i < state->words.free_count; i++) {
         seld_work *work = &state->scratch.nodes[i];
-        if (work->touching || work->distance_m_q30 < -model->nodes[i].radius_m_q30 - reach ||
-            !sample(model, work, i)) {
+        bool held = work->touching || work->wall_friction != 0;
+        if (held || work->distance_m_q30 < -state->line.nodes[i].radius_m_q30 - reach ||
+            !sample(model, state, i)) {
             continue;
         }
         int32_t ended = seld_sub_sat(work->depth_m_q30, along(&work->solution_m_q33, &work->normal_q30) >> 3);
         if (ended > SELD_MISSED_CONTACT_M_Q30) {
-            touch(model, state, i, ended);
+            touch(model, state, i, ended, work->roll_m_q33);
+            push_node(model, state, i);
             added++;
         }
     }
     return added;
 }
 
-/* z + u_t limited to mu N / k_t; sticks when it was not limited. */
+/* z + way limited to mu N / k_t; sticks when it was not limited. */
 static void move_bristle(const seld_model *model, seld_state *state, uint32_t i, int32_t depth_m_q30)
 {
     seld_node_state *node = &state->words.nodes[i];
     seld_work *work = &state->scratch.nodes[i];
-    seld_vec3 moved = seld_vec3_add(work->solution_m_q33, work->slide_m_q33);
-    moved = seld_vec3_add(moved, node->bristle_m_q33);
-    moved = tangential(&moved, &work->normal_q30);
+    seld_vec3 way = seld_vec3_add(work->solution_m_q33, work->slide_m_q33);
+    way = seld_vec3_add(way, node->bristle_m_q33);
+    add_surface_way(state, i, work->roll_m_q33, &way);
+    way = tangential(&way, &work->normal_q30);
     int32_t force = depth_m_q30 > 0 ? normal_force(model, depth_m_q30) : 0;
-    int32_t limit_N_q22 = seld_mul_q30(force, friction_of(model, i, node->contact));
+    int32_t limit_N_q22 = seld_mul_q30(force, friction_of(state, i));
     /* mu N / k_t in m Q33: 2^11 / 2000 = 1 + 25166 / 2^20 */
     int64_t limit_m_q33 = limit_N_q22 + (((int64_t)limit_N_q22 * 25166) >> 20);
     int64_t root;
     unsigned half_lead;
     node->contact = SELD_CONTACT_STICKS;
-    if (inverse_length(&moved, &root, &half_lead)) {
+    if (inverse_length(&way, &root, &half_lead)) {
         /* ratio = limit / |z| in Q30 */
         int64_t ratio = seld_asr64(limit_m_q33 * root, 32 - half_lead);
         if (ratio < SELD_ONE_Q30) {
             node->contact = SELD_CONTACT_SLIPS;
             for (int k = 0; k < 3; k++) {
-                moved.v[k] = seld_mul_q30(moved.v[k], (int32_t)ratio);
+                way.v[k] = seld_mul_q30(way.v[k], (int32_t)ratio);
             }
         }
     }
-    node->bristle_m_q33 = moved;
+    node->bristle_m_q33 = way;
+}
+
+/* Friction along the line falls to the tool that touches: -k_t z along its axis. Format: N/m x Q33 m -> Q22 N. */
+static void charge_outer_tool(seld_state *state, uint32_t i)
+{
+    const seld_line_node *line = &state->line.nodes[i];
+    const seld_node_state *node = &state->words.nodes[i];
+    int32_t way_m_q33 = along(&node->bristle_m_q33, &node->tangent_q30);
+    int32_t drag_N_q22 = (int32_t)(((int64_t)way_m_q33 * -SELD_FRICTION_STIFFNESS_N_m) >> 11);
+    int32_t outer = (int32_t)(((int64_t)drag_N_q22 * line->outer_share_q15) >> 15);
+    int32_t *axial = state->scratch.axial_N_q22;
+    axial[line->outer] = seld_add_sat(axial[line->outer], outer);
+    axial[line->under] = seld_add_sat(axial[line->under], drag_N_q22 - outer);
 }
 
 void seld_contact_finish(const seld_model *model, seld_state *state, seld_output *output)
@@ -233,9 +328,31 @@ void seld_contact_finish(const seld_model *model, seld_state *state, seld_output
         }
         int32_t depth = seld_sub_sat(work->depth_m_q30, along(&work->solution_m_q33, &work->normal_q30) >> 3);
         move_bristle(model, state, i, depth);
+        if (model->tool_count > 1) {
+            charge_outer_tool(state, i);
+        }
         output->contact_count++;
         if (depth > output->penetration_max_m_q30) {
             output->penetration_max_m_q30 = depth;
         }
     }
+}
+
+bool seld_state_contact_force(const seld_model *model, const seld_state *state, uint32_t node,
+                              seld_vec3 *force_N_q22)
+{
+    *force_N_q22 = (seld_vec3){{0, 0, 0}};
+    if (model->lumen == NULL || node >= state->words.free_count ||
+        state->words.nodes[node].contact == SELD_CONTACT_NONE) {
+        return false;
+    }
+    const seld_node_state *n = &state->words.nodes[node];
+    seld_lumen_sample wall = seld_lumen_contact(model->lumen, &n->position_m_q30);
+    int32_t depth = seld_add_sat(wall.distance_m_q30, state->line.nodes[node].radius_m_q30);
+    int32_t push = depth > 0 ? normal_force(model, depth) : 0;
+    for (int k = 0; k < 3; k++) {
+        int64_t drag = ((int64_t)n->bristle_m_q33.v[k] * SELD_FRICTION_STIFFNESS_N_m) >> 11;
+        force_N_q22->v[k] = seld_sat32(seld_mul_q30(push, wall.normal_q30.v[k]) - drag);
+    }
+    return true;
 }

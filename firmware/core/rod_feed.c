@@ -1,19 +1,15 @@
-/* From the hand to the predicted configuration: how far the instrument is fed this tick, which nodes that
- * frees or captures, and where every node would be if the rod only slid along itself (x* = x - T ds). The
- * solve then finds the deviation from that slide, so that a fast feed puts no force of its own into the right
- * side (docs/rod.md, "feed"). May include: rod.h. Called by: core_step.c. */
+/* From the hands to the predicted configuration: how far each tool is fed this tick, which nodes that
+ * frees or captures, and where every node would be if the line only slid along itself (x* = x - T ds, ds being the
+ * way of the leading tip). The solve then finds the deviation from that slide, so that a fast feed puts no force of its
+ * own into the right side (docs/rod.md, "feed"). May include: rod.h. Called by: core_step.c. */
 #include "firmware/core/rod.h"
 
 enum {
     FOLLOW_SHIFT = 2, /* the feed covers a quarter of the hand's lead each tick */
     WALL_COMPLIANCE_m_N_Q40 =
-        43980465, /* 4e-5 m/N: the contact that blocks the tip, k_c + k_deep = 25 kN/m */
+        43980465,                   /* 4e-5 m/N: the contact that blocks the tip, k_c + k_deep = 25 kN/m */
+    TURN32_TO_Q30_RAD = 1686629713, /* pi / 2 in Q30 */
 };
-
-static int32_t clamp32(int32_t value, int32_t low, int32_t high)
-{
-    return value < low ? low : (value > high ? high : value);
-}
 
 /* Feed that brings the handle to its force limit: (F_max - H) x compliance of the free part and the wall.
  * Format: N Q22 x m/N Q40 -> m Q30. Overflow: saturates at the feed limit. */
@@ -26,45 +22,76 @@ static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
     return limit > SELD_FEED_MAX_M_Q30 ? SELD_FEED_MAX_M_Q30 : (int32_t)limit;
 }
 
-/* Feed of this tick in metres Q30. The hand may lead by four times the largest feed; beyond that it slips, as
- * a hand does on a wire or a wire in the rig's rollers. */
-static int32_t choose_feed(const seld_model *model, seld_state_words *words, int32_t hand_m_q30)
+/* Feed of one tool in this tick, Q30 m. The hand may lead by four times the largest feed; beyond that it slips, as
+ * a hand does on a wire or a wire in the rig's rollers. A tool that pushes or pulls as hard as a hand can stalls. */
+static int32_t choose_feed(const seld_model *model, seld_state *state, uint32_t k, int32_t hand_m_q30)
 {
     const int32_t lead_max = 4 * SELD_FEED_MAX_M_Q30;
-    int64_t lead = (int64_t)hand_m_q30 + words->hand_offset_m_q30 - words->inserted_m_q30;
+    seld_state_words *words = &state->words;
+    seld_tool_state *tool = &words->tools[k];
+    int64_t lead = (int64_t)hand_m_q30 + tool->hand_offset_m_q30 - tool->inserted_m_q30;
     if (lead > lead_max || lead < -lead_max) {
         int64_t kept = lead > 0 ? lead_max : -(int64_t)lead_max;
-        words->hand_offset_m_q30 = seld_sat32(words->hand_offset_m_q30 - (lead - kept));
+        tool->hand_offset_m_q30 = seld_sat32(tool->hand_offset_m_q30 - (lead - kept));
         words->fault_bits |= SELD_FAULT_FEED_LIMIT;
         lead = kept;
     }
     int32_t feed = (int32_t)lead / (1 << FOLLOW_SHIFT);
-    uint32_t compliance = model->compliance_m_N_q40[words->free_count] + WALL_COMPLIANCE_m_N_Q40;
-    int32_t push = stall_limit(seld_sub_sat(model->stall_N_q22, words->handle_axial_N_q22), compliance);
-    int32_t pull = stall_limit(seld_add_sat(model->stall_N_q22, words->handle_axial_N_q22), compliance);
-    feed = clamp32(feed, -pull, push);
-    int32_t least = model->nodes[3].arc_m_q30 + 1024;
-    int32_t most = model->nodes[model->node_count - 3].arc_m_q30;
-    int32_t wanted = words->inserted_m_q30 + feed;
-    int32_t allowed = clamp32(wanted, least, most);
+    uint32_t compliance =
+        (uint32_t)state->line.nodes[words->free_count].compliance_m_N_q40 + WALL_COMPLIANCE_m_N_Q40;
+    int32_t push = stall_limit(seld_sub_sat(model->stall_N_q22, tool->handle_axial_N_q22), compliance);
+    int32_t pull = stall_limit(seld_add_sat(model->stall_N_q22, tool->handle_axial_N_q22), compliance);
+    feed = seld_clamp(feed, -pull, push);
+    int32_t wanted = tool->inserted_m_q30 + feed;
+    int32_t allowed = seld_clamp(wanted, SELD_WITHDRAWN_M_Q30, model->tools[k].inserted_max_m_q30);
     if (allowed != wanted) {
         words->fault_bits |= SELD_FAULT_INSERT_END;
     }
-    return allowed - words->inserted_m_q30;
+    return allowed - tool->inserted_m_q30;
 }
 
-/* The inserter's material frame follows the hand's angle a quarter of the way each tick, at most 20 rad/s. */
-static void turn_base(seld_state_words *words, uint32_t hand_turn32)
+/* Feeds every tool. The line never gets shorter than a few elements: the last tool to leave stops there. */
+static void feed_tools(const seld_model *model, seld_state *state, const seld_input *input)
 {
-    int32_t lead = (int32_t)(hand_turn32 - words->base_turn32);
-    int32_t turn = clamp32(lead / (1 << FOLLOW_SHIFT), -SELD_TURN_MAX_TURN32, SELD_TURN_MAX_TURN32);
-    words->base_turn32 += (uint32_t)turn;
+    seld_state_words *words = &state->words;
+    const int32_t least = model->mesh[3].arc_m_q30 + 1024;
+    int32_t before = seld_lead_inserted(model, words);
+    uint32_t longest = 0;
+    int32_t feed[SELD_TOOL_MAX];
+    for (uint32_t k = 0; k < model->tool_count; k++) {
+        feed[k] = choose_feed(model, state, k, input->hands[k].feed_m_q30);
+        words->tools[k].inserted_m_q30 += feed[k];
+        longest = words->tools[k].inserted_m_q30 > words->tools[longest].inserted_m_q30 ? k : longest;
+    }
+    int32_t short_by = least - words->tools[longest].inserted_m_q30;
+    if (short_by > 0) {
+        words->tools[longest].inserted_m_q30 += short_by;
+        feed[longest] += short_by;
+        words->fault_bits |= SELD_FAULT_INSERT_END;
+    }
+    int32_t line = seld_lead_inserted(model, words) - before;
+    state->scratch.feed_m_q33 = line * 8;
+    for (uint32_t k = 0; k < model->tool_count; k++) {
+        state->scratch.slide_m_q33[k] = (feed[k] - line) * 8;
+    }
+}
+
+/* The material frames in the inserter follow the hands' angles a quarter of the way each tick, at most 20 rad/s. */
+static void turn_bases(const seld_model *model, seld_state *state, const seld_input *input)
+{
+    for (uint32_t k = 0; k < model->tool_count; k++) {
+        seld_tool_state *tool = &state->words.tools[k];
+        int32_t lead = (int32_t)(input->hands[k].turn32 - tool->base_turn32);
+        int32_t turn = seld_clamp(lead / (1 << FOLLOW_SHIFT), -SELD_TURN_MAX_TURN32, SELD_TURN_MAX_TURN32);
+        tool->base_turn32 += (uint32_t)turn;
+        state->scratch.turn_q30[k] = -seld_mul_q30(turn, TURN32_TO_Q30_RAD);
+    }
 }
 
 /* Position of a node inside the inserter: on its axis, arc - s behind the mouth. */
-static seld_vec3 position_inside(const seld_model *model, const seld_state_words *words, uint32_t node)
+static seld_vec3 position_inside(const seld_model *model, int32_t inserted_m_q30, uint32_t node)
 {
-    int32_t behind = model->nodes[node].arc_m_q30 - words->inserted_m_q30;
+    int32_t behind = model->mesh[node].arc_m_q30 - inserted_m_q30;
     seld_vec3 p = model->entry.position_m_q30;
     for (int k = 0; k < 3; k++) {
         p.v[k] -= seld_mul_q30(behind, model->entry.direction_q30.v[k]);
@@ -73,7 +100,7 @@ static seld_vec3 position_inside(const seld_model *model, const seld_state_words
 }
 
 /* Node i and the edge behind it as they are inside the inserter: straight, unloaded, moving with the feed. */
-static void place_inside(const seld_model *model, seld_state *state, uint32_t i)
+static void place_inside(const seld_model *model, seld_state *state, int32_t inserted_m_q30, uint32_t i)
 {
     seld_node_state *node = &state->words.nodes[i];
     seld_work *work = &state->scratch.nodes[i];
@@ -81,8 +108,14 @@ static void place_inside(const seld_model *model, seld_state *state, uint32_t i)
         node->tangent_q30.v[k] = -model->entry.direction_q30.v[k];
         node->step_m_q33.v[k] = seld_mul_q30(state->scratch.feed_m_q33, model->entry.direction_q30.v[k]);
     }
-    node->position_m_q30 = position_inside(model, &state->words, i);
-    node->angle_turn32 = 0u - state->words.base_turn32;
+    node->position_m_q30 = position_inside(model, inserted_m_q30, i);
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        node->angle_turn32[k] = 0u - state->words.tools[k].base_turn32;
+        node->spin_q30[k] = state->scratch.turn_q30[k];
+    }
+    for (uint32_t k = 0; k < SELD_PAIR_MAX; k++) {
+        node->grip_q30[k] = 0;
+    }
     node->bristle_m_q33 = (seld_vec3){{0, 0, 0}};
     node->contact = SELD_CONTACT_NONE;
     work->position_m_q30 = node->position_m_q30;
@@ -91,11 +124,27 @@ static void place_inside(const seld_model *model, seld_state *state, uint32_t i)
     work->force_N_q22 = (seld_vec3){{0, 0, 0}};
 }
 
+/* Weights, with the rounding error carried to the next node so that the total is exact. */
+typedef struct weight_carry {
+    int64_t rest[3];
+} weight_carry;
+
+static void add_weight(const seld_model *model, const seld_line_node *line, weight_carry *carry,
+                       seld_vec3 *force)
+{
+    for (int k = 0; k < 3; k++) {
+        /* kg Q40 x m/s^2 Q20 -> N Q22 */
+        int64_t exact = (int64_t)line->mass_kg_q40 * model->gravity_m_s2_q20[k] + carry->rest[k];
+        int64_t rounded = seld_rshift_round64(exact, 38);
+        carry->rest[k] = exact - rounded * ((int64_t)1 << 38);
+        force->v[k] = seld_sat32(force->v[k] + rounded);
+    }
+}
+
 /* A node freed this tick: x* is on the axis at the new feed, it came from there less the slide, under its weight. */
-static void free_node(const seld_model *model, seld_state *state, uint32_t i)
+static void free_node(seld_state *state, uint32_t i)
 {
     seld_work *work = &state->scratch.nodes[i];
-    work->force_N_q22 = model->nodes[i].weight_N_q22;
     for (int k = 0; k < 3; k++) {
         state->words.nodes[i].position_m_q30.v[k] =
             work->position_m_q30.v[k] - ((work->slide_m_q33.v[k] + 4) >> 3);
@@ -106,10 +155,10 @@ static void free_node(const seld_model *model, seld_state *state, uint32_t i)
  * Overflow: displacements per tick stay below 2^23 m Q33 (cap), inertia below 2^29: products below 2^60. */
 static void slide_node(const seld_model *model, seld_state *state, uint32_t i)
 {
-    const seld_node *constant = &model->nodes[i];
     seld_node_state *node = &state->words.nodes[i];
     seld_work *work = &state->scratch.nodes[i];
     const seld_vec3 *ahead = &state->words.nodes[i > 0 ? i - 1 : 0].tangent_q30;
+    const int64_t inertia = seld_line_inertia(model, &state->line.nodes[i]);
     int32_t feed = state->scratch.feed_m_q33;
     unsigned shift = model->stiffness_exponent + 11; /* Q(a) N/m x Q33 m -> Q22 N */
     for (int k = 0; k < 3; k++) {
@@ -120,20 +169,19 @@ static void slide_node(const seld_model *model, seld_state *state, uint32_t i)
         work->slide_m_q33.v[k] = slide;
         work->drift_m_q33.v[k] = drift;
         work->position_m_q30.v[k] = node->position_m_q30.v[k] + ((slide + 4) >> 3);
-        work->force_N_q22.v[k] = constant->weight_N_q22.v[k] +
-                                 (int32_t)seld_rshift_round64((int64_t)constant->inertia * kept, shift);
+        work->force_N_q22.v[k] = (int32_t)seld_rshift_round64(inertia * kept, shift);
     }
 }
 
 /* The two joints at the mouth own only the part of their cell that lies outside it: W grows by cell / part,
  * the rest turning shrinks by part / cell. At least a tenth of the cell is kept for the stiffness. */
-static void clip_joint(const seld_model *model, seld_state *state, uint32_t i)
+static void clip_joint(const seld_model *model, seld_state *state, int32_t inserted_m_q30, uint32_t i)
 {
     seld_joint *joint = &state->scratch.mouth[i + 1 - state->words.free_count];
-    *joint = model->joints[i];
-    int32_t from = model->nodes[i].arc_m_q30 - model->edges[i - 1].length_m_q30 / 2;
-    int32_t cell = (model->edges[i - 1].length_m_q30 + model->edges[i].length_m_q30) / 2;
-    int32_t part = state->words.inserted_m_q30 - from;
+    *joint = state->line.nodes[i].joint;
+    int32_t from = model->mesh[i - 1].cell_end_m_q30;
+    int32_t cell = model->mesh[i].cell_end_m_q30 - from;
+    int32_t part = inserted_m_q30 - from;
     if (part >= cell) {
         return;
     }
@@ -144,51 +192,62 @@ static void clip_joint(const seld_model *model, seld_state *state, uint32_t i)
     joint->q = seld_mul(joint->q, factor_q24, 24);
     joint->r = seld_mul(joint->r, factor_q24, 24);
     int32_t share_q24 = part <= 0 ? 0 : seld_quotient(part, cell, 24);
-    joint->turn1_q30 = seld_mul(joint->turn1_q30, share_q24, 24);
-    joint->turn2_q30 = seld_mul(joint->turn2_q30, share_q24, 24);
+    for (uint32_t k = 0; k < model->tool_count; k++) {
+        joint->turn1_q30[k] = seld_mul(joint->turn1_q30[k], share_q24, 24);
+        joint->turn2_q30[k] = seld_mul(joint->turn2_q30[k], share_q24, 24);
+    }
 }
 
 /* Nodes beyond the mouth once the tip has advanced to arc length s. A tick's feed passes at most eight nodes.
  */
-static uint32_t count_free(const seld_model *model, const seld_state_words *words)
+static uint32_t count_free(const seld_model *model, uint32_t count, int32_t inserted_m_q30)
 {
-    uint32_t count = words->free_count;
-    for (int step = 0; step < 8 && model->nodes[count].arc_m_q30 < words->inserted_m_q30; step++) {
+    for (int step = 0; step < 8 && model->mesh[count].arc_m_q30 < inserted_m_q30; step++) {
         count++;
     }
-    for (int step = 0; step < 8 && model->nodes[count - 1].arc_m_q30 >= words->inserted_m_q30; step++) {
+    for (int step = 0; step < 8 && model->mesh[count - 1].arc_m_q30 >= inserted_m_q30; step++) {
         count--;
     }
     return count;
 }
 
-void seld_rod_feed(const seld_model *model, seld_state *state, const seld_input *input)
+static void load_nodes(const seld_model *model, seld_state *state)
 {
-    seld_state_words *words = &state->words;
-    int32_t feed = choose_feed(model, words, input->hand_feed_m_q30);
-    state->scratch.feed_m_q33 = feed * 8;
-    words->inserted_m_q30 += feed;
-    turn_base(words, input->hand_turn32);
-    if (words->release_q30 < SELD_ONE_Q30) {
-        words->release_q30 += SELD_RELEASE_STEP_Q30;
-    }
-    uint32_t before = words->free_count;
-    uint32_t now = count_free(model, words);
-    words->free_count = now;
-    uint32_t sliding = before < now ? before : now;
-    for (uint32_t i = 0; i < sliding; i++) {
-        slide_node(model, state, i);
-    }
-    for (uint32_t i = sliding; i < now + 3; i++) {
-        place_inside(model, state, i);
-        if (i < now) {
-            free_node(model, state, i);
-        }
+    weight_carry carry = {{0, 0, 0}};
+    for (uint32_t i = 0; i < state->words.free_count; i++) {
+        add_weight(model, &state->line.nodes[i], &carry, &state->scratch.nodes[i].force_N_q22);
     }
     for (int k = 0; k < 3; k++) {
         seld_vec3 *force = &state->scratch.nodes[0].force_N_q22;
         force->v[k] = seld_add_sat(force->v[k], model->tip_load_N_q22.v[k]);
     }
-    clip_joint(model, state, now - 1);
-    clip_joint(model, state, now);
+}
+
+void seld_rod_feed(const seld_model *model, seld_state *state, const seld_input *input)
+{
+    seld_state_words *words = &state->words;
+    seld_line_update(model, state); /* for the stall's compliance, after a restored state */
+    feed_tools(model, state, input);
+    turn_bases(model, state, input);
+    if (words->release_q30 < SELD_ONE_Q30) {
+        words->release_q30 += SELD_RELEASE_STEP_Q30;
+    }
+    int32_t inserted = seld_lead_inserted(model, words);
+    uint32_t before = words->free_count;
+    uint32_t now = count_free(model, before, inserted);
+    words->free_count = now;
+    seld_line_update(model, state);
+    uint32_t sliding = before < now ? before : now;
+    for (uint32_t i = 0; i < sliding; i++) {
+        slide_node(model, state, i);
+    }
+    for (uint32_t i = sliding; i < now + 3; i++) {
+        place_inside(model, state, inserted, i);
+        if (i < now) {
+            free_node(state, i);
+        }
+    }
+    load_nodes(model, state);
+    clip_joint(model, state, inserted, now - 1);
+    clip_joint(model, state, inserted, now);
 }

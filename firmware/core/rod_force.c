@@ -1,9 +1,10 @@
-/* Elastic forces and their matrix at the predicted configuration x* (docs/rod.md, "energy" and "rows").
+/* Elastic forces at the predicted configuration x* (docs/rod.md, "energy" and "rows"); the matrix is in rod_solve.c.
  *
  * Edge: w = (x*[i+1] - x*[i]) / l, strain from |w|^2 by series (no root), F = EA strain,
  *       S = (k_s - k_g) t t^T + k_g I with k_g = max(F, 0) / l.
- * Joint: b = w[i] - w[i-1], v = W (b - g), f[i-1] -= a v, f[i] += (a + c) v, f[i+1] -= c v, and the twisting
- * moment tau bends the line by F = tau kb / 2, kb = 2 t x t' / (1 + t.t'). May include: rod.h. Called by:
+ * Joint: b = w[i] - w[i-1], v = W (b - g), f[i-1] -= a v, f[i] += (a + c) v, f[i+1] -= c v, g summed over the
+ * tools' rest turnings; the tools' twisting moment tau bends the line by F = tau kb / 2, kb = 2 t x t' / (1 + t.t').
+ * May include: rod.h. Called by:
  * core_step.c. */
 #include "firmware/core/rod.h"
 
@@ -47,12 +48,12 @@ static int32_t inverse_stretch_of(int32_t e)
 }
 
 /* w, t and the strain of the edge between two positions. Format: positions Q30 m, 1/l Q18 -> Q30. */
-static int32_t stretch_of(const seld_edge *edge, const seld_vec3 *from, const seld_vec3 *to, seld_vec3 *w,
+static int32_t stretch_of(int32_t inverse_per_m_q18, const seld_vec3 *from, const seld_vec3 *to, seld_vec3 *w,
                           seld_vec3 *t, uint32_t *fault_bits)
 {
     for (int k = 0; k < 3; k++) {
         int64_t difference = (int64_t)to->v[k] - from->v[k];
-        w->v[k] = seld_sat32(seld_rshift_round64(difference * edge->inverse_length_per_m_q18, 18));
+        w->v[k] = seld_sat32(seld_rshift_round64(difference * inverse_per_m_q18, 18));
     }
     bool clamped = false;
     int32_t e = half_excess(w, &clamped);
@@ -68,42 +69,29 @@ static int32_t stretch_of(const seld_edge *edge, const seld_vec3 *from, const se
     return strain_of(e);
 }
 
-/* S of an edge in Q(a). Overflow: |S| <= k_s < 2^29. */
-static void edge_matrix(const seld_edge *edge, const seld_vec3 *t, int32_t tension_N_q22, unsigned exponent,
-                        seld_sym3 *s)
+/* k_g in Q(a): tension / length, none in compression. */
+static int32_t geometric_stiffness(int32_t tension_N_q22, int32_t inverse_per_m_q18, unsigned exponent)
 {
-    int32_t pull = tension_N_q22 < 0
-                       ? 0
-                       : (tension_N_q22 > TENSION_STIFF_MAX_N_Q22 ? TENSION_STIFF_MAX_N_Q22 : tension_N_q22);
-    int32_t geometric = (int32_t)(((int64_t)pull * edge->inverse_length_per_m_q18) >> (40 - exponent));
-    int32_t along = edge->spring - geometric;
-    int32_t x = seld_scale_q30(along, t->v[0]);
-    int32_t y = seld_scale_q30(along, t->v[1]);
-    int32_t z = seld_scale_q30(along, t->v[2]);
-    s->m[0] = seld_scale_q30(x, t->v[0]) + geometric;
-    s->m[1] = seld_scale_q30(x, t->v[1]);
-    s->m[2] = seld_scale_q30(x, t->v[2]);
-    s->m[3] = seld_scale_q30(y, t->v[1]) + geometric;
-    s->m[4] = seld_scale_q30(y, t->v[2]);
-    s->m[5] = seld_scale_q30(z, t->v[2]) + geometric;
+    int32_t pull = seld_clamp(tension_N_q22, 0, TENSION_STIFF_MAX_N_Q22);
+    return (int32_t)(((int64_t)pull * inverse_per_m_q18) >> (40 - exponent));
 }
 
-/* Geometry, spring matrix and axial force of edge i; adds +-F t to its two nodes. */
+/* Geometry and axial force of edge i; adds +-F t to its two nodes. */
 static void edge_forces(const seld_model *model, seld_state *state, uint32_t i)
 {
     seld_work *here = &state->scratch.nodes[i];
     seld_work *next = here + 1;
-    const seld_edge *edge = &model->edges[i];
+    int32_t inverse = model->mesh[i].inverse_length_per_m_q18;
     seld_vec3 *tangent = &state->words.nodes[i].tangent_q30;
-    here->strain_q30 = stretch_of(edge, &here->position_m_q30, &next->position_m_q30, &here->stretch_q30,
-                                  tangent, &state->words.fault_bits);
-    int64_t tension =
-        ((int64_t)edge->axial_stiffness_N_q17 * here->strain_q30) >> 25; /* Q17 N x Q30 -> Q22 N */
+    here->strain_q30 = stretch_of(inverse, &here->position_m_q30, &next->position_m_q30,
+                                  &here->u.a.stretch_q30, tangent, &state->words.fault_bits);
+    /* Q17 N x Q30 -> Q22 N */
+    int64_t tension = ((int64_t)state->line.nodes[i].axial_stiffness_N_q17 * here->strain_q30) >> 25;
     if (tension > TENSION_MAX_N_Q22 || tension < -TENSION_MAX_N_Q22) {
         state->words.fault_bits |= SELD_FAULT_SATURATED;
         tension = tension > 0 ? TENSION_MAX_N_Q22 : -TENSION_MAX_N_Q22;
     }
-    edge_matrix(edge, tangent, (int32_t)tension, model->stiffness_exponent, &here->spring);
+    here->geometric = geometric_stiffness((int32_t)tension, inverse, model->stiffness_exponent);
     for (int k = 0; k < 3; k++) {
         int32_t pull = seld_scale_q30((int32_t)tension, tangent->v[k]);
         add(&here->force_N_q22, k, pull);
@@ -118,15 +106,15 @@ void seld_rod_stretch(const seld_model *model, seld_state *state)
         edge_forces(model, state, i);
     }
     /* The edge behind node na is straight inside the inserter. */
-    state->scratch.nodes[na].stretch_q30 = state->words.nodes[na].tangent_q30;
+    state->scratch.nodes[na].u.a.stretch_q30 = state->words.nodes[na].tangent_q30;
 }
 
-void seld_rod_rest_turn(const seld_joint *joint, int32_t release_q30, const seld_vec3 *axis1,
+void seld_rod_rest_turn(const seld_joint *joint, uint32_t tool, int32_t release_q30, const seld_vec3 *axis1,
                         const seld_vec3 *tangent, seld_vec3 *half)
 {
     seld_vec3 axis2 = seld_vec3_cross_unit(tangent, axis1);
-    int32_t turn1 = seld_scale_q30(joint->turn1_q30, release_q30);
-    int32_t turn2 = seld_scale_q30(joint->turn2_q30, release_q30);
+    int32_t turn1 = seld_scale_q30(joint->turn1_q30[tool], release_q30);
+    int32_t turn2 = seld_scale_q30(joint->turn2_q30[tool], release_q30);
     for (int k = 0; k < 3; k++) {
         int64_t sum = (int64_t)seld_scale_q30(turn1, axis1->v[k]) + seld_scale_q30(turn2, axis2.v[k]);
         half->v[k] = (int32_t)(sum >> 1);
@@ -155,6 +143,30 @@ static int32_t part(int64_t force_N_q22)
                : (force_N_q22 < -PART_MAX_N_Q22 ? -PART_MAX_N_Q22 : (int32_t)force_N_q22);
 }
 
+seld_vec3 seld_rod_tool_turn(const seld_state *state, const seld_joint *joint, uint32_t tool, uint32_t i)
+{
+    const seld_work *here = &state->scratch.nodes[i];
+    int32_t release = state->words.release_q30;
+    seld_vec3 half_ahead, half_here;
+    seld_rod_rest_turn(joint, tool, release, &here[-1].u.a.axis1_q30[tool],
+                       &state->words.nodes[i - 1].tangent_q30, &half_ahead);
+    seld_rod_rest_turn(joint, tool, release, &here->u.a.axis1_q30[tool], &state->words.nodes[i].tangent_q30,
+                       &half_here);
+    return seld_vec3_add(half_ahead, half_here);
+}
+
+seld_vec3 seld_rod_line_turn(const seld_model *model, const seld_state *state, const seld_joint *joint,
+                             uint32_t i)
+{
+    seld_vec3 turn = {{0, 0, 0}};
+    for (uint32_t k = 0; k < model->tool_count; k++) {
+        if (joint->curved >> k & 1u) {
+            turn = seld_vec3_add(turn, seld_rod_tool_turn(state, joint, k, i));
+        }
+    }
+    return turn;
+}
+
 /* Bending and twist at the joint of node i (1 .. na). Format: W Q26 x b Q30 -> v Q30 N m; a Q18 x v Q30 -> Q22 N.
  * Overflow: impossible. |b| < 2^32 and W < 2^30 (16 N m); v a < 4 W / l < 2^15 N (FOLD_MAX_N of core_build.c), below
  * 2^63 in Q48. Both ends get the same rounded force, so momentum is exact. */
@@ -162,24 +174,20 @@ static void joint_forces(const seld_model *model, seld_state *state, uint32_t i)
 {
     seld_work *here = &state->scratch.nodes[i];
     seld_work *ahead = here - 1;
-    const seld_vec3 *before = &state->words.nodes[i - 1].tangent_q30;
-    const seld_vec3 *after = &state->words.nodes[i].tangent_q30;
-    const seld_joint *joint = seld_rod_joint(model, state, i);
-    int32_t a = model->edges[i - 1].inverse_length_per_m_q18;
-    int32_t c = model->edges[i].inverse_length_per_m_q18;
+    const seld_joint *joint = seld_rod_joint(state, i);
+    int32_t a = model->mesh[i - 1].inverse_length_per_m_q18;
+    int32_t c = model->mesh[i].inverse_length_per_m_q18;
     seld_vec3 turn = {{0, 0, 0}};
-    if (seld_rod_is_curved(joint)) {
-        seld_vec3 half_ahead, half_here;
-        seld_rod_rest_turn(joint, state->words.release_q30, &ahead->axis1_q30, before, &half_ahead);
-        seld_rod_rest_turn(joint, state->words.release_q30, &here->axis1_q30, after, &half_here);
-        turn = seld_vec3_add(half_ahead, half_here);
+    if (joint->curved != 0) {
+        turn = seld_rod_line_turn(model, state, joint, i);
     }
     seld_vec3 twisting = {{0, 0, 0}};
     if (here->torque_N_m_q30 != 0) {
-        twisting = twist_force(here->torque_N_m_q30, before, after);
+        twisting = twist_force(here->torque_N_m_q30, &state->words.nodes[i - 1].tangent_q30,
+                               &state->words.nodes[i].tangent_q30);
     }
     for (int k = 0; k < 3; k++) {
-        int64_t bend = (int64_t)here->stretch_q30.v[k] - ahead->stretch_q30.v[k] - turn.v[k];
+        int64_t bend = (int64_t)here->u.a.stretch_q30.v[k] - ahead->u.a.stretch_q30.v[k] - turn.v[k];
         int64_t moment = seld_rshift_round64(bend * joint->bend_N_m_q26, 26);
         int32_t front = part(seld_rshift_round64((moment - twisting.v[k]) * a, 26));
         int32_t back = part(seld_rshift_round64((moment + twisting.v[k]) * c, 26));
@@ -189,39 +197,9 @@ static void joint_forces(const seld_model *model, seld_state *state, uint32_t i)
     }
 }
 
-/* Matrix rows without edges; those that touch the clipped joints are corrected by the difference. */
-static void rows(const seld_model *model, seld_state *state)
-{
-    uint32_t na = state->words.free_count;
-    for (uint32_t i = 0; i < na + 2; i++) { /* two held rows too: the solve reads past the last free one */
-        seld_work *work = &state->scratch.nodes[i];
-        work->diagonal = model->nodes[i].diagonal;
-        work->off_diagonal = model->nodes[i].off_diagonal;
-        work->off_second = model->nodes[i].off_second;
-    }
-    for (uint32_t i = na; i < na + 2; i++) {
-        state->scratch.nodes[i].spring = (seld_sym3){{0, 0, 0, 0, 0, 0}};
-        state->scratch.nodes[i].wall = (seld_sym3){{0, 0, 0, 0, 0, 0}};
-    }
-    for (uint32_t i = na - 1; i <= na; i++) {
-        const seld_joint *clipped = &state->scratch.mouth[i + 1 - na];
-        int32_t p = clipped->p - model->joints[i].p;
-        int32_t q = clipped->q - model->joints[i].q;
-        int32_t r = clipped->r - model->joints[i].r;
-        seld_work *here = &state->scratch.nodes[i];
-        here[-1].diagonal += p;
-        here[-1].off_diagonal -= p + q;
-        here[-1].off_second += q;
-        here->diagonal += p + 2 * q + r;
-        here->off_diagonal -= q + r;
-        here[1].diagonal += r;
-    }
-}
-
 void seld_rod_bend(const seld_model *model, seld_state *state)
 {
     for (uint32_t i = 1; i <= state->words.free_count; i++) {
         joint_forces(model, state, i);
     }
-    rows(model, state);
 }

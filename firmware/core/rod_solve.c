@@ -114,22 +114,54 @@ static inline void second_neighbour(const inverse3 *inverse, int64_t second, sel
     }
 }
 
-/* Block i of the assembled matrix before elimination, and its right neighbour. */
-static inline void load_diagonal(const seld_work *work, const seld_sym3 *spring_ahead, seld_sym3 *d)
+/* Row i of the bending matrix and inertia: joints i-1, i and i+1 around it (docs/rod.md, "rows"). */
+typedef struct bend_row {
+    int32_t diagonal, next, second;
+} bend_row;
+
+static inline bend_row bend_row_of(const seld_model *model, const seld_state *state, uint32_t i)
 {
-    for (int k = 0; k < 6; k++) {
-        d->m[k] = work->spring.m[k] + work->wall.m[k] + spring_ahead->m[k];
-    }
-    d->m[XX] += work->diagonal;
-    d->m[YY] += work->diagonal;
-    d->m[ZZ] += work->diagonal;
+    static const seld_joint none = {0};
+    const seld_joint *before =
+        i > 0 ? &state->line.nodes[i - 1].joint : &none; /* never a clipped one: i < na */
+    const seld_joint *here = seld_rod_joint(state, i);
+    const seld_joint *after = seld_rod_joint(state, i + 1);
+    int32_t inertia = seld_line_inertia(model, &state->line.nodes[i]);
+    return (bend_row){inertia + before->r + here->p + 2 * here->q + here->r + after->p,
+                      -(here->q + here->r + after->p + after->q), after->q};
 }
 
-static inline void load_upper(const seld_work *work, mat3 *u)
+/* S of the edge behind node i in Q(a). Overflow: |S| <= k_s < 2^29. */
+static inline void edge_matrix(const seld_state *state, uint32_t i, seld_sym3 *s)
 {
-    const int32_t *s = work->spring.m;
-    int32_t off = work->off_diagonal;
-    *u = (mat3){{off - s[XX], -s[XY], -s[XZ], -s[XY], off - s[YY], -s[YZ], -s[XZ], -s[YZ], off - s[ZZ]}};
+    const seld_vec3 *t = &state->words.nodes[i].tangent_q30;
+    int32_t geometric = state->scratch.nodes[i].geometric;
+    int32_t along = state->line.nodes[i].spring - geometric;
+    int32_t x = seld_scale_q30(along, t->v[0]);
+    int32_t y = seld_scale_q30(along, t->v[1]);
+    int32_t z = seld_scale_q30(along, t->v[2]);
+    s->m[XX] = seld_scale_q30(x, t->v[0]) + geometric;
+    s->m[XY] = seld_scale_q30(x, t->v[1]);
+    s->m[XZ] = seld_scale_q30(x, t->v[2]);
+    s->m[YY] = seld_scale_q30(y, t->v[1]) + geometric;
+    s->m[YZ] = seld_scale_q30(y, t->v[2]);
+    s->m[ZZ] = seld_scale_q30(z, t->v[2]) + geometric;
+}
+
+/* Adds k_n n n^T + k_f (I - n n^T) of a touching node. */
+static inline void add_wall(const seld_work *work, seld_sym3 *d)
+{
+    const seld_vec3 *n = &work->normal_q30;
+    int32_t friction = work->wall_friction;
+    int32_t x = seld_scale_q30(work->wall_normal - friction, n->v[0]);
+    int32_t y = seld_scale_q30(work->wall_normal - friction, n->v[1]);
+    int32_t z = seld_scale_q30(work->wall_normal - friction, n->v[2]);
+    d->m[XX] += seld_scale_q30(x, n->v[0]) + friction;
+    d->m[XY] += seld_scale_q30(x, n->v[1]);
+    d->m[XZ] += seld_scale_q30(x, n->v[2]);
+    d->m[YY] += seld_scale_q30(y, n->v[1]) + friction;
+    d->m[YZ] += seld_scale_q30(y, n->v[2]);
+    d->m[ZZ] += seld_scale_q30(z, n->v[2]) + friction;
 }
 
 /* One entry of U^T W. Overflow: 3 * 2^29 * 2^31 < 2^62. */
@@ -165,8 +197,8 @@ static inline void subtract_second(mat3 *u, int64_t second, const int32_t *w_q29
  * carried stays in 64 bits until its own turn. */
 static inline void subtract_forces(int64_t *next, int64_t *after, const seld_work *work, const int32_t *r)
 {
-    const int32_t *w = work->w_q29;
-    const int32_t *p = work->p_q29.m;
+    const int32_t *w = work->u.f.w_q29;
+    const int32_t *p = work->u.f.p_q29.m;
     const int64_t x = r[0], y = r[1], z = r[2];
     for (int k = 0; k < 3; k++) {
         next[k] -= (w[k] * x + w[3 + k] * y + w[6 + k] * z + (1 << 28)) >> 29;
@@ -179,14 +211,32 @@ static inline void subtract_forces(int64_t *next, int64_t *after, const seld_wor
 /* What one node of the elimination holds; three of them rotate. */
 typedef struct row3 {
     seld_sym3 d;
+    seld_sym3 spring; /* S of the edge behind the node: part of the next node's block */
     mat3 u;
+    int32_t second;
     int64_t r[3];
 } row3;
 
-static inline void load_row(const seld_work *work, const seld_sym3 *spring_ahead, row3 *row)
+/* Assembles row i; `ahead` is the spring of the edge before it. */
+static inline void load_row(const seld_model *model, const seld_state *state, uint32_t i,
+                            const seld_sym3 *ahead, row3 *row)
 {
-    load_diagonal(work, spring_ahead, &row->d);
-    load_upper(work, &row->u);
+    const seld_work *work = &state->scratch.nodes[i];
+    bend_row bend = bend_row_of(model, state, i);
+    edge_matrix(state, i, &row->spring);
+    for (int k = 0; k < 6; k++) {
+        row->d.m[k] = row->spring.m[k] + ahead->m[k];
+    }
+    row->d.m[XX] += bend.diagonal;
+    row->d.m[YY] += bend.diagonal;
+    row->d.m[ZZ] += bend.diagonal;
+    if ((work->wall_normal | work->wall_friction) != 0) {
+        add_wall(work, &row->d);
+    }
+    const int32_t *s = row->spring.m;
+    row->u = (mat3){{bend.next - s[XX], -s[XY], -s[XZ], -s[XY], bend.next - s[YY], -s[YZ], -s[XZ], -s[YZ],
+                     bend.next - s[ZZ]}};
+    row->second = bend.second;
     for (int k = 0; k < 3; k++) {
         row->r[k] = work->force_N_q22.v[k];
     }
@@ -201,29 +251,33 @@ static inline int64_t eliminate_node(unsigned exponent, seld_work *work, const r
                           limit(here->r[2], FORCE_MAX_N_Q22)};
     inverse3 inverse;
     invert(&here->d, &inverse);
-    times(&inverse, &here->u, work->w_q29);
-    second_neighbour(&inverse, work->off_second, &work->p_q29, &after->d);
+    times(&inverse, &here->u, work->u.f.w_q29);
+    second_neighbour(&inverse, here->second, &work->u.f.p_q29, &after->d);
     apply(&inverse, r, exponent, &work->solution_m_q33);
     subtract_forces(next->r, after->r, work, r);
-    subtract_product(&next->d, &here->u, work->w_q29);
-    subtract_second(&next->u, work->off_second, work->w_q29);
+    subtract_product(&next->d, &here->u, work->u.f.w_q29);
+    subtract_second(&next->u, here->second, work->u.f.w_q29);
     return (here->r[0] ^ r[0]) | (here->r[1] ^ r[1]) | (here->r[2] ^ r[2]);
 }
 
-/* One pass from tip to base. */
+/* One pass from tip to base. Rows of the held nodes stay empty: they do not deviate. */
 static void eliminate(const seld_model *model, seld_state *state)
 {
     static const seld_sym3 no_spring = {{0, 0, 0, 0, 0, 0}};
+    static const row3 held = {{{0}}, {{0}}, {{0}}, 0, {0}};
     uint32_t na = state->words.free_count;
-    seld_work *work = state->scratch.nodes;
     row3 rows[3];
     row3 *here = &rows[0], *next = &rows[1], *after = &rows[2];
     int64_t limited = 0;
-    load_row(&work[0], &no_spring, here);
-    load_row(&work[1], &work[0].spring, next);
+    load_row(model, state, 0, &no_spring, here);
+    load_row(model, state, 1, &here->spring, next);
     for (uint32_t i = 0; i < na; i++) {
-        load_row(&work[i + 2], &work[i + 1].spring, after);
-        limited |= eliminate_node(model->stiffness_exponent, &work[i], here, next, after);
+        if (i + 2 < na) {
+            load_row(model, state, i + 2, &next->spring, after);
+        } else {
+            *after = held;
+        }
+        limited |= eliminate_node(model->stiffness_exponent, &state->scratch.nodes[i], here, next, after);
         row3 *done = here;
         here = next;
         next = after;
@@ -243,8 +297,8 @@ static void substitute(seld_state *state)
     work[na + 1].solution_m_q33 = (seld_vec3){{0, 0, 0}};
     for (uint32_t n = na; n > 0; n--) {
         seld_work *here = &work[n - 1];
-        const int32_t *w = here->w_q29;
-        const int32_t *p = here->p_q29.m;
+        const int32_t *w = here->u.f.w_q29;
+        const int32_t *p = here->u.f.p_q29.m;
         const int32_t *b = here[1].solution_m_q33.v;
         const int32_t *c = here[2].solution_m_q33.v;
         const int32_t pr[9] = {p[XX], p[XY], p[XZ], p[XY], p[YY], p[YZ], p[XZ], p[YZ], p[ZZ]};
@@ -262,4 +316,32 @@ void seld_rod_solve(const seld_model *model, seld_state *state)
 {
     eliminate(model, state);
     substitute(state);
+}
+
+/* Force of the line on the two held nodes: f - A delta. Bending is part of it: the edge force alone jumps when a node is
+ * freed and reads low with a bent mouth (docs/rod.md). */
+int32_t seld_rod_handle_axial(const seld_model *model, const seld_state *state)
+{
+    uint32_t na = state->words.free_count;
+    const seld_work *work = state->scratch.nodes;
+    seld_sym3 spring;
+    edge_matrix(state, na - 1, &spring);
+    const int32_t *s = spring.m;
+    const seld_joint *last = &state->scratch.mouth[0]; /* joints na-1 and na */
+    const seld_joint *held = &state->scratch.mouth[1];
+    int64_t off = -(last->q + last->r + held->p + held->q);
+    const int64_t row[9] = {off - s[XX], -s[XY], -s[XZ], -s[XY],     off - s[YY],
+                            -s[YZ],      -s[XZ], -s[YZ], off - s[ZZ]};
+    const int32_t *near = work[na - 1].solution_m_q33.v;
+    const int32_t *far = work[na - 2].solution_m_q33.v;
+    unsigned shift = model->stiffness_exponent + 11;
+    int64_t axial = 0;
+    for (int k = 0; k < 3; k++) {
+        int64_t moved = row[3 * k] * near[0] + row[3 * k + 1] * near[1] + row[3 * k + 2] * near[2];
+        moved += (int64_t)last->q * far[k] + (int64_t)held->q * near[k];
+        int64_t force = (int64_t)work[na].force_N_q22.v[k] + work[na + 1].force_N_q22.v[k];
+        force -= seld_rshift_round64(moved, shift);
+        axial -= force * model->entry.direction_q30.v[k];
+    }
+    return seld_sat32(seld_rshift_round64(axial, 30));
 }

@@ -30,9 +30,9 @@ static rig *rig_make(const seld_instrument *wire, const seld_lumen *lumen, uint3
 {
     rig *r = calloc(1, sizeof *r);
     seld_entry entry = reference_entry();
-    uint32_t field;
-    assert_int_equal(seld_model_build(&r->model, wire, lumen, &entry, &field), SELD_BUILD_OK);
-    seld_state_init(&r->model, &r->state, inserted_um);
+    seld_build_place place;
+    assert_int_equal(seld_model_build(&r->model, wire, 1, lumen, &entry, &place), SELD_BUILD_OK);
+    seld_state_init(&r->model, &r->state, &inserted_um);
     return r;
 }
 
@@ -107,10 +107,10 @@ static insertion insert(const reference_tube *tube, double bend_N_m2, double to_
     insertion worst = {0, 0, 0, 0};
     int moving = (int)(to_m / 1e-4);
     for (int t = 0; t < moving + 1000; t++) {
-        r->input.hand_feed_m_q30 = (int32_t)((t < moving ? t : moving) * 1e-4 * Q30);
+        r->input.hands[0].feed_m_q30 = (int32_t)((t < moving ? t : moving) * 1e-4 * Q30);
         rig_step(r);
         worst.strain_pct = fmax(worst.strain_pct, 100 * fabs(r->output.strain_max_q30 / Q30));
-        worst.force_N = fmax(worst.force_N, fabs(r->output.handle_axial_N_q22 / 4194304.0));
+        worst.force_N = fmax(worst.force_N, fabs(r->output.tools[0].axial_N_q22 / 4194304.0));
         for (uint32_t i = 0; t % 20 == 0 && i < seld_state_free_count(&r->state); i++) {
             seld_vec3 p = seld_state_position(&r->state, i);
             double x[3] = {p.v[0] / Q30, p.v[1] / Q30, p.v[2] / Q30};
@@ -164,13 +164,13 @@ static void blocked_tip_stalls_the_feed(void **context)
     rig *r = rig_make(&wire, &tube->lumen, 60000);
     double force_N = 0;
     for (int t = 0; t < 6000; t++) {
-        r->input.hand_feed_m_q30 = (int32_t)(t * 1e-4 * Q30);
+        r->input.hands[0].feed_m_q30 = (int32_t)(t * 1e-4 * Q30);
         rig_step(r);
-        force_N = fmax(force_N, r->output.handle_axial_N_q22 / 4194304.0);
+        force_N = fmax(force_N, r->output.tools[0].axial_N_q22 / 4194304.0);
     }
     check_below("handle force (N)", force_N, 6.6);
-    check_below("stalled force (N), as its negative", -r->output.handle_axial_N_q22 / 4194304.0, -4);
-    check_below("inserted length (m)", r->output.inserted_m_q30 / Q30, 0.32);
+    check_below("stalled force (N), as its negative", -r->output.tools[0].axial_N_q22 / 4194304.0, -4);
+    check_below("inserted length (m)", r->output.tools[0].inserted_m_q30 / Q30, 0.32);
     free(r);
     reference_tube_free(tube);
 }
@@ -196,7 +196,7 @@ static void curved_tip_follows_the_hand_in_free_space(void **context)
     double angle[2];
     for (int turned = 0; turned < 2; turned++) {
         for (int t = 0; t < 3000; t++) {
-            if (turned && t < 750) r->input.hand_turn32 += 4294967; /* one turn per second */
+            if (turned && t < 750) r->input.hands[0].turn32 += 4294967; /* one turn per second */
             rig_step(r);
         }
         seld_vec3 p = seld_state_position(&r->state, 0);
@@ -239,9 +239,9 @@ static void sliding_on_the_floor_costs_mu_times_weight(void **context)
     double average[2] = {0, 0};
     for (int way = 0; way < 2; way++) {
         for (int t = 0; t < 2000; t++) {
-            r->input.hand_feed_m_q30 += (way ? -1 : 1) * (int32_t)(1e-5 * Q30);
+            r->input.hands[0].feed_m_q30 += (way ? -1 : 1) * (int32_t)(1e-5 * Q30);
             rig_step(r);
-            if (t >= 1500) average[way] += r->output.handle_axial_N_q22 / 4194304.0 / 500;
+            if (t >= 1500) average[way] += r->output.tools[0].axial_N_q22 / 4194304.0 / 500;
         }
     }
     /* The part near the mouth hangs between the mouth's height and the floor: compare half the difference of both ways
@@ -275,8 +275,8 @@ static void random_hand_does_not_blow_the_rod_up(void **context)
             speed = (int32_t)reference_random_below(&random, 1073742) - 400000; /* -0.37 .. 0.63 m/s */
             turn = (int32_t)reference_random_below(&random, 16400000) - 8200000;
         }
-        r->input.hand_feed_m_q30 = seld_sat32((int64_t)r->input.hand_feed_m_q30 + speed);
-        r->input.hand_turn32 += (uint32_t)turn;
+        r->input.hands[0].feed_m_q30 = seld_sat32((int64_t)r->input.hands[0].feed_m_q30 + speed);
+        r->input.hands[0].turn32 += (uint32_t)turn;
         rig_step(r);
         deep += r->output.penetration_max_m_q30 > 1073742;
         strain_pct = fmax(strain_pct, 100 * fabs(r->output.strain_max_q30 / Q30));
@@ -295,8 +295,8 @@ static rig *busy_rig(const reference_tube *tube)
     seld_instrument wire = reference_wire(5e-4, 600000, 3000, 0.2);
     rig *r = rig_make(&wire, &tube->lumen, 100000);
     for (int t = 0; t < 1500; t++) {
-        r->input.hand_feed_m_q30 += 107374;
-        r->input.hand_turn32 += 1000000;
+        r->input.hands[0].feed_m_q30 += 107374;
+        r->input.hands[0].turn32 += 1000000;
         rig_step(r);
     }
     return r;
@@ -315,12 +315,12 @@ static void restored_state_goes_on_bit_for_bit(void **context)
         uint64_t *hash = run ? got : expected;
         r->input = input;
         if (run) {
-            seld_state_init(&r->model, &r->state, 50000); /* nothing of the first run survives */
+            seld_state_init(&r->model, &r->state, &(uint32_t){50000}); /* nothing of the first run survives */
             assert_true(seld_state_restore(&r->model, &r->state, saved));
         }
         hash[0] = seld_state_hash64(&r->state);
         for (int t = 0; t < 300; t++) {
-            r->input.hand_feed_m_q30 -= 90000;
+            r->input.hands[0].feed_m_q30 -= 90000;
             rig_step(r);
         }
         hash[1] = seld_state_hash64(&r->state);
@@ -342,11 +342,10 @@ static void restore_refuses_impossible_words(void **context)
     uint64_t before = seld_state_hash64(&r->state);
     const size_t node = offsetof(seld_state_words, nodes);
     const size_t guarded[] = {
-        offsetof(seld_state_words, free_count),           offsetof(seld_state_words, inserted_m_q30),
-        offsetof(seld_state_words, feed_m_q33),           offsetof(seld_state_words, release_q30),
-        node + offsetof(seld_node_state, position_m_q30), node + offsetof(seld_node_state, step_m_q33),
-        node + offsetof(seld_node_state, tangent_q30),    node + offsetof(seld_node_state, bristle_m_q33),
-        node + offsetof(seld_node_state, contact)};
+        offsetof(seld_state_words, free_count),          offsetof(seld_state_words, tools),
+        offsetof(seld_state_words, release_q30),         node + offsetof(seld_node_state, position_m_q30),
+        node + offsetof(seld_node_state, step_m_q33),    node + offsetof(seld_node_state, tangent_q30),
+        node + offsetof(seld_node_state, bristle_m_q33), node + offsetof(seld_node_state, contact)};
     for (size_t i = 0; i < sizeof guarded / sizeof guarded[0]; i++) {
         uint8_t kept[4];
         memcpy(kept, saved + guarded[i], 4);
@@ -368,7 +367,7 @@ static void one_more_count_of_the_hand_gives_another_hash(void **context)
     uint32_t lanes[2][2];
     for (int run = 0; run < 2; run++) {
         rig *r = rig_make(&wire, NULL, 100000);
-        r->input.hand_feed_m_q30 = 1000 + 4 * run;
+        r->input.hands[0].feed_m_q30 = 1000 + 4 * run;
         rig_step(r);
         memcpy(lanes[run], r->output.hash_lane, sizeof lanes[run]);
         free(r);
@@ -378,10 +377,10 @@ static void one_more_count_of_the_hand_gives_another_hash(void **context)
 
 /* --- set-up ---------------------------------------------------------------------------------------------------- */
 
-static seld_build_status build(const seld_instrument *wire, const seld_entry *entry, uint32_t *field)
+static seld_build_status build(const seld_instrument *wire, const seld_entry *entry, seld_build_place *place)
 {
     seld_model *model = malloc(sizeof *model);
-    seld_build_status status = seld_model_build(model, wire, NULL, entry, field);
+    seld_build_status status = seld_model_build(model, wire, 1, NULL, entry, place);
     free(model);
     return status;
 }
@@ -391,32 +390,32 @@ static void bad_instruments_are_refused_with_their_knot(void **context)
     (void)context;
     const seld_instrument good = reference_wire(5e-4, 600000, 3000, 0.2);
     seld_entry entry = reference_entry();
-    uint32_t field;
+    seld_build_place place;
     seld_instrument bad = good;
-    assert_int_equal(build(&good, &entry, &field), SELD_BUILD_OK);
+    assert_int_equal(build(&good, &entry, &place), SELD_BUILD_OK);
     bad.knot_count = 1;
-    assert_int_equal(build(&bad, &entry, &field), SELD_BUILD_KNOTS);
+    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_KNOTS);
     bad.knot_count = SELD_KNOT_MAX + 1;
-    assert_int_equal(build(&bad, &entry, &field), SELD_BUILD_KNOTS);
+    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_KNOTS);
     bad = good;
     bad.knots[1].bend_stiffness_nN_m2 = 99;
-    assert_int_equal(build(&bad, &entry, &field), SELD_BUILD_RANGE);
-    assert_int_equal(field, 1);
+    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_RANGE);
+    assert_int_equal(place.knot, 1);
     bad = good;
     bad.knots[1].friction_kinetic_milli = 300; /* above the static 200 */
-    assert_int_equal(build(&bad, &entry, &field), SELD_BUILD_RANGE);
+    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_RANGE);
     bad = good;
     bad.knots[1].arc_um = 19999;
-    assert_int_equal(build(&bad, &entry, &field), SELD_BUILD_LENGTH);
+    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_LENGTH);
     bad.knots[1].arc_um = 1600000;
-    assert_int_equal(build(&bad, &entry, &field), SELD_BUILD_LENGTH); /* 534 nodes of 3 mm */
+    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_LENGTH); /* 534 nodes of 3 mm */
     bad = good;
     bad.element_tip_um = 199;
-    assert_int_equal(build(&bad, &entry, &field), SELD_BUILD_ELEMENTS);
+    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_ELEMENTS);
     bad = reference_wire(3e-2, 60000, 200, 0);
-    assert_int_equal(build(&bad, &entry, &field), SELD_BUILD_OVERFLOW);
+    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_OVERFLOW);
     entry.direction_q30.v[0] = SELD_ONE_Q30 / 2;
-    assert_int_equal(build(&good, &entry, &field), SELD_BUILD_ENTRY);
+    assert_int_equal(build(&good, &entry, &place), SELD_BUILD_ENTRY);
 }
 
 /* Inserting past the end or pulling out entirely stops at the end, says so, and does not wind the hand up: turning
@@ -429,17 +428,17 @@ static void feed_stops_at_both_ends(void **context)
     for (int way = 0; way < 2; way++) {
         int32_t step = way ? -214748 : 214748;
         for (int t = 0; t < 2000; t++) {
-            r->input.hand_feed_m_q30 += step;
+            r->input.hands[0].feed_m_q30 += step;
             rig_step(r);
         }
         assert_true(r->output.fault_bits & SELD_FAULT_INSERT_END);
-        int32_t stopped = r->output.inserted_m_q30;
+        int32_t stopped = r->output.tools[0].inserted_m_q30;
         for (int t = 0; t < 30; t++) { /* 6 mm back */
-            r->input.hand_feed_m_q30 -= step;
+            r->input.hands[0].feed_m_q30 -= step;
             rig_step(r);
         }
         check_below("travel lost at the turn (mm)",
-                    6 - fabs((r->output.inserted_m_q30 - stopped) / Q30) * 1e3, 3);
+                    6 - fabs((r->output.tools[0].inserted_m_q30 - stopped) / Q30) * 1e3, 3);
     }
     free(r);
 }

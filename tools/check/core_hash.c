@@ -30,18 +30,10 @@ typedef struct part {
         name, offsetof(seld_work, member), sizeof(((seld_work *)0)->member) / 4, true                        \
     }
 static const part parts[] = {
-    OF_WORK("feed", position_m_q30),
-    OF_WORK("stretch", strain_q30),
-    OF_WORK("twist", torque_N_m_q30),
-    OF_WORK("contact", touching),
-    OF_WORK("contact", depth_m_q30),
-    OF_WORK("force", force_N_q22),
-    OF_WORK("solve", w_q29),
-    OF_WORK("solve", solution_m_q33),
-    OF_STATE("angle", angle_turn32),
-    OF_STATE("friction", contact),
-    OF_STATE("friction", bristle_m_q33),
-    OF_STATE("motion", step_m_q33),
+    OF_WORK("feed", position_m_q30),    OF_WORK("stretch", strain_q30),      OF_WORK("twist", torque_N_m_q30),
+    OF_WORK("contact", touching),       OF_WORK("contact", depth_m_q30),     OF_WORK("force", force_N_q22),
+    OF_WORK("solve", u.f.w_q29),        OF_WORK("solve", solution_m_q33),    OF_STATE("angle", angle_turn32),
+    OF_STATE("friction", contact),      OF_STATE("friction", bristle_m_q33), OF_STATE("motion", step_m_q33),
     OF_STATE("motion", position_m_q30),
 };
 enum { PART_COUNT = sizeof parts / sizeof parts[0] };

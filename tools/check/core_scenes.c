@@ -8,11 +8,12 @@
  *               ================================|
  *
  * fine: a stiff uniform wire in the same tube made of refined bricks, 4 mm wide, pushed, pulled and turned as fast as the
- * core allows, so that limits act. air: a floppy shaped wire without a lumen, hanging and turned.
+ * core allows, so that limits act. air: a floppy shaped wire without a lumen, hanging and turned. coaxial: the J wire in two
+ * shaped catheters in the tube; every tool leads once, slides and turns against the others.
  * May include: core_scenes.h. Called by: core_hash.c. */
 #include "tools/check/core_scenes.h"
 
-enum { TUBE, FINE, AIR };
+enum { TUBE, FINE, AIR, COAXIAL };
 enum {
     BRICKS_X = 3,
     BRICKS_Y = 20,
@@ -26,7 +27,8 @@ enum {
     TUBE_LENGTH = 123 * 32,
 };
 
-const core_scene core_scenes[CORE_SCENE_COUNT] = {{"tube", 4000}, {"fine", 1500}, {"air", 1000}};
+const core_scene core_scenes[CORE_SCENE_COUNT] = {
+    {"tube", 4000}, {"fine", 1500}, {"air", 1000}, {"coaxial", 3000}};
 
 /* What a scene's lumen is made in. One at a time: core_scene_start makes it anew. */
 static struct {
@@ -97,6 +99,7 @@ static void fill_fine(void)
 
 static const seld_lumen *make_lumen(uint32_t scene)
 {
+    if (scene == COAXIAL) return every_tool(tick, variant);
     if (scene == AIR) return NULL;
     if (scene == FINE) {
         fill_fine();
@@ -168,13 +171,47 @@ static seld_instrument make_stiff_wire(void)
     return wire;
 }
 
+/* A catheter: a bent end of 30 mm on a straight shaft. */
+static seld_instrument make_catheter(uint32_t bend_nN_m2, uint32_t radius_um, int32_t curve_per_m_milli)
+{
+    const seld_knot tip = {.arc_um = 0,
+                           .bend_stiffness_nN_m2 = bend_nN_m2 / 2,
+                           .twist_stiffness_nN_m2 = bend_nN_m2,
+                           .mass_mg_per_m = 3000,
+                           .radius_outer_um = radius_um,
+                           .radius_inner_um = radius_um - 250,
+                           .friction_kinetic_milli = 80,
+                           .friction_static_milli = 100,
+                           .rest_curvature1_per_m_milli = curve_per_m_milli,
+                           .rest_curvature2_per_m_milli = curve_per_m_milli / 3};
+    seld_knot bend_end = tip;
+    bend_end.arc_um = 30000;
+    seld_knot straight = bend_end;
+    straight.bend_stiffness_nN_m2 = bend_nN_m2;
+    straight.rest_curvature1_per_m_milli = straight.rest_curvature2_per_m_milli = 0;
+    seld_knot end = straight;
+    end.arc_um = 380000;
+    seld_instrument catheter = {.knot_count = 4,
+                                .knots = {tip, bend_end, straight, end},
+                                .lumen_friction_milli = 50,
+                                .axial_stiffness_max_N = 3000,
+                                .element_tip_um = 1000,
+                                .element_shaft_um = 3000,
+                                .element_fine_um = 40000};
+    return catheter;
+}
+
 bool core_scene_start(uint32_t scene, seld_model *model, seld_state *state)
 {
-    const uint32_t inserted_um[CORE_SCENE_COUNT] = {40000, 60000, 200000};
+    const uint32_t inserted_um[CORE_SCENE_COUNT][SELD_TOOL_MAX] = {
+        {40000}, {60000}, {200000}, {60000, 30000, 10000}};
     const seld_entry entry = {.position_m_q30 = {{0, 8 << 20, 0}}, .direction_q30 = {{0, SELD_ONE_Q30, 0}}};
-    seld_instrument wire = scene == FINE ? make_stiff_wire() : make_j_wire(scene == TUBE ? 500000 : 20000);
-    uint32_t fault_field = 0;
-    if (seld_model_build(model, &wire, make_lumen(scene), &entry, &fault_field) != SELD_BUILD_OK)
+    const seld_instrument tools[SELD_TOOL_MAX] = {
+        scene == FINE ? make_stiff_wire() : make_j_wire(scene == TUBE ? 500000 : 20000),
+        make_catheter(300000, 800, 40000), make_catheter(600000, 1100, -20000)};
+    uint32_t tool_count = scene == COAXIAL ? SELD_TOOL_MAX : 1;
+    seld_build_place place;
+    if (seld_model_build(model, tools, tool_count, make_lumen(scene), &entry, &place) != SELD_BUILD_OK)
         return false;
     seld_state_init(model, state, inserted_um[scene]);
     return true;
@@ -185,9 +222,23 @@ static seld_input forward_and_back(uint32_t tick, uint32_t forward_ticks, int32_
 {
     uint32_t forward = tick < forward_ticks ? tick : forward_ticks;
     seld_input input = {
-        .hand_feed_m_q30 = (int32_t)forward * step_m_q30 - (int32_t)(tick - forward) * (step_m_q30 / 2),
-        .hand_turn32 = forward * turn32,
+        .hands[0] = {(int32_t)forward * step_m_q30 - (int32_t)(tick - forward) * (step_m_q30 / 2),
+                     forward * turn32},
     };
+    return input;
+}
+
+/* Tool k goes to and fro at 0.1 m/s with a period and phase of its own and turns meanwhile. */
+static seld_input every_tool(uint32_t tick, uint32_t variant)
+{
+    seld_input input = {0};
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        uint32_t period = 1000 + 400 * k;
+        uint32_t phase = tick % (2 * period);
+        uint32_t place = phase < period ? phase : 2 * period - phase;
+        input.hands[k].feed_m_q30 = (int32_t)place * 107374;
+        input.hands[k].turn32 = (k == 1 ? 0u - place : place) * (8589935u + variant);
+    }
     return input;
 }
 
@@ -196,9 +247,10 @@ seld_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant)
     if (scene == FINE) { /* 0.5 m/s and 3 turns per second, to and fro every quarter of a second */
         uint32_t phase = tick % 500;
         uint32_t place = phase < 250 ? phase : 500 - phase;
-        seld_input input = {(int32_t)place * 536871, place * (12884902u + variant)};
+        seld_input input = {.hands[0] = {(int32_t)place * 536871, place * (12884902u + variant)}};
         return input;
     }
+    if (scene == COAXIAL) return every_tool(tick, variant);
     if (scene == AIR) return forward_and_back(tick, 600, 107374, 8589935u + variant);
     return forward_and_back(tick, 2500, 64425, 1717987u + variant); /* 60 mm/s, 0.4 turns per second */
 }

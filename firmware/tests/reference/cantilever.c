@@ -34,11 +34,12 @@ static cantilever *make(double bend_N_m2, uint32_t elements)
     seld_instrument wire = reference_wire(bend_N_m2, element_um * (elements + 8), element_um, 0);
     wire.knots[0].mass_mg_per_m = wire.knots[1].mass_mg_per_m = MASS_mg_per_m;
     seld_entry entry = reference_entry();
-    uint32_t field;
-    if (seld_model_build(&c->model, &wire, NULL, &entry, &field) != SELD_BUILD_OK) abort();
+    seld_build_place place;
+    if (seld_model_build(&c->model, &wire, 1, NULL, &entry, &place) != SELD_BUILD_OK) abort();
     seld_model_set_gravity(&c->model, 0, 0, 0);
-    seld_state_init(&c->model, &c->state, (uint32_t)lround(c->length_m * 1e6));
-    c->length_m = c->state.words.inserted_m_q30 / 1073741824.0;
+    uint32_t inserted_um = (uint32_t)lround(c->length_m * 1e6);
+    seld_state_init(&c->model, &c->state, &inserted_um);
+    c->length_m = seld_state_inserted(&c->state, 0) / 1073741824.0;
     return c;
 }
 
@@ -52,7 +53,7 @@ static double error_pct(const cantilever *c, const reference_elastica *load)
 
 static double settle(cantilever *c, const reference_elastica *load, uint32_t ticks_max)
 {
-    seld_input input = {0, 0};
+    seld_input input = {0};
     seld_output output;
     double before = 0, now = 100;
     for (uint32_t tick = 0; tick < ticks_max && fabs(now - before) > 1e-5; tick += SETTLE_TICKS) {

@@ -1,0 +1,101 @@
+/* Reference and material axes of the edges, at the predicted configuration.
+ *
+ * A reference axis u is carried without turning from the inserter's edge to the tip (Bishop frame), one for all tools. A
+ * tool's material axis is d1 = cos(angle) u + sin(angle) (t x u), so that a joint's twist is just the difference of two
+ * angles (docs/rod.md, "twist"). May include: rod.h. Called by: core_step.c. */
+#include "firmware/core/rod.h"
+
+enum {
+    LACK_FAST_Q30 = 1 << 28, /* 1 - t.t' up to 1/4 (41 degrees per joint): series for 1 / (1 + t.t') */
+    FOLD_Q30 = 1 << 28,      /* 1 + t.t' below 1/4 (beyond 139 degrees): no transport, only projection */
+};
+
+/* Vectors here are unit, amounts below one: sums and products stay inside Q30. */
+static void add_scaled(seld_vec3 *sum, const seld_vec3 *direction_q30, int32_t amount)
+{
+    for (int k = 0; k < 3; k++) {
+        sum->v[k] += seld_scale_q30(amount, direction_q30->v[k]);
+    }
+}
+
+void seld_frames_orthonormalise(seld_vec3 *axis, const seld_vec3 *tangent)
+{
+    add_scaled(axis, tangent, -seld_vec3_dot_unit(axis, tangent));
+    int32_t excess = (int32_t)((seld_vec3_dot64(*axis, *axis) - ((int64_t)1 << 60)) >> 31);
+    for (int k = 0; k < 3; k++) {
+        axis->v[k] = seld_scale_q30(axis->v[k], SELD_ONE_Q30 - excess);
+    }
+}
+
+/* Transport across a sharp bend: the exact factor up to 139 degrees, beyond it the projection of the old axis. */
+static seld_vec3 transport_sharply(seld_vec3 axis, const seld_vec3 *from, const seld_vec3 *to, int32_t tilt,
+                                   int32_t lack)
+{
+    uint32_t sum = ((uint32_t)SELD_ONE_Q30 << 1) - (uint32_t)lack; /* 1 + t.t' */
+    if (sum < FOLD_Q30) {
+        add_scaled(&axis, to, -tilt);
+        return seld_vec3_normalise(axis, *from, NULL);
+    }
+    int32_t ratio_q27 = seld_quotient(tilt, (int32_t)(sum > INT32_MAX ? INT32_MAX : sum), 27);
+    for (int k = 0; k < 3; k++) {
+        int64_t moved = (int64_t)ratio_q27 * from->v[k] + (int64_t)ratio_q27 * to->v[k];
+        axis.v[k] = seld_sat32(axis.v[k] - seld_rshift_round64(moved, 27));
+    }
+    seld_frames_orthonormalise(&axis, to);
+    return axis;
+}
+
+/* u - (u.t') / (1 + t.t') (t + t'): parallel transport from t to t'. */
+static seld_vec3 transport(seld_vec3 axis, const seld_vec3 *from, const seld_vec3 *to)
+{
+    int32_t tilt = seld_vec3_dot_unit(&axis, to);
+    int32_t lack = SELD_ONE_Q30 - seld_vec3_dot_unit(from, to);
+    if (lack > LACK_FAST_Q30) {
+        return transport_sharply(axis, from, to, tilt, lack);
+    }
+    /* 1 / (1 + c) = 1/2 + lack/4 + lack^2/8 + lack^3/16 */
+    int32_t square = seld_scale_q30(lack, lack);
+    int32_t inverse = (SELD_ONE_Q30 >> 1) + (lack >> 2) + (square >> 3) + (seld_scale_q30(square, lack) >> 4);
+    int32_t amount = -seld_scale_q30(tilt, inverse);
+    add_scaled(&axis, from, amount);
+    add_scaled(&axis, to, amount);
+    return axis;
+}
+
+/* d1 of an edge from its reference axis and angle. */
+static void material_axis(const seld_vec3 *reference, const seld_vec3 *tangent, uint32_t angle_turn32,
+                          seld_vec3 *axis1)
+{
+    int32_t sine, cosine;
+    seld_sincos_turn32(angle_turn32, &sine, &cosine);
+    seld_vec3 across = seld_vec3_cross_unit(tangent, reference);
+    for (int k = 0; k < 3; k++) {
+        axis1->v[k] = seld_scale_q30(reference->v[k], cosine) + seld_scale_q30(across.v[k], sine);
+    }
+    seld_frames_orthonormalise(axis1, tangent);
+}
+
+/* Reference axes from the inserter to the tip, and material axes where a rest shape needs them. */
+void seld_frames_carry(const seld_model *model, seld_state *state)
+{
+    seld_node_state *nodes = state->words.nodes;
+    uint32_t na = state->words.free_count;
+    seld_vec3 reference = model->base_axis1_q30;
+    for (uint32_t n = na + 1; n > 0; n--) {
+        uint32_t j = n - 1;
+        if (j < na) {
+            reference = transport(reference, &nodes[j + 1].tangent_q30, &nodes[j].tangent_q30);
+        }
+        uint32_t curved = seld_edge_curved(state, j);
+        if (curved == 0) {
+            continue;
+        }
+        seld_frames_orthonormalise(&reference, &nodes[j].tangent_q30);
+        for (uint32_t k = 0; k < model->tool_count; k++) {
+            if (curved >> k & 1u) {
+                material_axis(&reference, &nodes[j].tangent_q30, nodes[j].angle_turn32[k],
+                              &state->scratch.nodes[j].u.a.axis1_q30[k]);
+            }
+        }
+    }
+}

@@ -1,0 +1,377 @@
+/* What the tools add up to where they stand: joints, edges, masses and surfaces of the line (docs/rod.md, "tools").
+ *
+ * Node i lies at arc length S behind the leading tip, tool k is sampled at S - offset[k]. Within a cell compliance is
+ * averaged, not stiffness ("series"): arithmetic averages across a tool's tip or a step give force spikes at the handle.
+ *   1/W = integral ds / EI,  EI = sum EI_k;   turn_k = integral (EI_k / EI) kappa_k ds
+ * A cell that a tip divides is summed piece by piece, so everything moves smoothly as tools slide.
+ * May include: rod.h. Called by: core_step.c, core_state.c. */
+#include "firmware/core/rod.h"
+
+/* One tick's walk along the line: the span that each tool is in. */
+typedef struct walk {
+    const seld_model *model;
+    seld_line *line;
+    uint32_t span[SELD_TOOL_MAX];
+} walk;
+
+/* Integrals over a stretch of one tool. */
+typedef struct stretch {
+    int64_t bend_q32,
+        twist_q32; /* ds / EI, ds / GJ: 1 / (N m); in a divided cell bend is the part of ds EI_k / EI */
+    int64_t turn1_q30, turn2_q30;
+} stretch;
+
+typedef struct cell {
+    int32_t begin, end; /* Q30 m behind the leading tip */
+} cell;
+
+/* length / stiffness. Format: Q30 m / Q35 N m^2 -> Q32 1 / (N m). Overflow: impossible, 8 mm / 1e-7 N m^2 = 2^49. */
+static int64_t compliance_q32(int32_t length_m_q30, int32_t stiffness_q35)
+{
+    unsigned lead = seld_clz32((uint32_t)stiffness_q35) - 1; /* at most 19: stiffness >= 1e-7 N m^2 */
+    int64_t inverse = seld_reciprocal_q30((uint32_t)stiffness_q35 << lead);
+    return (length_m_q30 * inverse) >> (24 - lead);
+}
+
+/* 2^q / value for value > 0. Overflow: saturates. Error: 2^-29 relative. */
+static int32_t inverse_of(int64_t value, unsigned q)
+{
+    unsigned lead = seld_clz64((uint64_t)value);
+    int64_t inverse = seld_reciprocal_q30((uint32_t)(((uint64_t)value << lead) >> 33));
+    int shift = 94 - (int)lead - (int)q; /* value = mantissa 2^(33 - lead), inverse = 2^61 / mantissa */
+    if (shift <= 0) {
+        return INT32_MAX;
+    }
+    return shift > 62 ? 0 : seld_sat32(seld_rshift_round64(inverse, (unsigned)shift));
+}
+
+static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
+{
+    return seld_mul(per_m_q20, length_m_q30, 20);
+}
+
+/* The chord 2 sin(turn / 2) that two unit edges make: turn (1 - turn^2 / 24). */
+static int32_t chord_of(int32_t turn_q30)
+{
+    int32_t square = seld_mul_q30(turn_q30, turn_q30);
+    return turn_q30 - seld_mul_q30(turn_q30, seld_mul_q30(square, 44739243)); /* 1/24 in Q30 */
+}
+
+static void seek(const seld_tool *tool, uint32_t *span, int32_t arc_m_q30)
+{
+    while (*span + 1 < tool->span_count && tool->spans[*span].end_m_q30 <= arc_m_q30) {
+        (*span)++;
+    }
+}
+
+/* Sums of a tool between two of its own arc lengths, by the middle of each span's share. */
+static stretch integrate(const seld_tool *tool, uint32_t span, int32_t from, int32_t to)
+{
+    stretch sum = {0, 0, 0, 0};
+    seek(tool, &span, from);
+    while (from < to) {
+        const seld_span *s = &tool->spans[span];
+        bool last = span + 1 == tool->span_count || to <= s->end_m_q30;
+        int32_t until = last ? to : s->end_m_q30;
+        int32_t fraction = seld_span_fraction(s, from + (until - from) / 2);
+        sum.bend_q32 += compliance_q32(until - from, seld_span_value(s, SELD_BEND_N_M2_Q35, fraction));
+        sum.twist_q32 += compliance_q32(until - from, seld_span_value(s, SELD_TWIST_N_M2_Q35, fraction));
+        sum.turn1_q30 += turn_of(seld_span_value(s, SELD_CURVE1_PER_M_Q20, fraction), until - from);
+        sum.turn2_q30 += turn_of(seld_span_value(s, SELD_CURVE2_PER_M_Q20, fraction), until - from);
+        from = until;
+        span++;
+    }
+    return sum;
+}
+
+/* Share of the tools up to each pair's inner one in the joint's stiffness. Q15. */
+static void share_stiffness(const walk *w, const int32_t own_q26[SELD_TOOL_MAX], seld_joint *joint)
+{
+    int32_t inner_q26 = 0;
+    for (uint32_t pair = 0; pair + 1 < w->model->tool_count; pair++) {
+        inner_q26 = seld_add_sat(inner_q26, own_q26[pair]);
+        bool all = inner_q26 >= joint->bend_N_m_q26;
+        joint->inner_share_q15[pair] =
+            (uint16_t)(all ? 1 << 15 : seld_quotient(inner_q26, joint->bend_N_m_q26, 15));
+    }
+}
+
+/* --- cells that no tip divides ------------------------------------------------------------------------------- */
+
+/* Tool k over a whole cell: its own W, twist stiffness and turns. */
+static int32_t whole_cell(walk *w, uint32_t k, const seld_mesh_node *mesh, cell c, seld_joint *joint)
+{
+    const seld_tool *tool = &w->model->tools[k];
+    int32_t from = c.begin - w->line->offset_m_q30[k];
+    int32_t to = c.end - w->line->offset_m_q30[k];
+    seek(tool, &w->span[k], from);
+    const seld_span *s = &tool->spans[w->span[k]];
+    if (to <= s->end_m_q30 || w->span[k] + 1 == tool->span_count) {
+        int32_t fraction = s->flat ? 0 : seld_span_fraction(s, from + (to - from) / 2);
+        int32_t inverse = mesh->inverse_cell_per_m_q18;
+        joint->twist_N_m_q26[k] = seld_mul(seld_span_value(s, SELD_TWIST_N_M2_Q35, fraction), inverse, 27);
+        joint->turn1_q30[k] = turn_of(seld_span_value(s, SELD_CURVE1_PER_M_Q20, fraction), to - from);
+        joint->turn2_q30[k] = turn_of(seld_span_value(s, SELD_CURVE2_PER_M_Q20, fraction), to - from);
+        return seld_mul(seld_span_value(s, SELD_BEND_N_M2_Q35, fraction), inverse, 27);
+    }
+    stretch sum = integrate(tool, w->span[k], from, to);
+    joint->twist_N_m_q26[k] = inverse_of(sum.twist_q32, 58);
+    joint->turn1_q30[k] = seld_sat32(sum.turn1_q30);
+    joint->turn2_q30[k] = seld_sat32(sum.turn2_q30);
+    return inverse_of(sum.bend_q32, 58);
+}
+
+/* --- cells that one or more tips divide ---------------------------------------------------------------------- */
+
+/* Adds the piece [from, to] of a cell, in which the same tools are all along. */
+static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[SELD_TOOL_MAX], int64_t *compliance)
+{
+    stretch part[SELD_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
+    int32_t stiffness_q35[SELD_TOOL_MAX];
+    int32_t total_q35 = 0;
+    for (uint32_t k = 0; k < w->model->tool_count; k++) {
+        int32_t offset = w->line->offset_m_q30[k];
+        stiffness_q35[k] = 0;
+        if (offset > from) {
+            continue;
+        }
+        part[k] = integrate(&w->model->tools[k], w->span[k], from - offset, to - offset);
+        /* series average: length / compliance; Q30 m / Q32 -> Q35: 2^37 length / sum */
+        stiffness_q35[k] = seld_mul(inverse_of(part[k].bend_q32, 58), to - from, 21);
+        total_q35 = seld_add_sat(total_q35, stiffness_q35[k]);
+    }
+    *compliance += compliance_q32(to - from, total_q35 < 1 << 11 ? 1 << 11 : total_q35);
+    for (uint32_t k = 0; k < w->model->tool_count; k++) {
+        if (stiffness_q35[k] == 0) {
+            continue;
+        }
+        int32_t share = seld_quotient(stiffness_q35[k], total_q35, 30);
+        sums[k].twist_q32 += part[k].twist_q32;
+        sums[k].bend_q32 += seld_mul_q30(to - from, share);
+        sums[k].turn1_q30 += seld_mul_q30(seld_sat32(part[k].turn1_q30), share);
+        sums[k].turn2_q30 += seld_mul_q30(seld_sat32(part[k].turn2_q30), share);
+    }
+}
+
+/* A cell piece by piece, tip after tip. At most SELD_TOOL_MAX tips lie in it. */
+static void divided_cell(walk *w, cell c, seld_joint *joint)
+{
+    stretch sums[SELD_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
+    int64_t compliance = 0;
+    int32_t from = c.begin;
+    for (int piece = 0; piece <= SELD_TOOL_MAX && from < c.end; piece++) {
+        int32_t to = c.end;
+        for (uint32_t k = 0; k < w->model->tool_count; k++) {
+            int32_t tip = w->line->offset_m_q30[k];
+            to = tip > from && tip < to ? tip : to;
+        }
+        add_piece(w, from, to, sums, &compliance);
+        from = to;
+    }
+    joint->bend_N_m_q26 = inverse_of(compliance, 58);
+    int32_t parts_q26[SELD_TOOL_MAX];
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        int32_t part = seld_quotient((int32_t)sums[k].bend_q32, c.end - c.begin, 30);
+        parts_q26[k] = seld_mul_q30(joint->bend_N_m_q26, part);
+    }
+    share_stiffness(w, parts_q26, joint);
+    for (uint32_t k = 0; k < w->model->tool_count; k++) {
+        if (w->line->offset_m_q30[k] >= c.end) {
+            continue;
+        }
+        /* At least a tenth of the cell, so that a tip that just enters it is no rigid joint. */
+        const seld_span *tip = &w->model->tools[k].spans[w->span[k]];
+        int64_t least = compliance_q32((c.end - c.begin) / 10, tip->from[SELD_TWIST_N_M2_Q35]);
+        joint->twist_N_m_q26[k] = inverse_of(sums[k].twist_q32 > least ? sums[k].twist_q32 : least, 58);
+        joint->turn1_q30[k] = seld_sat32(sums[k].turn1_q30);
+        joint->turn2_q30[k] = seld_sat32(sums[k].turn2_q30);
+    }
+}
+
+/* --- one node ------------------------------------------------------------------------------------------------ */
+
+static bool is_divided(const walk *w, cell c)
+{
+    for (uint32_t k = 0; k < w->model->tool_count; k++) {
+        if (w->line->offset_m_q30[k] > c.begin && w->line->offset_m_q30[k] < c.end) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Several tools: each turns the joint by its share of the stiffness. */
+static void share_turns(const walk *w, const int32_t own_q26[SELD_TOOL_MAX], seld_joint *joint)
+{
+    for (uint32_t k = 0; k < w->model->tool_count; k++) {
+        if (own_q26[k] != joint->bend_N_m_q26 && (joint->turn1_q30[k] | joint->turn2_q30[k]) != 0) {
+            int32_t share = seld_quotient(own_q26[k], joint->bend_N_m_q26, 30);
+            joint->turn1_q30[k] = seld_mul_q30(joint->turn1_q30[k], share);
+            joint->turn2_q30[k] = seld_mul_q30(joint->turn2_q30[k], share);
+        }
+    }
+}
+
+static void build_joint(walk *w, uint32_t i, cell c)
+{
+    seld_joint *joint = &w->line->nodes[i].joint;
+    const seld_mesh_node *mesh = &w->model->mesh[i];
+    *joint = (seld_joint){0};
+    if (is_divided(w, c)) {
+        divided_cell(w, c, joint);
+    } else {
+        int32_t own_q26[SELD_TOOL_MAX] = {0, 0, 0};
+        for (uint32_t k = 0; k < w->model->tool_count; k++) {
+            if (w->line->offset_m_q30[k] <= c.begin) {
+                own_q26[k] = whole_cell(w, k, mesh, c, joint);
+                joint->bend_N_m_q26 = seld_add_sat(joint->bend_N_m_q26, own_q26[k]);
+            }
+        }
+        share_turns(w, own_q26, joint);
+        share_stiffness(w, own_q26, joint);
+    }
+    for (uint32_t k = 0; k < w->model->tool_count; k++) {
+        joint->turn1_q30[k] = chord_of(joint->turn1_q30[k]);
+        joint->turn2_q30[k] = chord_of(joint->turn2_q30[k]);
+        joint->curved |= (uint32_t)((joint->turn1_q30[k] | joint->turn2_q30[k]) != 0) << k;
+    }
+    if (i > 0) {
+        unsigned exponent = w->model->stiffness_exponent;
+        int32_t bend = joint->bend_N_m_q26;
+        int32_t a = mesh[-1].inverse_length_per_m_q18;
+        int32_t b = mesh->inverse_length_per_m_q18;
+        joint->p = seld_to_exponent(seld_bend_spring_q8(bend, a, a), exponent);
+        joint->q = a == b ? joint->p : seld_to_exponent(seld_bend_spring_q8(bend, a, b), exponent);
+        joint->r = a == b ? joint->p : seld_to_exponent(seld_bend_spring_q8(bend, b, b), exponent);
+    }
+}
+
+/* Part of the cell that tool k covers, Q30. */
+static int32_t cover_of(const walk *w, uint32_t k, cell c)
+{
+    int32_t offset = w->line->offset_m_q30[k];
+    if (offset <= c.begin) {
+        return SELD_ONE_Q30;
+    }
+    return offset >= c.end ? 0 : seld_quotient(c.end - offset, c.end - c.begin, 30);
+}
+
+static int32_t blend(int32_t under, int32_t over, int32_t share_q30)
+{
+    return under + seld_scale_q30(over - under, share_q30);
+}
+
+/* Mass and surface of a node: masses add, the outermost tool touches the wall; in the cell of its tip its radius and
+ * friction are blended in, since a hard switch jumps (docs/rod.md). */
+static void build_surface(walk *w, uint32_t i, cell c)
+{
+    seld_line_node *node = &w->line->nodes[i];
+    int64_t mass_kg_per_m_q34 = 0;
+    bool first = true;
+    for (uint32_t k = 0; k < w->model->tool_count; k++) {
+        int32_t cover = cover_of(w, k, c);
+        if (cover == 0) {
+            continue;
+        }
+        const seld_tool *tool = &w->model->tools[k];
+        int32_t arc = w->model->mesh[i].arc_m_q30 - w->line->offset_m_q30[k];
+        uint32_t span = w->span[k];
+        arc = arc < 0 ? 0 : arc;
+        seek(tool, &span, arc);
+        const seld_span *s = &tool->spans[span];
+        int32_t fraction = s->flat ? 0 : seld_span_fraction(s, arc);
+        mass_kg_per_m_q34 += seld_scale_q30(seld_span_value(s, SELD_MASS_KG_PER_M_Q34, fraction), cover);
+        int32_t share = first ? SELD_ONE_Q30 : cover;
+        node->radius_m_q30 =
+            blend(first ? 0 : node->radius_m_q30, seld_span_value(s, SELD_RADIUS_M_Q30, fraction), share);
+        node->kinetic_q30 =
+            blend(first ? 0 : node->kinetic_q30, seld_span_value(s, SELD_KINETIC_Q30, fraction), share);
+        node->static_q30 =
+            blend(first ? 0 : node->static_q30, seld_span_value(s, SELD_STATIC_Q30, fraction), share);
+        node->under = first ? (uint8_t)k : node->outer;
+        node->outer = (uint8_t)k;
+        node->outer_share_q15 = (uint16_t)(share >> 15);
+        first = false;
+    }
+    node->mass_kg_q40 = seld_sat32(seld_rshift_round64(mass_kg_per_m_q34 * (c.end - c.begin), 24));
+}
+
+/* Edge i: EA is what the weaker of its two joints bears in the number format, at most the cap. */
+static void build_edge(walk *w, uint32_t i)
+{
+    seld_line_node *node = &w->line->nodes[i];
+    int32_t softer = node[1].joint.bend_N_m_q26;
+    if (i > 0 && node->joint.bend_N_m_q26 < softer) {
+        softer = node->joint.bend_N_m_q26;
+    }
+    int64_t spring_q8 = seld_axial_spring_q8(w->model, i, softer);
+    node->spring = seld_to_exponent(spring_q8, w->model->stiffness_exponent);
+    node->axial_stiffness_N_q17 = seld_sat32((spring_q8 * w->model->mesh[i].length_m_q30) >> 21);
+    node[1].compliance_m_N_q40 = seld_add_sat(node->compliance_m_N_q40, inverse_of(spring_q8, 48));
+}
+
+/* --- the whole line ------------------------------------------------------------------------------------------ */
+
+/* Is node i like node i-1: same elements, each tool absent or in one flat span over both cells? Most of a shaft is. */
+static bool repeats(const walk *w, uint32_t i)
+{
+    const seld_mesh_node *mesh = &w->model->mesh[i];
+    if (i < 3 || mesh->length_m_q30 != mesh[-2].length_m_q30) {
+        return false;
+    }
+    for (uint32_t k = 0; k < w->model->tool_count; k++) {
+        int32_t offset = w->line->offset_m_q30[k];
+        const seld_tool *tool = &w->model->tools[k];
+        const seld_span *s = &tool->spans[w->span[k]];
+        bool inside = s->flat && mesh[-2].cell_end_m_q30 - offset >= s->begin_m_q30 &&
+                      (mesh->cell_end_m_q30 - offset <= s->end_m_q30 || w->span[k] + 1 == tool->span_count);
+        if (offset < mesh->cell_end_m_q30 && !inside) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void build_line(const seld_model *model, seld_line *line, uint32_t count)
+{
+    walk w = {model, line, {0, 0, 0}};
+    line->nodes[0].compliance_m_N_q40 = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        seld_line_node *node = &line->nodes[i];
+        if (repeats(&w, i)) {
+            int32_t compliance = node->compliance_m_N_q40;
+            *node = node[-1];
+            node->compliance_m_N_q40 = compliance;
+        } else {
+            cell c = {i > 0 ? model->mesh[i - 1].cell_end_m_q30 : 0, model->mesh[i].cell_end_m_q30};
+            build_joint(&w, i, c);
+            build_surface(&w, i, c);
+        }
+        if (i > 0) {
+            build_edge(&w, i - 1);
+        }
+    }
+    /* The last edge has no joint behind it. */
+    line->nodes[count - 1].spring = line->nodes[count - 2].spring;
+    line->nodes[count - 1].axial_stiffness_N_q17 = line->nodes[count - 2].axial_stiffness_N_q17;
+    line->count = count;
+}
+
+void seld_line_update(const seld_model *model, seld_state *state)
+{
+    enum { BEHIND_MOUTH = 3, RESERVE = 16 };
+    seld_line *line = &state->line;
+    int32_t lead = seld_lead_inserted(model, &state->words);
+    bool same = line->count >= state->words.free_count + BEHIND_MOUTH;
+    for (uint32_t k = 0; k < model->tool_count; k++) {
+        int32_t offset = lead - state->words.tools[k].inserted_m_q30;
+        same = same && offset == line->offset_m_q30[k];
+        line->offset_m_q30[k] = offset;
+    }
+    if (same) {
+        return;
+    }
+    uint32_t count = state->words.free_count + RESERVE;
+    build_line(model, line,
+               model->tool_count == 1 || count > model->node_count ? model->node_count + 1 : count);
+}

@@ -1,0 +1,291 @@
+/* What coaxial tools do to each other and to their hands (docs/rod.md, "tools").
+ *
+ * They share a centreline, so the wall between them is implied: a tool presses on the next one with the force that its
+ * bending puts on the nodes they share. Friction mu N then resists sliding (one bristle along the line for each pair)
+ * and turning (one bristle for each edge, in rod_twist.c), both ways.
+ *
+ * The hand of a tool that does not lead feels how the line's energy changes as the tool slides at fixed shape. At a
+ * place where the tool's properties change, that is the jump of psi = |M + P|^2 / (2 EI) - S / 2 with the moment M,
+ * P = sum EI_m kappa_m and S = sum EI_m kappa_m^2 over all tools there (the configurational force of a rod whose section
+ * jumps). May include: rod.h. Called by: core_step.c. */
+#include "firmware/core/rod.h"
+
+/* --- how hard tools press on each other ---------------------------------------------------------------------- */
+
+/* Length of a vector, relative error 2^-16. Format: same in and out. Overflow: saturates. */
+static int32_t length_of(const seld_vec3 *a)
+{
+    uint64_t square = (uint64_t)seld_vec3_dot64(*a, *a);
+    if (square == 0) {
+        return 0;
+    }
+    unsigned lead = (unsigned)__builtin_clzll(square) & ~1u;
+    uint64_t top = (square << lead) >> 32;
+    /* sqrt(top 2^(32 - lead)) = top / sqrt(top) 2^(16 - lead / 2), 1 / sqrt(top) = root 2^-46 */
+    uint64_t root = (uint64_t)seld_rsqrt_q30((uint32_t)top);
+    uint64_t length = (top * root) >> (30 + (lead >> 1));
+    return length > INT32_MAX ? INT32_MAX : (int32_t)length;
+}
+
+/* Moment of joint i that the tools up to `pair` bear: their share of W b less their rest shapes. Q30 N m. */
+static seld_vec3 inner_moment(const seld_state *state, uint32_t pair, uint32_t i)
+{
+    const seld_joint *joint = seld_rod_joint(state, i);
+    const seld_work *here = &state->scratch.nodes[i];
+    int32_t share_q30 = joint->inner_share_q15[pair] << 15;
+    seld_vec3 turn = {{0, 0, 0}};
+    for (uint32_t k = 0; k <= pair; k++) {
+        if (joint->curved >> k & 1u) {
+            seld_vec3 own = seld_rod_tool_turn(state, joint, k, i);
+            turn = seld_vec3_add(turn, own);
+        }
+    }
+    seld_vec3 moment;
+    for (int c = 0; c < 3; c++) {
+        int32_t bend = here->u.a.stretch_q30.v[c] - here[-1].u.a.stretch_q30.v[c];
+        moment.v[c] =
+            seld_mul(seld_sub_sat(seld_mul_q30(bend, share_q30), turn.v[c]), joint->bend_N_m_q26, 26);
+    }
+    return moment;
+}
+
+/* First edge where both tools of a pair are. */
+static uint32_t first_shared(const seld_model *model, const seld_state *state, uint32_t pair)
+{
+    int32_t a = state->line.offset_m_q30[pair];
+    int32_t b = state->line.offset_m_q30[pair + 1];
+    int32_t later = a > b ? a : b;
+    uint32_t j = 0;
+    while (j < state->words.free_count && model->mesh[j + 1].arc_m_q30 <= later) {
+        j++;
+    }
+    return j;
+}
+
+/* Force of the inner tools' bending on node i from the moments of the joints around it. Q22 N. */
+static int32_t pressing_force(const seld_model *model, const seld_vec3 *before, const seld_vec3 *here,
+                              const seld_vec3 *after, uint32_t i)
+{
+    int32_t a = model->mesh[i > 0 ? i - 1 : 0].inverse_length_per_m_q18;
+    int32_t c = model->mesh[i].inverse_length_per_m_q18;
+    seld_vec3 force;
+    for (int k = 0; k < 3; k++) {
+        int64_t sum = ((int64_t)here->v[k] - before->v[k]) * a + ((int64_t)here->v[k] - after->v[k]) * c;
+        force.v[k] = seld_sat32(seld_rshift_round64(sum, 26));
+    }
+    return length_of(&force);
+}
+
+/* Turning limit mu N r of every edge of a pair, and the sum of mu N, which limits sliding. */
+static void grip_pair(const seld_model *model, seld_state *state, uint32_t pair)
+{
+    uint32_t na = state->words.free_count;
+    uint32_t first = first_shared(model, state, pair);
+    const seld_tool *outer = &model->tools[pair + 1];
+    int32_t radius_m_q30 = model->tools[pair].shaft_radius_m_q30;
+    int64_t sum_N_q22 = 0;
+    seld_vec3 before = {{0, 0, 0}}, here = {{0, 0, 0}}, after = {{0, 0, 0}};
+    for (uint32_t j = 0; j < first; j++) {
+        state->scratch.nodes[j].u.a.press_N_m_q30[pair] = 0;
+    }
+    if (first > 1) {
+        before = inner_moment(state, pair, first - 1);
+    }
+    if (first > 0 && first <= na) {
+        here = inner_moment(state, pair, first);
+    }
+    for (uint32_t j = first; j < na; j++) {
+        after = inner_moment(state, pair, j + 1);
+        int32_t limit =
+            seld_mul_q30(pressing_force(model, &before, &here, &after, j), outer->lumen_friction_q30);
+        sum_N_q22 += limit;
+        /* Q22 N x Q30 m -> Q30 N m */
+        state->scratch.nodes[j].u.a.press_N_m_q30[pair] = seld_mul(limit, radius_m_q30, 22);
+        before = here;
+        here = after;
+    }
+    state->scratch.grip_limit_N_q22[pair] = seld_sat32(sum_N_q22);
+}
+
+void seld_tools_grip(const seld_model *model, seld_state *state)
+{
+    for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
+        grip_pair(model, state, pair);
+    }
+}
+
+/* --- what the hand of a tool that does not lead feels -------------------------------------------------------- */
+
+/* All tools at one place: EI, P and S of the header. */
+typedef struct section {
+    int32_t bend_q35;
+    seld_vec3 curved_N_m_q30; /* P */
+    int32_t stored_N_q22;     /* S */
+} section;
+
+/* Adds tool k at its arc length `arc` to the section of joint i. */
+static void add_tool(const seld_model *model, const seld_state *state, uint32_t k, int32_t arc_m_q30,
+                     uint32_t i, section *sum)
+{
+    const seld_tool *tool = &model->tools[k];
+    uint32_t span = 0;
+    while (span + 1 < tool->span_count && tool->spans[span].end_m_q30 <= arc_m_q30) {
+        span++;
+    }
+    const seld_span *s = &tool->spans[span];
+    int32_t fraction = seld_span_fraction(s, arc_m_q30);
+    int32_t bend = seld_span_value(s, SELD_BEND_N_M2_Q35, fraction);
+    int32_t curve1 =
+        seld_mul_q30(seld_span_value(s, SELD_CURVE1_PER_M_Q20, fraction), state->words.release_q30);
+    int32_t curve2 =
+        seld_mul_q30(seld_span_value(s, SELD_CURVE2_PER_M_Q20, fraction), state->words.release_q30);
+    sum->bend_q35 = seld_add_sat(sum->bend_q35, bend);
+    if ((curve1 | curve2) == 0 || (seld_edge_curved(state, i) >> k & 1u) == 0) {
+        return;
+    }
+    const seld_vec3 *axis1 = &state->scratch.nodes[i].u.a.axis1_q30[k];
+    seld_vec3 axis2 = seld_vec3_cross_unit(&state->words.nodes[i].tangent_q30, axis1);
+    int32_t moment1 = seld_mul(bend, curve1, 25); /* Q35 x Q20 -> Q30 */
+    int32_t moment2 = seld_mul(bend, curve2, 25);
+    for (int c = 0; c < 3; c++) {
+        int32_t part = seld_add_sat(seld_mul_q30(axis1->v[c], moment1), seld_mul_q30(axis2.v[c], moment2));
+        sum->curved_N_m_q30.v[c] = seld_add_sat(sum->curved_N_m_q30.v[c], part);
+    }
+    /* Q30 N m x Q20 1/m -> Q22 N */
+    int32_t stored = seld_add_sat(seld_mul(moment1, curve1, 28), seld_mul(moment2, curve2, 28));
+    sum->stored_N_q22 = seld_add_sat(sum->stored_N_q22, stored);
+}
+
+/* psi of a section under the moment M, Q22 N. */
+static int32_t potential(const section *s, const seld_vec3 *moment_N_m_q30)
+{
+    int64_t sum = 0;
+    for (int c = 0; c < 3; c++) {
+        int32_t load = seld_add_sat(moment_N_m_q30->v[c], s->curved_N_m_q30.v[c]);
+        int32_t curvature = seld_quotient(load, s->bend_q35, 25); /* Q30 / Q35 -> Q20 1/m */
+        sum += ((int64_t)load * curvature) >> 28;
+    }
+    return seld_sat32((sum - s->stored_N_q22) >> 1);
+}
+
+static seld_vec3 total_moment(const seld_model *model, const seld_state *state, uint32_t i)
+{
+    const seld_joint *joint = seld_rod_joint(state, i);
+    const seld_work *here = &state->scratch.nodes[i];
+    seld_vec3 turn = seld_rod_line_turn(model, state, joint, i);
+    seld_vec3 moment;
+    for (int c = 0; c < 3; c++) {
+        int32_t bend = here->u.a.stretch_q30.v[c] - here[-1].u.a.stretch_q30.v[c];
+        moment.v[c] = seld_mul(seld_sub_sat(bend, turn.v[c]), joint->bend_N_m_q26, 26);
+    }
+    return moment;
+}
+
+/* Do tool k's properties change between two of its arc lengths, or does its tip lie between them? */
+static bool changes(const seld_tool *tool, uint32_t *span, int32_t from, int32_t to)
+{
+    while (*span + 1 < tool->span_count && tool->spans[*span].end_m_q30 <= from) {
+        (*span)++;
+    }
+    const seld_span *s = &tool->spans[*span];
+    bool one = to <= s->end_m_q30 || *span + 1 == tool->span_count;
+    return from < 0 || !one || !s->flat;
+}
+
+/* Joint i's part of tool k's handle force: psi where the cell begins less psi where it ends. */
+static int32_t joint_handle(const seld_model *model, const seld_state *state, uint32_t k, uint32_t i,
+                            int32_t from, int32_t to)
+{
+    section others = {0, {{0, 0, 0}}, 0};
+    for (uint32_t m = 0; m < model->tool_count; m++) {
+        int32_t arc = model->mesh[i].arc_m_q30 - state->line.offset_m_q30[m];
+        if (m != k && arc >= 0) {
+            add_tool(model, state, m, arc, i, &others);
+        }
+    }
+    if (others.bend_q35 == 0) {
+        return 0; /* its tip is with the leading one */
+    }
+    section before = others;
+    section after = others;
+    if (from >= 0) {
+        add_tool(model, state, k, from, i, &before);
+    }
+    add_tool(model, state, k, to, i, &after);
+    seld_vec3 moment = total_moment(model, state, i);
+    return seld_sub_sat(potential(&before, &moment), potential(&after, &moment));
+}
+
+/* Energy that a curved tool keeps in the straight inserter, per length, where it leaves the mouth. */
+static int32_t mouth_handle(const seld_model *model, const seld_state *state, uint32_t k, int32_t arc_m_q30)
+{
+    section own = {0, {{0, 0, 0}}, 0};
+    add_tool(model, state, k, arc_m_q30, state->words.free_count - 1, &own);
+    return -(own.stored_N_q22 / 2);
+}
+
+static int32_t elastic_handle(const seld_model *model, const seld_state *state, uint32_t k)
+{
+    int32_t inserted = seld_lead_inserted(model, &state->words);
+    int32_t offset = state->line.offset_m_q30[k];
+    uint32_t span = 0;
+    int32_t sum = 0;
+    for (uint32_t i = 1; i <= state->words.free_count; i++) {
+        int32_t from = model->mesh[i - 1].cell_end_m_q30 - offset;
+        int32_t to = model->mesh[i].cell_end_m_q30;
+        to = (to < inserted ? to : inserted) - offset;
+        if (to > 0 && from < to && changes(&model->tools[k], &span, from, to)) {
+            sum = seld_add_sat(sum, joint_handle(model, state, k, i, from, to));
+        }
+    }
+    return inserted > offset ? seld_add_sat(sum, mouth_handle(model, state, k, inserted - offset)) : 0;
+}
+
+void seld_tools_handles(const seld_model *model, seld_state *state)
+{
+    uint32_t lead = seld_lead_tool(model, &state->words);
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        bool follows = k < model->tool_count && k != lead;
+        state->scratch.axial_N_q22[k] = follows ? elastic_handle(model, state, k) : 0;
+    }
+}
+
+/* --- after the solve ----------------------------------------------------------------------------------------- */
+
+/* Elastic turn of each edge of a pair, limited to mu N r / stiffness. */
+static int32_t limited(int64_t value, int64_t most)
+{
+    return (int32_t)(value > most ? most : (value < -most ? -most : value));
+}
+
+void seld_tools_turned(const seld_model *model, seld_state *state)
+{
+    for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
+        for (uint32_t j = 0; j < state->words.free_count; j++) {
+            seld_node_state *node = &state->words.nodes[j];
+            int32_t press = state->scratch.nodes[j].u.a.press_N_m_q30[pair];
+            int64_t turned = (int64_t)node->grip_q30[pair] + node->spin_q30[pair] - node->spin_q30[pair + 1];
+            /* Q30 N m / 4e-4 N m: x 2500 */
+            int64_t most = (int64_t)press * SELD_GRIP_COMPLIANCE_PER_N_M;
+            node->grip_q30[pair] = limited(turned, most < INT32_MAX ? most : INT32_MAX);
+        }
+    }
+}
+
+/* Sliding between neighbours: a bristle along the line, the same force on both hands. */
+void seld_tools_slide(const seld_model *model, seld_state *state)
+{
+    for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
+        seld_tool_state *inner = &state->words.tools[pair];
+        /* N Q22 / (2000 N/m) -> m Q33: 2^11 / 2000 = 1 + 25166 / 2^20 */
+        int64_t limit_N_q22 = state->scratch.grip_limit_N_q22[pair];
+        int64_t most = limit_N_q22 + ((limit_N_q22 * 25166) >> 20);
+        int64_t slid = (int64_t)inner->slide_grip_m_q33 + state->scratch.slide_m_q33[pair] -
+                       state->scratch.slide_m_q33[pair + 1];
+        inner->slide_grip_m_q33 = limited(slid, most < INT32_MAX ? most : INT32_MAX);
+        int32_t drag = (int32_t)(((int64_t)inner->slide_grip_m_q33 * SELD_FRICTION_STIFFNESS_N_m) >> 11);
+        int32_t *axial = state->scratch.axial_N_q22;
+        axial[pair] = seld_add_sat(axial[pair], drag);
+        axial[pair + 1] = seld_sub_sat(axial[pair + 1], drag);
+    }
+}
