@@ -40,9 +40,9 @@ static void set_up(int in_tube)
         reference_wire(bend_N_m2(), (ELEMENTS + SPARE_ELEMENTS) * ELEMENT_um, ELEMENT_um, friction);
     for (int i = 0; i < 2; i++) wire.knots[i].mass_mg_per_m = (uint32_t)lround(mass_kg_m() * 1e6);
     seld_entry entry = reference_entry();
-    uint32_t field;
-    if (seld_model_build(&model, &wire, lumen, &entry, &field) != SELD_BUILD_OK) bench_fail("no model");
-    seld_state_init(&model, &state, LENGTH_um);
+    seld_build_place place;
+    if (seld_model_build(&model, &wire, 1, lumen, &entry, &place) != SELD_BUILD_OK) bench_fail("no model");
+    seld_state_init(&model, &state, &(uint32_t){LENGTH_um});
 }
 
 static int by_value(const void *a, const void *b)
