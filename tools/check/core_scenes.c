@@ -99,7 +99,6 @@ static void fill_fine(void)
 
 static const seld_lumen *make_lumen(uint32_t scene)
 {
-    if (scene == COAXIAL) return every_tool(tick, variant);
     if (scene == AIR) return NULL;
     if (scene == FINE) {
         fill_fine();
