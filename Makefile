@@ -41,7 +41,7 @@ HOST_LINK     := -lpng -lglfw -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/docs
 
-.PHONY: all run window test bench bench-peers fuzz compilers matrix format help clean docs tests-build tests-build-san fuzz-programs
+.PHONY: all run window test bench bench-peers fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -202,9 +202,30 @@ bench-peers: packages-build packages-peers ## the same rod by other simulators (
 	@$(QUIET_MAKE) $(PEER_ROD)
 	@tools/bench/run_peers.py --environment $(BUILD)/peers --ours $(PEER_ROD)
 
-bench: packages-build packages-run packages-bench ## measure; writes out/bench.tsv and prints it (CASES=text: only names with it)
-	@$(QUIET_MAKE) $(PROGRAMS) $(foreach b,$(BENCHES),$(call bench_program,$(b)))
+bench: packages-build packages-run packages-bench packages-matrix ## measure; writes out/bench.tsv and prints it (CASES=text: only names with it)
+	@$(QUIET_MAKE) $(PROGRAMS) $(foreach b,$(BENCHES),$(call bench_program,$(b))) $(M7_IMAGE) $(BUDGET_MAKE)
 	@tools/bench/run_bench.py --build $(BUILD) --cases '$(CASES)' $(foreach b,$(BENCHES),$(call bench_program,$(b)))
+
+# --- Cortex-M7 image: docs/bench.md, "The Cortex-M7's budget" ---------------------------------------------------------
+M7_CC      := arm-none-eabi-gcc
+M7_FLAGS   := -mcpu=cortex-m7 -mthumb -mfloat-abi=soft -std=c11 -g $(WARN) -I. -MMD -MP -ffreestanding -fno-tree-loop-distribute-patterns \
+              -fstack-usage -fcallgraph-info=su
+M7_SOURCES := $(wildcard firmware/core/*.c firmware/port/mps2_an500/*.c)
+M7_IMAGE   := $(BUILD)/m7/budget_image.elf
+BUDGET_MAKE := $(BUILD)/bench/budget_make
+
+$(BUILD)/m7/obj/%.c.o: %.c
+	@mkdir -p $(@D)
+	$(Q) $(M7_CC) $(M7_FLAGS) $(CORE_OPT) -fno-schedule-insns -c $< -o $@
+$(M7_IMAGE): $(M7_SOURCES:%=$(BUILD)/m7/obj/%.o) $(BUILD)/m7/obj/firmware/bench/budget_image.c.o firmware/port/mps2_an500/image.ld
+	$(Q) $(M7_CC) -mcpu=cortex-m7 -mthumb -mfloat-abi=soft -nostdlib -T firmware/port/mps2_an500/image.ld $(filter %.o,$^) -o $@ -lgcc
+$(BUDGET_MAKE): $(call objects,firmware/bench/budget_make.c firmware/bench/bench.c $(REFERENCE)) $(foreach lib,$(FIRMWARE_LIBS),$(call lib_file,$(lib)))
+	@mkdir -p $(@D)
+	$(Q) $(CC) $^ -o $@ $(LDFLAGS) -lm
+
+budget: packages-build packages-matrix packages-budget ## count the Cortex-M7's instructions, stack and bytes; fails at +3 % (ACCEPT=1: new budget)
+	@$(QUIET_MAKE) $(M7_IMAGE) $(BUDGET_MAKE)
+	@tools/bench/budget.py --build $(BUILD) $(if $(ACCEPT),--accept)
 
 docs: packages-build ## write the generated tables of docs/wire.md and docs/faults.md
 	@$(QUIET_MAKE) $(BUILD)/bin/docs
@@ -216,4 +237,4 @@ clean: ## remove build/ and out/
 format: ## lay out every C and C++ file by .clang-format
 	git ls-files '*.c' '*.h' '*.cpp' '*.hpp' | xargs clang-format -i
 
--include $(shell [ -d $(BUILD)/obj ] && find $(BUILD)/obj -name '*.d')
+-include $(shell [ -d $(BUILD)/obj ] && find $(BUILD)/obj $(wildcard $(BUILD)/m7) -name '*.d')

@@ -1,0 +1,58 @@
+/* One measured case as a file: what budget_make.c (on the PC) hands to budget_image.c (on the Cortex-M7). The same words on
+ * both sides: structs of 32-bit words, little end first. All calls of the core for the budget are in this header.
+ * May include: the core. Called by: budget_make.c, budget_image.c. */
+#ifndef SELD_BUDGET_CASE_H
+#define SELD_BUDGET_CASE_H
+
+#include "firmware/core/core_state.h"
+
+enum { BUDGET_MAGIC = 0x42444731, BUDGET_TICKS_MAX = 1000 };
+
+/* Followed by: index (padded to words), children (padded), samples (padded), state, one seld_input per tick. */
+typedef struct budget_case {
+    uint32_t magic;
+    uint32_t ticks;
+    uint32_t index_bytes, children_bytes, samples_bytes, state_bytes;
+    uint32_t hash_lane[2]; /* after the last tick, as the PC computed it */
+    int32_t lumen_origin_m_q30[3];
+    uint32_t lumen_bricks_xyz[3], lumen_child_rows, lumen_bricks;
+    uint32_t tool_count;
+    seld_instrument tools[SELD_TOOL_MAX];
+    seld_entry entry;
+} budget_case;
+
+static inline uint32_t budget_padded(uint32_t bytes)
+{
+    return (bytes + 3u) & ~3u;
+}
+
+/* Addresses inside a case that has been read into memory. */
+static inline const uint8_t *budget_state(const budget_case *c)
+{
+    return (const uint8_t *)(c + 1) + budget_padded(c->index_bytes) + budget_padded(c->children_bytes) +
+           budget_padded(c->samples_bytes);
+}
+static inline const seld_input *budget_inputs(const budget_case *c)
+{
+    return (const seld_input *)(const void *)(budget_state(c) + c->state_bytes);
+}
+
+/* Model of a case; false when the core refuses it. `lumen` and the case must outlive the model. */
+static inline bool budget_build(const budget_case *c, seld_lumen *lumen, seld_model *model)
+{
+    const uint8_t *field = (const uint8_t *)(c + 1);
+    *lumen = (seld_lumen){
+        .origin_m_q30 = {c->lumen_origin_m_q30[0], c->lumen_origin_m_q30[1], c->lumen_origin_m_q30[2]},
+        .brick_count_xyz = {c->lumen_bricks_xyz[0], c->lumen_bricks_xyz[1], c->lumen_bricks_xyz[2]},
+        .child_row_count = (uint16_t)c->lumen_child_rows,
+        .brick_count = c->lumen_bricks,
+        .index = (const uint16_t *)(const void *)field,
+        .children = (const uint16_t *)(const void *)(field + budget_padded(c->index_bytes)),
+        .samples = (const int8_t *)(field + budget_padded(c->index_bytes) + budget_padded(c->children_bytes)),
+    };
+    seld_build_place place;
+    return c->magic == BUDGET_MAGIC && c->state_bytes == seld_state_bytes() &&
+           seld_model_build(model, c->tools, c->tool_count, lumen, &c->entry, &place) == SELD_BUILD_OK;
+}
+
+#endif

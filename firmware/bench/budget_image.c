@@ -1,0 +1,78 @@
+/* Counts the instructions of seld_step() on the Cortex-M7 (docs/bench.md, "budget"): reads a case, restores its state, steps,
+ * and prints mean, largest and smallest count, second solves, and whether the state's hash is the PC's.
+ * usage (as semihosting arguments): budget_image CASE_FILE
+ * May include: budget_case.h, the board. Called by: make budget, in QEMU with -icount shift=0. */
+#include "firmware/bench/budget_case.h"
+#include "firmware/port/mps2_an500/semihost.h"
+#include "firmware/port/mps2_an500/systick.h"
+
+static uint8_t file[12 << 20] __attribute__((section(".scenes"), aligned(8)));
+static seld_lumen lumen;
+static seld_model model;
+static seld_state state;
+
+static void write_number(const char *name, uint32_t value)
+{
+    char text[12];
+    int at = 11;
+    text[at] = '\0';
+    do {
+        text[--at] = (char)('0' + value % 10);
+        value /= 10;
+    } while (value != 0);
+    semihost_write(name);
+    semihost_write(" ");
+    semihost_write(&text[at]);
+    semihost_write("\n");
+}
+
+static int fail(const char *sentence)
+{
+    semihost_write(sentence);
+    return 1;
+}
+
+typedef struct counts {
+    uint32_t sum, most, least, most_twice, twice, contacts;
+} counts;
+
+/* One tick between two readings; the reading itself takes less than half a count. */
+static void __attribute__((noinline)) step(const seld_input *input, seld_output *output, counts *c)
+{
+    uint32_t start = systick_now();
+    seld_step(&model, &state, input, output);
+    uint32_t count = systick_since(start);
+    c->sum += count;
+    c->most = count > c->most ? count : c->most;
+    c->least = count < c->least ? count : c->least;
+    c->contacts = output->contact_count;
+    if (output->solve_count > 1) {
+        c->twice++;
+        c->most_twice = count > c->most_twice ? count : c->most_twice;
+    }
+}
+
+int main(int argc, char **argv)
+{
+    const budget_case *c = (const budget_case *)(const void *)file;
+    if (argc != 2 || semihost_read_file(argv[1], file, sizeof file) < sizeof *c) {
+        return fail("budget_image: give a case file of at most 12 MB\n");
+    }
+    if (!budget_build(c, &lumen, &model) || !seld_state_restore(&model, &state, budget_state(c)))
+        return fail("budget_image: the core refuses the case\n");
+    counts n = {0, 0, SYSTICK_MASK, 0, 0, 0};
+    seld_output output = {0};
+    systick_start();
+    for (uint32_t tick = 0; tick < c->ticks; tick++) step(&budget_inputs(c)[tick], &output, &n);
+    if (output.hash_lane[0] != c->hash_lane[0] || output.hash_lane[1] != c->hash_lane[1]) {
+        return fail("budget_image: the state's hash is not the PC's\n");
+    }
+    write_number("ticks", c->ticks);
+    write_number("counts", n.sum);
+    write_number("most", n.most * SYSTICK_INSTRUCTIONS_PER_COUNT);
+    write_number("least", n.least * SYSTICK_INSTRUCTIONS_PER_COUNT);
+    write_number("most_twice", n.most_twice * SYSTICK_INSTRUCTIONS_PER_COUNT);
+    write_number("twice", n.twice);
+    write_number("contacts", n.contacts);
+    return 0;
+}

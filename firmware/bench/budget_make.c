@@ -1,0 +1,215 @@
+/* Prepares the cases of the Cortex-M7 budget on the PC: puts a wire into a lumen, lets it settle or drives it until a tick
+ * needs a second solve, and writes the state before the measured ticks with everything they need (budget_case.h).
+ * usage: budget_make list | make CASE FILE
+ * May include: budget_case.h, tests/reference. Called by: tools/bench/budget.py. */
+#include "firmware/bench/bench.h"
+#include "firmware/bench/budget_case.h"
+#include "firmware/tests/reference/random.h"
+#include "firmware/tests/reference/tube_lumen.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { REST_TICKS = 500, MEASURED_TICKS = 50, DRIVE_TICKS = 4000, FEED_m_q30 = 107374 };
+
+typedef enum motion { RESTS, INSERTS, DRIVEN } motion;
+
+typedef struct scene {
+    const char *context;
+    double tube_radius_m, bend_N_m2;
+    bool straight;
+    uint32_t elements, contacts;
+    uint32_t tools; /* 3: the wire in a catheter in a catheter, tips 20 mm apart */
+    motion motion;
+} scene;
+
+/* The elements that touch lie in the bends and, of a soft wire, on the floor of the tube. */
+static const scene scenes[] = {
+    {"elements=256 contacts=100+", 0.002, 1.5e-6, false, 256, 100, 1, RESTS},
+    {"elements=256 contacts=all", 0.0006, 2e-6, true, 256, 245, 1, RESTS},
+    {"elements=256 contacts=all tools=3", 0.00115, 1e-6, true, 256, 245, 3, RESTS},
+    {"elements=128 contacts=20+", 0.002, 1.85e-3, false, 128, 20, 1, RESTS},
+    {"elements=256 inserting", 0.002, 1.5e-6, false, 256, 100, 1, INSERTS},
+    {"elements=256 second_solve", 0.006, 1e-5, false, 256, 0, 1, DRIVEN},
+};
+enum { SCENES = sizeof scenes / sizeof scenes[0] };
+
+static seld_lumen lumen;
+static seld_model model;
+static seld_state state;
+static seld_input input, inputs[BUDGET_TICKS_MAX];
+static seld_output output;
+
+/* The reference wire; a driven one has a floppy J of 20 mm, which snaps from wall to wall. */
+static seld_instrument make_wire(const scene *s)
+{
+    seld_instrument wire = reference_wire(s->bend_N_m2, 900000, 3000, 0.2);
+    if (s->motion == DRIVEN) {
+        wire.knot_count = 4;
+        wire.knots[3] = wire.knots[2] = wire.knots[1];
+        wire.knots[1] = wire.knots[0];
+        wire.knots[1].arc_um = 20000;
+        wire.knots[2].arc_um = 60000;
+        for (int i = 0; i < 2; i++) {
+            wire.knots[i].bend_stiffness_nN_m2 = wire.knots[i].twist_stiffness_nN_m2 = 10000;
+            wire.knots[i].rest_curvature1_per_m_milli = 150000;
+        }
+    }
+    return wire;
+}
+
+/* A catheter around tool k - 1 that is a little stiffer and thicker. */
+static seld_instrument make_catheter(const scene *s, uint32_t k)
+{
+    seld_instrument tube = reference_wire(s->bend_N_m2 * (k + 1), 900000, 3000, 0.2);
+    for (uint32_t i = 0; i < tube.knot_count; i++) {
+        tube.knots[i].radius_outer_um += 300 * k;
+        tube.knots[i].radius_inner_um = tube.knots[i].radius_outer_um - 200;
+    }
+    tube.lumen_friction_milli = 50;
+    return tube;
+}
+
+static budget_case *make_case(const scene *s, uint32_t *bytes)
+{
+    const reference_piece straight = {0.85, 0, 0};
+    reference_tube *tube = s->straight ? reference_tube_make(&straight, 1, s->tube_radius_m, 1)
+                                       : reference_three_bends(s->tube_radius_m, 1);
+    const seld_lumen *l = &tube->lumen;
+    uint32_t index_bytes = 2 * l->brick_count_xyz[0] * l->brick_count_xyz[1] * l->brick_count_xyz[2];
+    budget_case head = {.magic = BUDGET_MAGIC,
+                        .index_bytes = index_bytes,
+                        .children_bytes = 16u * l->child_row_count,
+                        .samples_bytes = l->brick_count * SELD_LUMEN_BRICK_SAMPLES,
+                        .state_bytes = (uint32_t)seld_state_bytes(),
+                        .lumen_child_rows = l->child_row_count,
+                        .lumen_bricks = l->brick_count,
+                        .tool_count = s->tools,
+                        .tools = {make_wire(s), make_catheter(s, 1), make_catheter(s, 2)},
+                        .entry = reference_entry()};
+    memcpy(head.lumen_origin_m_q30, l->origin_m_q30, sizeof head.lumen_origin_m_q30);
+    memcpy(head.lumen_bricks_xyz, l->brick_count_xyz, sizeof head.lumen_bricks_xyz);
+    *bytes = (uint32_t)(sizeof head + budget_padded(head.index_bytes) + budget_padded(head.children_bytes) +
+                        budget_padded(head.samples_bytes) + head.state_bytes + sizeof inputs);
+    budget_case *c = calloc(1, *bytes);
+    *c = head;
+    uint8_t *at = (uint8_t *)(c + 1);
+    memcpy(at, l->index, head.index_bytes);
+    at += budget_padded(head.index_bytes);
+    memcpy(at, l->children, head.children_bytes);
+    at += budget_padded(head.children_bytes);
+    memcpy(at, l->samples, head.samples_bytes);
+    return c;
+}
+
+static uint8_t *state_of(budget_case *c)
+{
+    return (uint8_t *)(uintptr_t)budget_state(c);
+}
+
+static void feed(int32_t step_m_q30)
+{
+    for (int k = 0; k < SELD_TOOL_MAX; k++) input.hands[k].feed_m_q30 += step_m_q30;
+}
+
+/* Pushes the tools in at 0.1 m/s until the scene's edges are free, then lets it rest. */
+static void insert(const scene *s)
+{
+    for (int rest = 0; rest < REST_TICKS;) {
+        if (seld_state_free_count(&state) < s->elements) {
+            feed(FEED_m_q30);
+        } else {
+            rest++;
+        }
+        seld_step(&model, &state, &input, &output);
+    }
+}
+
+/* To and fro at up to 0.4 m/s and 12 rad/s around where the hand is, changing direction every 50 ticks. */
+static seld_input drive(uint32_t tick, int32_t middle_m_q30)
+{
+    static reference_random random = {20};
+    static int32_t way, turn;
+    if (tick % 50 == 0) {
+        way = (int32_t)(reference_random_next(&random) % 858993u) - 429496;
+        turn = (int32_t)(reference_random_next(&random) % 16406000u) - 8203000;
+        if ((input.hands[0].feed_m_q30 > middle_m_q30) == (way > 0)) way = -way;
+    }
+    feed(way);
+    input.hands[0].turn32 += (uint32_t)turn;
+    return input;
+}
+
+/* Measured ticks of a scene that rests or is fed on. */
+static void record(const scene *s, budget_case *c)
+{
+    if (output.contact_count < s->contacts) bench_fail("the scene has fewer contacts than its row says");
+    seld_state_save(&state, state_of(c));
+    for (c->ticks = 0; c->ticks < MEASURED_TICKS; c->ticks++) {
+        if (s->motion == INSERTS) feed(-FEED_m_q30);
+        inputs[c->ticks] = input;
+        seld_step(&model, &state, &input, &output);
+    }
+    memcpy(c->hash_lane, output.hash_lane, sizeof c->hash_lane);
+}
+
+/* The tick with a second solve that has the most contacts; prints how many such ticks there were. */
+static void record_worst(budget_case *c)
+{
+    uint8_t *before = malloc(seld_state_bytes());
+    int32_t middle_m_q30 = input.hands[0].feed_m_q30;
+    uint32_t twice = 0, most = 0;
+    for (uint32_t tick = 0; tick < DRIVE_TICKS; tick++) {
+        seld_input hand = drive(tick, middle_m_q30);
+        seld_state_save(&state, before);
+        seld_step(&model, &state, &hand, &output);
+        if (output.solve_count < 2) continue;
+        twice++;
+        if (c->ticks == 1 && output.contact_count <= most) continue;
+        most = output.contact_count;
+        c->ticks = 1;
+        inputs[0] = hand;
+        memcpy(state_of(c), before, seld_state_bytes());
+        memcpy(c->hash_lane, output.hash_lane, sizeof c->hash_lane);
+    }
+    printf("second_solves %u of %d contacts %u\n", twice, DRIVE_TICKS, most);
+    if (twice == 0) bench_fail("no tick needed a second solve");
+    free(before);
+}
+
+static int make(const scene *s, const char *path)
+{
+    uint32_t bytes;
+    budget_case *c = make_case(s, &bytes);
+    if (!budget_build(c, &lumen, &model)) bench_fail("no model");
+    seld_state_init(&model, &state, (const uint32_t[SELD_TOOL_MAX]){90000, 70000, 50000});
+    insert(s);
+    fprintf(stderr, "%s: %u free nodes, %u contacts\n", s->context, seld_state_free_count(&state),
+            output.contact_count);
+    if (s->motion == DRIVEN) {
+        record_worst(c);
+    } else {
+        record(s, c);
+    }
+    memcpy(state_of(c) + c->state_bytes, inputs, sizeof inputs);
+    FILE *file = fopen(path, "wb");
+    if (file == NULL || fwrite(c, bytes, 1, file) != 1 || fclose(file) != 0)
+        bench_fail("the case cannot be written");
+    free(c);
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc == 2 && strcmp(argv[1], "list") == 0) {
+        for (int i = 0; i < SCENES; i++) printf("%s\n", scenes[i].context);
+        return 0;
+    }
+    if (argc == 4 && strcmp(argv[1], "make") == 0 && atoi(argv[2]) >= 0 && atoi(argv[2]) < SCENES) {
+        return make(&scenes[atoi(argv[2])], argv[3]);
+    }
+    fprintf(stderr, "usage: %s list | make CASE FILE   (CASE: 0 to %d)\n", argv[0], SCENES - 1);
+    return 2;
+}

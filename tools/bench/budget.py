@@ -1,0 +1,303 @@
+#!/usr/bin/env python3
+"""What a tick costs on the Cortex-M7: instructions, stack and bytes, held against firmware/bench/budget.tsv (docs/bench.md).
+
+  budget.py --build build [--accept] [--profile CASE]
+
+Instructions are counted in QEMU with -icount shift=0, one nanosecond each; the stack is the longest path through the
+compiler's call graph; sizes are those of the objects. Ends with 1 when a row is more than 3 % over the tracked one, when a
+row is missing there, or when the image calls a soft-float or divide helper or a heap. --accept writes the tracked file.
+--profile prints where the instructions of two ticks of a case go, function by function, and measures nothing else.
+"""
+import argparse
+import bisect
+import collections
+import glob
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+BUDGET = os.path.join("firmware", "bench", "budget.tsv")
+OVER = 1.03
+TIME_LIMIT_S = 600
+QEMU = ["qemu-system-arm", "-M", "mps2-an500", "-nographic", "-monitor", "none", "-serial", "none", "-icount", "shift=0"]
+# Entry points whose worst stack is reported.
+ROOTS = ("seld_step", "seld_state_restore", "seld_model_build")
+MEMORY = re.compile(r"^(__aeabi_)?mem(cpy|set|move|cmp|clr)(4|8)?$")
+FORBIDDEN = re.compile(r"^(__aeabi_([dfil]|u?[il]div|ul|uldiv).*|__.*(div|mod)[sdt]i\d|__(add|sub|mul|div|fix|float|cmp|eq|lt|gt)\w*[sd]f\w*|"
+                       r"malloc|calloc|realloc|free|_sbrk)$")
+ALLOWED_HELPERS = re.compile(r"^__aeabi_l(lsl|lsr|asr|mul)$")  # 64-bit shifts and products: a few instructions, no loop
+INSTRUCTIONS_PER_COUNT = 40  # of SysTick: firmware/port/mps2_an500/systick.h
+LOOP_MIN = 12  # shorter loops are not worth an estimate
+
+
+class CannotMeasure(Exception):
+    """The text says why."""
+
+
+def run(command, text=None, check=True):
+    try:
+        done = subprocess.run(command, cwd=ROOT, input=text, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False,
+                              timeout=TIME_LIMIT_S, universal_newlines=True)
+    except FileNotFoundError as error:
+        raise CannotMeasure("%s is missing: `make budget` installs it" % command[0]) from error
+    if check and done.returncode != 0:
+        raise CannotMeasure("%s: exit code %d: %s" % (" ".join(command), done.returncode,
+                                                      (done.stdout + done.stderr).strip()[-400:]))
+    return done.stdout
+
+
+# --- instructions ---------------------------------------------------------------------------------------------------
+def emulate(image, case_file):
+    """What the image prints, as a table of numbers."""
+    text = run(QEMU + ["-chardev", "stdio,id=console", "-semihosting-config",
+                       "enable=on,target=native,chardev=console,arg=budget_image,arg=" + case_file, "-kernel", image])
+    return {line.split()[0]: int(line.split()[1]) for line in text.splitlines()}
+
+
+def measure_case(make, image, number, context, folder):
+    """Rows of one case."""
+    path = os.path.join(folder, "case%d" % number)
+    words = run([make, "make", str(number), path]).split()
+    counted = emulate(image, path)
+    if words[:1] == ["second_solves"]:
+        context = "%s contacts=%s (%s of %s driven ticks)" % (context, words[5], words[1], words[3])
+        yield "rod.m7_instructions_worst", counted["most_twice"], "instructions", context
+    elif "inserting" in context:
+        yield "rod.m7_instructions_worst", counted["most"], "instructions", context
+    else:
+        mean = counted["counts"] * INSTRUCTIONS_PER_COUNT // counted["ticks"]
+        yield "rod.m7_instructions", mean, "instructions", context
+
+
+def instructions(build, folder):
+    make, image = os.path.join(build, "bench", "budget_make"), os.path.join(build, "m7", "budget_image.elf")
+    for number, context in enumerate(run([make, "list"]).splitlines()):
+        yield from measure_case(make, image, number, context, folder)
+
+
+def profile(build, number, folder):
+    """Instructions per function of two ticks, by single steps."""
+    make, image = os.path.join(build, "bench", "budget_make"), os.path.join(build, "m7", "budget_image.elf")
+    path, log = os.path.join(folder, "case"), os.path.join(folder, "log")
+    run([make, "make", number, path])
+    found = sorted((int(a, 16), name) for a, kind, name in
+                   (line.split() for line in run(["arm-none-eabi-nm", image]).splitlines()) if kind in "tT")
+    starts = [address for address, _ in found]
+    step = next(address for address, name in found if name == "seld_step")
+    os.mkfifo(log)
+    counts, ticks = collections.Counter(), 0
+    command = QEMU + ["-singlestep", "-d", "exec,nochain", "-D", log, "-semihosting-config",
+                      "enable=on,target=native,arg=budget_image,arg=" + path, "-kernel", image]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as qemu, \
+            open(log, encoding="ascii") as lines:
+        for line in lines:
+            match = re.search(r"/([0-9a-f]{8})/", line)
+            address = int(match.group(1), 16) if match else 0
+            ticks += address == step
+            if ticks > 2:
+                break
+            if ticks:
+                counts[found[bisect.bisect_right(starts, address) - 1][1]] += 1
+        qemu.kill()
+    for name, count in counts.most_common():
+        print("%9.0f  %s" % (count / min(ticks, 2), name))
+
+
+# --- stack ------------------------------------------------------------------------------------------------------------
+def call_graph(build):
+    """(bytes of each function, callees of each function) from the compiler's .ci files."""
+    frame, calls, plain = {}, collections.defaultdict(set), {}
+    for path in glob.glob(os.path.join(build, "m7", "obj", "**", "*.ci"), recursive=True):
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        for title, size, kind in re.findall(r'node: \{ title: "([^"]+)" label: "[^"]*\\n(\d+) bytes \(([^)]*)\)"', text):
+            if kind != "static":
+                raise CannotMeasure("%s: its stack is %s, not static" % (title, kind))
+            frame[title] = int(size)
+            plain[title.split(":")[-1]] = title
+        for source, target in re.findall(r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"', text):
+            calls[source].add(target)
+    return frame, calls, plain
+
+
+def worst_stack(build, root):
+    """Bytes on the longest path from `root`; refuses recursion, calls by address and functions of unknown size."""
+    frame, calls, plain = call_graph(build)
+    done = {}
+
+    def depth(name, above):
+        title = name if name in frame else plain.get(name)
+        if title is None:
+            if ALLOWED_HELPERS.match(name):
+                return 16, [name]  # leaf functions of libgcc that save at most four registers
+            raise CannotMeasure("%s calls %s, of which the compiler told no stack size" % (above[-1], name))
+        if title in above:
+            raise CannotMeasure("recursion: %s" % " -> ".join(above + [title]))
+        if title not in done:
+            deepest = max((depth(target, above + [title]) for target in calls[title]), default=(0, []))
+            done[title] = (frame[title] + deepest[0], [title.split(":")[-1]] + deepest[1])
+        return done[title]
+
+    return depth(root, [])
+
+
+def stack(build):
+    for root in ROOTS:
+        size, path = worst_stack(build, root)
+        yield "rod.m7_stack_bytes", size, "bytes", "function=%s" % root
+        print("stack of %s: %s" % (root, " > ".join(path)), file=sys.stderr)
+
+
+# --- bytes and symbols ------------------------------------------------------------------------------------------------
+def sizes(build):
+    objects = glob.glob(os.path.join(build, "m7", "obj", "firmware", "core", "*.o"))
+    lines = run(["arm-none-eabi-size"] + objects).splitlines()[1:]
+    yield "rod.m7_text_bytes", sum(int(line.split()[0]) for line in lines), "bytes", "firmware/core with its tables"
+    if sum(int(line.split()[1]) + int(line.split()[2]) for line in lines):
+        raise CannotMeasure("the core has writable data")
+
+
+def memory_sizes():
+    """sizeof of model and state for a line of 256 elements, by the compiler for the Cortex-M7."""
+    text = ('#include "firmware/core/core_state.h"\nchar model_bytes[sizeof(seld_model)];\n'
+            'char state_bytes[sizeof(seld_state)];\nchar words_bytes[sizeof(seld_state_words)];\n')
+    with tempfile.TemporaryDirectory() as folder:
+        target = os.path.join(folder, "sizes.o")
+        run(["arm-none-eabi-gcc", "-mcpu=cortex-m7", "-mthumb", "-std=c11", "-I.", "-DSELD_NODE_MAX=260", "-x", "c", "-c",
+             "-fno-common", "-", "-o", target], text=text)
+        for line in run(["arm-none-eabi-nm", "-S", target]).splitlines():
+            _, size, _, name = line.split()
+            yield "rod.m7_" + name, int(size, 16), "bytes", "elements=256 tools=3"
+
+
+def forbidden_symbols(build):
+    """Names in the image that must not be there; the rule is shown to catch a bad one by its own test."""
+    names = [line.split()[-1] for line in run(["arm-none-eabi-nm", os.path.join(build, "m7", "budget_image.elf")]).splitlines()]
+    return sorted(name for name in names if is_forbidden(name))
+
+
+def is_forbidden(name):
+    return bool(FORBIDDEN.match(name)) and not ALLOWED_HELPERS.match(name) and not MEMORY.match(name)
+
+
+# --- static estimate ----------------------------------------------------------------------------------------------------
+INSTRUCTION = re.compile(r"^\s*([0-9a-f]+):\s+(\S.*)$")
+
+
+def innermost_loops(lines):
+    """Instructions of every innermost loop: from the target of a backward branch to the branch."""
+    code = []
+    for line in lines:
+        match = INSTRUCTION.match(line)
+        if match:
+            code.append((int(match.group(1), 16), match.group(2).split("@")[0].split(";")[0].strip()))
+    spans = []
+    for index, (address, text) in enumerate(code):
+        match = re.match(r"(?:b\w*(?:\.[nw])?|cbn?z\s+\w+,)\s+([0-9a-f]+) <", text)
+        if match and int(match.group(1), 16) <= address:
+            first = next((i for i, (a, _) in enumerate(code) if a == int(match.group(1), 16)), None)
+            if first is not None:
+                spans.append((first, index))
+    for first, last in spans:
+        inner = any(a >= first and b <= last and (a, b) != (first, last) for a, b in spans)
+        if not inner and last - first >= LOOP_MIN:
+            yield [text for _, text in code[first : last + 1]]
+
+
+def estimate(body):
+    """Cycles per pass as llvm-mca sees them: in order of address, no cache misses, branches dropped."""
+    kept = [text for text in body if not re.match(r"(b|bl|blx|bx|b(eq|ne|cs|cc|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)|cbn?z)(\.[nw])?\s", text)]
+    kept = [re.sub(r"<[^>]*>", "", text) for text in kept]
+    report = run(["llvm-mca", "-mtriple=thumbv7em-none-eabi", "-mcpu=cortex-m7", "-iterations=100"], check=False,
+                 text="\n".join(kept) + "\n")
+    match = re.search(r"Total Cycles:\s+(\d+)", report)
+    return (len(kept), int(match.group(1)) / 100) if match else None
+
+
+def print_estimates(build):
+    print("\nstatic estimate by llvm-mca (cortex-m7), NOT measured: cycles per pass through the longest loop of a function, in order "
+          "of\naddress, without cache misses and branches")
+    rows = []
+    for path in sorted(glob.glob(os.path.join(build, "m7", "obj", "firmware", "core", "*.o"))):
+        text = run(["arm-none-eabi-objdump", "-d", "--no-show-raw-insn", path])
+        for name, body in re.findall(r"^[0-9a-f]+ <(\w+)>:\n(.*?)(?:\n\n|\Z)", text, re.M | re.S):
+            found = [e for e in (estimate(loop) for loop in innermost_loops(body.splitlines())) if e]
+            if found:
+                rows.append((max(found), name))
+    for (instructions_in_loop, cycles), name in sorted(rows, reverse=True)[:16]:
+        print("  %-28s %4d instructions, %6.1f cycles" % (name, instructions_in_loop, cycles))
+
+
+# --- tracked file -------------------------------------------------------------------------------------------------------
+def read_budget():
+    path = os.path.join(ROOT, BUDGET)
+    if not os.path.exists(path):
+        return {}
+    with open(path, encoding="utf-8") as file:
+        rows = [line.rstrip("\n").split("\t") for line in file if line.strip()]
+    return {(name, key_of(context)): int(value) for name, value, _, context in rows}
+
+
+def key_of(context):
+    """How often a second solve is needed may change; what is measured is the case."""
+    return context.split(" contacts=")[0] if "second_solve" in context else context
+
+
+def judge(row, budget):
+    """'' or what is wrong with a row."""
+    name, value, _, context = row
+    allowed = budget.get((name, key_of(context)))
+    if allowed is None:
+        return "has no row in " + BUDGET
+    return "more than 3 %% over the budget of %d" % allowed if value > allowed * OVER else ""
+
+
+def write_rows(path, rows):
+    with open(os.path.join(ROOT, path), "w", encoding="utf-8") as file:
+        file.writelines("%s\t%d\t%s\t%s\n" % row for row in rows)
+
+
+def measure(build, folder):
+    """Every row; also what run_bench.py puts into out/bench.tsv."""
+    return list(instructions(build, folder)) + list(stack(build)) + list(sizes(build)) + list(memory_sizes())
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", default="build", help="build folder (default: build)")
+    parser.add_argument("--accept", action="store_true", help="write what was measured to " + BUDGET)
+    parser.add_argument("--profile", metavar="CASE", help="where the instructions of a case go")
+    options = parser.parse_args()
+    failed = 0
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            if options.profile:
+                profile(options.build, options.profile, folder)
+                return 0
+            rows = measure(options.build, folder)
+        budget = read_budget()
+        for row in rows:
+            wrong = "" if options.accept else judge(row, budget)
+            failed += bool(wrong)
+            before = budget.get((row[0], key_of(row[3])))
+            change = " (%+.1f %%)" % (100.0 * row[1] / before - 100) if before else ""
+            print("%-28s %9d %-12s %s%s%s" % (*row, change, "  FAILED: " + wrong if wrong else ""))
+        found = forbidden_symbols(options.build)
+        failed += bool(found)
+        print("ELF: " + ("FAILED: the image holds " + ", ".join(found) if found else
+                         "no soft-float, no divide helper, no heap in the image"))
+        print_estimates(options.build)
+    except CannotMeasure as problem:
+        print("budget: %s" % problem, file=sys.stderr)
+        return 1
+    if options.accept:
+        write_rows(BUDGET, rows)
+        print("written to %s" % BUDGET)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
