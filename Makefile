@@ -227,9 +227,10 @@ budget: packages-build packages-matrix packages-budget ## count the Cortex-M7's 
 	@$(QUIET_MAKE) $(M7_IMAGE) $(BUDGET_MAKE)
 	@tools/bench/budget.py --build $(BUILD) $(if $(ACCEPT),--accept)
 
-docs: packages-build ## write the generated tables of docs/wire.md and docs/faults.md
-	@$(QUIET_MAKE) $(BUILD)/bin/docs
+docs: packages-build ## write the generated tables of docs/wire.md, docs/faults.md and docs/instruments.md, and its picture
+	@$(QUIET_MAKE) $(BUILD)/bin/docs $(BUILD)/bin/seldinger
 	@$(BUILD)/bin/docs --write
+	@$(BUILD)/bin/seldinger instruments --table docs/instruments.md --png docs/images/instruments.png > /dev/null
 
 clean: ## remove build/ and out/
 	rm -rf build out

@@ -1,4 +1,5 @@
 #include "host/app/cli.hpp"
+#include "host/app/instrument_list.hpp"
 #include "host/app/replay.hpp"
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -35,7 +36,9 @@ void add_run(CLI::App &app, RunOptions &options)
     CLI::App *command =
         app.add_subcommand("run", "Carry out a session script, as fast as the machine allows");
     command->add_option("--scene", options.scene, "Baked scene; without: free space");
-    command->add_option("--instrument", options.instrument, "Instrument file (docs/instruments.md)")
+    command
+        ->add_option("--instrument", options.instrument,
+                     "Instrument file, maybe with :preset (docs/instruments.md)")
         ->required();
     command->add_option("--session", options.session, "Session script (docs/session.md)")->required();
     command->add_option("--record", options.record, "Write a recording");
@@ -75,7 +78,9 @@ void add_view(CLI::App &app, WindowOptions &options)
 {
     CLI::App *command = app.add_subcommand("view", "A window: push, turn and look by keyboard");
     command->add_option("--scene", options.scene, "Baked scene; without: free space");
-    command->add_option("--instrument", options.instrument, "Instrument file (docs/instruments.md)")
+    command
+        ->add_option("--instrument", options.instrument,
+                     "Instrument file, maybe with :preset (docs/instruments.md)")
         ->required();
     command->add_option("--record", options.record, "Write a recording of what the hand does");
     command->add_option("--bodies", options.pictures.bodies_path,
@@ -100,6 +105,23 @@ void add_view(CLI::App &app, WindowOptions &options)
                     "shared/examples/instruments/bentson.toml");
 }
 
+void add_instruments(CLI::App &app, InstrumentsOptions &options)
+{
+    CLI::App *command =
+        app.add_subcommand("instruments", "List instruments with size, stiffness, shape and presets");
+    command->add_option("file", options.files,
+                        "Instrument files, each maybe with :preset, or folders; default: " +
+                            shipped_instruments);
+    command->add_option("--preset", options.preset,
+                        "This preset of every file that has it; default: physical");
+    command->add_option("--png", options.png, "Draw stiffness and unloaded shape");
+    command->add_option("--json", options.json, "Write every figure, knots and shapes included");
+    command->add_option("--table", options.table, "Renew the table in a document (docs/instruments.md)");
+    command->footer("Examples:\n  seldinger instruments --png out/instruments.png\n"
+                    "  seldinger instruments shared/examples/instruments/bentson.toml:vcsim3-fit --json "
+                    "out/bentson.json");
+}
+
 } // namespace
 
 std::string bodies_beside(const std::string &scene)
@@ -122,6 +144,8 @@ int command_line(int argc, char **argv)
     add_run(app, run);
     add_replay(app, replay);
     add_view(app, window);
+    InstrumentsOptions instruments;
+    add_instruments(app, instruments);
     CLI::App *info_command =
         app.add_subcommand("info", "What a recording, scene, instrument or session file holds");
     info_command->add_option("file", info, "The file")->required();
@@ -137,6 +161,7 @@ int command_line(int argc, char **argv)
         if (app.got_subcommand("run")) return command_run(run);
         if (app.got_subcommand("replay")) return command_replay(replay);
         if (app.got_subcommand("view")) return command_view(window);
+        if (app.got_subcommand("instruments")) return command_instruments(instruments);
         return command_info(info);
     } catch (const std::exception &error) {
         std::fprintf(stderr, "seldinger: %s\n", error.what());

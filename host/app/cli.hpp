@@ -3,6 +3,7 @@
 #include "host/app/session_pictures.hpp"
 #include "host/app/window.hpp"
 #include <string>
+#include <vector>
 
 namespace seld
 {
@@ -20,10 +21,16 @@ struct ReplayOptions {
     PictureSettings pictures;
 };
 
+struct InstrumentsOptions {
+    std::vector<std::string> files; // or folders; empty: those that ship
+    std::string preset, json, png, table;
+};
+
 int command_run(const RunOptions &options);
 int command_replay(const ReplayOptions &options);
 int command_view(WindowOptions options);
 int command_info(const std::string &path);
+int command_instruments(const InstrumentsOptions &options);
 
 // Bodies beside a scene: "x.scene" -> "x.bodies" when that file exists, else empty.
 std::string bodies_beside(const std::string &scene);

@@ -53,14 +53,15 @@ void print_instrument(const std::string &path)
     const Instrument instrument = read_instrument(path);
     std::printf("instrument    %s, %.0f mm, %u knots\n", instrument.name.c_str(), instrument.length_m * 1e3,
                 unsigned{instrument.table.knots_count});
-    std::printf("%10s %14s %14s %10s %8s %12s\n", "arc mm", "EI N m^2", "GJ N m^2", "g/m", "r mm",
-                "curvature/m");
+    std::printf("%10s %14s %14s %10s %8s %8s %14s %14s\n", "arc mm", "EI N m^2", "GJ N m^2", "g/m", "R mm",
+                "r mm", "curvature 1/m", "curvature 2/m");
     for (std::uint16_t i = 0; i < instrument.table.knots_count; i++) {
         const seld_wire_knot &knot = instrument.table.knots[i];
-        std::printf("%10.1f %14.3e %14.3e %10.2f %8.3f %12.1f\n", knot.arc_um * 1e-3,
+        std::printf("%10.1f %14.3e %14.3e %10.2f %8.3f %8.3f %14.1f %14.1f\n", knot.arc_um * 1e-3,
                     knot.bend_stiffness_nN_m2 * 1e-9, knot.twist_stiffness_nN_m2 * 1e-9,
                     knot.mass_mg_per_m * 1e-3, knot.radius_outer_um * 1e-3,
-                    knot.rest_curvature1_per_m_milli * 1e-3);
+                    instrument.radius_inner_um[i] * 1e-3, knot.rest_curvature1_per_m_milli * 1e-3,
+                    knot.rest_curvature2_per_m_milli * 1e-3);
     }
 }
 
@@ -75,7 +76,7 @@ void print_session(const std::string &path)
 
 int command_info(const std::string &path)
 {
-    const std::string extension = std::filesystem::path(path).extension().string();
+    const std::string extension = std::filesystem::path(split_preset(path).first).extension().string();
     if (extension == ".toml") {
         print_instrument(path);
     } else if (extension == ".session") {

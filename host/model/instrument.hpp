@@ -1,10 +1,14 @@
-// Instrument files (TOML, docs/instruments.md) -> the numbers of the wire's `instrument` message.
+// Instrument files (TOML, docs/instruments.md) -> the numbers of the wire's `instrument` message, the unloaded shape and
+// what the X-ray sees.
 //
-// Every physical value stands as { value = ..., source = "..." } or { from = ..., to = ..., source = "..." } with its
-// unit in the key. Errors name file, line, section and key.
-// May include: shared/wire, text. Called by: host/app, tools.
+// One file describes one instrument from its tip to its hub, by one or more presets; "file.toml" is its preset `physical`,
+// "file.toml:vcsim3-fit" another one. Every value has its unit in the key and a source beside it. Errors name file, line,
+// preset, section and key. May include: shared/wire, text. Called by: host/app, tools.
 #pragma once
 #include "shared/wire/wire.h"
+#include <Eigen/Core>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,14 +24,61 @@ struct InstrumentLayer {
     double radius_share = 1.0; // of the outer radius, 0 .. 1
 };
 
-struct Instrument {
+// A stretch of constant rest curvature. Component 1 turns the tip towards the material axis d1, component 2 towards d2.
+struct InstrumentArc {
     std::string name;
-    double length_m = 0.0;
-    seld_wire_instrument table{}; // validated by the device
-    std::vector<InstrumentLayer> layers;
+    double arc_begin_m = 0.0; // from the distal tip
+    double arc_end_m = 0.0;
+    double curvature1_per_m = 0.0, curvature2_per_m = 0.0;
 };
 
-// Throws FileError.
+// One row of Table 5.1 of the VCSim3 thesis, with the powers of ten of its header applied. What the numbers are in SI
+// units is nowhere stated; docs/instruments.md says how they are read, and why they are no physical truth.
+struct ThesisRow {
+    std::string row;
+    double young_modulus = 0.0;         // "Eb (1x10^7)", read as Pa
+    double radius_m = 0.0;              // "Radius (1x10^3)", read as 1e-4 m per unit of the column
+    double density = 0.0;               // "Density (1x10^5)"
+    double kp = 0.0;                    // "Kp (1x10^3)"
+    double bend_stiffness_N_m2() const; // E pi r^4 / 4
+};
+
+enum class InstrumentKind { wire, catheter };
+
+struct Instrument {
+    std::string name; // with the preset behind it unless that is `physical`
+    std::string description, shape_name, preset;
+    std::vector<std::string> presets; // of the file, `physical` first
+    InstrumentKind kind = InstrumentKind::wire;
+    double length_m = 0.0;
+    seld_wire_instrument table{};               // validated by the device
+    std::vector<std::uint32_t> radius_inner_um; // per knot of the table; 0: solid
+    std::uint32_t lumen_friction_milli = 0;     // of a catheter's lumen against the tool inside
+    std::vector<InstrumentLayer> layers;
+    std::vector<InstrumentArc> shape; // from the tip; straight behind the last one
+    std::optional<ThesisRow> thesis;  // of a preset that was made from the table
+};
+
+// `path` may end in ":preset". Reads and checks every preset of the file whichever is asked for. Throws FileError.
 Instrument read_instrument(const std::string &path);
+
+// "a.toml:b" -> {"a.toml", "b"}; without a preset the second is empty.
+std::pair<std::string, std::string> split_preset(const std::string &path);
+
+// Nodes of the core's mesh (docs/rod.md) of one instrument, or of one line of several: it takes the finest tip and shaft,
+// the longest fine part and the longest instrument. At most SELD_NODE_MAX of the core.
+inline constexpr int line_nodes_max = 384;
+int line_node_count(std::span<const seld_wire_instrument *const> tools);
+int line_node_count(const seld_wire_instrument &tool);
+
+// The unloaded centreline, tip first, every `step_m` and at every change of curvature, from the tip to `straight_m` behind
+// the last arc. The straight part lies on the x axis and ends (towards the hand) at the origin side: it enters along +x,
+// d1 is +y and d2 = t x d1 with t towards the hand, which is -z.
+struct ShapePoint {
+    double arc_m = 0.0;
+    Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d forward = Eigen::Vector3d::UnitX(); // unit, towards the tip
+};
+std::vector<ShapePoint> unloaded_shape(const Instrument &instrument, double step_m, double straight_m);
 
 } // namespace seld

@@ -320,12 +320,30 @@ def seldinger_texts(bench):
 
     instrument("an instrument with a syntax error is refused with its line", ":1:", "format == 1\n")
     instrument("a misspelt key of an instrument is refused", ".*raduis", wire.replace("radius_outer_mm", "raduis_outer_mm", 1))
-    instrument("an instrument of another format is refused", ".*format", wire.replace("format = 1", "format = 2", 1))
-    instrument("a stiffness beyond its range is refused", ".*bend_stiffness", wire.replace("value = 2e-06", "value = 2e+06", 1))
-    instrument("a stiffness that is not a number is refused", ".*bend_stiffness", wire.replace("value = 2e-06", "value = nan", 1))
+    instrument("an instrument of another format is refused", ".*format", wire.replace("format = 2", "format = 3", 1))
+    instrument("a stiffness beyond its range is refused", ".*bend_stiffness", wire.replace("value = 2e-6", "value = 2e+6", 1))
+    instrument("a stiffness that is not a number is refused", ".*bend_stiffness", wire.replace("value = 2e-6", "value = nan", 1))
     instrument("a value without a source is refused", ".*source", re.sub(r"(tip_mm = \{ value = 1\.0), source = \"[^\"]*\"", r"\1", wire))
-    instrument("a gap between sections is refused", ".*from_mm|section", wire.replace("from_mm = 30", "from_mm = 40", 1))
+    instrument("a section that ends before it begins is refused", ".*to_mm", wire.replace("to_mm = 150", "to_mm = 20", 1))
+    instrument("a source that is not there is refused", ".*tipps", wire.replace('"@tips"', '"@tipps"', 1))
+    instrument("a fault in a preset that is not asked for is refused", ".*based_on", wire.replace("based_on", "based_in", 1))
     instrument("an empty instrument is refused", ".*missing", "")
+    bench.bad("a preset that is not there is refused", session_run(wire=WIRE + ":vcsim"), 1, r"bentson\.toml.*vcsim")
+    instrument_lists(bench)
+
+
+def instrument_lists(bench):
+    listing = ["seldinger", "instruments"]
+    bench.good("instruments are listed, drawn and written", listing + [WIRE, "--png", "list.png", "--json", "list.json"])
+    bench.good("one preset is listed", listing + [WIRE + ":vcsim3-fit"])
+    bench.bad("a list of the shipped instruments elsewhere is refused", listing, 1, "shared/examples/instruments")
+    bench.bad("a list of a missing instrument is refused", listing + ["gone.toml"], 1, r"gone\.toml")
+    bench.bad("a list of a folder without instruments is refused", listing + ["."], 1, r"bad\.toml|no \.toml")
+    bench.bad("a list of a preset that nothing has is refused", listing + [os.path.dirname(WIRE), "--preset", "x"], 1, "preset 'x'")
+    bench.bad("a list with an unknown option is refused", listing + ["--jpeg", "x"], 2, "jpeg")
+    bench.bad("a list drawn into a missing folder is refused", listing + [WIRE, "--png", "no/x.png"], 1, "no/x.png")
+    bench.bad("a list written into a missing folder is refused", listing + [WIRE, "--json", "no/x.json"], 1, "no/x.json")
+    bench.bad("a table into a document without its marks is refused", listing + [WIRE, "--table", "good.session"], 1, "marks")
 
 
 def main():

@@ -1,0 +1,44 @@
+// The parts of an instrument file: sections of equal make, arcs of the rest shape, elements; and the profile they make.
+// May include: instrument, instrument_toml. Called by: the instrument files of host/model.
+#pragma once
+#include "host/model/instrument.hpp"
+#include "host/model/instrument_toml.hpp"
+
+namespace seld::instrument_file
+{
+
+// A stretch between two arc lengths from the tip. Stiffness changes by equal ratios from its distal to its proximal end,
+// the rest linearly.
+struct Section {
+    std::string name;
+    const toml::node *node = nullptr; // for errors
+    double from_mm = 0.0, to_mm = 0.0;
+    int steps = 1;
+    Range bend_N_m2, twist_N_m2, mass_kg_per_m, radius_outer_mm, radius_inner_mm, kinetic, statical;
+    std::vector<InstrumentLayer> layers;
+};
+
+struct Preset {
+    std::string description;
+    std::vector<Section> sections;
+    double lumen_friction = 0.0;
+    std::optional<ThesisRow> thesis;
+};
+
+inline constexpr Bounds stiffness_bounds = {1e-7,
+                                            3e-2};  // N m^2, of the core (firmware/core/core.h, seld_knot)
+inline constexpr Bounds radius_bounds = {0.1, 2.0}; // mm
+inline constexpr double length_max_mm = 1600.0;
+
+// [[section]] of a preset, each filled up from [all].
+std::vector<Section> read_sections(const Place &place, const toml::table &preset, InstrumentKind kind);
+
+// [[shape]] from the tip.
+std::vector<InstrumentArc> read_shape(const Place &place, const toml::table &root);
+
+void read_elements(const Place &place, const toml::table &root, seld_wire_instrument &wire);
+
+// Knots of sections and arcs together into the instrument's table.
+void add_profile(const Place &place, const std::vector<Section> &sections, Instrument &instrument);
+
+} // namespace seld::instrument_file

@@ -1,0 +1,208 @@
+// Sections and arcs -> knots of the wire's `instrument` message, nodes of the mesh, unloaded shape.
+#include "host/model/instrument_parts.hpp"
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace seld
+{
+
+namespace instrument_file
+{
+
+namespace
+{
+
+constexpr double same_mm = 1e-3; // boundaries closer than this are one
+
+// At share u of a section: stiffness by equal ratios (a ground taper spans decades), the rest linearly.
+double by_ratio(const Range &range, double u)
+{
+    return range.is_constant() ? range.from : range.from * std::pow(range.to / range.from, u);
+}
+
+double linearly(const Range &range, double u)
+{
+    return range.from + (range.to - range.from) * u;
+}
+
+std::uint32_t rounded(double value)
+{
+    return static_cast<std::uint32_t>(std::lround(value));
+}
+
+// A knot with what the wire's message does not hold.
+struct Knot {
+    seld_wire_knot wire{};
+    std::uint32_t radius_inner_um = 0;
+    bool has_properties_of(const Knot &other) const
+    {
+        const seld_wire_knot &a = wire, &b = other.wire;
+        return a.bend_stiffness_nN_m2 == b.bend_stiffness_nN_m2 &&
+               a.twist_stiffness_nN_m2 == b.twist_stiffness_nN_m2 && a.mass_mg_per_m == b.mass_mg_per_m &&
+               a.radius_outer_um == b.radius_outer_um &&
+               a.friction_kinetic_milli == b.friction_kinetic_milli &&
+               a.friction_static_milli == b.friction_static_milli &&
+               a.rest_curvature1_per_m_milli == b.rest_curvature1_per_m_milli &&
+               a.rest_curvature2_per_m_milli == b.rest_curvature2_per_m_milli &&
+               radius_inner_um == other.radius_inner_um;
+    }
+};
+
+Knot knot_at(const Section &section, const InstrumentArc *arc, double arc_mm)
+{
+    const double u = (arc_mm - section.from_mm) / (section.to_mm - section.from_mm);
+    Knot knot;
+    knot.wire.arc_um = rounded(arc_mm * 1e3);
+    knot.wire.bend_stiffness_nN_m2 = rounded(by_ratio(section.bend_N_m2, u) * 1e9);
+    knot.wire.twist_stiffness_nN_m2 = rounded(by_ratio(section.twist_N_m2, u) * 1e9);
+    knot.wire.mass_mg_per_m = rounded(linearly(section.mass_kg_per_m, u) * 1e6);
+    knot.wire.radius_outer_um = rounded(linearly(section.radius_outer_mm, u) * 1e3);
+    knot.wire.friction_kinetic_milli = rounded(linearly(section.kinetic, u) * 1e3);
+    knot.wire.friction_static_milli = rounded(linearly(section.statical, u) * 1e3);
+    knot.radius_inner_um = rounded(linearly(section.radius_inner_mm, u) * 1e3);
+    if (arc) {
+        knot.wire.rest_curvature1_per_m_milli =
+            static_cast<std::int32_t>(std::lround(arc->curvature1_per_m * 1e3));
+        knot.wire.rest_curvature2_per_m_milli =
+            static_cast<std::int32_t>(std::lround(arc->curvature2_per_m * 1e3));
+    }
+    return knot;
+}
+
+// Ends of the section, its steps, and the ends of the arcs within it; ascending.
+std::vector<double> boundaries_mm(const Section &section, const std::vector<InstrumentArc> &shape)
+{
+    std::vector<double> all;
+    for (int i = 0; i <= section.steps; i++) {
+        all.push_back(section.from_mm + (section.to_mm - section.from_mm) * i / section.steps);
+    }
+    for (const InstrumentArc &arc : shape) {
+        const double end_mm = arc.arc_end_m * 1e3;
+        if (end_mm > section.from_mm && end_mm < section.to_mm) all.push_back(end_mm);
+    }
+    std::sort(all.begin(), all.end());
+    std::vector<double> distinct = {section.from_mm};
+    for (double at_mm : all) {
+        if (at_mm > distinct.back() + same_mm && at_mm < section.to_mm - same_mm) distinct.push_back(at_mm);
+    }
+    distinct.push_back(section.to_mm);
+    return distinct;
+}
+
+const InstrumentArc *arc_at(const std::vector<InstrumentArc> &shape, double arc_mm)
+{
+    for (const InstrumentArc &arc : shape) {
+        if (arc_mm < arc.arc_end_m * 1e3) return &arc;
+    }
+    return nullptr;
+}
+
+// Adds a knot, without knots that change nothing: twice the same one, or the middle one of three alike.
+void append(std::vector<Knot> &knots, const Knot &knot)
+{
+    const std::size_t count = knots.size();
+    if (count > 0 && knots.back().has_properties_of(knot)) {
+        if (knots.back().wire.arc_um == knot.wire.arc_um) return;
+        if (count > 1 && knots[count - 2].has_properties_of(knot)) knots.pop_back();
+    }
+    knots.push_back(knot);
+}
+
+} // namespace
+
+void add_profile(const Place &place, const std::vector<Section> &sections, Instrument &instrument)
+{
+    std::vector<Knot> knots;
+    for (const Section &section : sections) {
+        const std::vector<double> at_mm = boundaries_mm(section, instrument.shape);
+        for (std::size_t i = 0; i + 1 < at_mm.size(); i++) {
+            const InstrumentArc *arc = arc_at(instrument.shape, 0.5 * (at_mm[i] + at_mm[i + 1]));
+            append(knots, knot_at(section, arc, at_mm[i]));
+            append(knots, knot_at(section, arc, at_mm[i + 1]));
+        }
+        instrument.layers.insert(instrument.layers.end(), section.layers.begin(), section.layers.end());
+    }
+    if (knots.size() > SELD_WIRE_MAX_instrument_knots) {
+        fail(place, sections.front().node,
+             "the profile needs " + std::to_string(knots.size()) + " knots, at most " +
+                 std::to_string(SELD_WIRE_MAX_instrument_knots) + "; use fewer steps, sections or shapes");
+    }
+    for (const Knot &knot : knots) {
+        instrument.table.knots[instrument.table.knots_count++] = knot.wire;
+        instrument.radius_inner_um.push_back(knot.radius_inner_um);
+    }
+    instrument.length_m = sections.back().to_mm * 1e-3;
+    if (!instrument.shape.empty() && instrument.shape.back().arc_end_m > instrument.length_m) {
+        fail(place, sections.back().node, "the shape is longer than the instrument");
+    }
+    const int nodes = line_node_count(instrument.table);
+    if (nodes > line_nodes_max) {
+        fail(place, sections.front().node,
+             "the elements make " + std::to_string(nodes) + " nodes, at most " +
+                 std::to_string(line_nodes_max) + "; use longer elements or fewer fine ones");
+    }
+}
+
+} // namespace instrument_file
+
+int line_node_count(std::span<const seld_wire_instrument *const> tools)
+{
+    double total = 0.0, tip = 1e9, shaft = 1e9, fine = 0.0; // um
+    for (const seld_wire_instrument *tool : tools) {
+        total = std::max<double>(total, tool->knots[tool->knots_count - 1].arc_um);
+        tip = std::min<double>(tip, tool->element_tip_um);
+        shaft = std::min<double>(shaft, tool->element_shaft_um);
+        fine = std::max<double>(fine, tool->element_fine_um);
+    }
+    int nodes = 1;
+    double arc = 0.0, length = tip;
+    while (arc + length <= total + 1e-3) {
+        arc += length;
+        nodes++;
+        if (arc >= fine && length < shaft) length = std::min(1.5 * length, shaft);
+    }
+    return nodes;
+}
+
+int line_node_count(const seld_wire_instrument &tool)
+{
+    const seld_wire_instrument *const one[] = {&tool};
+    return line_node_count(one);
+}
+
+std::vector<ShapePoint> unloaded_shape(const Instrument &instrument, double step_m, double straight_m)
+{
+    using Eigen::Vector3d;
+    std::vector<ShapePoint> points;
+    const double begin_m = instrument.shape.empty() ? 0.0 : instrument.shape.back().arc_end_m;
+    ShapePoint at;
+    at.arc_m = std::min(begin_m + straight_m, instrument.length_m);
+    Vector3d d1 = Vector3d::UnitY(), d2 = -Vector3d::UnitZ();
+    auto walk = [&](double until_m, const Vector3d &rotation_per_m) { // constant curvature: parts of a circle
+        const double length_m = at.arc_m - until_m;
+        const int steps = std::max(1, static_cast<int>(std::ceil(length_m / step_m - 1e-9)));
+        for (int i = 0; i < steps && length_m > 0.0; i++) {
+            points.push_back(at);
+            const double part_m = length_m / steps, angle = rotation_per_m.norm() * part_m;
+            const Vector3d axis = angle > 0.0 ? Vector3d(rotation_per_m.normalized()) : Vector3d::UnitX();
+            const Vector3d chord = Eigen::AngleAxisd(0.5 * angle, axis) * at.forward;
+            at.position_m += chord * (angle > 0.0 ? part_m * std::sin(0.5 * angle) / (0.5 * angle) : part_m);
+            const Eigen::AngleAxisd turn(angle, axis);
+            at.forward = turn * at.forward;
+            d1 = turn * d1;
+            d2 = turn * d2;
+            at.arc_m -= part_m;
+        }
+    };
+    walk(begin_m, Vector3d::Zero());
+    for (auto arc = instrument.shape.rbegin(); arc != instrument.shape.rend(); ++arc) {
+        const Vector3d towards = arc->curvature1_per_m * d1 + arc->curvature2_per_m * d2;
+        walk(arc->arc_begin_m, at.forward.cross(towards));
+    }
+    points.push_back(at);
+    std::reverse(points.begin(), points.end());
+    return points;
+}
+
+} // namespace seld

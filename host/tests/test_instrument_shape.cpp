@@ -1,0 +1,302 @@
+// Claims: the device takes every shipped instrument by every preset; left alone in free space without gravity, the core's
+// rod takes the shape that the file intends; every wire goes with every catheter that it fits into, and both with a guide.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+extern "C" {
+#include "firmware/core/core.h"
+}
+#include "host/app/device.hpp"
+#include "host/model/instrument.hpp"
+#include "host/model/text.hpp"
+#include "host/model/units.hpp"
+
+// Last, because its macros (fail, ...) would change other headers.
+extern "C" {
+#include <cmocka.h>
+}
+
+namespace
+{
+
+using Eigen::Vector3d;
+using seld::Instrument;
+using seld::ShapePoint;
+
+const std::string folder = "shared/examples/instruments/";
+
+std::vector<std::string> shipped_files()
+{
+    std::vector<std::string> files;
+    for (const auto &entry : std::filesystem::directory_iterator(folder)) {
+        if (entry.path().extension() == ".toml") files.push_back(entry.path().string());
+    }
+    std::sort(files.begin(), files.end());
+    assert_true(files.size() >= 14);
+    return files;
+}
+
+// --- the only calls of the core ---------------------------------------------------------------------------------
+
+seld_instrument core_instrument(const Instrument &instrument)
+{
+    const seld_wire_instrument &table = instrument.table;
+    seld_instrument core{};
+    core.knot_count = table.knots_count;
+    for (std::uint16_t i = 0; i < table.knots_count; i++) {
+        const seld_wire_knot &k = table.knots[i];
+        core.knots[i] = {.arc_um = k.arc_um,
+                         .bend_stiffness_nN_m2 = k.bend_stiffness_nN_m2,
+                         .twist_stiffness_nN_m2 = k.twist_stiffness_nN_m2,
+                         .mass_mg_per_m = k.mass_mg_per_m,
+                         .radius_outer_um = k.radius_outer_um,
+                         .radius_inner_um = instrument.radius_inner_um[i],
+                         .friction_kinetic_milli = k.friction_kinetic_milli,
+                         .friction_static_milli = k.friction_static_milli,
+                         .rest_curvature1_per_m_milli = k.rest_curvature1_per_m_milli,
+                         .rest_curvature2_per_m_milli = k.rest_curvature2_per_m_milli};
+    }
+    core.lumen_friction_milli = instrument.lumen_friction_milli;
+    core.axial_stiffness_max_N = table.axial_stiffness_max_N;
+    core.element_tip_um = table.element_tip_um;
+    core.element_shaft_um = table.element_shaft_um;
+    core.element_fine_um = table.element_fine_um;
+    return core;
+}
+
+// A line in free space without gravity, entering along +x, where d1 is -z.
+class FreeLine
+{
+  public:
+    explicit FreeLine(const std::vector<const Instrument *> &tools)
+        : model_bytes_(seld_model_size()), state_bytes_(seld_state_size())
+    {
+        std::vector<seld_instrument> core;
+        for (const Instrument *tool : tools) core.push_back(core_instrument(*tool));
+        const seld_entry entry = {{{0, 0, 0}}, {{SELD_ONE_Q30, 0, 0}}};
+        seld_build_place place{};
+        status_ = seld_model_build(model(), core.data(), static_cast<std::uint32_t>(core.size()), nullptr,
+                                   &entry, &place);
+        if (status_ == SELD_BUILD_OK) seld_model_set_gravity(model(), 0, 0, 0);
+    }
+    seld_build_status status() const { return status_; }
+    int node_count() { return static_cast<int>(seld_state_node_count(model())); }
+
+    void start(double inserted_m)
+    {
+        const std::uint32_t inserted_um[SELD_TOOL_MAX] = {
+            static_cast<std::uint32_t>(std::lround(inserted_m * 1e6))};
+        seld_state_init(model(), state(), inserted_um);
+    }
+    void run(int ticks)
+    {
+        const seld_input input{};
+        for (int tick = 0; tick < ticks; tick++) {
+            seld_step(model(), state(), &input, &output_);
+            strain_max = std::max(strain_max, std::abs(seld::units::ratio(output_.strain_max_q30)));
+        }
+    }
+    double inserted_m() const { return seld::units::metres(output_.tools[0].inserted_m_q30); }
+    std::uint32_t fault_bits() const { return output_.fault_bits; }
+
+    struct Node {
+        double arc_m;
+        Vector3d position_m; // in the axes of seld::unloaded_shape: x forward, y along d1
+    };
+    std::vector<Node> free_nodes()
+    {
+        std::vector<Node> nodes;
+        for (std::uint32_t i = 0; i < seld_state_free_count(state()); i++) {
+            const seld_vec3 p = seld_state_position(state(), i);
+            nodes.push_back(
+                {seld::units::metres(seld_model_arc(model(), i)),
+                 {seld::units::metres(p.v[0]), -seld::units::metres(p.v[2]), seld::units::metres(p.v[1])}});
+        }
+        return nodes;
+    }
+    double strain_max = 0.0;
+
+  private:
+    seld_model *model() { return reinterpret_cast<seld_model *>(model_bytes_.data()); }
+    seld_state *state() { return reinterpret_cast<seld_state *>(state_bytes_.data()); }
+    std::vector<unsigned char> model_bytes_, state_bytes_;
+    seld_build_status status_ = SELD_BUILD_OK;
+    seld_output output_{};
+};
+
+// --- shapes -----------------------------------------------------------------------------------------------------
+
+double shaped_m(const Instrument &instrument)
+{
+    return instrument.shape.empty() ? 0.0 : instrument.shape.back().arc_end_m;
+}
+
+ShapePoint at_arc(const std::vector<ShapePoint> &shape, double arc_m)
+{
+    for (std::size_t i = 1; i < shape.size(); i++) {
+        if (arc_m > shape[i].arc_m) continue;
+        const double u = (arc_m - shape[i - 1].arc_m) / (shape[i].arc_m - shape[i - 1].arc_m);
+        ShapePoint point = shape[i];
+        point.position_m = shape[i - 1].position_m + u * (shape[i].position_m - shape[i - 1].position_m);
+        return point;
+    }
+    return shape.back();
+}
+
+double angle_deg(const Vector3d &a, const Vector3d &b)
+{
+    return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
+}
+
+// From straight to rest in 4 s. Positions are compared node by node; the tip's direction is that of its first element.
+void expect_rest_shape(const Instrument &instrument)
+{
+    constexpr double allowed_deg = 5.0, allowed_strain = 1e-3;
+    const double allowed_mm = 0.05 + 0.04 * shaped_m(instrument) * 1e3;
+    FreeLine line({&instrument});
+    assert_int_equal(line.status(), SELD_BUILD_OK);
+    line.start(shaped_m(instrument) + 0.05);
+    line.run(4000);
+    const std::vector<FreeLine::Node> nodes = line.free_nodes();
+    const std::vector<ShapePoint> intended =
+        seld::unloaded_shape(instrument, 1e-4, line.inserted_m() - shaped_m(instrument));
+    double worst_mm = 0.0;
+    for (const FreeLine::Node &node : nodes) {
+        worst_mm =
+            std::max(worst_mm, (node.position_m - at_arc(intended, node.arc_m).position_m).norm() * 1e3);
+    }
+    const double tip_deg =
+        angle_deg(nodes[0].position_m - nodes[1].position_m, at_arc(intended, 0.5 * nodes[1].arc_m).forward);
+    std::printf("# %-46s nodes off by %.3f mm (allowed %.2f), tip by %.2f deg (allowed %.1f), stretched on "
+                "the way %.4f %% "
+                "(allowed %.1f)\n",
+                instrument.name.c_str(), worst_mm, allowed_mm, tip_deg, allowed_deg, line.strain_max * 1e2,
+                allowed_strain * 1e2);
+    if (worst_mm > allowed_mm || tip_deg > allowed_deg || line.strain_max > allowed_strain) {
+        fail_msg("%s rests in another shape", instrument.name.c_str());
+    }
+    assert_int_equal(line.fault_bits() & ~std::uint32_t{SELD_FAULT_STEP_CAPPED}, 0);
+}
+
+void every_physical_instrument_rests_in_its_shape(void **)
+{
+    for (const std::string &file : shipped_files()) expect_rest_shape(seld::read_instrument(file));
+}
+
+// A curve in two planes, which none of those that ship has: a quarter circle up, then one to the side.
+void a_shape_out_of_its_plane_rests_in_it(void **)
+{
+    std::string text = seld::read_text_file(folder + "simmons_2_5f.toml");
+    const std::size_t begin = text.find("shape = ["), end = text.find("]\n\n[sources]");
+    assert_true(begin != std::string::npos && end != std::string::npos);
+    text.replace(
+        begin, end - begin,
+        "shape = [ { name = \"a\", radius_mm = 12, angle_deg = 90, plane_deg = 90, source = \"@simmons\" },\n"
+        "{ name = \"b\", radius_mm = 15, angle_deg = 90, source = \"@simmons\" } ");
+    const std::string path = "/tmp/seldinger_shape_" + std::to_string(getpid()) + ".toml";
+    std::ofstream(path) << text;
+    const Instrument instrument = seld::read_instrument(path);
+    std::remove(path.c_str());
+    const ShapePoint tip = seld::unloaded_shape(instrument, 1e-3, 0.0).front();
+    assert_true(angle_deg(tip.forward, -Vector3d::UnitZ()) <
+                0.1); // d2 is -z in the straight part, and b turns about it
+    assert_true((tip.position_m - Vector3d(0.015, 0.027, -0.012)).norm() < 1e-5);
+    expect_rest_shape(instrument);
+}
+
+// --- what the device takes --------------------------------------------------------------------------------------
+
+void the_device_takes_every_preset(void **)
+{
+    const seld::SceneFile scene = seld::read_scene("");
+    seld_wire_entry entry = scene.entry;
+    entry.inserted_um = 30000;
+    for (const std::string &file : shipped_files()) {
+        for (const std::string &preset : seld::read_instrument(file).presets) {
+            const Instrument instrument = seld::read_instrument(file + ":" + preset);
+            try {
+                seld::Device(scene, instrument, entry, seld::host_rig());
+            } catch (const std::exception &error) {
+                fail_msg("%s: %s", instrument.name.c_str(), error.what());
+            }
+        }
+    }
+}
+
+bool fits_into(const Instrument &inner, const Instrument &outer)
+{
+    std::uint32_t thickest_um = 0;
+    for (std::uint16_t i = 0; i < inner.table.knots_count; i++) {
+        thickest_um = std::max(thickest_um, inner.table.knots[i].radius_outer_um);
+    }
+    return thickest_um <= *std::min_element(outer.radius_inner_um.begin(), outer.radius_inner_um.end());
+}
+
+void expect_line(const std::vector<const Instrument *> &tools)
+{
+    std::string names;
+    std::vector<const seld_wire_instrument *> tables;
+    for (const Instrument *tool : tools) {
+        names += (names.empty() ? "" : " in ") + tool->name;
+        tables.push_back(&tool->table);
+    }
+    FreeLine line(tools);
+    if (line.status() != SELD_BUILD_OK) fail_msg("%s: build status %d", names.c_str(), line.status());
+    const int nodes = seld::line_node_count(tables);
+    if (nodes != line.node_count() || nodes > seld::line_nodes_max) {
+        fail_msg("%s: %d nodes, in the core %d", names.c_str(), nodes, line.node_count());
+    }
+}
+
+// A wire alone, in each catheter, and both in each guide; fits of the thesis are of one instrument and thicker than the
+// catheters' lumens, so they are not asked to go together.
+void every_wire_goes_with_every_catheter(void **)
+{
+    std::vector<Instrument> all;
+    for (const std::string &file : shipped_files()) all.push_back(seld::read_instrument(file));
+    int pairs = 0, triples = 0;
+    for (const Instrument &wire : all) {
+        if (wire.kind != seld::InstrumentKind::wire) continue;
+        expect_line({&wire});
+        for (const Instrument &catheter : all) {
+            if (catheter.kind != seld::InstrumentKind::catheter) continue;
+            assert_true(fits_into(wire, catheter));
+            expect_line({&wire, &catheter});
+            pairs++;
+            for (const Instrument &guide : all) {
+                if (guide.kind != seld::InstrumentKind::catheter || !fits_into(catheter, guide)) continue;
+                expect_line({&wire, &catheter, &guide});
+                triples++;
+            }
+        }
+    }
+    std::printf("# %d pairs and %d triples\n", pairs, triples);
+    assert_int_equal(pairs, 7 * 7);
+    assert_true(triples >= 7 * 5 * 2); // five catheters of 4F and 5F pass a 6F guide
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(every_physical_instrument_rests_in_its_shape),
+        cmocka_unit_test(a_shape_out_of_its_plane_rests_in_it),
+        cmocka_unit_test(the_device_takes_every_preset),
+        cmocka_unit_test(every_wire_goes_with_every_catheter),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
