@@ -13,6 +13,7 @@
 #include <memory>
 #include <string>
 #include <unistd.h>
+#include <vector>
 
 #include "host/app/run.hpp"
 #include "host/model/instrument.hpp"
@@ -99,8 +100,8 @@ class Referee : public seld::FrameSink
         }
         const double rest_mm = (nodes.back().arc_m - nodes.front().arc_m) * 1e3;
         length_error_max_pct = std::max(length_error_max_pct, 100.0 * std::abs(length_mm / rest_mm - 1.0));
-        inserted_max_mm = std::max(inserted_max_mm, frame.inserted_m * 1e3);
-        axial_max_N = std::max(axial_max_N, frame.axial_N);
+        inserted_max_mm = std::max(inserted_max_mm, frame.tools[0].inserted_m * 1e3);
+        axial_max_N = std::max(axial_max_N, frame.tools[0].axial_N);
     }
     void finish() override {}
 
@@ -133,12 +134,11 @@ void drive(const char *instrument_file)
 {
     if (!baked.is_there) skip();
     const seld::SceneFile scene = seld::read_scene(baked.scene.string());
-    const seld::Instrument instrument =
-        seld::read_instrument(std::string("shared/examples/instruments/") + instrument_file);
+    const std::vector<seld::Instrument> tools = {
+        seld::read_instrument(std::string("shared/examples/instruments/") + instrument_file)};
     const seld::Session session = seld::read_session("shared/examples/sessions/iliac_to_arch.session");
-    seld_wire_entry entry = scene.entry;
-    entry.inserted_um = session.inserted_um;
-    seld::Device device(scene, instrument, entry, seld::host_rig());
+    const seld_wire_entry entry = seld::entry_of(scene, tools.size(), session.inserted_um);
+    seld::Device device(scene, tools, entry, seld::host_rig());
     Referee referee;
     seld::RunSettings settings;
     settings.pictures_per_second = frames_per_second;

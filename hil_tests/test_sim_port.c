@@ -126,8 +126,8 @@ static void nodes_run_from_the_tip_into_the_inserter(void **state)
     /* 50 mm outside along +y, so the tip is at y = 50 mm and the last node at or behind the mouth */
     assert_in_range(nodes.positions[0].y_m_q30, 53687091 - 1100, 53687091 + 1100);
     assert_true(nodes.positions[nodes.positions_count - 1].y_m_q30 <= 0);
-    assert_true(nodes.positions_count <= table.nodes_count);
-    assert_int_equal(table.nodes[0].arc_m_q30, 0);
+    assert_true(nodes.positions_count <= table.arcs_m_q30_count);
+    assert_int_equal(table.arcs_m_q30[0], 0);
 }
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)

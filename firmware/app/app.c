@@ -2,6 +2,9 @@
 #include "firmware/app/app.h"
 #include "firmware/app/app_internal.h"
 
+_Static_assert((int)SELD_TOOL_MAX == (int)SELD_PORT_TOOL_MAX && (int)SELD_TOOL_MAX == (int)SELD_WIRE_TOOL_MAX,
+               "core, port and wire agree about the number of tools");
+
 void seld_app_init(seld_app *app, const seld_port *port)
 {
     unsigned char *bytes = (unsigned char *)app;
@@ -10,8 +13,8 @@ void seld_app_init(seld_app *app, const seld_port *port)
     app->state = SELD_WIRE_STATE_INIT;
     app->mode = SELD_WIRE_MODE_LOCKSTEP;
     seld_wire_decoder_init(&app->decoder);
-    seld_rig_default(&app->rig);
-    seld_hand_reset(&app->hand);
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) seld_app_track_default(&app->tracks[k]);
+    seld_app_hands_reset(app);
     seld_app_motors_off(app);
 }
 
@@ -43,7 +46,8 @@ static void get(seld_app *app, const uint8_t *payload, size_t length)
     SELD_REJECT_IF(app, type, !seld_wire_decode_get(payload, length, &request), SELD_REJECT_MALFORMED, length,
                    SELD_WIRE_BYTES_get);
     bool needs_model = request.what == SELD_WIRE_GET_NODES || request.what == SELD_WIRE_GET_NODE_TABLE ||
-                       request.what == SELD_WIRE_GET_HASH64 || request.what == SELD_WIRE_GET_SNAPSHOT;
+                       request.what == SELD_WIRE_GET_HASH64 || request.what == SELD_WIRE_GET_SNAPSHOT ||
+                       request.what == SELD_WIRE_GET_CONTACTS;
     SELD_REJECT_IF(app, type, needs_model && !is_built(app), SELD_REJECT_WRONG_STATE, app->state, 0);
     switch (request.what) {
     case SELD_WIRE_GET_STATUS:
@@ -63,6 +67,9 @@ static void get(seld_app *app, const uint8_t *payload, size_t length)
         break;
     case SELD_WIRE_GET_FAULT_LOG:
         seld_app_send_fault_log(app);
+        break;
+    case SELD_WIRE_GET_CONTACTS:
+        seld_app_send_contacts(app);
         break;
     default:
         seld_app_reject(app, type, SELD_REJECT_ACTION_UNKNOWN, request.what, 0);
@@ -86,8 +93,8 @@ static void dispatch(seld_app *app, uint16_t type, const uint8_t *payload, size_
     case SELD_WIRE_TYPE_scene_end:
         seld_app_scene_end(app, payload, length);
         break;
-    case SELD_WIRE_TYPE_instrument:
-        seld_app_instrument(app, payload, length);
+    case SELD_WIRE_TYPE_tools:
+        seld_app_tools(app, payload, length);
         break;
     case SELD_WIRE_TYPE_entry:
         seld_app_entry(app, payload, length);

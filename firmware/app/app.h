@@ -27,7 +27,7 @@ enum {
     SELD_APP_FREE_RUN_BATCH_ticks = 16, /* one `ticks` frame per 16 ms */
     SELD_APP_HASH64_EVERY_ticks = 100,
     SELD_APP_FAULT_MAX = 32,
-    SELD_APP_SNAPSHOT_HEAD_BYTES = 48,
+    SELD_APP_SNAPSHOT_HEAD_BYTES = 12 + 36 * SELD_TOOL_MAX,
     SELD_APP_SNAPSHOT_BYTES = SELD_APP_SNAPSHOT_HEAD_BYTES + (int)sizeof(seld_state_words),
 };
 
@@ -39,16 +39,16 @@ typedef struct seld_upload {
     bool open;
 } seld_upload;
 
-/* Hand position from encoder counts. */
-typedef struct seld_hand {
+/* Position of one tool's hand from its encoder counts. */
+typedef struct seld_app_hand {
     bool is_known; /* false until the first reading, which only sets the zero */
-    seld_port_encoders last;
+    seld_port_hand last;
     int64_t translation_counts; /* since the start */
     int64_t rotation_counts;
-} seld_hand;
+} seld_app_hand;
 
-/* Set by the `rig` message. */
-typedef struct seld_rig {
+/* One tool's encoders and actuators, set by the `rig` message. */
+typedef struct seld_app_track {
     uint64_t translation_m_q46_per_count;
     uint64_t rotation_turn48_per_count; /* one turn = 2^48 */
     uint32_t translation_jump_counts;   /* largest believable change in one tick */
@@ -56,12 +56,7 @@ typedef struct seld_rig {
     uint32_t force_gain_milli;
     int32_t force_limit_mN;
     int32_t torque_limit_uN_m;
-} seld_rig;
-
-typedef struct seld_motor {
-    int32_t axial_mN;
-    int32_t torque_uN_m;
-} seld_motor;
+} seld_app_track;
 
 typedef struct seld_app {
     const seld_port *port;
@@ -76,21 +71,24 @@ typedef struct seld_app {
     bool sequence_is_known;
     uint32_t sequence_gaps, transmit_dropped;
     uint32_t silent_ticks;
+    bool has_mailbox; /* the host has sent an `input` since START */
     seld_port_encoders mailbox;
 
     /* set-up */
     seld_upload scene_upload;
     uint8_t scene_slot; /* the slot in use; the other one is staged into */
-    bool has_scene, has_instrument, has_entry;
+    bool has_scene, has_entry;
+    uint32_t tool_count; /* 0: none yet */
     seld_lumen lumen;
-    seld_instrument instrument;
+    seld_instrument tools[SELD_TOOL_MAX]; /* from the innermost */
     seld_entry entry;
-    uint32_t inserted_um;
-    seld_rig rig;
+    uint32_t inserted_um[SELD_TOOL_MAX];
+    uint32_t inserted_count; /* lengths that came with the entry */
+    seld_app_track tracks[SELD_TOOL_MAX];
 
     /* session */
-    seld_hand hand;
-    seld_motor motor;
+    seld_app_hand hands[SELD_TOOL_MAX];
+    seld_port_motor motors[SELD_TOOL_MAX]; /* asked for; in LOCKSTEP only reported */
     uint32_t core_faults_seen;
     seld_upload snapshot_upload;
     uint16_t fault_count;
@@ -99,15 +97,17 @@ typedef struct seld_app {
     /* big blocks last */
     union {
         seld_wire_scene_chunk scene_chunk;
-        seld_wire_instrument instrument;
+        seld_wire_tools tools;
         seld_wire_step step;
         seld_wire_snapshot_chunk snapshot_chunk;
     } request;
     union {
         seld_wire_nodes nodes;
         seld_wire_node_table node_table;
+        seld_wire_contacts contacts;
         seld_wire_fault_log fault_log;
         seld_wire_snapshot_chunk snapshot_chunk;
+        seld_instrument tools[SELD_TOOL_MAX]; /* being checked, before anything is answered */
     } reply;
     seld_wire_ticks ticks; /* filled tick by tick while other replies go out */
     uint8_t payload[SELD_WIRE_PAYLOAD_MAX];
@@ -117,7 +117,7 @@ typedef struct seld_app {
     seld_state core;
 } seld_app;
 
-/* Power-up: state INIT, motors off, no scene, no instrument. `port` must outlive the app. */
+/* Power-up: state INIT, motors off, no scene, no tools. `port` must outlive the app. */
 void seld_app_init(seld_app *app, const seld_port *port);
 
 /* Bytes from the host, in pieces of any size. Replies leave through port->transmit before it returns. */

@@ -14,12 +14,6 @@ static bool fault_stops(seld_fault_code code)
     return false;
 }
 
-void seld_app_motors_off(seld_app *app)
-{
-    app->motor = (seld_motor){0, 0};
-    app->port->motors(app->port->context, 0, 0, false);
-}
-
 void seld_app_fault(seld_app *app, seld_fault_code code, int32_t value1, int32_t value2)
 {
     uint16_t i = 0;

@@ -18,13 +18,27 @@ static int32_t approach(int32_t present, int64_t target, int32_t slew, int32_t l
 
 /* Format: Q22 N x 1/1000 -> mN: N x 1000 x gain/1000 = value x gain / 2^22; torque Q24 N m -> uN m likewise with
  * another factor 1000. Overflow: |value| < 2^31, gain <= 4000: below 2^53. */
-void seld_motor_update(seld_motor *motor, const seld_rig *rig, const seld_output *output, bool fade)
+void seld_app_motor_update(seld_port_motor *motor, const seld_app_track *track, const seld_handle *handle,
+                           bool fade)
 {
-    int64_t gain = fade ? 0 : (int64_t)rig->force_gain_milli;
-    int64_t axial_mN = seld_rshift_round64((int64_t)output->tools[0].axial_N_q22 * gain, 22);
-    int64_t torque_uN_m = seld_rshift_round64((int64_t)output->tools[0].torque_N_m_q24 * gain * 1000, 24);
+    int64_t gain = fade ? 0 : (int64_t)track->force_gain_milli;
+    int64_t axial_mN = seld_rshift_round64((int64_t)handle->axial_N_q22 * gain, 22);
+    int64_t torque_uN_m = seld_rshift_round64((int64_t)handle->torque_N_m_q24 * gain * 1000, 24);
     motor->axial_mN =
-        approach(motor->axial_mN, axial_mN, SELD_APP_FORCE_SLEW_mN_per_tick, rig->force_limit_mN);
-    motor->torque_uN_m =
-        approach(motor->torque_uN_m, torque_uN_m, SELD_APP_TORQUE_SLEW_uN_m_per_tick, rig->torque_limit_uN_m);
+        approach(motor->axial_mN, axial_mN, SELD_APP_FORCE_SLEW_mN_per_tick, track->force_limit_mN);
+    motor->torque_uN_m = approach(motor->torque_uN_m, torque_uN_m, SELD_APP_TORQUE_SLEW_uN_m_per_tick,
+                                  track->torque_limit_uN_m);
+}
+
+/* What is asked for begins at nothing again. */
+void seld_app_motors_reset(seld_app *app)
+{
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) app->motors[k] = (seld_port_motor){0, 0};
+}
+
+/* No power. What LOCKSTEP reports is part of the session, not of the motors, and goes on from where it was. */
+void seld_app_motors_off(seld_app *app)
+{
+    static const seld_port_motor none[SELD_PORT_TOOL_MAX];
+    app->port->motors(app->port->context, none, false);
 }

@@ -1,4 +1,4 @@
-/* From encoder counts to where the hand is. Counts are absolute and may wrap, so changes are summed in 64 bits; the
+/* From encoder counts to where the hands are, one per tool. Counts are absolute and may wrap, so changes are summed in 64 bits; the
  * position is scaled from the sum, never summed itself, so that rounding does not drift. Called by: app_session.c. */
 #include "firmware/app/app_internal.h"
 
@@ -10,9 +10,14 @@ enum {
     GAIN_MAX_milli = 4000,
 };
 
-void seld_hand_reset(seld_hand *hand)
+void seld_app_hands_reset(seld_app *app)
 {
-    *hand = (seld_hand){false, {0, 0, 0}, 0, 0};
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) app->hands[k] = (seld_app_hand){false, {0, 0}, 0, 0};
+}
+
+void seld_app_hands_take_reference(seld_app *app)
+{
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) app->hands[k].is_known = false;
 }
 
 /* Difference of two wrapping counters. Format: exact as long as the counter moved by less than 2^31. */
@@ -27,30 +32,38 @@ static bool exceeds(int32_t difference, uint32_t limit)
     return (wide < 0 ? -wide : wide) > (int64_t)limit;
 }
 
-/* Take a reading. An unbelievable jump is refused: the hand stays where it was and value = {counts, limit}. */
-seld_fault_code seld_hand_update(seld_hand *hand, const seld_rig *rig, const seld_port_encoders *now,
-                                 int32_t value[2])
+/* What one hand did since the last reading, or the fault that this would be. */
+static seld_fault_code hand_moved(const seld_app_hand *hand, const seld_app_track *track,
+                                  const seld_port_hand *now, int32_t moved[2])
 {
-    if (!hand->is_known) {
-        hand->is_known = true;
-        hand->last = *now;
-    }
-    int32_t translation = count_difference(now->translation_counts, hand->last.translation_counts);
-    int32_t rotation = count_difference(now->rotation_counts, hand->last.rotation_counts);
-    if (exceeds(translation, rig->translation_jump_counts)) {
-        value[0] = translation;
-        value[1] = (int32_t)rig->translation_jump_counts;
-        return SELD_FAULT_CODE_ENCODER_JUMP_TRANSLATION;
-    }
-    if (exceeds(rotation, rig->rotation_jump_counts)) {
-        value[0] = rotation;
-        value[1] = (int32_t)rig->rotation_jump_counts;
-        return SELD_FAULT_CODE_ENCODER_JUMP_ROTATION;
-    }
-    hand->translation_counts += translation;
-    hand->rotation_counts += rotation;
-    hand->last = *now;
+    moved[0] = moved[1] = 0;
+    if (!hand->is_known) return SELD_FAULT_CODE_NONE;
+    moved[0] = count_difference(now->translation_counts, hand->last.translation_counts);
+    moved[1] = count_difference(now->rotation_counts, hand->last.rotation_counts);
+    if (exceeds(moved[0], track->translation_jump_counts)) return SELD_FAULT_CODE_ENCODER_JUMP_TRANSLATION;
+    if (exceeds(moved[1], track->rotation_jump_counts)) return SELD_FAULT_CODE_ENCODER_JUMP_ROTATION;
     return SELD_FAULT_CODE_NONE;
+}
+
+/* Take a reading of every tool. After one unbelievable jump all hands stay where they were: false. */
+bool seld_app_hands_update(seld_app *app, const seld_port_encoders *now)
+{
+    int32_t moved[SELD_TOOL_MAX][2];
+    for (uint32_t k = 0; k < app->tool_count; k++) {
+        seld_fault_code jump = hand_moved(&app->hands[k], &app->tracks[k], &now->hands[k], moved[k]);
+        if (jump != SELD_FAULT_CODE_NONE) {
+            bool is_turn = jump == SELD_FAULT_CODE_ENCODER_JUMP_ROTATION;
+            seld_app_fault(app, jump, (int32_t)k, moved[k][is_turn]);
+            return false;
+        }
+    }
+    for (uint32_t k = 0; k < app->tool_count; k++) {
+        app->hands[k].translation_counts += moved[k][0];
+        app->hands[k].rotation_counts += moved[k][1];
+        app->hands[k].last = now->hands[k];
+        app->hands[k].is_known = true;
+    }
+    return true;
 }
 
 /* Format: counts (int64) x Q46 m -> Q30 m, rounded; beyond +-1.9 m the hand is held there, which the core treats as
@@ -75,10 +88,15 @@ static uint32_t turn32(int64_t counts, uint64_t turn48_per_count)
     return (uint32_t)((turn48 + (1u << 15)) >> 16);
 }
 
-void seld_hand_input(const seld_hand *hand, const seld_rig *rig, seld_input *input)
+void seld_app_hands_input(const seld_app *app, seld_input *input)
 {
-    input->hands[0].feed_m_q30 = feed_m_q30(hand->translation_counts, rig->translation_m_q46_per_count);
-    input->hands[0].turn32 = turn32(hand->rotation_counts, rig->rotation_turn48_per_count);
+    *input = (seld_input){0};
+    for (uint32_t k = 0; k < app->tool_count; k++) {
+        const seld_app_hand *hand = &app->hands[k];
+        const seld_app_track *track = &app->tracks[k];
+        input->hands[k].feed_m_q30 = feed_m_q30(hand->translation_counts, track->translation_m_q46_per_count);
+        input->hands[k].turn32 = turn32(hand->rotation_counts, track->rotation_turn48_per_count);
+    }
 }
 
 static bool in_range(uint32_t value, uint32_t low, uint32_t high)
@@ -87,38 +105,38 @@ static bool in_range(uint32_t value, uint32_t low, uint32_t high)
 }
 
 /* Check everything, then take it over. Limits are lowered, never raised. False: *field names the offender. */
-bool seld_rig_set(seld_rig *rig, const seld_wire_rig *wire, uint32_t *field)
+bool seld_app_track_set(seld_app_track *track, const seld_wire_track *wire, uint32_t *field)
 {
     const bool ok[] = {
         in_range(wire->translation_pm_per_count, TRANSLATION_MIN_pm, TRANSLATION_MAX_pm),
         in_range(wire->rotation_counts_per_turn, ROTATION_MIN_counts, ROTATION_MAX_counts),
         wire->force_gain_milli <= GAIN_MAX_milli,
-        wire->force_limit_mN <= (uint32_t)rig->force_limit_mN,
-        wire->torque_limit_uN_m <= (uint32_t)rig->torque_limit_uN_m,
+        wire->force_limit_mN <= (uint32_t)track->force_limit_mN,
+        wire->torque_limit_uN_m <= (uint32_t)track->torque_limit_uN_m,
     };
     for (*field = 0; *field < sizeof ok / sizeof ok[0]; ++*field) {
         if (!ok[*field]) return false;
     }
     /* 2^46 m / 10^12 = 2^34 / 5^12 per picometre; 5e8 x 2^34 < 2^63. */
-    rig->translation_m_q46_per_count =
+    track->translation_m_q46_per_count =
         seld_divide_u64(((uint64_t)wire->translation_pm_per_count << 34) + 122070312u, 244140625u);
-    rig->rotation_turn48_per_count = seld_divide_u64(((uint64_t)1 << 48) + wire->rotation_counts_per_turn / 2,
-                                                     wire->rotation_counts_per_turn);
-    rig->translation_jump_counts =
+    track->rotation_turn48_per_count = seld_divide_u64(
+        ((uint64_t)1 << 48) + wire->rotation_counts_per_turn / 2, wire->rotation_counts_per_turn);
+    track->translation_jump_counts =
         (uint32_t)seld_divide_u64((uint64_t)SELD_APP_JUMP_um * 1000000u, wire->translation_pm_per_count);
-    rig->rotation_jump_counts = wire->rotation_counts_per_turn / 4;
-    rig->force_gain_milli = wire->force_gain_milli;
-    rig->force_limit_mN = (int32_t)wire->force_limit_mN;
-    rig->torque_limit_uN_m = (int32_t)wire->torque_limit_uN_m;
+    track->rotation_jump_counts = wire->rotation_counts_per_turn / 4;
+    track->force_gain_milli = wire->force_gain_milli;
+    track->force_limit_mN = (int32_t)wire->force_limit_mN;
+    track->torque_limit_uN_m = (int32_t)wire->torque_limit_uN_m;
     return true;
 }
 
 /* 1 um and 1/65 536 turn per count, true force. */
-void seld_rig_default(seld_rig *rig)
+void seld_app_track_default(seld_app_track *track)
 {
-    const seld_wire_rig wire = {1000000, 65536, 1000, SELD_APP_FORCE_LIMIT_mN, SELD_APP_TORQUE_LIMIT_uN_m};
+    const seld_wire_track wire = {1000000, 65536, 1000, SELD_APP_FORCE_LIMIT_mN, SELD_APP_TORQUE_LIMIT_uN_m};
     uint32_t field;
-    rig->force_limit_mN = SELD_APP_FORCE_LIMIT_mN;
-    rig->torque_limit_uN_m = SELD_APP_TORQUE_LIMIT_uN_m;
-    seld_rig_set(rig, &wire, &field);
+    track->force_limit_mN = SELD_APP_FORCE_LIMIT_mN;
+    track->torque_limit_uN_m = SELD_APP_TORQUE_LIMIT_uN_m;
+    seld_app_track_set(track, &wire, &field);
 }

@@ -27,17 +27,20 @@ void seld_app_send_status(seld_app *app, uint16_t request_type);
 void seld_app_send_hello_reply(seld_app *app, bool accepted);
 void seld_app_send_nodes(seld_app *app);
 void seld_app_send_node_table(seld_app *app);
+void seld_app_send_contacts(seld_app *app);
 void seld_app_send_hash64(seld_app *app);
 void seld_app_send_fault_log(seld_app *app);
 void seld_app_send_ticks(seld_app *app);
 
-/* app_setup.c: scene, instrument, entry, rig; only in READY */
+/* app_setup.c: scene, tools, entry, rig; only in READY */
 void seld_app_scene_begin(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_scene_chunk(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_scene_end(seld_app *app, const uint8_t *payload, size_t length);
-void seld_app_instrument(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_tools(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_entry(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_rig(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_reject_build(seld_app *app, uint16_t type, seld_build_status status,
+                           const seld_build_place *place);
 
 /* app_lumen.c: scene bytes -> the core's view of them. 0, or the scene status that says what is wrong. */
 uint32_t seld_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, seld_lumen *lumen);
@@ -46,7 +49,8 @@ uint32_t seld_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, seld_lum
 void seld_app_command(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_step(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_input(seld_app *app, const uint8_t *payload, size_t length);
-bool seld_app_tick(seld_app *app, const seld_port_encoders *encoders); /* false: FAULT, no tick was done */
+/* `encoders` NULL: nobody says where the hands are, they rest. False: FAULT, no tick was done. */
+bool seld_app_tick(seld_app *app, const seld_port_encoders *encoders);
 
 /* app_snapshot.c */
 void seld_app_snapshot_send(seld_app *app);
@@ -54,20 +58,22 @@ void seld_app_snapshot_begin(seld_app *app, const uint8_t *payload, size_t lengt
 void seld_app_snapshot_chunk(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_snapshot_end(seld_app *app, const uint8_t *payload, size_t length);
 
-/* app_hand.c: encoder counts -> hand position */
-void seld_hand_reset(seld_hand *hand);
-seld_fault_code seld_hand_update(seld_hand *hand, const seld_rig *rig, const seld_port_encoders *now,
-                                 int32_t value[2]);
-void seld_hand_input(const seld_hand *hand, const seld_rig *rig, seld_input *input);
-bool seld_rig_set(seld_rig *rig, const seld_wire_rig *wire, uint32_t *field);
-void seld_rig_default(seld_rig *rig);
+/* app_hand.c: encoder counts -> hand positions */
+void seld_app_hands_reset(seld_app *app);
+void seld_app_hands_take_reference(seld_app *app); /* the next reading is where the hands are, not a motion */
+bool seld_app_hands_update(seld_app *app, const seld_port_encoders *now);
+void seld_app_hands_input(const seld_app *app, seld_input *input);
+bool seld_app_track_set(seld_app_track *track, const seld_wire_track *wire, uint32_t *field);
+void seld_app_track_default(seld_app_track *track);
 
 /* app_force.c: rod reaction -> gain -> slew limit -> force limit */
-void seld_motor_update(seld_motor *motor, const seld_rig *rig, const seld_output *output, bool fade);
+void seld_app_motor_update(seld_port_motor *motor, const seld_app_track *track, const seld_handle *handle,
+                           bool fade);
+void seld_app_motors_reset(seld_app *app);
+void seld_app_motors_off(seld_app *app);
 
 /* app_fault.c */
 void seld_app_fault(seld_app *app, seld_fault_code code, int32_t value1, int32_t value2);
 void seld_app_internal_error(seld_app *app, int line, int32_t value);
-void seld_app_motors_off(seld_app *app);
 
 #endif

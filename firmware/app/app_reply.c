@@ -70,6 +70,9 @@ void seld_app_send_nodes(seld_app *app)
     if (count > total) count = total;
     if (count > SELD_WIRE_MAX_nodes_positions) count = SELD_WIRE_MAX_nodes_positions;
     nodes->tick = app->core.words.tick;
+    nodes->inserted_m_q30_count = (uint16_t)app->tool_count;
+    for (uint32_t k = 0; k < app->tool_count; k++)
+        nodes->inserted_m_q30[k] = seld_state_inserted(&app->core, k);
     nodes->positions_count = (uint16_t)count;
     for (uint32_t i = 0; i < count; i++) {
         seld_vec3 p = seld_state_position(&app->core, i);
@@ -82,14 +85,26 @@ void seld_app_send_node_table(seld_app *app)
 {
     seld_wire_node_table *table = &app->reply.node_table;
     uint32_t count = seld_state_node_count(&app->model);
-    SELD_REQUIRE(app, count <= SELD_WIRE_MAX_node_table_nodes, count);
-    if (count > SELD_WIRE_MAX_node_table_nodes) count = SELD_WIRE_MAX_node_table_nodes;
-    table->nodes_count = (uint16_t)count;
-    for (uint32_t i = 0; i < count; i++) {
-        table->nodes[i] =
-            (seld_wire_node_rest){seld_model_arc(&app->model, i), seld_state_radius(&app->core, i)};
-    }
+    SELD_REQUIRE(app, count <= SELD_WIRE_MAX_node_table_arcs_m_q30, count);
+    if (count > SELD_WIRE_MAX_node_table_arcs_m_q30) count = SELD_WIRE_MAX_node_table_arcs_m_q30;
+    table->arcs_m_q30_count = (uint16_t)count;
+    for (uint32_t i = 0; i < count; i++) table->arcs_m_q30[i] = seld_model_arc(&app->model, i);
     SEND(app, node_table, table);
+}
+
+void seld_app_send_contacts(seld_app *app)
+{
+    seld_wire_contacts *contacts = &app->reply.contacts;
+    uint32_t free_count = seld_state_free_count(&app->core);
+    contacts->tick = seld_state_tick(&app->core);
+    contacts->contacts_count = 0;
+    for (uint32_t i = 0; i < free_count && contacts->contacts_count < SELD_WIRE_MAX_contacts_contacts; i++) {
+        seld_vec3 f;
+        if (!seld_state_contact_force(&app->model, &app->core, i, &f)) continue;
+        contacts->contacts[contacts->contacts_count++] =
+            (seld_wire_contact){(uint16_t)i, f.v[0], f.v[1], f.v[2]};
+    }
+    SEND(app, contacts, contacts);
 }
 
 void seld_app_send_hash64(seld_app *app)

@@ -1,30 +1,52 @@
-/* States, modes and ticks. One tick: encoders -> hand -> seld_step -> force -> tick_state. Called by: app.c. */
+/* States, modes and ticks. One tick: encoders -> hands -> seld_step -> forces -> tick_state. Called by: app.c. */
 #include "firmware/app/app_internal.h"
 
 /* --- states --- */
 
 enum { START_DEPTH_MAX_M_Q30 = 322123 /* 0.3 mm: the wall pushes that back without a jolt */ };
 
+/* No tool may begin with more outside than it has. False: refused. */
+static bool lengths_fit(seld_app *app)
+{
+    for (uint32_t k = 0; k < app->tool_count; k++) {
+        uint32_t length_um = app->tools[k].knots[app->tools[k].knot_count - 1].arc_um;
+        if (app->inserted_um[k] <= length_um) continue;
+        seld_app_reject(app, SELD_WIRE_TYPE_command, SELD_REJECT_LENGTH_INSERTED, k, length_um);
+        return false;
+    }
+    return true;
+}
+
+static uint32_t longest_um(const seld_app *app)
+{
+    uint32_t longest = 0;
+    for (uint32_t k = 0; k < app->tool_count; k++) {
+        if (app->inserted_um[k] > longest) longest = app->inserted_um[k];
+    }
+    return longest;
+}
+
 /* Constants and rest state from what was set up; READY -> ARMED. */
 static void arm(seld_app *app)
 {
     const uint16_t type = SELD_WIRE_TYPE_command;
-    seld_build_place place = {0, 0};
     SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_READY, SELD_REJECT_WRONG_STATE, app->state, 0);
-    SELD_REJECT_IF(app, type, !app->has_instrument || !app->has_entry, SELD_REJECT_INSTRUMENT_MISSING,
-                   app->has_instrument, app->has_entry);
-    seld_build_status status = seld_model_build(&app->model, &app->instrument, 1,
+    SELD_REJECT_IF(app, type, app->tool_count == 0 || !app->has_entry, SELD_REJECT_SET_UP_MISSING,
+                   app->tool_count, app->has_entry);
+    seld_build_place place = {0, 0};
+    seld_build_status status = seld_model_build(&app->model, app->tools, app->tool_count,
                                                 app->has_scene ? &app->lumen : NULL, &app->entry, &place);
-    SELD_REJECT_IF(app, type, status == SELD_BUILD_ENTRY, SELD_REJECT_ENTRY_INVALID, status, place.knot);
-    SELD_REJECT_IF(app, type, status != SELD_BUILD_OK, SELD_REJECT_INSTRUMENT_INVALID, status, place.knot);
-    uint32_t length_um = app->instrument.knots[app->instrument.knot_count - 1].arc_um;
-    SELD_REJECT_IF(app, type, app->inserted_um > length_um, SELD_REJECT_LENGTH_INSERTED, app->inserted_um,
-                   length_um);
-    seld_state_init(&app->model, &app->core, &app->inserted_um);
+    if (status != SELD_BUILD_OK) {
+        seld_app_reject_build(app, type, status, &place);
+        return;
+    }
+    if (!lengths_fit(app)) return;
+    seld_state_init(&app->model, &app->core, app->inserted_um);
     int32_t depth_m_q30 = seld_state_depth(&app->model, &app->core);
     SELD_REJECT_IF(app, type, depth_m_q30 > START_DEPTH_MAX_M_Q30, SELD_REJECT_START_IN_WALL,
-                   (uint32_t)(((uint64_t)(uint32_t)depth_m_q30 * 1000000u) >> 30), app->inserted_um);
-    seld_hand_reset(&app->hand);
+                   (uint32_t)(((uint64_t)(uint32_t)depth_m_q30 * 1000000u) >> 30), longest_um(app));
+    seld_app_hands_reset(app);
+    seld_app_motors_reset(app);
     seld_app_motors_off(app);
     app->core_faults_seen = 0;
     app->ticks.states_count = 0;
@@ -32,12 +54,18 @@ static void arm(seld_app *app)
     seld_app_send_status(app, type);
 }
 
-/* Leave `from` for `to`, or refuse. */
+/* Leave `from` for `to`, or refuse. In FREE_RUN nobody listened to the hands before START: where they are now is their
+ * new reference, and the motors begin at nothing. In LOCKSTEP a session stopped goes on exactly where it was. */
 static void move_state(seld_app *app, uint8_t from, uint8_t to)
 {
     SELD_REJECT_IF(app, SELD_WIRE_TYPE_command, app->state != from, SELD_REJECT_WRONG_STATE, app->state, 0);
     app->state = to;
     app->silent_ticks = 0;
+    if (app->mode == SELD_WIRE_MODE_FREE_RUN) {
+        seld_app_hands_take_reference(app);
+        seld_app_motors_reset(app);
+        app->has_mailbox = false;
+    }
     seld_app_motors_off(app);
     seld_app_send_status(app, SELD_WIRE_TYPE_command);
 }
@@ -57,6 +85,7 @@ static void set_mode(seld_app *app, uint8_t mode)
     bool is_at_rest = app->state == SELD_WIRE_STATE_READY || app->state == SELD_WIRE_STATE_ARMED;
     SELD_REJECT_IF(app, SELD_WIRE_TYPE_command, !is_at_rest, SELD_REJECT_WRONG_STATE, app->state, 0);
     app->mode = mode;
+    seld_app_motors_reset(app);
     seld_app_send_status(app, SELD_WIRE_TYPE_command);
 }
 
@@ -103,6 +132,7 @@ static void log_core_faults(seld_app *app, uint32_t bits)
         {SELD_FAULT_FEED_LIMIT, SELD_FAULT_CODE_CORE_FEED_LIMIT},
         {SELD_FAULT_STEP_CAPPED, SELD_FAULT_CODE_CORE_STEP_CAPPED},
         {SELD_FAULT_INSERT_END, SELD_FAULT_CODE_CORE_INSERT_END},
+        {SELD_FAULT_OUTSIDE, SELD_FAULT_CODE_CORE_OUTSIDE},
     };
     uint32_t news = bits & ~app->core_faults_seen;
     for (size_t i = 0; news != 0 && i < sizeof map / sizeof map[0]; i++) {
@@ -111,50 +141,66 @@ static void log_core_faults(seld_app *app, uint32_t bits)
     app->core_faults_seen |= bits;
 }
 
-static seld_wire_tick_state tick_state(const seld_output *output, const seld_motor *motor)
+static seld_wire_tool_state tool_state(const seld_handle *handle, const seld_port_motor *motor)
 {
-    return (seld_wire_tick_state){
+    return (seld_wire_tool_state){
+        .handle_axial_N_q22 = handle->axial_N_q22,
+        .handle_torque_N_m_q24 = handle->torque_N_m_q24,
+        .motor_axial_mN = motor->axial_mN,
+        .motor_torque_uN_m = motor->torque_uN_m,
+        .inserted_m_q30 = handle->inserted_m_q30,
+    };
+}
+
+static void note_tick(seld_app *app, const seld_output *output)
+{
+    SELD_REQUIRE(app, app->ticks.states_count < SELD_WIRE_MAX_ticks_states, app->ticks.states_count);
+    if (app->ticks.states_count >= SELD_WIRE_MAX_ticks_states) return;
+    seld_wire_tick_state *state = &app->ticks.states[app->ticks.states_count++];
+    *state = (seld_wire_tick_state){
         .tick = output->tick,
         .hash_lane0 = output->hash_lane[0],
         .hash_lane1 = output->hash_lane[1],
-        .handle_axial_N_q22 = output->tools[0].axial_N_q22,
-        .handle_torque_N_m_q24 = output->tools[0].torque_N_m_q24,
-        .motor_axial_mN = motor->axial_mN,
-        .motor_torque_uN_m = motor->torque_uN_m,
-        .inserted_m_q30 = output->tools[0].inserted_m_q30,
+        .tools_count = (uint16_t)app->tool_count,
+        .lead_tool = output->lead_tool,
         .penetration_max_m_q30 = output->penetration_max_m_q30,
         .strain_max_q30 = output->strain_max_q30,
         .contact_count = output->contact_count,
         .solve_count = output->solve_count,
         .core_fault_bits = output->fault_bits,
     };
+    for (uint32_t k = 0; k < app->tool_count; k++) {
+        state->tools[k] = tool_state(&output->tools[k], &app->motors[k]);
+    }
 }
 
 bool seld_app_tick(seld_app *app, const seld_port_encoders *encoders)
 {
-    int32_t value[2] = {0, 0};
-    seld_fault_code jump = seld_hand_update(&app->hand, &app->rig, encoders, value);
-    if (jump != SELD_FAULT_CODE_NONE) {
-        seld_app_fault(app, jump, value[0], value[1]);
-        return false;
-    }
-    seld_input input = {0};
+    if (encoders != NULL && !seld_app_hands_update(app, encoders)) return false;
+    seld_input input;
     seld_output output;
-    seld_hand_input(&app->hand, &app->rig, &input);
+    seld_app_hands_input(app, &input);
     seld_step(&app->model, &app->core, &input, &output);
 
     bool is_silent = app->mode == SELD_WIRE_MODE_FREE_RUN && app->silent_ticks >= SELD_APP_HOST_SILENT_ticks;
-    seld_motor_update(&app->motor, &app->rig, &output, is_silent);
-    if (app->mode == SELD_WIRE_MODE_FREE_RUN) {
-        app->port->motors(app->port->context, app->motor.axial_mN, app->motor.torque_uN_m, true);
+    for (uint32_t k = 0; k < app->tool_count; k++) {
+        seld_app_motor_update(&app->motors[k], &app->tracks[k], &output.tools[k], is_silent);
     }
+    if (app->mode == SELD_WIRE_MODE_FREE_RUN) app->port->motors(app->port->context, app->motors, true);
     log_core_faults(app, output.fault_bits);
-    SELD_REQUIRE(app, app->ticks.states_count < SELD_WIRE_MAX_ticks_states, app->ticks.states_count);
-    if (app->ticks.states_count < SELD_WIRE_MAX_ticks_states) {
-        app->ticks.states[app->ticks.states_count++] = tick_state(&output, &app->motor);
-    }
+    note_tick(app, &output);
     if (output.tick % SELD_APP_HASH64_EVERY_ticks == 0) seld_app_send_hash64(app);
     return app->state == SELD_WIRE_STATE_RUNNING;
+}
+
+static seld_port_encoders encoders_from_wire(const seld_wire_encoders *wire)
+{
+    seld_port_encoders encoders = {.buttons = wire->buttons};
+    for (uint16_t k = 0; k < wire->hands_count; k++) {
+        encoders.hands[k] =
+            (seld_port_hand){wire->hands[k].translation_counts, wire->hands[k].rotation_counts};
+    }
+    return encoders;
 }
 
 /* --- LOCKSTEP --- */
@@ -170,10 +216,13 @@ void seld_app_step(seld_app *app, const uint8_t *payload, size_t length)
     SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_RUNNING, SELD_REJECT_WRONG_STATE, app->state, 0);
     SELD_REJECT_IF(app, type, step->tick != app->core.words.tick, SELD_REJECT_WRONG_TICK,
                    app->core.words.tick, step->tick);
+    for (uint16_t i = 0; i < step->inputs_count; i++) {
+        SELD_REJECT_IF(app, type, step->inputs[i].hands_count != app->tool_count, SELD_REJECT_TOOL_COUNT,
+                       step->inputs[i].hands_count, app->tool_count);
+    }
     app->ticks.states_count = 0;
     for (uint16_t i = 0; i < step->inputs_count; i++) {
-        const seld_wire_encoders *wire = &step->inputs[i];
-        const seld_port_encoders encoders = {wire->translation_counts, wire->rotation_counts, wire->buttons};
+        const seld_port_encoders encoders = encoders_from_wire(&step->inputs[i]);
         if (!seld_app_tick(app, &encoders)) break;
     }
     if (step->want_nodes != 0) seld_app_send_nodes(app);
@@ -187,7 +236,10 @@ void seld_app_input(seld_app *app, const uint8_t *payload, size_t length)
     seld_wire_input input;
     SELD_REJECT_IF(app, SELD_WIRE_TYPE_input, !seld_wire_decode_input(payload, length, &input),
                    SELD_REJECT_MALFORMED, length, SELD_WIRE_BYTES_input);
-    app->mailbox = (seld_port_encoders){input.translation_counts, input.rotation_counts, input.buttons};
+    SELD_REJECT_IF(app, SELD_WIRE_TYPE_input, input.encoders.hands_count != app->tool_count,
+                   SELD_REJECT_TOOL_COUNT, input.encoders.hands_count, app->tool_count);
+    app->mailbox = encoders_from_wire(&input.encoders);
+    app->has_mailbox = true;
 }
 
 void seld_app_timer(seld_app *app)
@@ -203,8 +255,8 @@ void seld_app_timer(seld_app *app)
             seld_app_fault(app, SELD_FAULT_CODE_HOST_SILENT, SELD_APP_HOST_SILENT_ticks, 0);
     }
     seld_port_encoders encoders = app->mailbox;
-    app->port->encoders(app->port->context, &encoders);
-    bool is_running = seld_app_tick(app, &encoders);
+    bool is_told = app->port->encoders(app->port->context, &encoders) || app->has_mailbox;
+    bool is_running = seld_app_tick(app, is_told ? &encoders : NULL);
     bool is_batch_full = app->ticks.states_count >= SELD_APP_FREE_RUN_BATCH_ticks;
     if (is_batch_full || (!is_running && app->ticks.states_count > 0)) seld_app_send_ticks(app);
     if (!is_running) seld_app_send_status(app, 0);

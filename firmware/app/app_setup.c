@@ -1,4 +1,4 @@
-/* Set-up requests: scene, instrument, entry, rig. Only in READY; what is refused leaves the old one in place.
+/* Set-up requests: scene, tools, entry, rig. Only in READY; what is refused leaves the old one in place.
  * Called by: app.c. */
 #include "firmware/app/app_internal.h"
 
@@ -61,7 +61,7 @@ void seld_app_scene_end(seld_app *app, const uint8_t *payload, size_t length)
     seld_app_send_status(app, type);
 }
 
-/* --- instrument and entry --- */
+/* --- tools and entry --- */
 
 static seld_knot knot_from_wire(const seld_wire_knot *wire)
 {
@@ -71,6 +71,7 @@ static seld_knot knot_from_wire(const seld_wire_knot *wire)
         .twist_stiffness_nN_m2 = wire->twist_stiffness_nN_m2,
         .mass_mg_per_m = wire->mass_mg_per_m,
         .radius_outer_um = wire->radius_outer_um,
+        .radius_inner_um = wire->radius_inner_um,
         .friction_kinetic_milli = wire->friction_kinetic_milli,
         .friction_static_milli = wire->friction_static_milli,
         .rest_curvature1_per_m_milli = wire->rest_curvature1_per_m_milli,
@@ -78,38 +79,57 @@ static seld_knot knot_from_wire(const seld_wire_knot *wire)
     };
 }
 
-/* In READY the model's memory is free: building it in open space is the check of the whole table. */
-static seld_build_status try_build(seld_app *app, const seld_instrument *instrument, const seld_entry *entry,
-                                   uint32_t *field)
+static void tool_from_wire(const seld_wire_instrument *wire, seld_instrument *tool)
 {
-    seld_build_place place = {0, 0};
-    seld_build_status status = seld_model_build(&app->model, instrument, 1, NULL, entry, &place);
-    *field = place.knot;
-    return status;
-}
-
-static const seld_entry neutral_entry = {{{0, 0, 0}}, {{0, SELD_ONE_Q30, 0}}};
-
-void seld_app_instrument(seld_app *app, const uint8_t *payload, size_t length)
-{
-    const uint16_t type = SELD_WIRE_TYPE_instrument;
-    seld_wire_instrument *wire = &app->request.instrument;
-    SELD_REJECT_IF(app, type, !seld_wire_decode_instrument(payload, length, wire), SELD_REJECT_MALFORMED,
-                   length, SELD_WIRE_BYTES_instrument);
-    SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_READY, SELD_REJECT_WRONG_STATE, app->state, 0);
-    seld_instrument candidate = {
+    *tool = (seld_instrument){
         .knot_count = wire->knots_count,
+        .lumen_friction_milli = wire->lumen_friction_milli,
         .axial_stiffness_max_N = wire->axial_stiffness_max_N,
         .element_tip_um = wire->element_tip_um,
         .element_shaft_um = wire->element_shaft_um,
         .element_fine_um = wire->element_fine_um,
     };
-    for (uint16_t i = 0; i < wire->knots_count; i++) candidate.knots[i] = knot_from_wire(&wire->knots[i]);
-    uint32_t field = 0;
-    seld_build_status status = try_build(app, &candidate, &neutral_entry, &field);
-    SELD_REJECT_IF(app, type, status != SELD_BUILD_OK, SELD_REJECT_INSTRUMENT_INVALID, status, field);
-    app->instrument = candidate;
-    app->has_instrument = true;
+    for (uint16_t i = 0; i < wire->knots_count; i++) tool->knots[i] = knot_from_wire(&wire->knots[i]);
+}
+
+/* Why the core takes no model of it, with the tool and knot at fault. */
+void seld_app_reject_build(seld_app *app, uint16_t type, seld_build_status status,
+                           const seld_build_place *place)
+{
+    static const uint16_t codes[] = {
+        [SELD_BUILD_KNOTS] = SELD_REJECT_TOOL_KNOTS,     [SELD_BUILD_RANGE] = SELD_REJECT_TOOL_RANGE,
+        [SELD_BUILD_LENGTH] = SELD_REJECT_TOOL_LENGTH,   [SELD_BUILD_ELEMENTS] = SELD_REJECT_TOOL_ELEMENTS,
+        [SELD_BUILD_ENTRY] = SELD_REJECT_ENTRY_INVALID,  [SELD_BUILD_OVERFLOW] = SELD_REJECT_TOOL_OVERFLOW,
+        [SELD_BUILD_NESTING] = SELD_REJECT_TOOL_NESTING,
+    };
+    bool is_listed = status < sizeof codes / sizeof codes[0] && codes[status] != 0;
+    SELD_REQUIRE(app, is_listed, status);
+    seld_app_reject(app, type, is_listed ? codes[status] : SELD_REJECT_TOOL_RANGE, place->tool, place->knot);
+}
+
+static const seld_entry neutral_entry = {{{0, 0, 0}}, {{0, SELD_ONE_Q30, 0}}};
+
+/* In READY the model's memory is free: building it in open space is the check of the whole table. */
+void seld_app_tools(seld_app *app, const uint8_t *payload, size_t length)
+{
+    const uint16_t type = SELD_WIRE_TYPE_tools;
+    seld_wire_tools *wire = &app->request.tools;
+    SELD_REJECT_IF(app, type, !seld_wire_decode_tools(payload, length, wire), SELD_REJECT_MALFORMED, length,
+                   SELD_WIRE_BYTES_tools);
+    SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_READY, SELD_REJECT_WRONG_STATE, app->state, 0);
+    SELD_REJECT_IF(app, type, wire->tools_count == 0, SELD_REJECT_TOOL_COUNT, 0, SELD_TOOL_MAX);
+    seld_instrument *candidates = app->reply.tools;
+    for (uint16_t k = 0; k < wire->tools_count; k++) tool_from_wire(&wire->tools[k], &candidates[k]);
+    seld_build_place place = {0, 0};
+    seld_build_status status =
+        seld_model_build(&app->model, candidates, wire->tools_count, NULL, &neutral_entry, &place);
+    if (status != SELD_BUILD_OK) {
+        seld_app_reject_build(app, type, status, &place);
+        return;
+    }
+    for (uint16_t k = 0; k < wire->tools_count; k++) app->tools[k] = candidates[k];
+    app->tool_count = wire->tools_count;
+    if (app->inserted_count != app->tool_count) app->has_entry = false; /* its lengths were for other tools */
     seld_app_send_status(app, type);
 }
 
@@ -120,33 +140,45 @@ void seld_app_entry(seld_app *app, const uint8_t *payload, size_t length)
     SELD_REJECT_IF(app, type, !seld_wire_decode_entry(payload, length, &wire), SELD_REJECT_MALFORMED, length,
                    SELD_WIRE_BYTES_entry);
     SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_READY, SELD_REJECT_WRONG_STATE, app->state, 0);
-    SELD_REJECT_IF(app, type, !app->has_instrument, SELD_REJECT_INSTRUMENT_MISSING, 0, 0);
+    SELD_REJECT_IF(app, type, app->tool_count == 0, SELD_REJECT_SET_UP_MISSING, 0, 0);
+    SELD_REJECT_IF(app, type, wire.inserted_um_count != app->tool_count, SELD_REJECT_TOOL_COUNT,
+                   wire.inserted_um_count, app->tool_count);
     const seld_entry candidate = {
         seld_vec3_make(wire.position_x_m_q30, wire.position_y_m_q30, wire.position_z_m_q30),
         seld_vec3_make(wire.direction_x_q30, wire.direction_y_q30, wire.direction_z_q30),
     };
-    uint32_t field = 0;
-    seld_build_status status = try_build(app, &app->instrument, &candidate, &field);
-    SELD_REJECT_IF(app, type, status != SELD_BUILD_OK, SELD_REJECT_ENTRY_INVALID, status, field);
+    seld_build_place place = {0, 0};
+    seld_build_status status =
+        seld_model_build(&app->model, app->tools, app->tool_count, NULL, &candidate, &place);
+    if (status != SELD_BUILD_OK) {
+        seld_app_reject_build(app, type, status, &place);
+        return;
+    }
     app->entry = candidate;
-    app->inserted_um = wire.inserted_um;
+    for (uint16_t k = 0; k < wire.inserted_um_count; k++) app->inserted_um[k] = wire.inserted_um[k];
+    app->inserted_count = wire.inserted_um_count;
     app->has_entry = true;
     seld_app_send_status(app, type);
 }
 
 /* --- rig --- */
 
+/* Checked as a whole before a single track changes. */
 void seld_app_rig(seld_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = SELD_WIRE_TYPE_rig;
     seld_wire_rig wire;
+    seld_app_track candidates[SELD_TOOL_MAX];
     SELD_REJECT_IF(app, type, !seld_wire_decode_rig(payload, length, &wire), SELD_REJECT_MALFORMED, length,
                    SELD_WIRE_BYTES_rig);
     SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_READY, SELD_REJECT_WRONG_STATE, app->state, 0);
-    const uint32_t values[] = {wire.translation_pm_per_count, wire.rotation_counts_per_turn,
-                               wire.force_gain_milli, wire.force_limit_mN, wire.torque_limit_uN_m};
-    uint32_t field = 0;
-    bool ok = seld_rig_set(&app->rig, &wire, &field);
-    SELD_REJECT_IF(app, type, !ok, SELD_REJECT_RIG_RANGE, field, values[field < 5 ? field : 0]);
+    SELD_REJECT_IF(app, type, wire.tracks_count == 0, SELD_REJECT_TOOL_COUNT, 0, SELD_TOOL_MAX);
+    for (uint16_t k = 0; k < wire.tracks_count; k++) {
+        uint32_t field = 0;
+        candidates[k] = app->tracks[k];
+        bool ok = seld_app_track_set(&candidates[k], &wire.tracks[k], &field);
+        SELD_REJECT_IF(app, type, !ok, SELD_REJECT_RIG_RANGE, k, field);
+    }
+    for (uint16_t k = 0; k < wire.tracks_count; k++) app->tracks[k] = candidates[k];
     seld_app_send_status(app, type);
 }

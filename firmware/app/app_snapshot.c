@@ -1,28 +1,33 @@
 /* Snapshots: everything that decides the next tick, as bytes. Head (app) + the core's saved state.
  *
- *   version u32 | tick u32 | hand known u32 | last translation, rotation i32 | buttons u32 |
- *   summed translation, rotation i64 | motor axial mN, torque uN m i32                        = 48 bytes
+ *   version u32 | tick u32 | tool count u32                                                     = 12 bytes
+ *   per tool, always three: hand known u32 | last translation, rotation i32 |
+ *       summed translation, rotation i64 | motor axial mN, torque uN m i32                       = 36 bytes
  *
  * Called by: app.c. */
 #include "firmware/app/app_internal.h"
 
-enum { SNAPSHOT_VERSION = 1 };
+enum { SNAPSHOT_VERSION = 2 };
 
 /* --- to bytes --- */
+static void save_tool(seld_wire_writer *writer, const seld_app_hand *hand, const seld_port_motor *motor)
+{
+    seld_wire_write(writer, hand->is_known, 4);
+    seld_wire_write(writer, (uint32_t)hand->last.translation_counts, 4);
+    seld_wire_write(writer, (uint32_t)hand->last.rotation_counts, 4);
+    seld_wire_write(writer, (uint64_t)hand->translation_counts, 8);
+    seld_wire_write(writer, (uint64_t)hand->rotation_counts, 8);
+    seld_wire_write(writer, (uint32_t)motor->axial_mN, 4);
+    seld_wire_write(writer, (uint32_t)motor->torque_uN_m, 4);
+}
+
 static void save(seld_app *app)
 {
-    const seld_hand *hand = &app->hand;
     seld_wire_writer writer = seld_wire_writer_make(app->snapshot, SELD_APP_SNAPSHOT_HEAD_BYTES);
     seld_wire_write(&writer, SNAPSHOT_VERSION, 4);
-    seld_wire_write(&writer, app->core.words.tick, 4);
-    seld_wire_write(&writer, hand->is_known, 4);
-    seld_wire_write(&writer, (uint32_t)hand->last.translation_counts, 4);
-    seld_wire_write(&writer, (uint32_t)hand->last.rotation_counts, 4);
-    seld_wire_write(&writer, hand->last.buttons, 4);
-    seld_wire_write(&writer, (uint64_t)hand->translation_counts, 8);
-    seld_wire_write(&writer, (uint64_t)hand->rotation_counts, 8);
-    seld_wire_write(&writer, (uint32_t)app->motor.axial_mN, 4);
-    seld_wire_write(&writer, (uint32_t)app->motor.torque_uN_m, 4);
+    seld_wire_write(&writer, seld_state_tick(&app->core), 4);
+    seld_wire_write(&writer, app->tool_count, 4);
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) save_tool(&writer, &app->hands[k], &app->motors[k]);
     SELD_REQUIRE(app, !writer.overflowed && writer.length == SELD_APP_SNAPSHOT_HEAD_BYTES, writer.length);
     SELD_REQUIRE(app, seld_state_bytes() == sizeof(seld_state_words), seld_state_bytes());
     seld_state_save(&app->core, app->snapshot + SELD_APP_SNAPSHOT_HEAD_BYTES);
@@ -45,7 +50,7 @@ void seld_app_snapshot_send(seld_app *app)
 {
     app->snapshot_upload.open = false; /* the buffer is shared with an upload in progress */
     save(app);
-    const seld_wire_snapshot_begin begin = {app->core.words.tick, SELD_APP_SNAPSHOT_BYTES,
+    const seld_wire_snapshot_begin begin = {seld_state_tick(&app->core), SELD_APP_SNAPSHOT_BYTES,
                                             seld_wire_crc32(0, app->snapshot, SELD_APP_SNAPSHOT_BYTES)};
     seld_wire_writer writer = seld_wire_writer_make(app->payload, sizeof app->payload);
     seld_wire_put_snapshot_begin(&writer, &begin);
@@ -103,28 +108,45 @@ static int32_t read_i32(seld_wire_reader *reader)
     return seld_wire_i32_from_u32((uint32_t)seld_wire_read(reader, 4));
 }
 
-/* The head into `hand` and `motor`. Sums are bounded so that no later sum of plausible readings can overflow. */
-static bool read_head(const seld_app *app, seld_hand *hand, seld_motor *motor, uint32_t *tick)
+/* The head of a snapshot. */
+typedef struct snapshot_head {
+    uint32_t tick;
+    seld_app_hand hands[SELD_TOOL_MAX];
+    seld_port_motor motors[SELD_TOOL_MAX];
+} snapshot_head;
+
+static bool is_within(int64_t value, int64_t limit)
+{
+    return value >= -limit && value <= limit;
+}
+
+/* Sums are bounded so that no later sum of plausible readings can overflow. */
+static bool read_tool(seld_wire_reader *reader, const seld_app_track *track, seld_app_hand *hand,
+                      seld_port_motor *motor)
 {
     const int64_t sum_max = (int64_t)1 << 60;
+    uint32_t is_known = (uint32_t)seld_wire_read(reader, 4);
+    hand->is_known = is_known == 1;
+    hand->last.translation_counts = read_i32(reader);
+    hand->last.rotation_counts = read_i32(reader);
+    hand->translation_counts = i64_from_u64(seld_wire_read(reader, 8));
+    hand->rotation_counts = i64_from_u64(seld_wire_read(reader, 8));
+    motor->axial_mN = read_i32(reader);
+    motor->torque_uN_m = read_i32(reader);
+    return is_known <= 1 && is_within(hand->translation_counts, sum_max) &&
+           is_within(hand->rotation_counts, sum_max) && is_within(motor->axial_mN, track->force_limit_mN) &&
+           is_within(motor->torque_uN_m, track->torque_limit_uN_m);
+}
+
+static bool read_head(const seld_app *app, snapshot_head *head)
+{
     seld_wire_reader reader = seld_wire_reader_make(app->snapshot, SELD_APP_SNAPSHOT_HEAD_BYTES);
     bool ok = seld_wire_read(&reader, 4) == SNAPSHOT_VERSION;
-    *tick = (uint32_t)seld_wire_read(&reader, 4);
-    uint32_t is_known = (uint32_t)seld_wire_read(&reader, 4);
-    ok = ok && is_known <= 1;
-    hand->is_known = is_known == 1;
-    hand->last.translation_counts = read_i32(&reader);
-    hand->last.rotation_counts = read_i32(&reader);
-    hand->last.buttons = (uint32_t)seld_wire_read(&reader, 4);
-    hand->translation_counts = i64_from_u64(seld_wire_read(&reader, 8));
-    hand->rotation_counts = i64_from_u64(seld_wire_read(&reader, 8));
-    motor->axial_mN = read_i32(&reader);
-    motor->torque_uN_m = read_i32(&reader);
-    ok = ok && hand->translation_counts >= -sum_max && hand->translation_counts <= sum_max;
-    ok = ok && hand->rotation_counts >= -sum_max && hand->rotation_counts <= sum_max;
-    ok = ok && motor->axial_mN >= -app->rig.force_limit_mN && motor->axial_mN <= app->rig.force_limit_mN;
-    ok = ok && motor->torque_uN_m >= -app->rig.torque_limit_uN_m &&
-         motor->torque_uN_m <= app->rig.torque_limit_uN_m;
+    head->tick = (uint32_t)seld_wire_read(&reader, 4);
+    ok = ok && seld_wire_read(&reader, 4) == app->tool_count;
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        ok = read_tool(&reader, &app->tracks[k], &head->hands[k], &head->motors[k]) && ok;
+    }
     return ok;
 }
 
@@ -141,17 +163,17 @@ void seld_app_snapshot_end(seld_app *app, const uint8_t *payload, size_t length)
                    SELD_REJECT_SNAPSHOT_ORDER, upload.received_bytes, upload.expected_bytes);
     SELD_REJECT_IF(app, type, seld_wire_crc32(0, app->snapshot, SELD_APP_SNAPSHOT_BYTES) != upload.crc32,
                    SELD_REJECT_SNAPSHOT_INVALID, upload.received_bytes, upload.expected_bytes);
-    seld_hand hand;
-    seld_motor motor;
-    uint32_t tick;
+    snapshot_head head;
     const uint8_t *words = app->snapshot + SELD_APP_SNAPSHOT_HEAD_BYTES;
     seld_wire_reader core_tick = seld_wire_reader_make(words, 4); /* the state's first word */
     SELD_REJECT_IF(app, type,
-                   !read_head(app, &hand, &motor, &tick) || seld_wire_read(&core_tick, 4) != tick ||
+                   !read_head(app, &head) || seld_wire_read(&core_tick, 4) != head.tick ||
                        !seld_state_restore(&app->model, &app->core, words),
                    SELD_REJECT_SNAPSHOT_INVALID, upload.received_bytes, upload.expected_bytes);
-    app->hand = hand;
-    app->motor = motor;
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        app->hands[k] = head.hands[k];
+        app->motors[k] = head.motors[k];
+    }
     app->core_faults_seen = app->core.words.fault_bits;
     seld_app_send_status(app, type);
 }

@@ -15,11 +15,22 @@
 #include <stddef.h>
 #include <stdint.h>
 
-typedef struct seld_port_encoders {
+enum { SELD_PORT_TOOL_MAX = 3 }; /* tracks: one per tool, from the innermost */
+
+typedef struct seld_port_hand {
     int32_t translation_counts; /* absolute, may wrap; + into the patient */
     int32_t rotation_counts;    /* absolute, may wrap; + right-handed about the direction of insertion */
-    uint32_t buttons;           /* bit 0: X-ray pedal */
+} seld_port_hand;
+
+typedef struct seld_port_encoders {
+    seld_port_hand hands[SELD_PORT_TOOL_MAX];
+    uint32_t buttons; /* bit 0: X-ray pedal */
 } seld_port_encoders;
+
+typedef struct seld_port_motor {
+    int32_t axial_mN;    /* + pushes the hand back out */
+    int32_t torque_uN_m; /* + opposes positive rotation */
+} seld_port_motor;
 
 typedef struct seld_port {
     void *context; /* handed back in every call */
@@ -30,8 +41,9 @@ typedef struct seld_port {
     /* Read the rig's encoders. False: this port has none; the app then uses the host's `input` messages. */
     bool (*encoders)(void *context, seld_port_encoders *encoders);
 
-    /* Ask the actuators for force and torque; called every tick. `drive` false: remove power, both values are 0. */
-    void (*motors)(void *context, int32_t axial_mN, int32_t torque_uN_m, bool drive);
+    /* Ask the actuators of every track for force and torque; called every tick. `drive` false: remove power; every
+     * value is 0 then, and so is that of a track without a tool. */
+    void (*motors)(void *context, const seld_port_motor motors[SELD_PORT_TOOL_MAX], bool drive);
 
     uint8_t *scene_slots[2];   /* two buffers: the old scene stays valid until the new one is validated */
     uint32_t scene_slot_bytes; /* size of each, 4-byte aligned */

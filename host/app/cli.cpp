@@ -31,24 +31,33 @@ void add_pictures(CLI::App &command, PictureSettings &pictures)
         ->check(CLI::Range(0, 64));
 }
 
+void add_tools(CLI::App &command, std::string &instrument, std::vector<std::string> &tools)
+{
+    command
+        .add_option(
+            "--tool", tools,
+            "Instrument file, maybe with :preset (docs/instruments.md); once per tool, from the innermost to "
+            "the outermost, at most three")
+        ->allow_extra_args(false);
+    command.add_option("--instrument", instrument, "The innermost tool, as --tool before all others");
+}
+
 void add_run(CLI::App &app, RunOptions &options)
 {
     CLI::App *command =
         app.add_subcommand("run", "Carry out a session script, as fast as the machine allows");
     command->add_option("--scene", options.scene, "Baked scene; without: free space");
-    command
-        ->add_option("--instrument", options.instrument,
-                     "Instrument file, maybe with :preset (docs/instruments.md)")
-        ->required();
+    add_tools(*command, options.instrument, options.tools);
     command->add_option("--session", options.session, "Session script (docs/session.md)")->required();
     command->add_option("--record", options.record, "Write a recording");
     command->add_option("--json", options.json, "Write the figures of the session");
     command->add_flag("--quiet", options.quiet, "No progress line");
     add_pictures(*command, options.pictures);
     command->footer(
-        "Example:\n  seldinger run --scene out/aorta.scene --instrument "
-        "shared/examples/instruments/bentson.toml \\\n"
-        "      --session shared/examples/sessions/demo.session --record out/demo.rec --json out/demo.json");
+        "Examples:\n  seldinger run --scene out/aorta.scene --tool shared/examples/instruments/bentson.toml "
+        "\\\n"
+        "      --session shared/examples/sessions/demo.session --record out/demo.rec --json out/demo.json\n"
+        "  seldinger run --tool wire.toml --tool catheter.toml --session my.session --mp4 out/my.mp4");
 }
 
 void add_replay(CLI::App &app, ReplayOptions &options)
@@ -78,11 +87,8 @@ void add_view(CLI::App &app, WindowOptions &options)
 {
     CLI::App *command = app.add_subcommand("view", "A window: push, turn and look by keyboard");
     command->add_option("--scene", options.scene, "Baked scene; without: free space");
-    command
-        ->add_option("--instrument", options.instrument,
-                     "Instrument file, maybe with :preset (docs/instruments.md)")
-        ->required();
-    command->add_option("--record", options.record, "Write a recording of what the hand does");
+    add_tools(*command, options.instrument, options.tools);
+    command->add_option("--record", options.record, "Write a recording of what the hands do");
     command->add_option("--bodies", options.pictures.bodies_path,
                         "Body file; default: the .bodies file beside the scene, when there is one");
     command->add_option("--size", options.pictures.size, "Pixels along each edge of the X-ray")
@@ -92,8 +98,11 @@ void add_view(CLI::App &app, WindowOptions &options)
     command->add_option("--threads", options.pictures.threads, "Threads of the X-ray, 0: one per processor")
         ->capture_default_str()
         ->check(CLI::Range(0, 64));
-    command->add_option("--inserted", options.inserted_mm, "Length outside the inserter at the start, mm")
-        ->capture_default_str()
+    command
+        ->add_option(
+            "--inserted", options.inserted_mm,
+            "Length outside the inserter at the start, mm; once for all tools, or once per tool (default 20)")
+        ->allow_extra_args(false)
         ->check(CLI::Range(0.0, 2000.0));
     command->add_flag("--fluoro", options.starts_with_fluoro, "X-ray on from the start");
     command->add_flag("!--no-help-panel", options.shows_help, "Start without the list of keys");
@@ -101,8 +110,9 @@ void add_view(CLI::App &app, WindowOptions &options)
         ->capture_default_str()
         ->check(CLI::Range(0, 1000000));
     command->add_option("--screenshot", options.screenshot, "Write the last screen as PNG");
-    command->footer("Example:\n  seldinger view --scene out/aorta.scene --instrument "
-                    "shared/examples/instruments/bentson.toml");
+    command->footer("Examples:\n  seldinger view --scene out/aorta.scene --tool "
+                    "shared/examples/instruments/bentson.toml\n"
+                    "  seldinger view --tool wire.toml --tool catheter.toml --inserted 60 --inserted 40");
 }
 
 void add_instruments(CLI::App &app, InstrumentsOptions &options)
@@ -123,6 +133,28 @@ void add_instruments(CLI::App &app, InstrumentsOptions &options)
 }
 
 } // namespace
+
+std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools)
+{
+    std::vector<NamedPath> inputs;
+    if (!instrument.empty()) inputs.push_back({"--instrument", instrument});
+    for (const std::string &tool : tools) inputs.push_back({"--tool", tool});
+    return inputs;
+}
+
+std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools)
+{
+    const std::vector<NamedPath> inputs = tool_inputs(instrument, tools);
+    if (inputs.empty())
+        throw UsageError("--tool is required: name one to three instrument files (docs/instruments.md)");
+    if (inputs.size() > SELD_WIRE_TOOL_MAX) {
+        throw UsageError("--tool: a line holds at most " + std::to_string(int{SELD_WIRE_TOOL_MAX}) +
+                         " tools, " + std::to_string(inputs.size()) + " are named");
+    }
+    std::vector<Instrument> read;
+    for (const NamedPath &input : inputs) read.push_back(read_instrument(input.path));
+    return read;
+}
 
 std::string bodies_beside(const std::string &scene)
 {
@@ -163,6 +195,9 @@ int command_line(int argc, char **argv)
         if (app.got_subcommand("view")) return command_view(window);
         if (app.got_subcommand("instruments")) return command_instruments(instruments);
         return command_info(info);
+    } catch (const UsageError &error) {
+        std::fprintf(stderr, "seldinger: %s\n", error.what());
+        return 2;
     } catch (const std::exception &error) {
         std::fprintf(stderr, "seldinger: %s\n", error.what());
         return 1;

@@ -1,7 +1,9 @@
 // The command line `seldinger`: exit codes 0 done, 1 failed, 2 wrong usage. May include: all host. Called by: main.
 #pragma once
+#include "host/app/device.hpp"
 #include "host/app/session_pictures.hpp"
 #include "host/app/window.hpp"
+#include "host/model/output_files.hpp"
 #include <string>
 #include <vector>
 
@@ -10,6 +12,7 @@ namespace seld
 
 struct RunOptions {
     std::string scene, instrument, session, record, json;
+    std::vector<std::string> tools;
     PictureSettings pictures;
     bool quiet = false;
 };
@@ -31,6 +34,15 @@ int command_replay(const ReplayOptions &options);
 int command_view(WindowOptions options);
 int command_info(const std::string &path);
 int command_instruments(const InstrumentsOptions &options);
+
+// Tools from the innermost to the outermost: --instrument first, then every --tool. Throws UsageError for none or more
+// than a line holds, FileError for a bad file.
+std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools);
+// The paths of a set of tools as inputs for check_outputs.
+std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools);
+
+// Name, lengths, force and torque of every tool, one below the other.
+void print_tools(const std::vector<Instrument> &tools, const SessionFigures &figures);
 
 // Bodies beside a scene: "x.scene" -> "x.bodies" when that file exists, else empty.
 std::string bodies_beside(const std::string &scene);

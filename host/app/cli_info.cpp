@@ -26,8 +26,11 @@ void print_recording(const std::string &path)
     std::printf("scene         %s (%u bytes, CRC-32 %08x)\n",
                 header.scene_bytes == 0 ? "free space" : header.scene_path.c_str(),
                 unsigned{header.scene_bytes}, unsigned{header.scene_crc32});
-    std::printf("instrument    %s, %.0f mm\n", header.instrument.name.c_str(),
-                header.instrument.length_m * 1e3);
+    for (std::size_t k = 0; k < header.tools.size(); k++) {
+        std::printf("tool %zu        %s, %.0f mm, starts with %.1f mm inserted\n", k + 1,
+                    header.tools[k].name.c_str(), header.tools[k].length_m * 1e3,
+                    header.entry.inserted_um[k] * 1e-3);
+    }
     std::printf("session       %s\n", header.session_path.c_str());
     std::printf("snapshots     %zu, full hashes %zu, view changes %zu\n", recording.snapshots.size(),
                 recording.hashes.size(), recording.views.size());
@@ -59,17 +62,19 @@ void print_instrument(const std::string &path)
         const seld_wire_knot &knot = instrument.table.knots[i];
         std::printf("%10.1f %14.3e %14.3e %10.2f %8.3f %8.3f %14.1f %14.1f\n", knot.arc_um * 1e-3,
                     knot.bend_stiffness_nN_m2 * 1e-9, knot.twist_stiffness_nN_m2 * 1e-9,
-                    knot.mass_mg_per_m * 1e-3, knot.radius_outer_um * 1e-3,
-                    instrument.radius_inner_um[i] * 1e-3, knot.rest_curvature1_per_m_milli * 1e-3,
-                    knot.rest_curvature2_per_m_milli * 1e-3);
+                    knot.mass_mg_per_m * 1e-3, knot.radius_outer_um * 1e-3, knot.radius_inner_um * 1e-3,
+                    knot.rest_curvature1_per_m_milli * 1e-3, knot.rest_curvature2_per_m_milli * 1e-3);
     }
 }
 
 void print_session(const std::string &path)
 {
     const Session session = read_session(path);
-    std::printf("session       %zu statements, starts with %.1f mm inserted\n", session.statements.size(),
-                session.inserted_um * 1e-3);
+    std::printf("session       %zu statements, needs %zu tool%s, starts with", session.statements.size(),
+                session.tools_named, session.tools_named == 1 ? "" : "s");
+    for (std::size_t k = 0; k < session.tools_named; k++)
+        std::printf("%s %.1f", k == 0 ? "" : " /", session.inserted_um[k] * 1e-3);
+    std::printf(" mm inserted\n");
 }
 
 } // namespace

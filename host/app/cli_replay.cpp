@@ -46,6 +46,7 @@ int print_result(const Recording &recording, const ReplayOptions &options, const
 {
     std::printf("final hash %016llx at tick %u\n", static_cast<unsigned long long>(result.hash),
                 unsigned{result.tick});
+    print_tools(recording.header.tools, result.figures);
     if (!recording.is_complete) {
         std::printf("the recording was cut off; it is whole up to tick %zu\n", recording.ticks.size());
     }
@@ -74,6 +75,10 @@ int print_result(const Recording &recording, const ReplayOptions &options, const
 
 int command_replay(const ReplayOptions &options)
 {
+    check_outputs({{"the recording", options.recording},
+                   {"--scene", options.scene},
+                   {"--bodies", options.pictures.bodies_path}},
+                  {{"--png", options.pictures.png_path}, {"--mp4", options.pictures.mp4_path}});
     const Recording recording = read_recording(options.recording);
     const RecordingHeader &header = recording.header;
     const double length_s = recording.ticks.size() * 1e-3;
@@ -82,14 +87,14 @@ int command_replay(const ReplayOptions &options)
                                  " is beyond its end at " + std::to_string(length_s) + " s");
     }
     const SceneFile scene = recorded_scene(header, options.scene);
-    Device device(scene, header.instrument, header.entry, header.rig);
+    Device device(scene, header.tools, header.entry, header.rig);
     check_core(header, device.identity());
 
     std::unique_ptr<SessionPictures> pictures;
     PictureSettings picture_settings = options.pictures;
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(scene.path);
     if (!picture_settings.png_path.empty() || !picture_settings.mp4_path.empty()) {
-        pictures = std::make_unique<SessionPictures>(picture_settings, header.instrument);
+        pictures = std::make_unique<SessionPictures>(picture_settings, header.tools);
     }
     watch_for_interrupt();
     ReplaySettings settings;

@@ -8,23 +8,33 @@
 namespace seld
 {
 
+void print_tools(const std::vector<Instrument> &tools, const SessionFigures &figures)
+{
+    for (std::size_t k = 0; k < figures.tools.size() && k < tools.size(); k++) {
+        const ToolFigures &tool = figures.tools[k];
+        std::printf("tool %zu                %s\n", k + 1, tools[k].name.c_str());
+        std::printf("  inserted            %.1f mm at the end, %.1f mm at most\n", tool.inserted_m * 1e3,
+                    tool.inserted_max_m * 1e3);
+        std::printf("  largest hand force  %.2f N, torque %.2f mN m\n", tool.axial_max_N,
+                    tool.torque_max_N_m * 1e3);
+    }
+}
+
 namespace
 {
 
-void print_result(const RunResult &result)
+void print_result(const RunResult &result, const std::vector<Instrument> &tools)
 {
     const SessionFigures &figures = result.figures;
     std::printf("ticks                 %u (%.3f s)\n", unsigned{figures.ticks}, figures.ticks * 1e-3);
     std::printf("final hash            %016llx\n", static_cast<unsigned long long>(result.hash));
     std::printf("wall clock            %.2f s, %.1f times real time\n", result.seconds,
                 result.seconds > 0.0 ? figures.ticks * 1e-3 / result.seconds : 0.0);
-    std::printf("inserted              %.1f mm at the end, %.1f mm at most\n", figures.inserted_m * 1e3,
-                figures.inserted_max_m * 1e3);
     std::printf("worst penetration     %.3f mm at tick %u\n", figures.penetration_max_m * 1e3,
                 unsigned{figures.penetration_max_tick});
     std::printf("worst length error    %.4f %% at tick %u\n", figures.strain_max * 1e2,
                 unsigned{figures.strain_max_tick});
-    std::printf("largest hand force    %.2f N\n", figures.handle_axial_max_N);
+    print_tools(tools, figures);
     for (std::uint16_t i = 0; i < result.faults.entries_count; i++) {
         const seld_wire_fault_entry &fault = result.faults.entries[i];
         std::printf("fault                 %s at tick %u: %s\n", seld_wire_fault_name(fault.code),
@@ -36,23 +46,35 @@ void print_result(const RunResult &result)
     }
 }
 
+void check_files(const RunOptions &options, const PictureSettings &pictures)
+{
+    std::vector<NamedPath> inputs = tool_inputs(options.instrument, options.tools);
+    inputs.insert(
+        inputs.end(),
+        {{"--scene", options.scene}, {"--session", options.session}, {"--bodies", pictures.bodies_path}});
+    check_outputs(inputs, {{"--record", options.record},
+                           {"--json", options.json},
+                           {"--png", pictures.png_path},
+                           {"--mp4", pictures.mp4_path}});
+}
+
 } // namespace
 
 int command_run(const RunOptions &options)
 {
-    const SceneFile scene = read_scene(options.scene);
-    const Instrument instrument = read_instrument(options.instrument);
-    const Session session = read_session(options.session);
-    seld_wire_entry entry = scene.entry;
-    entry.inserted_um = session.inserted_um;
-    const seld_wire_rig rig = host_rig();
-    Device device(scene, instrument, entry, rig);
-
-    std::unique_ptr<SessionPictures> pictures;
     PictureSettings picture_settings = options.pictures;
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(options.scene);
+    check_files(options, picture_settings);
+    const SceneFile scene = read_scene(options.scene);
+    const std::vector<Instrument> tools = read_tools(options.instrument, options.tools);
+    const Session session = read_session(options.session);
+    const seld_wire_entry entry = entry_of(scene, tools.size(), session.inserted_um);
+    const seld_wire_rig rig = host_rig();
+    Device device(scene, tools, entry, rig);
+
+    std::unique_ptr<SessionPictures> pictures;
     if (!picture_settings.png_path.empty() || !picture_settings.mp4_path.empty()) {
-        pictures = std::make_unique<SessionPictures>(picture_settings, instrument);
+        pictures = std::make_unique<SessionPictures>(picture_settings, tools);
     }
     std::unique_ptr<Recorder> recorder;
     if (!options.record.empty()) {
@@ -62,7 +84,7 @@ int command_run(const RunOptions &options)
                                         scene.crc32,
                                         scene.path,
                                         session.file,
-                                        instrument,
+                                        tools,
                                         entry,
                                         rig};
         recorder = std::make_unique<Recorder>(options.record, header);
@@ -71,8 +93,8 @@ int command_run(const RunOptions &options)
     const RunSettings settings{picture_settings.pictures_per_second,
                                !options.quiet && isatty(STDERR_FILENO) != 0};
     const RunResult result = run_session(device, session, recorder.get(), pictures.get(), settings);
-    print_result(result);
-    if (!options.json.empty()) write_report(options.json, result, scene.path, instrument, session.file);
+    print_result(result, tools);
+    if (!options.json.empty()) write_report(options.json, result, scene.path, tools, session.file);
     if (result.was_interrupted) {
         std::fprintf(stderr, "seldinger: interrupted; what was written up to here is complete\n");
         return 1;

@@ -4,18 +4,24 @@
 #include "host/app/view_state.hpp"
 #include "host/model/wire_frame.hpp"
 #include <cstdint>
+#include <vector>
 
 namespace seld
 {
+
+// One tool as its hand knows it.
+struct ToolReading {
+    double inserted_m = 0.0;
+    double turned_deg = 0.0; // of the hand since the start
+    double axial_N = 0.0;    // on the hand, + pushes back out
+    double torque_N_m = 0.0;
+};
 
 // Everything of one moment that a picture and its display show.
 struct SessionFrame {
     WireFrame wire;
     ViewState view;
-    double inserted_m = 0.0;
-    double turned_deg = 0.0; // of the hand since the start
-    double axial_N = 0.0;    // on the hand, + pushes back out
-    double torque_N_m = 0.0;
+    std::vector<ToolReading> tools; // from the innermost
 };
 
 class FrameSink

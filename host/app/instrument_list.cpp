@@ -44,7 +44,7 @@ double outer_mm(const Instrument &instrument) // of the shaft
 
 double inner_mm(const Instrument &instrument)
 {
-    return instrument.radius_inner_um.back() * 2e-3;
+    return instrument.table.knots[instrument.table.knots_count - 1].radius_inner_um * 2e-3;
 }
 
 double at_tip(const Instrument &instrument, Stiffness which)
@@ -108,7 +108,7 @@ nlohmann::ordered_json knots_json(const Instrument &instrument)
                          {"twist_stiffness_N_m2", knot.twist_stiffness_nN_m2 * 1e-9},
                          {"mass_kg_per_m", knot.mass_mg_per_m * 1e-6},
                          {"radius_outer_mm", knot.radius_outer_um * 1e-3},
-                         {"radius_inner_mm", instrument.radius_inner_um[i] * 1e-3},
+                         {"radius_inner_mm", knot.radius_inner_um * 1e-3},
                          {"friction_kinetic", knot.friction_kinetic_milli * 1e-3},
                          {"friction_static", knot.friction_static_milli * 1e-3},
                          {"rest_curvature1_per_m", knot.rest_curvature1_per_m_milli * 1e-3},
@@ -134,7 +134,7 @@ nlohmann::ordered_json one_json(const ListedInstrument &item)
     one["bend_stiffness_shaft_N_m2"] = at_shaft(instrument, Stiffness::bend);
     one["twist_stiffness_tip_N_m2"] = at_tip(instrument, Stiffness::twist);
     one["twist_stiffness_shaft_N_m2"] = at_shaft(instrument, Stiffness::twist);
-    one["lumen_friction"] = instrument.lumen_friction_milli * 1e-3;
+    one["lumen_friction"] = instrument.table.lumen_friction_milli * 1e-3;
     one["nodes"] = line_node_count(instrument.table);
     one["shape"] = instrument.shape_name;
     one["shape_centreline_mm"] = nlohmann::json::array();

@@ -58,8 +58,9 @@ void draw_figures(Sheet &sheet, const ListedInstrument &item, const Row &row)
     const seld_wire_knot &hub = one.table.knots[one.table.knots_count - 1];
     std::string size =
         number("%.0f mm, ", one.length_m * 1e3) + number("OD %.2f", hub.radius_outer_um * 2e-3);
-    size +=
-        one.kind == InstrumentKind::wire ? " mm" : number(", ID %.2f mm", one.radius_inner_um.back() * 2e-3);
+    size += one.kind == InstrumentKind::wire
+                ? " mm"
+                : number(", ID %.2f mm", one.table.knots[one.table.knots_count - 1].radius_inner_um * 2e-3);
     std::string presets;
     for (const std::string &name : one.presets) presets += (presets.empty() ? "" : ", ") + name;
     const std::string stiffness = number("EI %.2e", stiffness_at(one, Stiffness::bend, 0.0)) +
@@ -188,7 +189,7 @@ void draw_shape(Sheet &sheet, const Instrument &instrument, const Column &column
     sheet.clip(column.left, row.top, column.right, row.bottom);
     const bool is_wire = instrument.kind == InstrumentKind::wire;
     const double outer_px = std::max(2.0, 2.0 * radius_mm * px_per_mm);
-    const double inner_px = 2e-3 * instrument.radius_inner_um.front() * px_per_mm;
+    const double inner_px = 2e-3 * instrument.table.knots[0].radius_inner_um * px_per_mm;
     sheet.stroke(points, outer_px, is_wire ? wire_ink : catheter_ink);
     if (inner_px > 2.5) sheet.stroke(points, inner_px, lumen_ink);
     sheet.unclip();

@@ -11,6 +11,8 @@ namespace seld
 namespace
 {
 
+constexpr std::size_t tools_max = 8; // lines at the bottom; a line of tools has three
+constexpr int name_letters = 24;
 constexpr Colour white{235, 240, 240}, dim{196, 206, 210}, amber{255, 196, 64}, red{255, 96, 80},
     dark{0, 0, 0};
 
@@ -102,7 +104,7 @@ class Display
     {
         draw_geometry();
         draw_dose();
-        draw_instrument();
+        draw_tools();
         draw_orientation();
         if (!info_.notice.empty()) draw_notice();
         if (!info_.panel.empty()) draw_panel();
@@ -132,30 +134,68 @@ class Display
         right(margin_ + 2 * line_, format("%.2f mGy", finite_or_zero(info_.kerma_mGy)), white);
     }
 
-    // Bottom: the session's time on the right, the instrument and the force on the hand on the left.
-    void draw_instrument()
+    // Bottom: the session's time on the right, what the hands feel on the left.
+    void draw_tools()
     {
         const int y = rgb_.height - margin_ - 8 * scale_;
         right(y, clock(info_.time_s), white);
-        left(y - 3 * line_, info_.instrument, dim);
-        left(y - 2 * line_,
-             format("%.0f mm  %+.0f\x7f", rounded(info_.inserted_mm, 1.0), rounded(info_.turned_deg, 1.0)),
-             white);
-        left(y - line_,
-             format("%.2f N  %.1f mNm", rounded(info_.axial_N, 100.0), rounded(info_.torque_mN_m, 10.0)),
-             white);
-        draw_force_bar(y + scale_);
+        if (info_.tools.size() == 1) return draw_one_tool(y, info_.tools.front());
+        const int count = static_cast<int>(std::min(info_.tools.size(), tools_max));
+        for (int k = 0; k < count; ++k) draw_line(y - (count - 1 - k) * line_, info_.tools[k]);
     }
 
-    void draw_force_bar(int y)
+    void draw_one_tool(int y, const OverlayTool &tool)
+    {
+        left(y - 3 * line_, tool.name, dim);
+        left(y - 2 * line_, place(tool), white);
+        left(y - line_, force(tool), white);
+        draw_force_bar(y + scale_, tool.axial_N);
+    }
+
+    // One of several tools, in columns; the force takes the colour that the bar would have.
+    void draw_line(int y, const OverlayTool &tool)
+    {
+        const int letter = 6 * scale_;
+        const Colour colour = tool.is_chosen ? amber : dim;
+        if (tool.is_chosen) draw_text(rgb_, margin_, y, ">", scale_, amber);
+        draw_text(rgb_, margin_ + 2 * letter, y, std::string_view(tool.name).substr(0, name_letters), scale_,
+                  colour);
+        const int x = margin_ + (name_letters + 4) * letter;
+        draw_text(
+            rgb_, x, y,
+            format("%4.0f mm %+5.0f\x7f", rounded(tool.inserted_mm, 1.0), rounded(tool.turned_deg, 1.0)),
+            scale_, white);
+        draw_text(rgb_, x + 16 * letter, y,
+                  format("%5.2f N %5.1f mNm", rounded(tool.axial_N, 100.0), rounded(tool.torque_mN_m, 10.0)),
+                  scale_, force_colour(tool.axial_N));
+    }
+
+    static std::string place(const OverlayTool &tool)
+    {
+        return format("%.0f mm  %+.0f\x7f", rounded(tool.inserted_mm, 1.0), rounded(tool.turned_deg, 1.0));
+    }
+    static std::string force(const OverlayTool &tool)
+    {
+        return format("%.2f N  %.1f mNm", rounded(tool.axial_N, 100.0), rounded(tool.torque_mN_m, 10.0));
+    }
+
+    double force_share(double axial_N) const
+    {
+        return std::clamp(finite_or_zero(std::fabs(axial_N) / info_.axial_full_scale_N), 0.0, 1.0);
+    }
+    Colour force_colour(double axial_N) const
+    {
+        const double share = force_share(axial_N);
+        return share < 0.4 ? white : share < 0.75 ? amber : red;
+    }
+
+    void draw_force_bar(int y, double axial_N)
     {
         const int width = 96 * scale_, height = 5 * scale_;
-        const double share =
-            std::clamp(finite_or_zero(std::fabs(info_.axial_N) / info_.axial_full_scale_N), 0.0, 1.0);
-        const Colour colour = share < 0.4 ? white : share < 0.75 ? amber : red;
         fill_box(rgb_, margin_ - scale_, y - scale_, margin_ + width + scale_, y + height + scale_, dim);
         fill_box(rgb_, margin_, y, margin_ + width, y + height, dark);
-        fill_box(rgb_, margin_, y, margin_ + static_cast<int>(share * width), y + height, colour);
+        fill_box(rgb_, margin_, y, margin_ + static_cast<int>(force_share(axial_N) * width), y + height,
+                 force_colour(axial_N));
     }
 
     // Which way the patient lies: head up; the letter of the patient's side that the picture's edge shows.

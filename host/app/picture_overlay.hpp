@@ -9,20 +9,26 @@
 namespace seld
 {
 
-struct OverlayInfo {
-    double primary_deg = 0.0;   // + LAO
-    double secondary_deg = 0.0; // + CRA
-    double field_m = 0.32;
-    double time_s = 0.0; // of the session
+// One tool's lines in the display.
+struct OverlayTool {
+    std::string name;
     double inserted_mm = 0.0;
     double turned_deg = 0.0;
     double axial_N = 0.0; // on the hand, + pushes it out
     double torque_mN_m = 0.0;
+    bool is_chosen = false; // the one that the keys move
+};
+
+struct OverlayInfo {
+    double primary_deg = 0.0;   // + LAO
+    double secondary_deg = 0.0; // + CRA
+    double field_m = 0.32;
+    double time_s = 0.0;            // of the session
+    std::vector<OverlayTool> tools; // from the innermost
     double axial_full_scale_N = 2.0;
     double fluoro_s = 0.0;          // beam-on time
     double kerma_mGy = 0.0;         // sum at the reference point
     bool is_beam_on = true;         // false: last image hold
-    std::string instrument;         // shown beside the inserted length
     std::string notice;             // one line in the middle, e.g. a warning; empty for none
     std::vector<std::string> panel; // help panel, one line each; empty for none
 };

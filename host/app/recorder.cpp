@@ -10,6 +10,23 @@ using namespace recording_format;
 namespace
 {
 
+void put_tool(seld_wire_writer &writer, const Instrument &tool)
+{
+    put_text(writer, tool.name);
+    put_double(writer, tool.length_m);
+    seld_wire_put_instrument(&writer, &tool.table);
+    const std::size_t layers = std::min(tool.layers.size(), layers_max);
+    seld_wire_write(&writer, layers, 2);
+    for (std::size_t i = 0; i < layers; i++) {
+        const InstrumentLayer &layer = tool.layers[i];
+        put_double(writer, layer.arc_begin_m);
+        put_double(writer, layer.arc_end_m);
+        put_text(writer, layer.material.substr(0, 64));
+        put_double(writer, layer.fill);
+        put_double(writer, layer.radius_share);
+    }
+}
+
 std::vector<std::uint8_t> header_bytes(const RecordingHeader &header)
 {
     std::vector<std::uint8_t> bytes(head_bytes_max);
@@ -20,21 +37,11 @@ std::vector<std::uint8_t> header_bytes(const RecordingHeader &header)
     seld_wire_write(&writer, header.scene_crc32, 4);
     put_text(writer, header.scene_path);
     put_text(writer, header.session_path);
-    put_text(writer, header.instrument.name);
-    put_double(writer, header.instrument.length_m);
-    seld_wire_put_instrument(&writer, &header.instrument.table);
+    const std::size_t tools = std::min<std::size_t>(header.tools.size(), SELD_WIRE_TOOL_MAX);
+    seld_wire_write(&writer, tools, 1);
+    for (std::size_t k = 0; k < tools; k++) put_tool(writer, header.tools[k]);
     seld_wire_put_entry(&writer, &header.entry);
     seld_wire_put_rig(&writer, &header.rig);
-    const std::size_t layers = std::min(header.instrument.layers.size(), layers_max);
-    seld_wire_write(&writer, layers, 2);
-    for (std::size_t i = 0; i < layers; i++) {
-        const InstrumentLayer &layer = header.instrument.layers[i];
-        put_double(writer, layer.arc_begin_m);
-        put_double(writer, layer.arc_end_m);
-        put_text(writer, layer.material.substr(0, 64));
-        put_double(writer, layer.fill);
-        put_double(writer, layer.radius_share);
-    }
     bytes.resize(writer.length);
     return bytes;
 }
@@ -79,7 +86,7 @@ void Recorder::chunk(std::uint32_t kind, std::span<const std::uint8_t> payload)
 void Recorder::flush_ticks()
 {
     if (pending_.empty()) return;
-    std::vector<std::uint8_t> bytes(8 + pending_.size() * tick_bytes);
+    std::vector<std::uint8_t> bytes(8 + pending_.size() * tick_bytes(SELD_WIRE_TOOL_MAX));
     seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
     seld_wire_write(&writer, tick_ - pending_.size(), 4);
     seld_wire_write(&writer, pending_.size(), 4);
@@ -89,6 +96,7 @@ void Recorder::flush_ticks()
         seld_wire_write(&writer, tick.hash_lane[1], 4);
     }
     pending_.clear();
+    bytes.resize(writer.length);
     chunk(TICKS, bytes);
 }
 

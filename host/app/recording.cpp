@@ -91,17 +91,23 @@ class Reader
         header.scene_crc32 = static_cast<std::uint32_t>(seld_wire_read(&payload_, 4));
         header.scene_path = get_text(payload_);
         header.session_path = get_text(payload_);
-        header.instrument.name = get_text(payload_);
-        header.instrument.length_m = get_double(payload_);
-        seld_wire_get_instrument(&payload_, &header.instrument.table);
+        const std::size_t tools = seld_wire_read(&payload_, 1);
+        if (tools < 1 || tools > SELD_WIRE_TOOL_MAX)
+            fail(RecordingFault::inconsistent, "is inconsistent: it has " + std::to_string(tools) + " tools");
+        for (std::size_t k = 0; k < tools && !payload_.failed; k++) header.tools.push_back(read_tool());
         seld_wire_get_entry(&payload_, &header.entry);
         seld_wire_get_rig(&payload_, &header.rig);
-        read_layers(header.instrument);
         check_used_up("header");
+        if (header.entry.inserted_um_count != tools)
+            fail(RecordingFault::inconsistent, "is inconsistent: another number of lengths than tools");
     }
 
-    void read_layers(Instrument &instrument)
+    Instrument read_tool()
     {
+        Instrument tool;
+        tool.name = get_text(payload_);
+        tool.length_m = get_double(payload_);
+        seld_wire_get_instrument(&payload_, &tool.table);
         const std::size_t count = seld_wire_read(&payload_, 2);
         for (std::size_t i = 0; i < count && !payload_.failed; i++) {
             InstrumentLayer layer;
@@ -110,8 +116,9 @@ class Reader
             layer.material = get_text(payload_);
             layer.fill = get_double(payload_);
             layer.radius_share = get_double(payload_);
-            instrument.layers.push_back(layer);
+            tool.layers.push_back(layer);
         }
+        return tool;
     }
 
     void check_used_up(const char *what) const
@@ -155,12 +162,14 @@ class Reader
         const std::uint32_t first = read_tick();
         const std::uint32_t count = read_tick();
         if (first != recording_.ticks.size() || count > ticks_max - first ||
-            payload_.length - payload_.position != count * tick_bytes) {
+            payload_.length - payload_.position != count * tick_bytes(recording_.header.tools.size())) {
             fail(RecordingFault::inconsistent, "is inconsistent: ticks are missing or doubled");
         }
         for (std::uint32_t i = 0; i < count; i++) {
             RecordedTick tick;
             seld_wire_get_encoders(&payload_, &tick.input);
+            if (tick.input.hands_count != recording_.header.tools.size())
+                fail(RecordingFault::inconsistent, "is inconsistent: another number of hands than tools");
             tick.hash_lane[0] = static_cast<std::uint32_t>(seld_wire_read(&payload_, 4));
             tick.hash_lane[1] = static_cast<std::uint32_t>(seld_wire_read(&payload_, 4));
             recording_.ticks.push_back(tick);

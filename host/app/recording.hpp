@@ -1,6 +1,6 @@
 // Recordings: everything that decides a session, tick by tick (docs/session.md gives every byte).
 //
-//   file   = "SELDREC1" | chunk ...
+//   file   = "SELDREC2" | chunk ...
 //   chunk  = kind u32 | bytes u32 | payload | CRC-32 u32 over kind, bytes and payload
 //   order  = HEAD, then TICKS, HASH, SNAPSHOT and VIEW as they happen, END when the session was closed properly
 //
@@ -28,7 +28,8 @@ struct RecordingHeader {
     std::uint32_t scene_crc32 = 0;
     std::string scene_path;
     std::string session_path;
-    Instrument instrument; // its table decides the session, the layers its picture
+    std::vector<Instrument>
+        tools; // from the innermost; the tables decide the session, the layers its picture
     seld_wire_entry entry{};
     seld_wire_rig rig{};
 };

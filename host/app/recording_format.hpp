@@ -8,7 +8,7 @@
 namespace seld::recording_format
 {
 
-inline constexpr char magic[9] = "SELDREC1"; // the digit is the version
+inline constexpr char magic[9] = "SELDREC2"; // the digit is the version
 
 enum Kind : std::uint32_t { HEAD = 1, TICKS = 2, HASH = 3, SNAPSHOT = 4, VIEW = 5, END = 6 };
 
@@ -16,7 +16,11 @@ inline constexpr std::size_t chunk_head_bytes = 8, chunk_tail_bytes = 4;
 inline constexpr std::size_t text_bytes_max = 4096;
 inline constexpr std::size_t layers_max = 256;
 inline constexpr std::size_t head_bytes_max = 1 << 17;
-inline constexpr std::size_t tick_bytes = SELD_WIRE_BYTES_encoders + 8;
+// Of one tick: the record `encoders` with that many hands, and two hash lanes.
+constexpr std::size_t tick_bytes(std::size_t tool_count)
+{
+    return SELD_WIRE_BYTES_encoders - (SELD_WIRE_TOOL_MAX - tool_count) * SELD_WIRE_BYTES_hand + 8;
+}
 inline constexpr std::size_t view_bytes = 4 + 1 + 1 + 6 * 4;
 
 inline void put_text(seld_wire_writer &writer, const std::string &text)

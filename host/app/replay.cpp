@@ -137,7 +137,7 @@ class Replayer
         if (!sink_ || link_.tick() != picture_tick(picture_, settings_.pictures_per_second)) return;
         if (is_first) link_.read_nodes();
         const seld_wire_encoders input = inputs_.empty() ? seld_wire_encoders{} : inputs_.back();
-        sink_->frame(session_frame(link_, state_, input, recording_.view_at(link_.tick())));
+        sink_->frame(session_frame(device_, state_, input, recording_.view_at(link_.tick())));
         picture_++;
     }
 

@@ -9,14 +9,13 @@ namespace seld
 {
 
 void write_report(const std::string &path, const RunResult &result, const std::string &scene,
-                  const Instrument &instrument, const std::string &session)
+                  const std::vector<Instrument> &tools, const std::string &session)
 {
     const SessionFigures &figures = result.figures;
     char hash[20];
     std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(result.hash));
     nlohmann::ordered_json report;
     report["scene"] = scene;
-    report["instrument"] = instrument.name;
     report["session"] = session;
     report["ticks"] = figures.ticks;
     report["hash"] = hash;
@@ -26,10 +25,16 @@ void write_report(const std::string &path, const RunResult &result, const std::s
     report["penetration_max_tick"] = figures.penetration_max_tick;
     report["length_error_max_pct"] = figures.strain_max * 1e2;
     report["length_error_max_tick"] = figures.strain_max_tick;
-    report["inserted_mm"] = figures.inserted_m * 1e3;
-    report["inserted_max_mm"] = figures.inserted_max_m * 1e3;
-    report["handle_force_max_N"] = figures.handle_axial_max_N;
     report["contacts_max"] = figures.contact_count_max;
+    report["tools"] = nlohmann::json::array(); // from the innermost to the outermost
+    for (std::size_t k = 0; k < tools.size(); k++) {
+        const ToolFigures tool = k < figures.tools.size() ? figures.tools[k] : ToolFigures{};
+        report["tools"].push_back({{"name", tools[k].name},
+                                   {"inserted_mm", tool.inserted_m * 1e3},
+                                   {"inserted_max_mm", tool.inserted_max_m * 1e3},
+                                   {"handle_force_max_N", tool.axial_max_N},
+                                   {"handle_torque_max_mN_m", tool.torque_max_N_m * 1e3}});
+    }
     report["interrupted"] = result.was_interrupted;
     report["script_lines_given_up"] = result.given_up_lines;
     report["faults"] = nlohmann::json::array();

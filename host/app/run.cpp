@@ -2,7 +2,9 @@
 #include "host/app/interrupt.hpp"
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
+#include <string>
 
 namespace seld
 {
@@ -17,7 +19,8 @@ class Runner
   public:
     Runner(Device &device, const Session &session, Recorder *recorder, FrameSink *sink,
            const RunSettings &settings)
-        : link_(device.link()), player_(session), recorder_(recorder), sink_(sink), settings_(settings)
+        : device_(device), link_(device.link()), player_(session, device.tools().size()), recorder_(recorder),
+          sink_(sink), settings_(settings)
     {
     }
 
@@ -68,7 +71,7 @@ class Runner
             state_ = states[i];
             if (recorder_) recorder_->tick(inputs_[i], states[i]);
         }
-        if (link_.tick() % SessionPlayer::observe_every_ticks == 0) player_.observe(figures_.inserted_m);
+        if (link_.tick() % SessionPlayer::observe_every_ticks == 0) player_.observe(inserted());
         record_state();
         picture_when_due();
     }
@@ -97,14 +100,25 @@ class Runner
         if (!sink_ || link_.tick() != picture_tick(picture_, settings_.pictures_per_second)) return;
         if (picture_ == 0) link_.read_nodes();
         sink_->frame(
-            session_frame(link_, state_, inputs_.empty() ? seld_wire_encoders{} : inputs_.back(), view_));
+            session_frame(device_, state_, inputs_.empty() ? seld_wire_encoders{} : inputs_.back(), view_));
         picture_++;
         if (settings_.shows_progress && picture_ % settings_.pictures_per_second == 0) {
-            std::fprintf(stderr, "\r%6.1f s, %5.1f mm inserted, %u pictures", link_.tick() * 1e-3,
-                         figures_.inserted_m * 1e3, picture_);
+            std::string lengths;
+            for (double m : inserted())
+                lengths += (lengths.empty() ? "" : " / ") + std::to_string(std::lround(m * 1e3));
+            std::fprintf(stderr, "\r%6.1f s, %s mm inserted, %u pictures", link_.tick() * 1e-3,
+                         lengths.c_str(), picture_);
         }
     }
 
+    std::vector<double> inserted() const
+    {
+        std::vector<double> lengths_m;
+        for (const ToolFigures &tool : figures_.tools) lengths_m.push_back(tool.inserted_m);
+        return lengths_m;
+    }
+
+    Device &device_;
     Link &link_;
     SessionPlayer player_;
     Recorder *recorder_;

@@ -28,6 +28,6 @@ RunResult run_session(Device &device, const Session &session, Recorder *recorder
 
 // out/demo.json: the figures of a session.
 void write_report(const std::string &path, const RunResult &result, const std::string &scene,
-                  const Instrument &instrument, const std::string &session);
+                  const std::vector<Instrument> &tools, const std::string &session);
 
 } // namespace seld

@@ -26,8 +26,10 @@ const std::vector<Unit> angle_units = {{"deg", 1.0}, {"°", 1.0}, {"turn", 360.0
 const std::vector<Unit> turn_speed_units = {
     {"deg/s", 1.0}, {"°/s", 1.0}, {"turn/s", 360.0}, {"turns/s", 360.0}};
 const std::vector<Unit> time_units = {{"s", 1.0}, {"ms", 1e-3}, {"min", 60.0}};
-const std::vector<std::string> verbs = {"begin",  "advance", "withdraw", "rotate", "wait",
-                                        "fluoro", "c-arm",   "table",    "field",  "follow"};
+const std::vector<std::string> verbs = {"begin", "advance", "withdraw", "rotate", "select", "tool",
+                                        "wait",  "fluoro",  "c-arm",    "table",  "field",  "follow"};
+const std::vector<std::string> tool_names = {"wire", "catheter", "guide"}; // from the innermost
+const std::string all_tools = "together";
 
 bool is_number_character(char c)
 {
@@ -141,6 +143,47 @@ class LineParser
     const std::string nothing_;
 };
 
+// Whom a statement moves.
+struct ToolChoice {
+    std::size_t tool = 0;
+    bool is_all = false;
+};
+
+// "wire", "catheter", "guide", "tool N" or "together"; nothing when the line goes on with something else.
+std::optional<ToolChoice> accept_tool(LineParser &line)
+{
+    for (std::size_t k = 0; k < tool_names.size(); k++) {
+        if (line.accept(tool_names[k])) return ToolChoice{k, false};
+    }
+    if (line.accept(all_tools)) return ToolChoice{0, true};
+    if (!line.accept("tool")) {
+        std::vector<std::string> words = tool_names;
+        words.push_back(all_tools);
+        const std::string hint = suggestion(line.peek(), words);
+        if (hint.find("did you mean") != std::string::npos)
+            line.fail("unknown tool '" + line.peek() + "'" + hint);
+        return {};
+    }
+    const LineParser before = line;
+    const double number = line.number("number of a tool");
+    if (number != std::floor(number) || number < 1.0 || number > session_tools_max)
+        before.fail("a tool is 1 to " + std::to_string(session_tools_max) + ", from the innermost");
+    return ToolChoice{static_cast<std::size_t>(number) - 1, false};
+}
+
+// The same where one must follow; a bare number will do.
+ToolChoice require_tool(LineParser &line)
+{
+    if (const auto choice = accept_tool(line)) return *choice;
+    for (std::size_t k = 0; k < session_tools_max; k++) {
+        if (line.accept(std::to_string(k + 1))) return {k, false};
+    }
+    std::vector<std::string> words = tool_names;
+    words.insert(words.end(), {all_tools, "tool", "1", "2", "3"});
+    line.choice("tool", words);
+    return {};
+}
+
 HandMove parse_push(LineParser &line, int sign)
 {
     HandMove move;
@@ -176,11 +219,19 @@ HandMove parse_rotate(LineParser &line)
     return move;
 }
 
-HandMove parse_move(LineParser &line)
+HandMove parse_move(LineParser &line, const ToolChoice &selected)
 {
     const std::string verb = line.choice("motion", {"advance", "withdraw", "rotate"});
-    if (verb == "rotate") return parse_rotate(line);
-    return parse_push(line, verb == "advance" ? 1 : -1);
+    const ToolChoice choice = accept_tool(line).value_or(selected);
+    HandMove move = verb == "rotate" ? parse_rotate(line) : parse_push(line, verb == "advance" ? 1 : -1);
+    move.tool = choice.tool;
+    move.moves_all = choice.is_all;
+    return move;
+}
+
+bool is_same_hand(const HandMove &a, const HandMove &b)
+{
+    return a.axis == b.axis && (a.moves_all || b.moves_all || a.tool == b.tool);
 }
 
 void parse_c_arm(LineParser &line, ViewState &view)
@@ -256,13 +307,14 @@ class SessionParser
         }
         Statement statement;
         statement.line = number;
-        if (line.peek() == "begin" && !session_.statements.empty())
+        if (line.peek() == "begin" && (!session_.statements.empty() || has_selected_))
             line.fail("'begin' must be the first statement");
         const std::string verb = line.choice("statement", verbs);
-        if (verb == "begin") {
-            line.expect("inserted");
-            session_.inserted_um = static_cast<std::uint32_t>(
-                std::lround(line.quantity("length", length_units, 0.0, 1.6) * 1e6));
+        if (verb == "begin") return begin(line, number);
+        if (verb == "select" || verb == "tool") {
+            selected_ = require_tool(line);
+            has_selected_ = true;
+            note_tool(selected_, number);
             return;
         }
         if (verb == "wait") {
@@ -275,15 +327,37 @@ class SessionParser
         session_.statements.push_back(statement);
     }
 
+    // "begin inserted 20 mm" is for every tool, "begin catheter inserted 80 mm" for one.
+    void begin(LineParser &line, int number)
+    {
+        const std::optional<ToolChoice> choice = accept_tool(line);
+        line.expect("inserted");
+        const auto length_um =
+            static_cast<std::uint32_t>(std::lround(line.quantity("length", length_units, 0.0, 1.6) * 1e6));
+        for (std::size_t k = 0; k < session_tools_max; k++) {
+            if (!choice || choice->is_all || choice->tool == k) session_.inserted_um[k] = length_um;
+        }
+        if (choice) note_tool(*choice, number);
+    }
+
+    void note_tool(const ToolChoice &choice, int number)
+    {
+        if (choice.is_all || choice.tool < session_.tools_named) return;
+        session_.tools_named = choice.tool + 1;
+        session_.tools_named_line = number;
+    }
+
     void moves(LineParser &line, int number)
     {
         Statement statement;
         statement.line = number;
         do {
             const LineParser before = line;
-            statement.moves.push_back(parse_move(line));
+            statement.moves.push_back(parse_move(line, selected_));
+            const HandMove &latest = statement.moves.back();
+            note_tool({latest.tool, latest.moves_all}, number);
             for (std::size_t i = 0; i + 1 < statement.moves.size(); i++) {
-                if (statement.moves[i].axis == statement.moves.back().axis) {
+                if (is_same_hand(statement.moves[i], latest)) {
                     before.fail("one hand cannot do this while it makes another move of the same kind");
                 }
             }
@@ -293,6 +367,8 @@ class SessionParser
 
     Session session_;
     ViewState view_;
+    ToolChoice selected_;
+    bool has_selected_ = false;
 };
 
 } // namespace

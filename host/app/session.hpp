@@ -1,7 +1,7 @@
-// Session scripts (docs/session.md): what hand and C-arm do, as text -> encoder counts per tick and view changes.
+// Session scripts (docs/session.md): what hands and C-arm do, as text -> encoder counts per tick and view changes.
 //
 //   Session session = read_session("aorta.session");
-//   SessionPlayer player(session);
+//   SessionPlayer player(session, tool_count);
 //   while (!player.is_done()) { input = player.next(); ...; player.observe(inserted_m); }
 //
 // Errors name file, line and column and suggest a spelling. May include: hand_motion, view_state, model/text.
@@ -10,6 +10,7 @@
 #include "host/app/view_state.hpp"
 #include "shared/wire/wire.h"
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,7 +20,12 @@ namespace seld
 
 enum class HandAxis { translation, rotation };
 
+// Tools are numbered from the innermost, 0, as on the wire; a script says wire, catheter, guide, or tool 1 to 3.
+inline constexpr std::size_t session_tools_max = SELD_WIRE_TOOL_MAX;
+
 struct HandMove {
+    std::size_t tool = 0;
+    bool moves_all = false; // every tool of the line alike; `tool` is not used
     HandAxis axis = HandAxis::translation;
     std::int64_t distance_counts = 0;    // signed; for `until`, only its sign counts
     std::int64_t speed_counts_per_s = 0; // positive
@@ -27,7 +33,7 @@ struct HandMove {
     std::optional<std::int64_t> until_inserted_um;
 };
 
-// One line of the script: moves of the hand (together), or a pause, or a view change.
+// One line of the script: moves of hands (together), or a pause, or a view change.
 struct Statement {
     int line = 0;
     std::vector<HandMove> moves;
@@ -37,8 +43,11 @@ struct Statement {
 
 struct Session {
     std::string file;
-    std::uint32_t inserted_um = 20000; // outside the inserter at the start
+    // Outside the inserter at the start, per tool; those not named begin as far out as `begin inserted` says.
+    std::uint32_t inserted_um[session_tools_max] = {20000, 20000, 20000};
     std::vector<Statement> statements;
+    std::size_t tools_named = 1; // the script needs at least so many tools ...
+    int tools_named_line = 0;    // ... because of this line
 };
 
 Session parse_session(std::string_view text, const std::string &file); // throws FileError
@@ -51,10 +60,12 @@ class SessionPlayer
     static constexpr std::uint32_t observe_every_ticks = 16;
     static constexpr std::uint32_t until_limit_ticks = 60000;
 
-    explicit SessionPlayer(const Session &session);
+    // Throws FileError when the script names a tool that is not there.
+    SessionPlayer(const Session &session, std::size_t tool_count);
     bool is_done() const { return statement_ == session_.statements.size(); }
-    seld_wire_encoders next();       // input of the next tick
-    void observe(double inserted_m); // after each tick that is a multiple of observe_every_ticks
+    seld_wire_encoders next(); // input of the next tick
+    // After each tick that is a multiple of observe_every_ticks: the length inserted of every tool.
+    void observe(std::span<const double> inserted_m);
     const ViewState &view() const { return view_; }
     // Lines whose `until` was not reached within until_limit_ticks of pushing.
     const std::vector<int> &given_up_lines() const { return given_up_lines_; }
@@ -63,7 +74,10 @@ class SessionPlayer
     void enter_statement();
     void finish_statement();
 
+    void begin_move(const HandMove &move, std::size_t tool);
+
     const Session &session_;
+    std::size_t tool_count_;
     std::size_t statement_ = 0;
     std::int64_t tick_in_statement_ = 0;
     struct Stroke {
@@ -73,13 +87,14 @@ class SessionPlayer
     };
     struct Active {
         HandMove what;
+        std::size_t tool;
         std::int64_t begin_counts;
         std::vector<Stroke> strokes;
         std::optional<SteadyMove> steady;
         std::int64_t ticks = 0;
     };
     std::vector<Active> active_;
-    std::int64_t position_counts_[2] = {0, 0};
+    std::int64_t position_counts_[session_tools_max][2] = {}; // translation, rotation
     ViewState view_;
     std::vector<int> given_up_lines_;
 };

@@ -58,12 +58,20 @@ RadiopaqueInstrument instrument_look(const Instrument &instrument)
         look.sections.push_back(
             {layer.arc_begin_m, layer.arc_end_m, *material, layer.fill, layer.radius_share});
     }
+    for (std::uint16_t i = 0; i < instrument.table.knots_count; i++) {
+        const seld_wire_knot &knot = instrument.table.knots[i];
+        look.radii.push_back({knot.arc_um * 1e-6, knot.radius_outer_um * 1e-6, knot.radius_inner_um * 1e-6});
+    }
     return look;
 }
 
-SessionPictures::SessionPictures(const PictureSettings &settings, const Instrument &instrument)
-    : settings_(settings), look_(instrument_look(instrument)), name_(instrument.name)
+SessionPictures::SessionPictures(const PictureSettings &settings, const std::vector<Instrument> &tools)
+    : settings_(settings)
 {
+    for (const Instrument &tool : tools) {
+        looks_.push_back(instrument_look(tool));
+        names_.push_back(tool.name);
+    }
     settings_.size = held_size(settings.size);
     std::string error;
     Bodies bodies;
@@ -88,14 +96,15 @@ OverlayInfo SessionPictures::display(const SessionFrame &frame, bool is_beam_on)
     info.secondary_deg = carm_.secondary_deg;
     info.field_m = carm_.field_m;
     info.time_s = frame.wire.tick * 1e-3;
-    info.inserted_mm = frame.inserted_m * 1e3;
-    info.turned_deg = frame.turned_deg;
-    info.axial_N = frame.axial_N;
-    info.torque_mN_m = frame.torque_N_m * 1e3;
+    for (std::size_t k = 0; k < frame.tools.size(); k++) {
+        const ToolReading &tool = frame.tools[k];
+        info.tools.push_back({k < names_.size() ? names_[k] : "", tool.inserted_m * 1e3, tool.turned_deg,
+                              tool.axial_N, tool.torque_N_m * 1e3,
+                              frame.tools.size() > 1 && (chosen_tool_ == k || chooses_all_)});
+    }
     info.fluoro_s = fluoro_s_;
     info.kerma_mGy = kerma_mGy_;
     info.is_beam_on = is_beam_on;
-    info.instrument = name_;
     info.notice = notice_;
     info.panel = panel_;
     return info;
@@ -111,7 +120,7 @@ void SessionPictures::frame(const SessionFrame &frame)
         XraySettings xray;
         xray.carm = carm_;
         xray.size = settings_.size;
-        xray_->render(xray, look_, frame.wire, settings_.seed, picture_);
+        xray_->render(xray, looks_, frame.wire, settings_.seed, picture_);
         has_picture_ = true;
         kerma_mGy_ += picture_.air_kerma_uGy * 1e-3;
         fluoro_s_ += period_s;

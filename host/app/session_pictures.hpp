@@ -9,6 +9,7 @@
 #include "host/model/instrument.hpp"
 #include "host/xray/xray.hpp"
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace seld
@@ -42,8 +43,8 @@ struct PictureSettings {
 class SessionPictures final : public FrameSink
 {
   public:
-    SessionPictures(const PictureSettings &settings,
-                    const Instrument &instrument); // throws std::runtime_error
+    // `tools` from the innermost. Throws std::runtime_error.
+    SessionPictures(const PictureSettings &settings, const std::vector<Instrument> &tools);
     ~SessionPictures() override;
     void frame(const SessionFrame &frame) override;
     void finish() override;
@@ -51,6 +52,12 @@ class SessionPictures final : public FrameSink
     const Image &image() const { return image_; } // the last picture with its display
     // Notice and help panel from the next picture on; empty for none.
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
+    // The tool that the keys move, or all, marked in the display from the next picture on.
+    void choose_tool(std::size_t tool, bool all)
+    {
+        chosen_tool_ = tool;
+        chooses_all_ = all;
+    }
     void
     redraw(const SessionFrame &frame); // the display again over the last X-ray, for a change of annotation
 
@@ -58,8 +65,11 @@ class SessionPictures final : public FrameSink
     OverlayInfo display(const SessionFrame &frame, bool is_beam_on) const;
 
     PictureSettings settings_;
-    RadiopaqueInstrument look_;
-    std::string name_, notice_;
+    std::vector<RadiopaqueInstrument> looks_;
+    std::vector<std::string> names_;
+    std::optional<std::size_t> chosen_tool_;
+    bool chooses_all_ = false;
+    std::string notice_;
     std::vector<std::string> panel_;
     XrayScene scene_;
     std::unique_ptr<Xray> xray_; // after the scene has its bodies

@@ -1,4 +1,5 @@
 #include "host/app/session.hpp"
+#include "host/model/text.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -18,9 +19,38 @@ std::int64_t sign_of(std::int64_t value)
 
 } // namespace
 
-SessionPlayer::SessionPlayer(const Session &session) : session_(session)
+SessionPlayer::SessionPlayer(const Session &session, std::size_t tool_count)
+    : session_(session), tool_count_(std::min(tool_count, session_tools_max))
 {
+    if (session.tools_named > tool_count) {
+        throw FileError(session.file, session.tools_named_line, 1,
+                        "moves tool " + std::to_string(session.tools_named) + ", but there " +
+                            (tool_count == 1 ? "is only one" : "are only " + std::to_string(tool_count)) +
+                            "; name the tools with --tool from the innermost to the outermost");
+    }
     enter_statement();
+}
+
+// `move` cut into strokes, from where the tool's hand is now.
+void SessionPlayer::begin_move(const HandMove &move, std::size_t tool)
+{
+    Active active{move, tool, position_counts_[tool][static_cast<int>(move.axis)], {}, {}, 0};
+    const std::int64_t sign = sign_of(move.distance_counts);
+    if (move.until_inserted_um) {
+        active.steady.emplace(move.speed_counts_per_s * sign);
+        active_.push_back(std::move(active));
+        return;
+    }
+    const std::int64_t whole = std::llabs(move.distance_counts);
+    const std::int64_t stroke =
+        move.stroke_counts > 0 ? move.stroke_counts : std::max<std::int64_t>(whole, 1);
+    for (std::int64_t done = 0; done < whole; done += stroke) {
+        const std::int64_t length = std::min(stroke, whole - done) * sign;
+        const Stroke next{active.ticks, done * sign, Move(length, move.speed_counts_per_s)};
+        active.ticks += next.move.ticks() + (done + stroke < whole ? regrasp_ticks : 0);
+        active.strokes.push_back(next);
+    }
+    active_.push_back(std::move(active));
 }
 
 // Views take effect at once; the first statement that takes time becomes the present one.
@@ -32,23 +62,9 @@ void SessionPlayer::enter_statement()
         tick_in_statement_ = 0;
         active_.clear();
         for (const HandMove &move : statement.moves) {
-            Active active{move, position_counts_[static_cast<int>(move.axis)], {}, {}, 0};
-            if (move.until_inserted_um) {
-                active.steady.emplace(move.speed_counts_per_s * sign_of(move.distance_counts));
-            } else {
-                const std::int64_t whole = std::llabs(move.distance_counts);
-                const std::int64_t stroke =
-                    move.stroke_counts > 0 ? move.stroke_counts : std::max<std::int64_t>(whole, 1);
-                for (std::int64_t done = 0; done < whole; done += stroke) {
-                    const std::int64_t length =
-                        std::min(stroke, whole - done) * sign_of(move.distance_counts);
-                    const Stroke next{active.ticks, done * sign_of(move.distance_counts),
-                                      Move(length, move.speed_counts_per_s)};
-                    active.ticks += next.move.ticks() + (done + stroke < whole ? regrasp_ticks : 0);
-                    active.strokes.push_back(next);
-                }
-            }
-            active_.push_back(std::move(active));
+            const std::size_t first = move.moves_all ? 0 : move.tool,
+                              last = move.moves_all ? tool_count_ - 1 : move.tool;
+            for (std::size_t tool = first; tool <= last; tool++) begin_move(move, tool);
         }
         if (!statement.moves.empty() || statement.wait_ticks > 0) return;
     }
@@ -79,26 +95,33 @@ seld_wire_encoders SessionPlayer::next()
                 moved = stroke.begin_counts + stroke.move.at(tick_in_statement_ - stroke.begin_tick);
             }
         }
-        position_counts_[static_cast<int>(active.what.axis)] = active.begin_counts + moved;
+        position_counts_[active.tool][static_cast<int>(active.what.axis)] = active.begin_counts + moved;
     }
     seld_wire_encoders input{};
-    input.translation_counts = static_cast<std::int32_t>(static_cast<std::uint32_t>(position_counts_[0]));
-    input.rotation_counts = static_cast<std::int32_t>(static_cast<std::uint32_t>(position_counts_[1]));
+    input.hands_count = static_cast<std::uint16_t>(tool_count_);
+    for (std::size_t k = 0; k < tool_count_; k++) {
+        const auto counts = [&](int axis) {
+            return static_cast<std::int32_t>(static_cast<std::uint32_t>(position_counts_[k][axis]));
+        };
+        input.hands[k] = {counts(0), counts(1)};
+    }
     input.buttons = view_.is_fluoro_on ? SELD_WIRE_BUTTON_XRAY : 0;
     if (!is_done()) finish_statement();
     return input;
 }
 
-void SessionPlayer::observe(double inserted_m)
+void SessionPlayer::observe(std::span<const double> inserted_m)
 {
-    const auto inserted_um = static_cast<std::int64_t>(std::llround(inserted_m * 1e6));
     for (Active &active : active_) {
-        if (!active.steady || active.steady->is_stopping()) continue;
+        if (!active.steady || active.steady->is_stopping() || active.tool >= inserted_m.size()) continue;
+        const auto inserted_um = static_cast<std::int64_t>(std::llround(inserted_m[active.tool] * 1e6));
         const std::int64_t left = *active.what.until_inserted_um - inserted_um;
         const bool is_reached = active.what.distance_counts > 0 ? left <= 0 : left >= 0;
         const bool is_given_up = tick_in_statement_ >= until_limit_ticks;
         if (is_reached || is_given_up) active.steady->stop(tick_in_statement_);
-        if (!is_reached && is_given_up) given_up_lines_.push_back(session_.statements[statement_].line);
+        const int line = session_.statements[statement_].line;
+        const bool is_new = given_up_lines_.empty() || given_up_lines_.back() != line;
+        if (!is_reached && is_given_up && is_new) given_up_lines_.push_back(line);
     }
 }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <stdexcept>
 #include <thread>
@@ -84,15 +85,16 @@ class Window
   public:
     explicit Window(const WindowOptions &options)
         : options_(options), scene_(read_scene(options.scene)),
-          instrument_(read_instrument(options.instrument)), keys_(first_view(scene_), options.shows_help),
-          screen_("Seldinger", window_edge)
+          tools_(read_tools(options.instrument, options.tools)), entry_(start_entry()),
+          keys_(first_view(scene_), tools_.size(), options.shows_help), screen_("Seldinger", window_edge)
     {
         if (options.starts_with_fluoro) keys_.latch_pedal();
         screen_.on_key([this](const Screen::KeyEvent &event) { keys_.take(event); });
         start();
     }
 
-    void run()
+    // False when a signal ended it; everything written is whole all the same.
+    bool run()
     {
         Pace pace(options_.frames > 0);
         for (int frame = 0; options_.frames == 0 || frame < options_.frames; ++frame) {
@@ -100,7 +102,7 @@ class Window
             if (screen_.wants_close() || keys_.wants_end() || is_interrupted()) break;
             if (keys_.take_reset()) restart();
             keys_.hold(screen_);
-            keys_.lead(session_->hand());
+            keys_.lead(session_->hands());
             session_->set_view(keys_.view());
             session_->advance(pace.ticks_due());
             annotate();
@@ -111,13 +113,26 @@ class Window
         if (!options_.screenshot.empty() && !write_png(options_.screenshot, screen_.read_back(), error))
             throw std::runtime_error(error);
         session_->finish();
+        return !is_interrupted();
     }
 
   private:
+    seld_wire_entry start_entry() const
+    {
+        std::vector<std::uint32_t> inserted_um;
+        for (double mm : options_.inserted_mm)
+            inserted_um.push_back(static_cast<std::uint32_t>(std::lround(mm * 1e3)));
+        if (inserted_um.size() == 1) inserted_um.assign(tools_.size(), inserted_um.front());
+        if (inserted_um.size() > tools_.size())
+            throw UsageError("--inserted is given " + std::to_string(inserted_um.size()) +
+                             " times, but there are only " + std::to_string(tools_.size()) + " tools");
+        return entry_of(scene_, tools_.size(), inserted_um);
+    }
+
     void start()
     {
         ++session_number_;
-        session_ = std::make_unique<LiveSession>(scene_, instrument_, options_.inserted_mm,
+        session_ = std::make_unique<LiveSession>(scene_, tools_, entry_,
                                                  recording_name(options_.record, session_number_),
                                                  options_.pictures, keys_.view());
         is_annotated_ = false;
@@ -132,21 +147,28 @@ class Window
     void annotate()
     {
         const std::string notice = session_->fault().empty() ? "" : session_->fault() + " - R starts again";
-        if (is_annotated_ && notice == notice_ && keys_.shows_help() == shows_help_) return;
+        if (is_annotated_ && notice == notice_ && keys_.shows_help() == shows_help_ &&
+            keys_.chosen_tool() == chosen_tool_ && keys_.moves_all() == moves_all_)
+            return;
         notice_ = notice;
+        chosen_tool_ = keys_.chosen_tool();
+        moves_all_ = keys_.moves_all();
+        session_->choose_tool(chosen_tool_, moves_all_);
         shows_help_ = keys_.shows_help();
         is_annotated_ = true;
-        session_->annotate(notice_, shows_help_ ? help_panel() : std::vector<std::string>{});
+        session_->annotate(notice_, shows_help_ ? help_panel(tools_.size()) : std::vector<std::string>{});
     }
 
     const WindowOptions &options_;
     SceneFile scene_;
-    Instrument instrument_;
+    std::vector<Instrument> tools_;
+    seld_wire_entry entry_;
     WindowKeys keys_;
     Screen screen_;
     std::unique_ptr<LiveSession> session_;
     int session_number_ = 0;
-    bool is_annotated_ = false, shows_help_ = false;
+    bool is_annotated_ = false, shows_help_ = false, moves_all_ = false;
+    std::size_t chosen_tool_ = 0;
     std::string notice_;
 };
 
@@ -155,13 +177,17 @@ class Window
 int run_window(const WindowOptions &options)
 {
     watch_for_interrupt();
-    Window(options).run();
-    return 0;
+    if (Window(options).run()) return 0;
+    std::fprintf(stderr, "seldinger: interrupted; what was written up to here is complete\n");
+    return 1;
 }
 
 int command_view(WindowOptions options)
 {
     if (options.pictures.bodies_path.empty()) options.pictures.bodies_path = bodies_beside(options.scene);
+    std::vector<NamedPath> inputs = tool_inputs(options.instrument, options.tools);
+    inputs.insert(inputs.end(), {{"--scene", options.scene}, {"--bodies", options.pictures.bodies_path}});
+    check_outputs(inputs, {{"--record", options.record}, {"--screenshot", options.screenshot}});
     return run_window(options);
 }
 

@@ -4,16 +4,19 @@
 #pragma once
 #include "host/app/session_pictures.hpp"
 #include <string>
+#include <vector>
 
 namespace seld
 {
 
 struct WindowOptions {
-    std::string scene;      // empty: free space
-    std::string instrument; // file
-    std::string record;     // empty: none; a reset starts "name.2.rec", "name.3.rec" ...
+    std::string scene;              // empty: free space
+    std::string instrument;         // file of the innermost tool, or empty
+    std::vector<std::string> tools; // files of the others, towards the outermost
+    std::string record;             // empty: none; a reset starts "name.2.rec", "name.3.rec" ...
     PictureSettings pictures;
-    double inserted_mm = 20.0; // outside the inserter at the start
+    std::vector<double>
+        inserted_mm; // outside the inserter at the start: none, one for all tools, or one each
     bool starts_with_fluoro = false;
     bool shows_help = true;
     // For tests: end after so many screens, each 1/60 s of session time however long it takes; 0: until Esc, real time.
@@ -21,7 +24,7 @@ struct WindowOptions {
     std::string screenshot; // PNG of the window's last screen; empty: none
 };
 
-// 0, or throws std::runtime_error (no display, no OpenGL 3.3, a bad file) for exit code 1.
+// 0, 1 when a signal ended it, or throws std::runtime_error (no display, no OpenGL 3.3, a bad file) for exit code 1.
 int run_window(const WindowOptions &options);
 
 } // namespace seld

@@ -23,23 +23,29 @@ void step_angle(std::int32_t &angle_mdeg, std::int32_t step_mdeg, std::int32_t m
 
 } // namespace
 
-std::vector<std::string> help_panel()
+std::vector<std::string> help_panel(std::size_t tool_count)
 {
-    return {"KEYS                      H or F1 hides this",
-            "",
-            "Up / Down       push / pull the instrument",
-            "Left / Right    turn it      (Shift: slowly)",
-            "Space (hold)    X-ray pedal",
-            "F               X-ray stays on / off",
-            "",
-            "D / A           C-arm to LAO / RAO",
-            "W / S           C-arm to CRA / CAU",
-            "0               back to AP",
-            "+ / -           smaller / larger field",
-            "I K J L         table: head feet right left",
-            "T               follow the tip on / off",
-            "",
-            "R  start again                    Esc  end"};
+    std::vector<std::string> lines = {"KEYS                      H or F1 hides this",
+                                      "",
+                                      "Up / Down       push / pull the tool",
+                                      "Left / Right    turn it      (Shift: slowly)",
+                                      "Space (hold)    X-ray pedal",
+                                      "F               X-ray stays on / off",
+                                      "",
+                                      "D / A           C-arm to LAO / RAO",
+                                      "W / S           C-arm to CRA / CAU",
+                                      "0               back to AP",
+                                      "+ / -           smaller / larger field",
+                                      "I K J L         table: head feet right left",
+                                      "T               follow the tip on / off",
+                                      "",
+                                      "R  start again                    Esc  end"};
+    if (tool_count > 1) {
+        const std::string numbers = tool_count == 2 ? "1 2 or Tab      " : "1 2 3 or Tab    ";
+        lines.insert(lines.begin() + 2, {numbers + "choose the tool, innermost first",
+                                         "G               move all together on / off"});
+    }
+    return lines;
 }
 
 void WindowKeys::take(const Screen::KeyEvent &event)
@@ -67,6 +73,17 @@ void WindowKeys::take(const Screen::KeyEvent &event)
     }
     if (!event.is_press) return; // the rest does not repeat
     switch (event.key) {
+    case GLFW_KEY_1:
+    case GLFW_KEY_2:
+    case GLFW_KEY_3:
+        choose(static_cast<std::size_t>(event.key - GLFW_KEY_1));
+        break;
+    case GLFW_KEY_TAB:
+        choose((chosen_tool_ + 1) % tool_count_);
+        break;
+    case GLFW_KEY_G:
+        moves_all_ = tool_count_ > 1 && !moves_all_;
+        break;
     case GLFW_KEY_0:
     case GLFW_KEY_KP_0:
         view_.primary_mdeg = view_.secondary_mdeg = 0;
@@ -114,9 +131,20 @@ void WindowKeys::hold(const Screen &screen)
     is_pedal_down_ = screen.is_down(GLFW_KEY_SPACE);
 }
 
-void WindowKeys::lead(LiveHand &hand) const
+void WindowKeys::lead(std::span<LiveHand> hands) const
 {
-    hand.set_speed(push_um_per_s_ * counts_per_m / 1'000'000, turn_counts_per_s_);
+    for (std::size_t k = 0; k < hands.size(); ++k) {
+        const bool is_led = moves_all_ || k == chosen_tool_;
+        hands[k].set_speed(is_led ? push_um_per_s_ * counts_per_m / 1'000'000 : 0,
+                           is_led ? turn_counts_per_s_ : 0);
+    }
+}
+
+void WindowKeys::choose(std::size_t tool)
+{
+    if (tool >= tool_count_) return;
+    chosen_tool_ = tool;
+    moves_all_ = false;
 }
 
 ViewState WindowKeys::view() const

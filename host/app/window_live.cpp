@@ -7,14 +7,7 @@ namespace seld
 namespace
 {
 
-seld_wire_entry entry_of(const SceneFile &scene, double inserted_mm)
-{
-    seld_wire_entry entry = scene.entry;
-    entry.inserted_um = static_cast<std::uint32_t>(std::lround(inserted_mm * 1e3));
-    return entry;
-}
-
-RecordingHeader header_of(const Device &device, const SceneFile &scene, const Instrument &instrument,
+RecordingHeader header_of(const Device &device, const SceneFile &scene, const std::vector<Instrument> &tools,
                           const seld_wire_entry &entry)
 {
     return {device.identity().core_version,
@@ -23,24 +16,30 @@ RecordingHeader header_of(const Device &device, const SceneFile &scene, const In
             scene.crc32,
             scene.path,
             "live",
-            instrument,
+            tools,
             entry,
             host_rig()};
 }
 
 } // namespace
 
-LiveSession::LiveSession(const SceneFile &scene, const Instrument &instrument, double inserted_mm,
-                         const std::string &record, const PictureSettings &pictures, const ViewState &view)
-    : settings_(pictures), entry_(entry_of(scene, inserted_mm)),
-      device_(scene, instrument, entry_, host_rig()), pictures_(pictures, instrument), view_(view)
+LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools,
+                         const seld_wire_entry &entry, const std::string &record,
+                         const PictureSettings &pictures, const ViewState &view)
+    : settings_(pictures), device_(scene, tools, entry, host_rig()), pictures_(pictures, tools),
+      hands_(tools.size()), view_(view)
 {
     if (!record.empty()) {
-        recorder_ = std::make_unique<Recorder>(record, header_of(device_, scene, instrument, entry_));
+        recorder_ = std::make_unique<Recorder>(record, header_of(device_, scene, tools, entry));
         recorder_->view(0, view_);
     }
     device_.link().read_nodes();
     picture();
+}
+
+void LiveSession::choose_tool(std::size_t tool, bool all)
+{
+    pictures_.choose_tool(tool, all);
 }
 
 void LiveSession::set_view(const ViewState &view)
@@ -83,10 +82,12 @@ void LiveSession::batch(std::uint32_t count)
     Link &link = device_.link();
     inputs_.clear();
     for (std::uint32_t i = 0; i < count; ++i) {
-        hand_.advance_tick();
         seld_wire_encoders input{};
-        input.translation_counts = hand_.translation_counts();
-        input.rotation_counts = hand_.rotation_counts();
+        input.hands_count = static_cast<std::uint16_t>(hands_.size());
+        for (std::size_t k = 0; k < hands_.size(); ++k) {
+            hands_[k].advance_tick();
+            input.hands[k] = {hands_[k].translation_counts(), hands_[k].rotation_counts()};
+        }
         inputs_.push_back(input);
     }
     const bool is_picture_due =
@@ -116,8 +117,7 @@ void LiveSession::record_state()
 void LiveSession::picture()
 {
     const seld_wire_encoders input = inputs_.empty() ? seld_wire_encoders{} : inputs_.back();
-    frame_ = session_frame(device_.link(), state_, input, view_);
-    if (inputs_.empty()) frame_.inserted_m = entry_.inserted_um * 1e-6;
+    frame_ = session_frame(device_, state_, input, view_);
     pictures_.frame(frame_);
     ++picture_index_;
 }

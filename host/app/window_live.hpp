@@ -5,7 +5,9 @@
 #include "host/app/hand_motion.hpp"
 #include "host/app/session_pictures.hpp"
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 namespace seld
 {
@@ -13,12 +15,13 @@ namespace seld
 class LiveSession
 {
   public:
-    // `record` empty: none. Throws what Device, Recorder and SessionPictures throw.
-    LiveSession(const SceneFile &scene, const Instrument &instrument, double inserted_mm,
+    // `tools` from the innermost. `record` empty: none. Throws what Device, Recorder and SessionPictures throw.
+    LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools, const seld_wire_entry &entry,
                 const std::string &record, const PictureSettings &pictures, const ViewState &view);
 
-    LiveHand &hand() { return hand_; }
-    void set_view(const ViewState &view); // in force from the present tick on; recorded
+    std::span<LiveHand> hands() { return hands_; } // one per tool
+    void choose_tool(std::size_t tool, bool all);  // marked in the display
+    void set_view(const ViewState &view);          // in force from the present tick on; recorded
     const ViewState &view() const { return view_; }
     // `ticks` ticks; pictures are made when they are due. False when the device stopped: fault() says why.
     bool advance(std::uint32_t ticks);
@@ -34,11 +37,10 @@ class LiveSession
     void picture();
 
     PictureSettings settings_;
-    seld_wire_entry entry_;
     Device device_;
     std::unique_ptr<Recorder> recorder_;
     SessionPictures pictures_;
-    LiveHand hand_;
+    std::vector<LiveHand> hands_;
     ViewState view_;
     std::vector<seld_wire_encoders> inputs_;
     seld_wire_tick_state state_{};

@@ -98,6 +98,9 @@ void Link::file_frame()
     case SELD_WIRE_TYPE_node_table:
         if (!seld_wire_decode_node_table(payload, length, &node_table_)) broken("node_table");
         break;
+    case SELD_WIRE_TYPE_contacts:
+        if (!seld_wire_decode_contacts(payload, length, &contacts_)) broken("contacts");
+        break;
     case SELD_WIRE_TYPE_fault_log:
         if (!seld_wire_decode_fault_log(payload, length, &fault_log_)) broken("fault_log");
         break;
@@ -128,7 +131,7 @@ void Link::file_frame()
     case SELD_WIRE_TYPE_reject: {
         seld_wire_reject reject;
         if (!seld_wire_decode_reject(payload, length, &reject)) broken("reject");
-        throw LinkError(describe(reject), reject.code);
+        throw LinkError(describe(reject), reject);
     }
     default:
         throw LinkError(
@@ -189,9 +192,15 @@ void Link::load_scene(std::span<const std::uint8_t> scene)
     receive_answer(SELD_WIRE_TYPE_status);
 }
 
-void Link::load_instrument(const seld_wire_instrument &instrument)
+void Link::load_tools(std::span<const seld_wire_instrument> tools)
 {
-    send_message(SELD_WIRE_TYPE_instrument, instrument, seld_wire_put_instrument);
+    seld_wire_tools message{};
+    if (tools.empty() || tools.size() > SELD_WIRE_TOOL_MAX) {
+        throw LinkError(format("a line holds 1 to %d tools, not %zu", int{SELD_WIRE_TOOL_MAX}, tools.size()));
+    }
+    message.tools_count = static_cast<std::uint16_t>(tools.size());
+    std::copy(tools.begin(), tools.end(), message.tools);
+    send_message(SELD_WIRE_TYPE_tools, message, seld_wire_put_tools);
     receive_answer(SELD_WIRE_TYPE_status);
 }
 
@@ -272,9 +281,9 @@ std::span<const seld_wire_tick_state> Link::step(std::span<const seld_wire_encod
     return {ticks_.states, ticks_.states_count};
 }
 
-void Link::send_input(const seld_wire_encoders &input)
+void Link::send_input(const seld_wire_encoders &encoders)
 {
-    const seld_wire_input message = {input.translation_counts, input.rotation_counts, input.buttons};
+    const seld_wire_input message = {encoders};
     send_message(SELD_WIRE_TYPE_input, message, seld_wire_put_input);
 }
 
@@ -299,6 +308,12 @@ const seld_wire_nodes &Link::read_nodes()
 {
     get(SELD_WIRE_GET_NODES, SELD_WIRE_TYPE_nodes);
     return nodes_;
+}
+
+const seld_wire_contacts &Link::read_contacts()
+{
+    get(SELD_WIRE_GET_CONTACTS, SELD_WIRE_TYPE_contacts);
+    return contacts_;
 }
 
 Hash64 Link::read_hash64()

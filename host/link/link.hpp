@@ -4,7 +4,7 @@
 //   Link link(pipe);
 //   link.hello();                                  // throws LinkError when the two do not match
 //   link.load_scene(bytes);                        // optional; free space without
-//   link.load_instrument(table); link.set_entry(entry); link.set_rig(rig);
+//   link.load_tools(tables); link.set_entry(entry); link.set_rig(rig);   // tools from the innermost to the outermost
 //   link.arm(); link.start();
 //   auto states = link.step(inputs, true);         // one tick per input, at most Link::steps_max
 //   link.nodes();                                  // the shape after the last of them
@@ -23,12 +23,15 @@
 namespace seld
 {
 
-// reject_code is SELD_REJECT_*, or 0 when no refusal was behind it (silence, other version, fault).
+// `reject` is the refusal behind it; its code is 0 when there was none (silence, other version, fault).
 class LinkError : public std::runtime_error
 {
   public:
-    explicit LinkError(const std::string &text, int code = 0) : std::runtime_error(text), reject_code(code) {}
-    int reject_code;
+    explicit LinkError(const std::string &text, const seld_wire_reject &reject_ = {})
+        : std::runtime_error(text), reject(reject_)
+    {
+    }
+    seld_wire_reject reject;
 };
 
 struct Hash64 {
@@ -45,7 +48,7 @@ class Link
 
     seld_wire_hello_reply hello();
     void load_scene(std::span<const std::uint8_t> scene);
-    void load_instrument(const seld_wire_instrument &instrument);
+    void load_tools(std::span<const seld_wire_instrument> tools);
     void set_entry(const seld_wire_entry &entry);
     void set_rig(const seld_wire_rig &rig);
     seld_wire_status arm(); // also reads the node table
@@ -61,12 +64,13 @@ class Link
     std::uint32_t tick() const { return tick_; }
 
     // FREE_RUN: send the newest input; let time pass (sim port) and take what the device sent meanwhile.
-    void send_input(const seld_wire_encoders &input);
+    void send_input(const seld_wire_encoders &encoders);
     std::vector<seld_wire_tick_state> free_run(std::uint32_t milliseconds);
 
     const seld_wire_nodes &nodes() const { return nodes_; } // last received
     const seld_wire_nodes &read_nodes();
     const seld_wire_node_table &node_table() const { return node_table_; } // read by arm()
+    const seld_wire_contacts &read_contacts(); // where the wall holds the line now
     Hash64 read_hash64();
     std::optional<Hash64> last_hash64() const { return hash64_; } // last that came by, every 100 ticks
     seld_wire_status read_status();
@@ -96,6 +100,7 @@ class Link
     seld_wire_ticks ticks_{};
     seld_wire_nodes nodes_{};
     seld_wire_node_table node_table_{};
+    seld_wire_contacts contacts_{};
     seld_wire_fault_log fault_log_{};
     std::optional<Hash64> hash64_;
     seld_wire_snapshot_begin snapshot_begin_{};

@@ -164,7 +164,8 @@ Instrument assemble(const Place &place, const Instrument &head, const std::strin
     Instrument instrument = head;
     instrument.preset = name;
     if (name != default_preset) instrument.name += " (" + name + ")";
-    instrument.lumen_friction_milli = static_cast<std::uint32_t>(std::lround(preset.lumen_friction * 1e3));
+    instrument.table.lumen_friction_milli =
+        static_cast<std::uint32_t>(std::lround(preset.lumen_friction * 1e3));
     instrument.thesis = preset.thesis;
     add_profile(place.inside("preset " + quoted(name)), preset.sections, instrument);
     return instrument;

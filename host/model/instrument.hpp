@@ -1,4 +1,4 @@
-// Instrument files (TOML, docs/instruments.md) -> the numbers of the wire's `instrument` message, the unloaded shape and
+// Instrument files (TOML, docs/instruments.md) -> the numbers of the wire's record `instrument`, the unloaded shape and
 // what the X-ray sees.
 //
 // One file describes one instrument from its tip to its hub, by one or more presets; "file.toml" is its preset `physical`,
@@ -51,9 +51,7 @@ struct Instrument {
     std::vector<std::string> presets; // of the file, `physical` first
     InstrumentKind kind = InstrumentKind::wire;
     double length_m = 0.0;
-    seld_wire_instrument table{};               // validated by the device
-    std::vector<std::uint32_t> radius_inner_um; // per knot of the table; 0: solid
-    std::uint32_t lumen_friction_milli = 0;     // of a catheter's lumen against the tool inside
+    seld_wire_instrument table{}; // validated by the device
     std::vector<InstrumentLayer> layers;
     std::vector<InstrumentArc> shape; // from the tip; straight behind the last one
     std::optional<ThesisRow> thesis;  // of a preset that was made from the table

@@ -31,40 +31,33 @@ std::uint32_t rounded(double value)
     return static_cast<std::uint32_t>(std::lround(value));
 }
 
-// A knot with what the wire's message does not hold.
-struct Knot {
-    seld_wire_knot wire{};
-    std::uint32_t radius_inner_um = 0;
-    bool has_properties_of(const Knot &other) const
-    {
-        const seld_wire_knot &a = wire, &b = other.wire;
-        return a.bend_stiffness_nN_m2 == b.bend_stiffness_nN_m2 &&
-               a.twist_stiffness_nN_m2 == b.twist_stiffness_nN_m2 && a.mass_mg_per_m == b.mass_mg_per_m &&
-               a.radius_outer_um == b.radius_outer_um &&
-               a.friction_kinetic_milli == b.friction_kinetic_milli &&
-               a.friction_static_milli == b.friction_static_milli &&
-               a.rest_curvature1_per_m_milli == b.rest_curvature1_per_m_milli &&
-               a.rest_curvature2_per_m_milli == b.rest_curvature2_per_m_milli &&
-               radius_inner_um == other.radius_inner_um;
-    }
-};
+bool has_same_properties(const seld_wire_knot &a, const seld_wire_knot &b)
+{
+    return a.bend_stiffness_nN_m2 == b.bend_stiffness_nN_m2 &&
+           a.twist_stiffness_nN_m2 == b.twist_stiffness_nN_m2 && a.mass_mg_per_m == b.mass_mg_per_m &&
+           a.radius_outer_um == b.radius_outer_um && a.radius_inner_um == b.radius_inner_um &&
+           a.friction_kinetic_milli == b.friction_kinetic_milli &&
+           a.friction_static_milli == b.friction_static_milli &&
+           a.rest_curvature1_per_m_milli == b.rest_curvature1_per_m_milli &&
+           a.rest_curvature2_per_m_milli == b.rest_curvature2_per_m_milli;
+}
 
-Knot knot_at(const Section &section, const InstrumentArc *arc, double arc_mm)
+seld_wire_knot knot_at(const Section &section, const InstrumentArc *arc, double arc_mm)
 {
     const double u = (arc_mm - section.from_mm) / (section.to_mm - section.from_mm);
-    Knot knot;
-    knot.wire.arc_um = rounded(arc_mm * 1e3);
-    knot.wire.bend_stiffness_nN_m2 = rounded(by_ratio(section.bend_N_m2, u) * 1e9);
-    knot.wire.twist_stiffness_nN_m2 = rounded(by_ratio(section.twist_N_m2, u) * 1e9);
-    knot.wire.mass_mg_per_m = rounded(linearly(section.mass_kg_per_m, u) * 1e6);
-    knot.wire.radius_outer_um = rounded(linearly(section.radius_outer_mm, u) * 1e3);
-    knot.wire.friction_kinetic_milli = rounded(linearly(section.kinetic, u) * 1e3);
-    knot.wire.friction_static_milli = rounded(linearly(section.statical, u) * 1e3);
+    seld_wire_knot knot{};
+    knot.arc_um = rounded(arc_mm * 1e3);
+    knot.bend_stiffness_nN_m2 = rounded(by_ratio(section.bend_N_m2, u) * 1e9);
+    knot.twist_stiffness_nN_m2 = rounded(by_ratio(section.twist_N_m2, u) * 1e9);
+    knot.mass_mg_per_m = rounded(linearly(section.mass_kg_per_m, u) * 1e6);
+    knot.radius_outer_um = rounded(linearly(section.radius_outer_mm, u) * 1e3);
     knot.radius_inner_um = rounded(linearly(section.radius_inner_mm, u) * 1e3);
+    knot.friction_kinetic_milli = rounded(linearly(section.kinetic, u) * 1e3);
+    knot.friction_static_milli = rounded(linearly(section.statical, u) * 1e3);
     if (arc) {
-        knot.wire.rest_curvature1_per_m_milli =
+        knot.rest_curvature1_per_m_milli =
             static_cast<std::int32_t>(std::lround(arc->curvature1_per_m * 1e3));
-        knot.wire.rest_curvature2_per_m_milli =
+        knot.rest_curvature2_per_m_milli =
             static_cast<std::int32_t>(std::lround(arc->curvature2_per_m * 1e3));
     }
     return knot;
@@ -99,12 +92,12 @@ const InstrumentArc *arc_at(const std::vector<InstrumentArc> &shape, double arc_
 }
 
 // Adds a knot, without knots that change nothing: twice the same one, or the middle one of three alike.
-void append(std::vector<Knot> &knots, const Knot &knot)
+void append(std::vector<seld_wire_knot> &knots, const seld_wire_knot &knot)
 {
     const std::size_t count = knots.size();
-    if (count > 0 && knots.back().has_properties_of(knot)) {
-        if (knots.back().wire.arc_um == knot.wire.arc_um) return;
-        if (count > 1 && knots[count - 2].has_properties_of(knot)) knots.pop_back();
+    if (count > 0 && has_same_properties(knots.back(), knot)) {
+        if (knots.back().arc_um == knot.arc_um) return;
+        if (count > 1 && has_same_properties(knots[count - 2], knot)) knots.pop_back();
     }
     knots.push_back(knot);
 }
@@ -113,7 +106,7 @@ void append(std::vector<Knot> &knots, const Knot &knot)
 
 void add_profile(const Place &place, const std::vector<Section> &sections, Instrument &instrument)
 {
-    std::vector<Knot> knots;
+    std::vector<seld_wire_knot> knots;
     for (const Section &section : sections) {
         const std::vector<double> at_mm = boundaries_mm(section, instrument.shape);
         for (std::size_t i = 0; i + 1 < at_mm.size(); i++) {
@@ -128,10 +121,7 @@ void add_profile(const Place &place, const std::vector<Section> &sections, Instr
              "the profile needs " + std::to_string(knots.size()) + " knots, at most " +
                  std::to_string(SELD_WIRE_MAX_instrument_knots) + "; use fewer steps, sections or shapes");
     }
-    for (const Knot &knot : knots) {
-        instrument.table.knots[instrument.table.knots_count++] = knot.wire;
-        instrument.radius_inner_um.push_back(knot.radius_inner_um);
-    }
+    for (const seld_wire_knot &knot : knots) instrument.table.knots[instrument.table.knots_count++] = knot;
     instrument.length_m = sections.back().to_mm * 1e-3;
     if (!instrument.shape.empty() && instrument.shape.back().arc_end_m > instrument.length_m) {
         fail(place, sections.back().node, "the shape is longer than the instrument");

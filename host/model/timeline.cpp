@@ -5,17 +5,41 @@
 namespace seld
 {
 
-WireFrame wire_frame(const seld_wire_nodes &nodes, const seld_wire_node_table &table)
+double outer_radius_m(const seld_wire_instrument &tool, double arc_m)
+{
+    if (tool.knots_count == 0) return 0.0;
+    const seld_wire_knot *after =
+        std::upper_bound(tool.knots, tool.knots + tool.knots_count, arc_m,
+                         [](double arc, const seld_wire_knot &knot) { return arc < knot.arc_um * 1e-6; });
+    if (after == tool.knots) return after->radius_outer_um * 1e-6;
+    const seld_wire_knot &before = after[-1];
+    if (after == tool.knots + tool.knots_count) return before.radius_outer_um * 1e-6;
+    const double share = (arc_m - before.arc_um * 1e-6) / ((after->arc_um - before.arc_um) * 1e-6);
+    return (before.radius_outer_um + share * (double{1} * after->radius_outer_um - before.radius_outer_um)) *
+           1e-6;
+}
+
+WireFrame wire_frame(const seld_wire_nodes &nodes, const seld_wire_node_table &table,
+                     std::span<const Instrument> tools)
 {
     WireFrame frame;
     frame.tick = nodes.tick;
-    const std::size_t count = std::min(nodes.positions_count, table.nodes_count);
+    const std::span<const std::int32_t> inserted(nodes.inserted_m_q30, nodes.inserted_m_q30_count);
+    for (std::int32_t m_q30 : inserted)
+        frame.tip_arc_m.push_back(units::metres(*std::max_element(inserted.begin(), inserted.end())) -
+                                  units::metres(m_q30));
+    const std::size_t count = std::min(nodes.positions_count, table.arcs_m_q30_count);
     frame.nodes.reserve(count);
     for (std::size_t i = 0; i < count; i++) {
         const seld_wire_node_position &p = nodes.positions[i];
-        const seld_wire_node_rest &rest = table.nodes[i];
-        frame.nodes.push_back({units::metres(p.x_m_q30, p.y_m_q30, p.z_m_q30), units::metres(rest.arc_m_q30),
-                               units::metres(rest.radius_m_q30), 0.0});
+        WireNode node{units::metres(p.x_m_q30, p.y_m_q30, p.z_m_q30), units::metres(table.arcs_m_q30[i]), 0.0,
+                      0.0};
+        for (std::size_t k = 0; k < std::min(tools.size(), frame.tip_arc_m.size()); k++) {
+            const double own_arc_m = node.arc_m - frame.tip_arc_m[k];
+            if (own_arc_m >= 0.0)
+                node.radius_m = std::max(node.radius_m, outer_radius_m(tools[k].table, own_arc_m));
+        }
+        frame.nodes.push_back(node);
     }
     return frame;
 }

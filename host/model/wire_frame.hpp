@@ -1,4 +1,4 @@
-// A picture's worth of instrument state: what effects and X-ray see of the core at one tick.
+// A picture's worth of the tools: what effects and X-ray see of the core at one tick.
 // SI units in Eigen doubles; filled by host/model from bytes, never from the core directly.
 #pragma once
 #include <Eigen/Core>
@@ -10,15 +10,18 @@ namespace seld
 
 struct WireNode {
     Eigen::Vector3d position_m; // patient frame: +x left, +y head, +z anterior
-    double arc_m = 0.0;         // rest arc length from the distal tip
-    double radius_m = 0.0;      // outer radius
+    double arc_m = 0.0;         // rest arc length from the leading tip
+    double radius_m = 0.0;      // outer radius of the outermost tool there
     double depth_m = 0.0;       // contact depth, > 0 in contact (0 when unknown)
 };
 
 struct WireFrame {
     std::uint32_t tick = 0;
     std::vector<WireNode>
-        nodes; // node 0 is the tip; only nodes beyond the inserter and the first one inside it
+        nodes; // node 0 is the leading tip; only nodes beyond the inserter and the first one inside it
+    // Where on the line each tool's own tip lies, from the innermost tool; the leading one's is 0. A tool covers the line
+    // from there to the last node. Empty: one tool from node 0.
+    std::vector<double> tip_arc_m;
 };
 
 } // namespace seld

@@ -116,14 +116,15 @@ void the_shipped_instruments_have_the_documented_stiffness(void **)
         const seld_wire_knot &hub = one.table.knots[one.table.knots_count - 1];
         expect_near(one.name + " length", one.length_m * 1e3, expected.length_mm, 1e-9);
         expect_near(one.name + " OD", hub.radius_outer_um * 2e-3, expected.outer_mm, 2e-3);
-        expect_near(one.name + " ID", one.radius_inner_um.back() * 2e-3, expected.inner_mm, 2e-3);
+        expect_near(one.name + " ID", one.table.knots[one.table.knots_count - 1].radius_inner_um * 2e-3,
+                    expected.inner_mm, 2e-3);
         expect_bend(one, 1, expected.tip_N_m2);
         expect_bend(one, 900, expected.shaft_N_m2);
         expect_near(one.name + " GJ", seld::stiffness_at(one, Stiffness::twist, 0.9),
                     expected.shaft_ratio * expected.shaft_N_m2, 0.01);
         assert_int_equal(one.table.knots[0].arc_um, 0);
         assert_int_equal(one.kind == seld::InstrumentKind::wire, expected.inner_mm == 0.0);
-        assert_int_equal(one.lumen_friction_milli > 0, expected.inner_mm > 0.0);
+        assert_int_equal(one.table.lumen_friction_milli > 0, expected.inner_mm > 0.0);
     }
     assert_int_equal(seld::list_instruments({}, "").size(), std::size(all));
 }

@@ -63,13 +63,13 @@ seld_instrument core_instrument(const Instrument &instrument)
                          .twist_stiffness_nN_m2 = k.twist_stiffness_nN_m2,
                          .mass_mg_per_m = k.mass_mg_per_m,
                          .radius_outer_um = k.radius_outer_um,
-                         .radius_inner_um = instrument.radius_inner_um[i],
+                         .radius_inner_um = k.radius_inner_um,
                          .friction_kinetic_milli = k.friction_kinetic_milli,
                          .friction_static_milli = k.friction_static_milli,
                          .rest_curvature1_per_m_milli = k.rest_curvature1_per_m_milli,
                          .rest_curvature2_per_m_milli = k.rest_curvature2_per_m_milli};
     }
-    core.lumen_friction_milli = instrument.lumen_friction_milli;
+    core.lumen_friction_milli = table.lumen_friction_milli;
     core.axial_stiffness_max_N = table.axial_stiffness_max_N;
     core.element_tip_um = table.element_tip_um;
     core.element_shaft_um = table.element_shaft_um;
@@ -222,13 +222,12 @@ void a_shape_out_of_its_plane_rests_in_it(void **)
 void the_device_takes_every_preset(void **)
 {
     const seld::SceneFile scene = seld::read_scene("");
-    seld_wire_entry entry = scene.entry;
-    entry.inserted_um = 30000;
+    const seld_wire_entry entry = seld::entry_of(scene, 1, std::vector<std::uint32_t>{30000});
     for (const std::string &file : shipped_files()) {
         for (const std::string &preset : seld::read_instrument(file).presets) {
             const Instrument instrument = seld::read_instrument(file + ":" + preset);
             try {
-                seld::Device(scene, instrument, entry, seld::host_rig());
+                seld::Device(scene, {instrument}, entry, seld::host_rig());
             } catch (const std::exception &error) {
                 fail_msg("%s: %s", instrument.name.c_str(), error.what());
             }
@@ -242,7 +241,9 @@ bool fits_into(const Instrument &inner, const Instrument &outer)
     for (std::uint16_t i = 0; i < inner.table.knots_count; i++) {
         thickest_um = std::max(thickest_um, inner.table.knots[i].radius_outer_um);
     }
-    return thickest_um <= *std::min_element(outer.radius_inner_um.begin(), outer.radius_inner_um.end());
+    const seld_wire_instrument &around = outer.table;
+    return std::all_of(around.knots, around.knots + around.knots_count,
+                       [&](const seld_wire_knot &knot) { return thickest_um <= knot.radius_inner_um; });
 }
 
 void expect_line(const std::vector<const Instrument *> &tools)

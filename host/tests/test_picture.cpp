@@ -173,7 +173,8 @@ static void display_draws_over_the_picture_and_nowhere_else(void **)
 {
     const XrayPicture picture = grey_picture(512);
     OverlayInfo info;
-    info.instrument = "Wire";
+    info.tools = {
+        {"Wire", 120, 90, 0.4, 1, true}, {"Catheter", 80, 0, 0.1, 0, false}, {"Guide", 20, 0, 0, 0, false}};
     const Image image = compose_display(picture, info);
     int changed_in_corner = 0, changed_in_middle = 0;
     for (int y = 0; y < 512; ++y)
@@ -194,11 +195,10 @@ static void display_survives_any_number_and_any_text(void **)
     info.secondary_deg = huge;
     info.field_m = -huge;
     info.time_s = nan;
-    info.inserted_mm = huge;
-    info.axial_N = std::numeric_limits<double>::infinity();
+    info.tools.assign(40, {std::string(300, 'x') + "\xff\x01\n", huge, nan,
+                           std::numeric_limits<double>::infinity(), -huge, true});
     info.axial_full_scale_N = 0.0;
     info.kerma_mGy = -nan;
-    info.instrument = std::string(300, 'x') + "\xff\x01\n";
     info.notice = std::string(500, '\x80');
     info.panel.assign(100, std::string(200, '#'));
     for (int size : {64, 130, 512}) compose_display(grey_picture(size), info);

@@ -35,19 +35,18 @@ struct Recorded {
 
 Recorded record(const std::string &script)
 {
-    const seld::Instrument instrument =
-        seld::read_instrument("shared/examples/instruments/amplatz_super_stiff.toml");
+    const std::vector<seld::Instrument> tools = {
+        seld::read_instrument("shared/examples/instruments/amplatz_super_stiff.toml")};
     const seld::Session session = seld::parse_session(script, "test");
-    seld_wire_entry entry = scene.entry;
-    entry.inserted_um = session.inserted_um;
-    seld::Device device(scene, instrument, entry, seld::host_rig());
+    const seld_wire_entry entry = seld::entry_of(scene, tools.size(), session.inserted_um);
+    seld::Device device(scene, tools, entry, seld::host_rig());
     const seld::RecordingHeader header = {device.identity().core_version,
                                           device.identity().schema_hash,
                                           0,
                                           0,
                                           "",
                                           "test",
-                                          instrument,
+                                          tools,
                                           entry,
                                           seld::host_rig()};
     Recorded recorded;
@@ -70,7 +69,7 @@ const Recorded &session()
 seld::ReplayResult replay(const seld::Recording &recording, const seld::ReplaySettings &settings)
 {
     const seld::RecordingHeader &header = recording.header;
-    seld::Device device(scene, header.instrument, header.entry, header.rig);
+    seld::Device device(scene, header.tools, header.entry, header.rig);
     return seld::replay_recording(device, recording, nullptr, settings);
 }
 
@@ -110,7 +109,7 @@ void a_replay_from_a_snapshot_ends_in_the_same_state(void **)
 void a_changed_input_is_found_at_its_tick(void **)
 {
     seld::Recording recording = seld::parse_recording(session().bytes, "test");
-    recording.ticks[1234].input.translation_counts += 40;
+    recording.ticks[1234].input.hands[0].translation_counts += 40;
     const seld::ReplayResult result = replay(recording, verify("fast", 0));
     assert_true(result.first_difference_tick.has_value());
     assert_int_equal(*result.first_difference_tick, 1235);
@@ -162,13 +161,13 @@ void a_flipped_bit_is_never_taken_for_a_complete_recording(void **)
 void other_files_and_newer_versions_are_refused_by_name(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;
-    bytes[7] = '2';
+    bytes[7] = '3';
     try {
         seld::parse_recording(bytes, "x.rec");
         fail_msg("a newer version was accepted");
     } catch (const seld::RecordingError &error) {
         assert_true(error.fault == seld::RecordingFault::newer_version);
-        assert_non_null(strstr(error.what(), "x.rec: is a recording of version '2'"));
+        assert_non_null(strstr(error.what(), "x.rec: is a recording of version '3'"));
     }
     bytes[0] = 'X';
     try {
@@ -228,7 +227,7 @@ void pictures_do_not_change_the_session(void **)
 {
     const seld::Recording recording = seld::parse_recording(session().bytes, "test");
     const seld::RecordingHeader &header = recording.header;
-    seld::Device device(scene, header.instrument, header.entry, header.rig);
+    seld::Device device(scene, header.tools, header.entry, header.rig);
     CountingSink sink;
     const seld::ReplayResult result = seld::replay_recording(device, recording, &sink, verify("fast", 0));
     assert_true(result.hash == session().result.hash);

@@ -1,10 +1,12 @@
 // Claims: scripts become the motion they state, smoothly and exactly; a mistake is reported with its place.
+#include <array>
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -22,7 +24,7 @@ namespace
 std::vector<seld_wire_encoders> play(const std::string &text)
 {
     const seld::Session session = seld::parse_session(text, "test");
-    seld::SessionPlayer player(session);
+    seld::SessionPlayer player(session, 1);
     std::vector<seld_wire_encoders> inputs;
     while (!player.is_done() && inputs.size() < 1000000) inputs.push_back(player.next());
     return inputs;
@@ -46,7 +48,7 @@ void advance_goes_exactly_the_distance_in_the_stated_time(void **)
 {
     const auto inputs = play("advance 120 mm at 40 mm/s");
     assert_int_equal(inputs.size(), 3200);
-    assert_int_equal(inputs.back().translation_counts, 120000);
+    assert_int_equal(inputs.back().hands[0].translation_counts, 120000);
 }
 
 // Speed never exceeds the stated one (by more than a count of rounding), never turns back, and changes per tick by no
@@ -62,11 +64,11 @@ void motion_is_smooth_and_never_faster_than_stated(void **)
     for (const auto &c : cases) {
         double last = 0, last_step = 0;
         for (const auto &input : play(c.text)) {
-            const double step = input.translation_counts - last;
+            const double step = input.hands[0].translation_counts - last;
             assert_true(step >= 0 && step <= c.speed_counts_per_tick + 1);
             assert_true(std::fabs(step - last_step) <= 1.5 * c.speed_counts_per_tick / c.ramp_ticks + 2);
             last_step = step;
-            last = input.translation_counts;
+            last = input.hands[0].translation_counts;
         }
     }
 }
@@ -74,8 +76,8 @@ void motion_is_smooth_and_never_faster_than_stated(void **)
 void withdraw_and_negative_turns_go_the_other_way(void **)
 {
     const auto inputs = play("withdraw 1 cm at 10 mm/s while rotate -90 deg at 90 deg/s");
-    assert_int_equal(inputs.back().translation_counts, -10000);
-    assert_int_equal(inputs.back().rotation_counts, -16384);
+    assert_int_equal(inputs.back().hands[0].translation_counts, -10000);
+    assert_int_equal(inputs.back().hands[0].rotation_counts, -16384);
 }
 
 // Three strokes and two pauses of 150 ms.
@@ -83,7 +85,7 @@ void strokes_add_up_to_the_whole(void **)
 {
     const auto whole = play("advance 100 mm at 50 mm/s"),
                strokes = play("advance 100 mm at 50 mm/s in strokes of 40 mm");
-    assert_int_equal(strokes.back().translation_counts, 100000);
+    assert_int_equal(strokes.back().hands[0].translation_counts, 100000);
     assert_int_equal(strokes.size(), whole.size() + 2 * 200 + 2 * 150);
 }
 
@@ -91,19 +93,19 @@ void moves_joined_by_while_run_together(void **)
 {
     const auto both = play("advance 40 mm at 40 mm/s while rotate 90 deg at 45 deg/s");
     assert_int_equal(both.size(), 2200);
-    assert_int_equal(both[1300].translation_counts, 40000);
+    assert_int_equal(both[1300].hands[0].translation_counts, 40000);
 }
 
 // The condition is met at 100 mm; after it the hand may run on for one ramp: 30 mm/s x 0.1 s = 3 mm.
 void until_stops_within_one_ramp(void **)
 {
     const seld::Session session = seld::parse_session("advance until inserted 100 mm at 30 mm/s", "test");
-    seld::SessionPlayer player(session);
+    seld::SessionPlayer player(session, 1);
     double inserted_m = 0.02;
     std::uint32_t tick = 0;
     while (!player.is_done() && tick < 100000) {
-        inserted_m = 0.02 + player.next().translation_counts * 1e-6;
-        if (++tick % seld::SessionPlayer::observe_every_ticks == 0) player.observe(inserted_m);
+        inserted_m = 0.02 + player.next().hands[0].translation_counts * 1e-6;
+        if (++tick % seld::SessionPlayer::observe_every_ticks == 0) player.observe({&inserted_m, 1});
     }
     assert_true(inserted_m >= 0.1 && inserted_m < 0.1 + 0.003 + 16 * 30e-6);
     assert_int_equal(player.given_up_lines().size(), 0);
@@ -112,11 +114,11 @@ void until_stops_within_one_ramp(void **)
 void until_that_is_never_reached_is_given_up_and_reported(void **)
 {
     const seld::Session session = seld::parse_session("\nadvance until inserted 100 mm", "test");
-    seld::SessionPlayer player(session);
+    seld::SessionPlayer player(session, 1);
     std::uint32_t tick = 0;
     while (!player.is_done() && tick < 100000) {
         player.next();
-        if (++tick % seld::SessionPlayer::observe_every_ticks == 0) player.observe(0.02);
+        if (++tick % seld::SessionPlayer::observe_every_ticks == 0) player.observe(std::array{0.02});
     }
     assert_true(tick < 61000);
     assert_int_equal(player.given_up_lines().size(), 1);
@@ -128,7 +130,7 @@ void views_change_between_moves(void **)
     const seld::Session session = seld::parse_session(
         "fluoro on\nc-arm LAO 30 CAU 10\nwait 1 s\nc-arm RAO 20\ntable y 25 cm\nfield 20 cm\nwait 1 s",
         "test");
-    seld::SessionPlayer player(session);
+    seld::SessionPlayer player(session, 1);
     assert_int_equal(player.next().buttons, 1);
     assert_int_equal(player.view().primary_mdeg, 30000);
     assert_int_equal(player.view().secondary_mdeg, -10000);
@@ -156,14 +158,115 @@ void mistakes_are_reported_with_place_and_suggestion(void **)
     expect_error("c-arm LAO 200", "outside +-120 deg");
     expect_error("advance 1 mm while withdraw 1 mm", "one hand cannot");
     expect_error("wait 1 s\nbegin inserted 5 mm", "must be the first statement");
+    expect_error("advance catheter 1 mm while withdraw catheter 1 mm", "one hand cannot");
+    expect_error("advance together 1 mm while advance wire 1 mm", "one hand cannot");
+    expect_error("advance cateter 1 mm", "1:9: unknown tool 'cateter', did you mean 'catheter'?");
+    expect_error("select cateter", "unknown tool 'cateter', did you mean 'catheter'?");
+    expect_error("select 4", "unknown tool '4'");
+    expect_error("advance tool 4 1 mm", "a tool is 1 to 3, from the innermost");
+    expect_error("advance tool 1.5 1 mm", "a tool is 1 to 3");
+    expect_error("begin balloon inserted 1 mm", "expected 'inserted', found 'balloon'");
+    expect_error("select", "expected tool, the line ends");
     expect_error("# nothing\n\n", "holds no statement");
 }
 
 void comments_commas_and_joined_units_are_understood(void **)
 {
     const auto inputs = play("advance 10mm at 10mm/s, while rotate 90° # push and turn\r\n");
-    assert_int_equal(inputs.back().translation_counts, 10000);
-    assert_int_equal(inputs.back().rotation_counts, 16384);
+    assert_int_equal(inputs.back().hands[0].translation_counts, 10000);
+    assert_int_equal(inputs.back().hands[0].rotation_counts, 16384);
+}
+
+// Every hand has its own counts; those that are not named rest.
+std::vector<seld_wire_encoders> play(const std::string &text, std::size_t tool_count)
+{
+    const seld::Session session = seld::parse_session(text, "test");
+    seld::SessionPlayer player(session, tool_count);
+    std::vector<seld_wire_encoders> inputs;
+    while (!player.is_done() && inputs.size() < 1000000) inputs.push_back(player.next());
+    return inputs;
+}
+
+void a_move_names_its_tool_or_moves_the_selected_one(void **)
+{
+    const auto inputs =
+        play("advance catheter 10 mm\nadvance tool 3 5 mm\nrotate guide 90 deg\nadvance 1 mm\n"
+             "select 2\nadvance 2 mm\ntool guide\nwithdraw 1 mm\nselect wire\nrotate -90 deg",
+             3);
+    const seld_wire_encoders &end = inputs.back();
+    assert_int_equal(end.hands_count, 3);
+    assert_int_equal(end.hands[0].translation_counts, 1000);
+    assert_int_equal(end.hands[0].rotation_counts, -16384);
+    assert_int_equal(end.hands[1].translation_counts, 12000);
+    assert_int_equal(end.hands[1].rotation_counts, 0);
+    assert_int_equal(end.hands[2].translation_counts, 4000);
+    assert_int_equal(end.hands[2].rotation_counts, 16384);
+}
+
+// Wire 3 s + a ramp, catheter 1 s + a ramp: after 1.2 s the catheter rests and the wire is on its way.
+void two_tools_move_at_once(void **)
+{
+    const auto inputs = play("advance wire 60 mm at 20 mm/s while withdraw catheter 10 mm at 10 mm/s", 2);
+    assert_int_equal(inputs.size(), 3200);
+    assert_in_range(inputs[1250].hands[0].translation_counts, 20000, 25000);
+    assert_int_equal(inputs[1250].hands[1].translation_counts, -10000);
+    assert_int_equal(inputs.back().hands[0].translation_counts, 60000);
+}
+
+void together_moves_every_tool_of_the_line(void **)
+{
+    for (std::size_t count = 1; count <= 3; count++) {
+        const auto inputs = play("advance together 20 mm while rotate together 1 turn", count);
+        assert_int_equal(inputs.back().hands_count, count);
+        for (std::size_t k = 0; k < count; k++) {
+            assert_int_equal(inputs.back().hands[k].translation_counts, 20000);
+            assert_int_equal(inputs.back().hands[k].rotation_counts, 65536);
+        }
+    }
+}
+
+// The condition looks at the named tool's own length.
+void until_looks_at_its_own_tool(void **)
+{
+    const seld::Session session =
+        seld::parse_session("withdraw wire until inserted 100 mm at 30 mm/s", "test");
+    seld::SessionPlayer player(session, 2);
+    double inserted_m[2] = {0.2, 0.02};
+    for (std::uint32_t tick = 1; !player.is_done() && tick < 100000; tick++) {
+        const seld_wire_encoders input = player.next();
+        inserted_m[0] = 0.2 + input.hands[0].translation_counts * 1e-6;
+        assert_int_equal(input.hands[1].translation_counts, 0);
+        if (tick % seld::SessionPlayer::observe_every_ticks == 0) player.observe(inserted_m);
+    }
+    assert_true(inserted_m[0] <= 0.1 && inserted_m[0] > 0.1 - 0.003 - 16 * 30e-6);
+}
+
+void every_tool_may_begin_at_its_own_length(void **)
+{
+    const seld::Session all = seld::parse_session("begin inserted 40 mm\nwait 1 s", "test");
+    const seld::Session each = seld::parse_session(
+        "begin inserted 40 mm\nbegin wire inserted 120 mm\nbegin tool 3 inserted 0 mm\nwait 1 s", "test");
+    for (std::uint32_t um : all.inserted_um) assert_int_equal(um, 40000);
+    assert_int_equal(all.tools_named, 1);
+    assert_int_equal(each.inserted_um[0], 120000);
+    assert_int_equal(each.inserted_um[1], 40000);
+    assert_int_equal(each.inserted_um[2], 0);
+    assert_int_equal(each.tools_named, 3);
+}
+
+// A script that needs more tools than are given says where and what to do.
+void a_tool_that_is_not_there_is_named_with_its_line(void **)
+{
+    const seld::Session session =
+        seld::parse_session("advance 1 mm\nadvance catheter 1 mm\nadvance wire 1 mm", "a.session");
+    seld::SessionPlayer with_two(session, 2);
+    try {
+        seld::SessionPlayer with_one(session, 1);
+        fail_msg("a missing tool was accepted");
+    } catch (const seld::FileError &error) {
+        assert_non_null(
+            std::strstr(error.what(), "a.session:2:1: moves tool 2, but there is only one; name the tools"));
+    }
 }
 
 // Keyboard: a speed is reached by steps and left by steps; the counters follow.
@@ -195,6 +298,12 @@ int main()
         cmocka_unit_test(views_change_between_moves),
         cmocka_unit_test(mistakes_are_reported_with_place_and_suggestion),
         cmocka_unit_test(comments_commas_and_joined_units_are_understood),
+        cmocka_unit_test(a_move_names_its_tool_or_moves_the_selected_one),
+        cmocka_unit_test(two_tools_move_at_once),
+        cmocka_unit_test(together_moves_every_tool_of_the_line),
+        cmocka_unit_test(until_looks_at_its_own_tool),
+        cmocka_unit_test(every_tool_may_begin_at_its_own_length),
+        cmocka_unit_test(a_tool_that_is_not_there_is_named_with_its_line),
         cmocka_unit_test(a_live_hand_comes_to_rest),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

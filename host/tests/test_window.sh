@@ -52,5 +52,44 @@ result $? "keys are recorded and replay bit for bit"
 # Pedal down, pedal up, C-arm: with the first view at least four.
 "$program" info "$work/live.rec" 2>&1 | grep -Eq "view changes ([4-9]|[1-9][0-9])"
 result $? "pedal and C-arm keys reach the recording"
+
+# Two tools: the catheter is chosen, pushed for a second, then the wire and the catheter together.
+cat >"$work/two.sh" <<'EOF'
+"$program" view --tool "$wire" --tool "$catheter" --inserted 60 --inserted 40 --record "$work/two.rec" \
+    --screenshot "$work/two.png" >"$work/two" 2>&1 &
+window=$!
+for _ in $(seq 100); do xdotool search --name Seldinger >/dev/null 2>&1 && break; sleep 0.1; done
+sleep 0.5
+xdotool search --name Seldinger windowfocus >/dev/null 2>&1
+xdotool key 2; xdotool keydown Up; sleep 1; xdotool keyup Up; sleep 0.3
+xdotool key g; xdotool keydown Up; sleep 0.5; xdotool keyup Up; sleep 0.5
+xdotool key Escape
+wait "$window"
+EOF
+export catheter=shared/examples/instruments/beacon_5f.toml
+timeout 60 xvfb-run -a bash "$work/two.sh"
+result $? "two tools open, move and end with exit code 0"
+"$program" replay "$work/two.rec" --verify >"$work/log" 2>&1
+result $? "what the keys did to two tools replays bit for bit"
+# The wire went with the second push only, the catheter with both.
+awk '/^tool/ {k = $2} /inserted/ {end[k] = $2} END {exit !(end[1] > 62 && end[1] < 90 && end[2] - 40 > end[1] - 60 + 10)}' "$work/log"
+result $? "the chosen tool moves alone, and both move together"
+
+"$program" view --tool "$wire" --tool "$catheter" --inserted 1 --inserted 2 --inserted 3 >"$work/log" 2>&1
+[ $? = 2 ] && grep -q "only 2 tools" "$work/log"
+result $? "more lengths than tools are wrong usage"
+
+# Ctrl-C: everything written is whole, and the exit code says that it did not end by itself.
+cat >"$work/stop.sh" <<'EOF'
+"$program" view --instrument "$wire" --record "$work/stop.rec" >"$work/stop" 2>&1 &
+window=$!
+for _ in $(seq 100); do [ -s "$work/stop.rec" ] && break; sleep 0.1; done
+sleep 0.7
+kill -INT "$window"
+wait "$window"
+EOF
+timeout 60 xvfb-run -a bash -c "set -m; . '$work/stop.sh'"
+[ $? = 1 ] && grep -q "interrupted" "$work/stop" && "$program" info "$work/stop.rec" | grep -q "complete"
+result $? "Ctrl-C closes the recording and ends with 1"
 echo "1..$number"
 exit $failed

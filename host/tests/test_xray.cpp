@@ -88,7 +88,7 @@ struct Rendered {
 
 std::unique_ptr<Rendered> render(const Bodies &bodies, const XraySettings &settings,
                                  const WireFrame &wire = {}, int threads = 2,
-                                 const RadiopaqueInstrument &look = guidewire_look())
+                                 const std::vector<RadiopaqueInstrument> &tools = {guidewire_look()})
 {
     auto rendered = std::make_unique<Rendered>();
     std::string error;
@@ -97,7 +97,7 @@ std::unique_ptr<Rendered> render(const Bodies &bodies, const XraySettings &setti
         fail();
     }
     rendered->xray = std::make_unique<Xray>(rendered->scene, threads);
-    rendered->xray->render(settings, look, wire, 7, rendered->picture);
+    rendered->xray->render(settings, tools, wire, 7, rendered->picture);
     return rendered;
 }
 
@@ -277,16 +277,17 @@ static void picture_is_the_same_for_any_number_of_threads(void **)
 static void kept_view_gives_the_same_picture_as_a_new_one(void **)
 {
     const auto first = render(chest_like(), oblique_settings(), bent_wire());
+    const std::vector<RadiopaqueInstrument> wires = {guidewire_look()};
     XrayPicture kept, moved;
-    first->xray->render(oblique_settings(), guidewire_look(), WireFrame{}, 7, moved);
+    first->xray->render(oblique_settings(), wires, WireFrame{}, 7, moved);
     assert_true(first->xray->last_render_used_cache());
     assert_int_not_equal(hash_of(moved), hash_of(first->picture));
-    first->xray->render(oblique_settings(), guidewire_look(), bent_wire(), 7, kept);
+    first->xray->render(oblique_settings(), wires, bent_wire(), 7, kept);
     assert_true(first->xray->last_render_used_cache());
     assert_int_equal(hash_of(kept), hash_of(first->picture));
     XraySettings other = oblique_settings();
     other.carm.primary_deg += 1.0;
-    first->xray->render(other, guidewire_look(), bent_wire(), 7, moved);
+    first->xray->render(other, wires, bent_wire(), 7, moved);
     assert_false(first->xray->last_render_used_cache());
 }
 
@@ -295,8 +296,8 @@ static void tube_has_the_volume_of_its_wire(void **)
 {
     XraySettings settings;
     const WireFrame wire = bent_wire();
-    const RadiopaqueInstrument solid{{{0.0, 1.0, Material::steel, 1.0, 1.0}}};
-    const auto seen = render({}, settings, wire, 1, solid);
+    const RadiopaqueInstrument solid{{{0.0, 1.0, Material::steel, 1.0, 1.0}}, {}};
+    const auto seen = render({}, settings, wire, 1, {solid});
     const std::vector<std::int32_t> path = seen->xray->instrument_path_q10mm(Material::steel);
     double length_mm = 0.0, volume_mm3 = 0.0;
     for (std::size_t i = 1; i < wire.nodes.size(); ++i)
@@ -321,8 +322,8 @@ static void tube_is_unbroken_and_as_thick_as_the_wire(void **)
         wire.nodes.push_back(node);
     }
     XraySettings settings;
-    const RadiopaqueInstrument solid{{{0.0, 1.0, Material::steel, 1.0, 1.0}}};
-    const auto seen = render({}, settings, wire, 1, solid);
+    const RadiopaqueInstrument solid{{{0.0, 1.0, Material::steel, 1.0, 1.0}}, {}};
+    const auto seen = render({}, settings, wire, 1, {solid});
     const std::vector<std::int32_t> path = seen->xray->instrument_path_q10mm(Material::steel);
     const View view = make_view(settings.carm, 512);
     double thinnest_mm = 1e9, thickest_mm = 0.0;

@@ -13,6 +13,7 @@ using Eigen::Vector3d;
 constexpr double sagitta_max_mm = 0.01; // how far the pieces may leave the smooth centreline
 constexpr int pieces_max = 12;
 constexpr int grid = 3;
+constexpr double near_m = 1e-5; // points of a line that are no farther apart count as one
 
 // A point of the refined centreline in camera axes: x right, y up, z away from the source, mm.
 struct Point {
@@ -116,11 +117,13 @@ class TubePainter
     {
     }
 
-    void draw(const Piece &piece, const RadiopaqueSection &section)
+    // The part of the piece between two radii, filled to the share `fill`.
+    void draw(const Piece &piece, const Material material, double inner_mm, double fill)
     {
-        const Material material = section.material;
         std::vector<std::int32_t> &sums = picture_.sums[static_cast<int>(material)];
         if (sums.empty()) sums.assign(static_cast<std::size_t>(size_) * size_, 0);
+        Piece hole = piece;
+        hole.radius_mm = inner_mm;
         const double near_mm = std::min(piece.a_mm.z(), piece.b_mm.z()) - piece.radius_mm;
         if (near_mm < 1.0) return;
         const double ax = pixel_x(piece.a_mm), ay = pixel_y(piece.a_mm);
@@ -132,7 +135,7 @@ class TubePainter
         for (int y = y0; y <= y1; ++y)
             for (int x = x0; x <= x1; ++x) {
                 if (is_far(x + 0.5, y + 0.5, ax, ay, bx, by, pad)) continue;
-                const std::int32_t sum = pixel_sum(piece, section.fill, x, y);
+                const std::int32_t sum = pixel_sum(piece, hole, fill, x, y);
                 if (sum > 0) add(sums, y * size_ + x, sum);
             }
     }
@@ -153,14 +156,16 @@ class TubePainter
         return ex * ex + ey * ey > pad * pad;
     }
 
-    std::int32_t pixel_sum(const Piece &piece, double fill, int x, int y) const
+    std::int32_t pixel_sum(const Piece &piece, const Piece &hole, double fill, int x, int y) const
     {
         std::int32_t sum = 0;
         for (int j = 0; j < grid; ++j)
             for (int i = 0; i < grid; ++i) {
                 Vector3d ray(x + (i + 0.5) / grid - half_, half_ - y - (j + 0.5) / grid, focal_pixels_);
                 ray /= std::sqrt(ray.squaredNorm());
-                sum += static_cast<std::int32_t>(chord_mm(piece, ray) * fill * 1024.0 + 0.5);
+                double chord = chord_mm(piece, ray);
+                if (chord > 0.0 && hole.radius_mm > 0.0) chord -= chord_mm(hole, ray);
+                sum += static_cast<std::int32_t>(chord * fill * 1024.0 + 0.5);
             }
         return sum;
     }
@@ -183,6 +188,86 @@ Vector3d direction(const Point &from, const Point &to)
     return (to.at_mm - from.at_mm).normalized();
 }
 
+Point between(const Point &from, const Point &to, double arc_m)
+{
+    const double share = (arc_m - from.arc_m) / (to.arc_m - from.arc_m);
+    return {from.at_mm + share * (to.at_mm - from.at_mm), arc_m,
+            from.radius_mm + share * (to.radius_mm - from.radius_mm)};
+}
+
+// The line from a tool's own tip on, with a point wherever one of its sections begins or ends.
+std::vector<Point> own_part(const std::vector<Point> &line, double tip_arc_m,
+                            const RadiopaqueInstrument &tool)
+{
+    std::vector<double> marks_m = {tip_arc_m};
+    for (const RadiopaqueSection &section : tool.sections) {
+        marks_m.push_back(tip_arc_m + section.arc_begin_m);
+        marks_m.push_back(tip_arc_m + section.arc_end_m);
+    }
+    std::sort(marks_m.begin(), marks_m.end());
+    std::vector<Point> points;
+    auto is_new = [&](double arc_m) { return points.empty() || arc_m > points.back().arc_m + near_m; };
+    std::size_t mark = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        for (; mark < marks_m.size() && marks_m[mark] < line[i].arc_m - near_m; ++mark) {
+            const double arc_m = marks_m[mark];
+            if (i > 0 && arc_m > line[i - 1].arc_m + near_m && arc_m >= tip_arc_m && is_new(arc_m))
+                points.push_back(between(line[i - 1], line[i], arc_m));
+        }
+        if (line[i].arc_m >= tip_arc_m - near_m) points.push_back(line[i]);
+    }
+    return points;
+}
+
+RadiopaqueRadius radius_at(const RadiopaqueInstrument &tool, double arc_m, double node_radius_mm)
+{
+    const std::vector<RadiopaqueRadius> &radii = tool.radii;
+    if (radii.empty()) return {arc_m, node_radius_mm * 1e-3, 0.0};
+    const auto after = std::upper_bound(radii.begin(), radii.end(), arc_m,
+                                        [](double arc, const RadiopaqueRadius &r) { return arc < r.arc_m; });
+    if (after == radii.begin()) return radii.front();
+    const RadiopaqueRadius &before = after[-1];
+    if (after == radii.end()) return before;
+    const double share = (arc_m - before.arc_m) / (after->arc_m - before.arc_m);
+    return {arc_m, before.outer_m + share * (after->outer_m - before.outer_m),
+            before.inner_m + share * (after->inner_m - before.inner_m)};
+}
+
+// `fill` counts the whole cross-section within the section's radius; a tool with a lumen has it all in its wall.
+void draw_section(TubePainter &painter, Piece &piece, const RadiopaqueSection &section,
+                  const RadiopaqueRadius &radius)
+{
+    const double outer_mm = radius.outer_m * 1e3 * section.radius_share;
+    double inner_mm = radius.inner_m * 1e3, fill = section.fill;
+    if (outer_mm <= 0.0) return;
+    if (inner_mm >= outer_mm) inner_mm = 0.0; // something thin inside the lumen
+    fill = std::min(1.0, fill * outer_mm * outer_mm / (outer_mm * outer_mm - inner_mm * inner_mm));
+    piece.radius_mm = outer_mm;
+    painter.draw(piece, section.material, inner_mm, fill);
+}
+
+void draw_tool(TubePainter &painter, const RadiopaqueInstrument &tool, const std::vector<Point> &points,
+               double tip_arc_m)
+{
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+        Piece piece;
+        piece.a_mm = points[i].at_mm;
+        piece.b_mm = points[i + 1].at_mm;
+        piece.axis = direction(points[i], points[i + 1]);
+        const Vector3d before = i > 0 ? direction(points[i - 1], points[i]) : piece.axis;
+        const Vector3d after = i + 2 < points.size() ? direction(points[i + 1], points[i + 2]) : piece.axis;
+        piece.normal_a = (before + piece.axis).normalized();
+        piece.normal_b = (piece.axis + after).normalized();
+        const double arc_m = 0.5 * (points[i].arc_m + points[i + 1].arc_m) - tip_arc_m;
+        const RadiopaqueRadius radius =
+            radius_at(tool, arc_m, 0.5 * (points[i].radius_mm + points[i + 1].radius_mm));
+        for (const RadiopaqueSection &section : tool.sections) {
+            if (arc_m < section.arc_begin_m || arc_m >= section.arc_end_m) continue;
+            draw_section(painter, piece, section, radius);
+        }
+    }
+}
+
 } // namespace
 
 void TubePicture::clear(int new_size)
@@ -202,30 +287,18 @@ void TubePicture::clear(int new_size)
     touched.clear();
 }
 
-void draw_tube(const RadiopaqueInstrument &instrument, const WireFrame &wire, const View &view,
-               TubePicture &picture)
+void draw_tools(std::span<const RadiopaqueInstrument> tools, const WireFrame &wire, const View &view,
+                TubePicture &picture)
 {
     picture.clear(view.size);
     const std::vector<Point> nodes = to_camera(wire, view);
     if (nodes.size() < 2) return;
-    const std::vector<Point> points = refine(nodes);
+    const std::vector<Point> line = refine(nodes);
     TubePainter painter(view, picture);
-    const std::size_t last = points.size() - 1;
-    for (std::size_t i = 0; i < last; ++i) {
-        Piece piece;
-        piece.a_mm = points[i].at_mm;
-        piece.b_mm = points[i + 1].at_mm;
-        piece.axis = direction(points[i], points[i + 1]);
-        const Vector3d before = i > 0 ? direction(points[i - 1], points[i]) : piece.axis;
-        const Vector3d after = i + 1 < last ? direction(points[i + 1], points[i + 2]) : piece.axis;
-        piece.normal_a = (before + piece.axis).normalized();
-        piece.normal_b = (piece.axis + after).normalized();
-        const double arc_m = 0.5 * (points[i].arc_m + points[i + 1].arc_m);
-        for (const RadiopaqueSection &section : instrument.sections) {
-            if (arc_m < section.arc_begin_m || arc_m >= section.arc_end_m) continue;
-            piece.radius_mm = 0.5 * (points[i].radius_mm + points[i + 1].radius_mm) * section.radius_share;
-            painter.draw(piece, section);
-        }
+    for (std::size_t k = 0; k < tools.size(); ++k) {
+        const double tip_arc_m = k < wire.tip_arc_m.size() ? wire.tip_arc_m[k] : 0.0;
+        if (!std::isfinite(tip_arc_m)) continue;
+        draw_tool(painter, tools[k], own_part(line, tip_arc_m, tools[k]), tip_arc_m);
     }
 }
 
@@ -235,7 +308,8 @@ RadiopaqueInstrument guidewire_look(double tip_m)
     // A platinum tip coil around a ground-down core: 15 % platinum is already darker than solid steel.
     return {{{0.0, tip_m, Material::platinum, 0.15, 1.0},
              {0.0, tip_m, Material::steel, 0.45, 1.0},
-             {tip_m, 10.0, Material::steel, 0.75, 1.0}}};
+             {tip_m, 10.0, Material::steel, 0.75, 1.0}},
+            {}};
 }
 
 } // namespace seld

@@ -1,11 +1,12 @@
-// The instrument as a swept round tube: chord lengths along the rays, exact for cylinders cut at their joints' bisecting
-// planes, so that neighbouring pieces neither overlap nor leave a gap. Averaged over 3x3 rays per pixel.
+// Tools as swept round tubes on one centreline: chord lengths along the rays, exact for cylinders cut at their joints'
+// bisecting planes, so that neighbouring pieces neither overlap nor leave a gap. Averaged over 3x3 rays per pixel.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "host/xray/carm.hpp"
 #include "host/xray/xray.hpp"
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace seld
@@ -23,7 +24,7 @@ struct TubePicture {
     void clear(int new_size);
 };
 
-void draw_tube(const RadiopaqueInstrument &instrument, const WireFrame &wire, const View &view,
-               TubePicture &picture);
+void draw_tools(std::span<const RadiopaqueInstrument> tools, const WireFrame &wire, const View &view,
+                TubePicture &picture);
 
 } // namespace seld

@@ -215,13 +215,13 @@ Xray::Xray(const XrayScene &scene, int threads)
 }
 Xray::~Xray() = default;
 
-void Xray::render(const XraySettings &settings, const RadiopaqueInstrument &instrument, const WireFrame &wire,
-                  std::uint64_t seed, XrayPicture &picture)
+void Xray::render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
+                  const WireFrame &wire, std::uint64_t seed, XrayPicture &picture)
 {
     const XraySettings held = held_settings(settings);
     XrayCache &cache = *cache_;
     fill_cache(cache, held);
-    draw_tube(instrument, wire, cache.view, cache.tube);
+    draw_tools(tools, wire, cache.view, cache.tube);
     picture.size = held.size;
     picture.tick = wire.tick;
     picture.grey.resize(static_cast<std::size_t>(held.size) * held.size);

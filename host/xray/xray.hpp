@@ -1,11 +1,11 @@
-// X-ray pictures of bodies and an instrument: path lengths, polychromatic attenuation, quantum noise,
+// X-ray pictures of bodies and tools: path lengths, polychromatic attenuation, quantum noise,
 // display.
 //
 //   XrayScene scene; scene.set_bodies(bodies, error);
 //   Xray xray(scene, threads);
-//   xray.render(view_settings, instrument, frame, seed, picture);
+//   xray.render(view_settings, tools, frame, seed, picture);
 //
-// A picture is a pure function of (bodies, instrument, wire frame, settings, seed, wire frame's tick): the
+// A picture is a pure function of (bodies, tools, wire frame, settings, seed, wire frame's tick): the
 // same bytes for any number of threads, compiler and optimisation level. Path lengths of the bodies are kept
 // while the C-arm stands still. May include: host/model. Called by: host/app, tests. See docs/xray.md.
 #pragma once
@@ -16,23 +16,32 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace seld
 {
 
-// One stretch of the instrument by arc length from the tip. A coil is a tube that metal fills partly.
+// One stretch of a tool by arc length from its own tip. A coil is a tube that metal fills partly.
 struct RadiopaqueSection {
     double arc_begin_m = 0.0;
     double arc_end_m = 3.0;
     Material material = Material::steel;
     double fill = 0.75;        // share of the cross-section filled by the material, 0 .. 1
-    double radius_share = 1.0; // of the node's outer radius
+    double radius_share = 1.0; // of the tool's outer radius
+};
+
+// Radii at an arc length from the tool's own tip, linear in between; two at the same place make a step.
+struct RadiopaqueRadius {
+    double arc_m = 0.0;
+    double outer_m = 0.0;
+    double inner_m = 0.0; // of the lumen, where nothing is drawn; 0: solid
 };
 
 struct RadiopaqueInstrument {
     std::vector<RadiopaqueSection> sections; // may overlap: a core wire inside a coil
+    std::vector<RadiopaqueRadius> radii;     // empty: the nodes' radius, solid
 };
 
 // Steel core and coil, with the last `tip_m` of the coil in platinum: the look of a working guidewire.
@@ -101,8 +110,9 @@ class Xray
     Xray(const Xray &) = delete;
     Xray &operator=(const Xray &) = delete;
 
-    void render(const XraySettings &settings, const RadiopaqueInstrument &instrument, const WireFrame &wire,
-                std::uint64_t seed, XrayPicture &picture);
+    // `tools` from the innermost, each over the part of the line that it covers (wire.tip_arc_m).
+    void render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
+                const WireFrame &wire, std::uint64_t seed, XrayPicture &picture);
 
     // Path lengths of the last render in 1/1024 mm, size*size each: bodies (nested ones taken out of their
     // parents) and instrument. Empty when the material is absent.

@@ -3,9 +3,9 @@
  *   seld_wire_<name>                the struct of a record or message
  *   SELD_WIRE_TYPE_<name>           its number on the wire
  *   SELD_WIRE_BYTES_<name>          its largest payload
- *   seld_wire_put_<name>            append to a writer; false when it does not fit or a count exceeds its
- * array seld_wire_get_<name>            read from a reader; false when bytes are missing or a count exceeds
- * its array seld_wire_decode_<name>         read a whole payload; false unless it fits to the byte
+ *   seld_wire_put_<name>            append to a writer; false when it does not fit or a count exceeds its array
+ *   seld_wire_get_<name>            read from a reader; false when bytes are missing or a count exceeds its array
+ *   seld_wire_decode_<name>         read a whole payload; false unless it fits to the byte
  *
  * May include: shared/wire. Called by: firmware/app, host/link, host/app. C11 and C++20.
  */
@@ -20,7 +20,7 @@ extern "C" {
 
 /* clang-format off */
 enum {
-    SELD_WIRE_PROTOCOL_MAJOR = 1, /* changes when old and new cannot talk */
+    SELD_WIRE_PROTOCOL_MAJOR = 2, /* changes when old and new cannot talk */
     SELD_WIRE_PROTOCOL_MINOR = 0,
 };
 
@@ -112,6 +112,7 @@ enum {
     SELD_WIRE_GET_HASH64 = 4,
     SELD_WIRE_GET_SNAPSHOT = 5,
     SELD_WIRE_GET_FAULT_LOG = 6,
+    SELD_WIRE_GET_CONTACTS = 7,
 
     SELD_WIRE_CAPABILITY_LOCKSTEP = 1,
     SELD_WIRE_CAPABILITY_FREE_RUN = 2,
@@ -121,7 +122,9 @@ enum {
 
     SELD_WIRE_BUTTON_XRAY = 1,
 
-    SELD_WIRE_PAYLOAD_MAX = SELD_WIRE_BYTES_nodes, /* the longest message; checked by the test */
+    SELD_WIRE_TOOL_MAX = SELD_WIRE_MAX_tools_tools,
+
+    SELD_WIRE_PAYLOAD_MAX = SELD_WIRE_BYTES_ticks, /* the longest message; checked by the test */
 };
 
 /* Hash over every name, number, type and unit of wire_messages.def. Two sides that differ in one of them

@@ -1,4 +1,5 @@
 // Command line of `bake`: docs/scene.md.
+#include "host/model/output_files.hpp"
 #include "tools/bake/bake.hpp"
 #include "tools/bake/fault.hpp"
 
@@ -55,8 +56,16 @@ int main(int argc, char **argv)
     seld::bake::Progress progress;
     seld::bake::Progress::catch_interrupts();
     try {
+        seld::check_outputs({{"SCENE", options.scene.string()}},
+                            {{"--output", options.output.string()},
+                             {"the bodies of --output",
+                              std::filesystem::path(options.output).replace_extension(".bodies").string()},
+                             {"--surface", surface}});
         std::fputs(seld::bake::bake(options, progress).c_str(), stdout);
         return 0;
+    } catch (const seld::UsageError &error) {
+        std::fprintf(stderr, "bake: %s\n", error.what());
+        return 2;
     } catch (const seld::bake::Fault &fault) {
         progress.finish();
         std::fprintf(stderr, "bake: %s\n", fault.what());

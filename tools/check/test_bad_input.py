@@ -232,6 +232,7 @@ def flipped(data, at):
 
 
 WIRE = os.path.join(tree.ROOT, "shared", "examples", "instruments", "bentson.toml")
+CATHETER = os.path.join(tree.ROOT, "shared", "examples", "instruments", "beacon_5f.toml")
 SESSION = "begin inserted 20 mm\nadvance 30 mm at 100 mm/s while rotate 90 deg\nwait 100 ms\n"
 
 
@@ -246,7 +247,7 @@ def seldinger_command_lines(bench):
     bench.good("its recording is verified", ["seldinger", "replay", "good.rec", "--verify"])
     bench.bad("seldinger without a command is refused", ["seldinger"], 2, "subcommand")
     bench.bad("seldinger with an unknown command is refused", ["seldinger", "fly"], 2, "fly|subcommand")
-    bench.bad("a run without an instrument is refused", ["seldinger", "run", "--session", "good.session"], 2, "--instrument")
+    bench.bad("a run without a tool is refused", ["seldinger", "run", "--session", "good.session"], 2, "--tool is required")
     bench.bad("a run with an unknown option is refused", session_run(more=["--fast"]), 2, "--fast")
     bench.bad("pictures of no size are refused", session_run(more=["--size", "0"]), 2, "size.*range")
     bench.bad("pictures at a word per second are refused", session_run(more=["--fps", "many"]), 2, "fps.*many|many.*fps")
@@ -258,6 +259,44 @@ def seldinger_command_lines(bench):
     bench.bad("a missing body file is refused", session_run(more=["--png", "x.png", "--bodies", "gone.bodies"]), 1,
               r"gone\.bodies")
     bench.bad("info on an unknown kind of file is refused", ["seldinger", "info", "good.json"], 1, r"good\.json")
+
+
+def seldinger_tools(bench):
+    """Several tools: which fit, which are named, which script needs them."""
+    two = ["--tool", CATHETER]
+    bench.good("a wire and a catheter run", session_run(more=two + ["--record", "two.rec"]))
+    bench.good("their recording is verified", ["seldinger", "replay", "two.rec", "--verify"])
+    bench.good("--tool alone names the tools", ["seldinger", "run", "--tool", WIRE, "--tool", CATHETER, "--session",
+                                                "good.session", "--quiet"])
+    bench.bad("a wire outside a catheter is refused by both names", session_run(wire=CATHETER, more=["--tool", WIRE]), 1,
+              r"'5F Beacon[^']*' \(1.67 mm\) does not pass the lumen of 'Bentson")
+    bench.bad("four tools are refused", session_run(more=two * 3), 2, "at most 3 tools, 4 are named")
+    bench.bad("a missing second tool is refused", session_run(more=["--tool", "gone.toml"]), 1, r"gone\.toml")
+    bench.write("two.session", "wait 100 ms\nadvance catheter 10 mm\n")
+    bench.bad("a script that needs a second tool is refused with its line", session_run(session="two.session"), 1,
+              r"two\.session:2:1: moves tool 2, but there is only one")
+    bench.good("it runs with the second tool", session_run(session="two.session", more=two))
+
+
+def seldinger_outputs(bench):
+    """No output may be an input, another output, or anything but a regular file."""
+    before = bench.read("good.session")
+    for option in ("--record", "--json", "--png", "--mp4"):
+        bench.bad("%s onto the session is refused" % option, session_run(more=[option, "./good.session"]), 2,
+                  "%s .* would overwrite what --session reads" % option)
+        bench.bad("%s onto a device is refused" % option, session_run(more=[option, "/dev/full"]), 2, "is a device or pipe")
+        bench.bad("%s onto a folder is refused" % option, session_run(more=[option, "."]), 2, "is a folder")
+    os.symlink("good.scene", os.path.join(bench.folder, "link.scene"))
+    bench.bad("an output that is a link to an input is refused", session_run(more=["--json", "link.scene"]), 2,
+              "would overwrite what --scene reads")
+    bench.bad("two outputs of one name are refused", session_run(more=["--json", "both", "--record", "./both"]), 2,
+              "--json and --record would both write", "both")
+    bench.bad("a replay onto its recording is refused", ["seldinger", "replay", "good.rec", "--png", "good.rec"], 2,
+              "would overwrite what the recording reads")
+    bench.bad("a bake onto its text is refused", ["bake", "good.toml", "-o", "good.toml"], 2, "would overwrite what SCENE reads")
+    bench.bad("a bake of two outputs into one file is refused", ["bake", "good.toml", "-o", "one.scene", "--surface", "one.scene"],
+              2, "would both write", "one.scene")
+    bench.report.check("the session is as it was", [] if bench.read("good.session") == before else ["it changed"])
 
 
 def seldinger_scenes(bench):
@@ -359,6 +398,8 @@ def main():
         bake_meshes(bench)
         bake_centrelines(bench)
         seldinger_command_lines(bench)
+        seldinger_tools(bench)
+        seldinger_outputs(bench)
         seldinger_scenes(bench)
         seldinger_recordings(bench)
         seldinger_texts(bench)

@@ -35,8 +35,8 @@ std::string message_tables()
     char number[16];
     const char *const head = "\n| field | type | unit | meaning |\n|---|---|---|---|\n";
 #define RECORD(name, text)                                                                                   \
-    out +=                                                                                                   \
-        "### Record `" #name "` (" + std::to_string(SELD_WIRE_BYTES_##name) + " bytes)\n" text ".\n" + head;
+    out += "### Record `" #name "` (at most " + std::to_string(SELD_WIRE_BYTES_##name) +                     \
+           " bytes)\n" text ".\n" + head;
 #define MESSAGE(name, type, direction, text)                                                                 \
     std::snprintf(number, sizeof number, "0x%02x", type);                                                    \
     out += "### " + std::string(number) + " `" #name "` (from " direction ", up to " +                       \

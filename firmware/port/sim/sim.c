@@ -35,10 +35,14 @@ static bool sim_encoders(void *context, seld_port_encoders *encoders)
     return false;
 }
 
-static void sim_motors(void *context, int32_t axial_mN, int32_t torque_uN_m, bool drive)
+static void sim_motors(void *context, const seld_port_motor motors[SELD_PORT_TOOL_MAX], bool drive)
 {
     seld_sim *sim = context;
-    sim->motors = (seld_sim_motors){axial_mN, torque_uN_m, drive};
+    for (int k = 0; k < SELD_SIM_TOOL_MAX; k++) {
+        sim->motors.axial_mN[k] = motors[k].axial_mN;
+        sim->motors.torque_uN_m[k] = motors[k].torque_uN_m;
+    }
+    sim->motors.drive = drive;
 }
 
 seld_sim *seld_sim_create(uint32_t scene_slot_bytes)

@@ -31,9 +31,10 @@ size_t seld_sim_read(seld_sim *sim, uint8_t *bytes, size_t capacity);
 void seld_sim_timer(seld_sim *sim, uint32_t count);
 
 /* What the actuators were last asked for: a meter clamped to the motor leads, for tests. */
+enum { SELD_SIM_TOOL_MAX = 3 };
 typedef struct seld_sim_motors {
-    int32_t axial_mN;
-    int32_t torque_uN_m;
+    int32_t axial_mN[SELD_SIM_TOOL_MAX]; /* from the innermost tool */
+    int32_t torque_uN_m[SELD_SIM_TOOL_MAX];
     int32_t drive; /* 1: powered */
 } seld_sim_motors;
 seld_sim_motors seld_sim_read_motors(const seld_sim *sim);

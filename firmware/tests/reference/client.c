@@ -57,26 +57,122 @@ void client_get(client *c, uint8_t what)
     SEND(c, get, &get);
 }
 
-void client_instrument(client *c, const seld_wire_instrument *instrument)
+void client_tools(client *c, const seld_wire_tools *tools)
 {
-    SEND(c, instrument, instrument);
+    c->tool_count = tools->tools_count;
+    SEND(c, tools, tools);
+}
+
+void client_entry_each(client *c, const uint32_t *inserted_um, uint16_t count)
+{
+    seld_wire_entry entry = {.direction_y_q30 = 1 << 30, .inserted_um_count = count};
+    for (uint16_t k = 0; k < count; k++) entry.inserted_um[k] = inserted_um[k];
+    SEND(c, entry, &entry);
 }
 
 void client_entry(client *c, uint32_t inserted_um)
 {
-    const seld_wire_entry entry = {0, 0, 0, 0, 1 << 30, 0, inserted_um};
+    const uint32_t each[SELD_WIRE_TOOL_MAX] = {inserted_um, inserted_um, inserted_um};
+    client_entry_each(c, each, c->tool_count);
+}
+
+bool client_entry_along_x(client *c, uint32_t inserted_um)
+{
+    seld_wire_entry entry = {.direction_x_q30 = 1 << 30, .inserted_um_count = c->tool_count};
+    seld_wire_status status;
+    for (uint16_t k = 0; k < c->tool_count; k++) entry.inserted_um[k] = inserted_um;
     SEND(c, entry, &entry);
+    return client_expect_status(c, &status);
+}
+
+bool client_load_scene(client *c, const uint8_t *bytes, uint32_t count)
+{
+    static seld_wire_scene_chunk chunk;
+    const seld_wire_scene_begin begin = {count, seld_wire_crc32(0, bytes, count)};
+    const seld_wire_scene_end end = {count};
+    seld_wire_status status;
+    SEND(c, scene_begin, &begin);
+    if (!client_expect_status(c, &status)) return false;
+    for (chunk.offset = 0; chunk.offset < count; chunk.offset += chunk.data_count) {
+        uint32_t left = count - chunk.offset;
+        chunk.data_count = (uint16_t)(left < sizeof chunk.data ? left : sizeof chunk.data);
+        memcpy(chunk.data, bytes + chunk.offset, chunk.data_count);
+        SEND(c, scene_chunk, &chunk);
+    }
+    SEND(c, scene_end, &end);
+    return client_expect_status(c, &status);
+}
+
+/* The counter wraps like the hardware's. */
+static int32_t counts_at(int32_t begin, int32_t per_tick, uint16_t i)
+{
+    return seld_wire_i32_from_u32((uint32_t)begin + (uint32_t)per_tick * i);
+}
+
+void client_step_each(client *c, uint32_t tick, uint16_t count, const int32_t *begin, const int32_t *per_tick)
+{
+    static seld_wire_step step;
+    memset(&step, 0, sizeof step);
+    step.tick = tick;
+    step.inputs_count = count;
+    for (uint16_t i = 0; i < count; i++) {
+        step.inputs[i].hands_count = c->tool_count;
+        for (uint16_t k = 0; k < c->tool_count; k++) {
+            step.inputs[i].hands[k].translation_counts = counts_at(begin[k], per_tick[k], i);
+        }
+    }
+    SEND(c, step, &step);
 }
 
 void client_step(client *c, uint32_t tick, uint16_t count, int32_t translation_begin,
                  int32_t translation_per_tick)
 {
-    seld_wire_step step = {.tick = tick, .want_nodes = 0, .inputs_count = count};
-    for (uint16_t i = 0; i < count; i++) { /* the counter wraps like the hardware's */
-        uint32_t counts = (uint32_t)translation_begin + (uint32_t)translation_per_tick * i;
-        step.inputs[i] = (seld_wire_encoders){seld_wire_i32_from_u32(counts), 0, 0};
+    const int32_t begin[SELD_WIRE_TOOL_MAX] = {translation_begin};
+    const int32_t per_tick[SELD_WIRE_TOOL_MAX] = {translation_per_tick};
+    client_step_each(c, tick, count, begin, per_tick);
+}
+
+void client_input(client *c, const int32_t *translation, const int32_t *rotation)
+{
+    seld_wire_input input = {.encoders.hands_count = c->tool_count};
+    for (uint16_t k = 0; k < c->tool_count; k++) {
+        input.encoders.hands[k] = (seld_wire_hand){translation[k], rotation[k]};
     }
-    SEND(c, step, &step);
+    SEND(c, input, &input);
+}
+
+bool client_read_snapshot(client *c)
+{
+    static seld_wire_snapshot_chunk chunk;
+    c->snapshot_bytes = 0;
+    client_get(c, SELD_WIRE_GET_SNAPSHOT);
+    if (client_receive(c) != SELD_WIRE_TYPE_snapshot_begin) return false;
+    while (client_receive(c) == SELD_WIRE_TYPE_snapshot_chunk) {
+        if (!seld_wire_decode_snapshot_chunk(c->decoder.payload, c->decoder.payload_bytes, &chunk))
+            return false;
+        if (chunk.offset + chunk.data_count > sizeof c->snapshot) return false;
+        memcpy(c->snapshot + chunk.offset, chunk.data, chunk.data_count);
+        c->snapshot_bytes += chunk.data_count;
+    }
+    return c->decoder.header.type == SELD_WIRE_TYPE_snapshot_end;
+}
+
+void client_write_snapshot(client *c)
+{
+    static seld_wire_snapshot_chunk chunk;
+    const seld_wire_snapshot_begin begin = {0, c->snapshot_bytes,
+                                            seld_wire_crc32(0, c->snapshot, c->snapshot_bytes)};
+    seld_wire_status status;
+    SEND(c, snapshot_begin, &begin);
+    if (!client_expect_status(c, &status)) return;
+    for (chunk.offset = 0; chunk.offset < c->snapshot_bytes; chunk.offset += chunk.data_count) {
+        uint32_t left = c->snapshot_bytes - chunk.offset;
+        chunk.data_count = (uint16_t)(left < sizeof chunk.data ? left : sizeof chunk.data);
+        memcpy(chunk.data, c->snapshot + chunk.offset, chunk.data_count);
+        SEND(c, snapshot_chunk, &chunk);
+    }
+    const seld_wire_snapshot_end end = {c->snapshot_bytes};
+    SEND(c, snapshot_end, &end);
 }
 
 bool client_expect_status(client *c, seld_wire_status *status)
@@ -99,28 +195,42 @@ bool client_expect_ticks(client *c, seld_wire_ticks *ticks)
            seld_wire_decode_ticks(c->decoder.payload, c->decoder.payload_bytes, ticks);
 }
 
-void client_plain_instrument(seld_wire_instrument *instrument)
+void client_plain_tools(seld_wire_tools *tools, uint16_t count)
 {
-    const seld_wire_knot tip = {0, 1000000, 800000, 4000, 445, 100, 120, 0, 0};
-    memset(instrument, 0, sizeof *instrument);
-    instrument->axial_stiffness_max_N = 5000;
-    instrument->element_tip_um = 2000;
-    instrument->element_shaft_um = 4000;
-    instrument->element_fine_um = 20000;
-    instrument->knots_count = 2;
-    instrument->knots[0] = tip;
-    instrument->knots[1] = tip;
-    instrument->knots[1].arc_um = 300000;
+    static const struct {
+        uint32_t bend_nN_m2, outer_um, inner_um;
+    } kinds[SELD_WIRE_TOOL_MAX] = {{1000000, 445, 0}, {300000, 835, 500}, {2000000, 1100, 900}};
+    memset(tools, 0, sizeof *tools);
+    tools->tools_count = count;
+    for (uint16_t k = 0; k < count; k++) {
+        seld_wire_instrument *tool = &tools->tools[k];
+        const seld_wire_knot tip = {.bend_stiffness_nN_m2 = kinds[k].bend_nN_m2,
+                                    .twist_stiffness_nN_m2 = kinds[k].bend_nN_m2 / 5 * 4,
+                                    .mass_mg_per_m = 4000,
+                                    .radius_outer_um = kinds[k].outer_um,
+                                    .radius_inner_um = kinds[k].inner_um,
+                                    .friction_kinetic_milli = 100,
+                                    .friction_static_milli = 120};
+        tool->lumen_friction_milli = k > 0 ? 100 : 0;
+        tool->axial_stiffness_max_N = 5000;
+        tool->element_tip_um = 2000;
+        tool->element_shaft_um = 4000;
+        tool->element_fine_um = 20000;
+        tool->knots_count = 2;
+        tool->knots[0] = tip;
+        tool->knots[1] = tip;
+        tool->knots[1].arc_um = 300000;
+    }
 }
 
-bool client_start_session(client *c)
+bool client_start_tools(client *c, uint16_t count)
 {
-    seld_wire_instrument instrument;
+    static seld_wire_tools tools;
     seld_wire_status status;
-    client_plain_instrument(&instrument);
+    client_plain_tools(&tools, count);
     client_hello(c, seld_wire_schema_hash());
     if (client_receive(c) != SELD_WIRE_TYPE_hello_reply) return false;
-    client_instrument(c, &instrument);
+    client_tools(c, &tools);
     if (!client_expect_status(c, &status)) return false;
     client_entry(c, 50000);
     if (!client_expect_status(c, &status)) return false;
@@ -128,4 +238,9 @@ bool client_start_session(client *c)
     if (!client_expect_status(c, &status)) return false;
     client_command(c, SELD_WIRE_ACTION_START);
     return client_expect_status(c, &status) && status.state == SELD_WIRE_STATE_RUNNING;
+}
+
+bool client_start_session(client *c)
+{
+    return client_start_tools(c, 1);
 }

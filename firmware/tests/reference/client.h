@@ -10,8 +10,11 @@ typedef struct client {
     seld_sim *sim;
     seld_wire_decoder decoder;
     uint16_t sequence;
+    uint16_t tool_count; /* of the last client_tools or client_start_tools */
     uint8_t payload[SELD_WIRE_PAYLOAD_MAX];
     uint8_t frame[SELD_WIRE_FRAME_MAX];
+    uint8_t snapshot[1 << 17];
+    uint32_t snapshot_bytes;
 } client;
 
 /* A sim that has been powered up; client_close ends it. */
@@ -28,20 +31,34 @@ uint16_t client_receive(client *c);
 void client_hello(client *c, uint64_t schema_hash);
 void client_command(client *c, uint8_t action);
 void client_get(client *c, uint8_t what);
-void client_instrument(client *c, const seld_wire_instrument *instrument);
-void client_entry(client *c, uint32_t inserted_um);
+void client_tools(client *c, const seld_wire_tools *tools);
+void client_entry(client *c, uint32_t inserted_um); /* the same for every tool */
+void client_entry_each(client *c, const uint32_t *inserted_um, uint16_t count);
+bool client_entry_along_x(client *c, uint32_t inserted_um); /* waits for the answer */
+bool client_load_scene(client *c, const uint8_t *bytes, uint32_t count);
+/* Tool 0 moves, the others rest. */
 void client_step(client *c, uint32_t tick, uint16_t count, int32_t translation_begin,
                  int32_t translation_per_tick);
+/* Every tool k: begin[k] + i per_tick[k] counts of translation in input i. */
+void client_step_each(client *c, uint32_t tick, uint16_t count, const int32_t *begin,
+                      const int32_t *per_tick);
+void client_input(client *c, const int32_t *translation, const int32_t *rotation);
+
+/* A whole snapshot from the device into c->snapshot, and from there to the device, whose last answer is left in the
+ * pipe. False when a frame is missing or refused. */
+bool client_read_snapshot(client *c);
+void client_write_snapshot(client *c);
 
 /* What the device answered last, of that kind. False when the next frame is something else. */
 bool client_expect_status(client *c, seld_wire_status *status);
 bool client_expect_reject(client *c, seld_wire_reject *reject);
 bool client_expect_ticks(client *c, seld_wire_ticks *ticks); /* skips hash64 */
 
-/* A straight wire of 300 mm that every check accepts. */
-void client_plain_instrument(seld_wire_instrument *instrument);
+/* Straight tools of 300 mm that every check accepts: a wire, a catheter around it, a guide around both. */
+void client_plain_tools(seld_wire_tools *tools, uint16_t count);
 
-/* hello, instrument, entry, ARM and START in free space. False when something was refused. */
-bool client_start_session(client *c);
+/* hello, tools, entry with 50 mm of each inserted, ARM and START in free space. False when something was refused. */
+bool client_start_tools(client *c, uint16_t count);
+bool client_start_session(client *c); /* with one tool */
 
 #endif

@@ -136,15 +136,21 @@ static void a_step_is_laid_out_as_documented(void **state)
 {
     (void)state;
     static seld_wire_step step = {
-        .tick = 0x01020304, .want_nodes = 1, .inputs_count = 1, .inputs = {{-2, 5, 0x80}}};
-    const uint8_t expected[] = {4, 3, 2, 1, 1, 1, 0, 0xfe, 0xff, 0xff, 0xff, 5, 0, 0, 0, 0x80, 0, 0, 0};
+        .tick = 0x01020304,
+        .want_nodes = 1,
+        .inputs_count = 1,
+        .inputs = {{.hands_count = 2, .hands = {{-2, 5}, {7, -1}}, .buttons = 0x80}}};
+    const uint8_t expected[] = {4, 3, 2, 1, 1, 1, 0,    2,    0,    0xfe, 0xff, 0xff, 0xff, 5, 0,
+                                0, 0, 7, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 0x80, 0,    0,    0};
     seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
     assert_true(seld_wire_put_step(&writer, &step));
     assert_int_equal(writer.length, sizeof expected);
     assert_memory_equal(payload, expected, sizeof expected);
     static seld_wire_step back;
     assert_true(seld_wire_decode_step(payload, writer.length, &back));
-    assert_int_equal(back.inputs[0].translation_counts, -2);
+    assert_int_equal(back.inputs[0].hands_count, 2);
+    assert_int_equal(back.inputs[0].hands[0].translation_counts, -2);
+    assert_int_equal(back.inputs[0].hands[1].rotation_counts, -1);
 }
 
 static void extreme_values_come_back(void **state)
@@ -152,12 +158,15 @@ static void extreme_values_come_back(void **state)
     (void)state;
     const int32_t values[] = {INT32_MIN, INT32_MIN + 1, -1, 0, 1, INT32_MAX};
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
-        const seld_wire_input input = {values[i], -(values[i] / 2), UINT32_MAX};
-        seld_wire_input back;
+        const seld_wire_contact contact = {UINT16_MAX, values[i], -(values[i] / 2), 0};
+        seld_wire_contact back;
+        seld_wire_reader reader = seld_wire_reader_make(payload, SELD_WIRE_BYTES_contact);
         seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-        assert_true(seld_wire_put_input(&writer, &input));
-        assert_true(seld_wire_decode_input(payload, writer.length, &back));
-        assert_memory_equal(&input, &back, sizeof input);
+        assert_true(seld_wire_put_contact(&writer, &contact));
+        assert_true(seld_wire_get_contact(&reader, &back));
+        assert_int_equal(back.node, contact.node);
+        assert_int_equal(back.force_x_N_q22, contact.force_x_N_q22);
+        assert_int_equal(back.force_y_N_q22, contact.force_y_N_q22);
     }
 }
 
@@ -166,17 +175,32 @@ static void a_payload_of_wrong_length_is_refused(void **state)
 {
     (void)state;
     static seld_wire_ticks ticks;
+    const int empty_bytes =
+        (int)SELD_WIRE_BYTES_tick_state - SELD_WIRE_TOOL_MAX * (int)SELD_WIRE_BYTES_tool_state;
     memset(payload, 0, sizeof payload);
-    payload[0] = 3;
+    payload[0] = 3; /* states without a tool */
     for (size_t length = 0; length < 500; length++) {
-        bool fits = length == 2 + 3 * SELD_WIRE_BYTES_tick_state;
+        bool fits = length == 2 + 3 * (size_t)empty_bytes;
         assert_int_equal(seld_wire_decode_ticks(payload, length, &ticks), fits);
     }
+    payload[2 + 12] = SELD_WIRE_TOOL_MAX; /* three tools in the first */
+    for (size_t length = 0; length < 500; length++) {
+        bool fits = length == 2 + 3 * (size_t)empty_bytes + SELD_WIRE_TOOL_MAX * SELD_WIRE_BYTES_tool_state;
+        assert_int_equal(seld_wire_decode_ticks(payload, length, &ticks), fits);
+    }
+    payload[2 + 12] = SELD_WIRE_TOOL_MAX + 1;
+    for (size_t length = 0; length < 500; length++)
+        assert_false(seld_wire_decode_ticks(payload, length, &ticks));
+    payload[2 + 12] = 0;
     payload[0] = SELD_WIRE_MAX_ticks_states + 1;
-    assert_false(seld_wire_decode_ticks(
-        payload, 2 + (SELD_WIRE_MAX_ticks_states + 1) * SELD_WIRE_BYTES_tick_state, &ticks));
+    assert_false(
+        seld_wire_decode_ticks(payload, 2 + (SELD_WIRE_MAX_ticks_states + 1) * (size_t)empty_bytes, &ticks));
     ticks.states_count = SELD_WIRE_MAX_ticks_states + 1;
     seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    assert_false(seld_wire_put_ticks(&writer, &ticks));
+    ticks.states_count = 1;
+    ticks.states[0].tools_count = SELD_WIRE_TOOL_MAX + 1;
+    writer = seld_wire_writer_make(payload, sizeof payload);
     assert_false(seld_wire_put_ticks(&writer, &ticks));
 }
 

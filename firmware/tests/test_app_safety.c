@@ -1,0 +1,371 @@
+/* Claims about safety and continuation with several tools, shown through bytes on the sim port: limits, slew and faults
+ * are per tool, snapshots hold all of them, and in FREE_RUN neither a hand that moved while nobody listened nor a silent
+ * host does harm. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "firmware/tests/reference/client.h"
+
+enum { WIRE, CATHETER, GUIDE, TOOLS };
+
+static client host;
+static seld_wire_status status;
+static seld_wire_reject reject;
+static seld_wire_ticks ticks;
+
+static int set_up(void **state)
+{
+    (void)state;
+    client_open(&host, 1 << 20);
+    return host.sim == NULL;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    client_close(&host);
+    return 0;
+}
+
+static void expect_reject(uint16_t code, uint32_t detail1, uint32_t detail2)
+{
+    assert_true(client_expect_reject(&host, &reject));
+    if (reject.code != code || reject.detail1 != detail1 || reject.detail2 != detail2) {
+        fail_msg("refused with %s [%u, %u], expected %s [%u, %u]", seld_wire_reject_name(reject.code),
+                 reject.detail1, reject.detail2, seld_wire_reject_name(code), detail1, detail2);
+    }
+}
+
+static void expect_state(uint8_t expected)
+{
+    client_get(&host, SELD_WIRE_GET_STATUS);
+    assert_true(client_expect_status(&host, &status));
+    if (status.state != expected) {
+        fail_msg("state %s, expected %s", seld_wire_state_name(status.state), seld_wire_state_name(expected));
+    }
+}
+
+static void command(uint8_t action)
+{
+    client_command(&host, action);
+    assert_true(client_expect_status(&host, &status));
+}
+
+static void greet(void)
+{
+    client_hello(&host, seld_wire_schema_hash());
+    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_hello_reply);
+}
+
+static double inserted_mm(int tool)
+{
+    return ticks.states[ticks.states_count - 1].tools[tool].inserted_m_q30 / 1073741824.0 * 1e3;
+}
+
+static void expect_inserted(int tool, double expected_mm, double tolerance_mm)
+{
+    if (abs((int)((inserted_mm(tool) - expected_mm) * 1000)) > tolerance_mm * 1000) {
+        fail_msg("tool %d: inserted = %.3f mm, expected %.3f +- %.1f", tool, inserted_mm(tool), expected_mm,
+                 tolerance_mm);
+    }
+}
+
+/* `ticks` ticks at constant speeds of the three hands, from wherever they are. */
+static int32_t hands_at[TOOLS];
+static void move(uint32_t *tick, uint32_t count, const int32_t *per_tick)
+{
+    for (uint32_t done = 0; done < count; done += 50) {
+        client_step_each(&host, *tick, 50, hands_at, per_tick);
+        assert_true(client_expect_ticks(&host, &ticks));
+        assert_int_equal(ticks.states_count, 50);
+        for (int k = 0; k < TOOLS; k++) hands_at[k] += 50 * per_tick[k];
+        *tick += 50;
+    }
+}
+
+static void start_three(void)
+{
+    memset(hands_at, 0, sizeof hands_at);
+    assert_true(client_start_tools(&host, TOOLS));
+}
+
+/* --- safety --- */
+
+/* The second hand jumps by 6 mm: no tool moves any more, and the fault names tool and counts. */
+static void a_jump_of_one_hand_stops_all_and_names_it(void **state)
+{
+    (void)state;
+    static seld_wire_fault_log log;
+    uint32_t tick = 0;
+    start_three();
+    move(&tick, 50, (const int32_t[]){10, 10, 10});
+    hands_at[CATHETER] += 6000;
+    client_step_each(&host, tick, 1, hands_at, (const int32_t[]){0, 0, 0});
+    assert_true(client_expect_ticks(&host, &ticks));
+    assert_int_equal(ticks.states_count, 0);
+    expect_state(SELD_WIRE_STATE_FAULT);
+    client_get(&host, SELD_WIRE_GET_FAULT_LOG);
+    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_fault_log);
+    assert_true(seld_wire_decode_fault_log(host.decoder.payload, host.decoder.payload_bytes, &log));
+    assert_int_equal(log.entries[0].code, SELD_FAULT_CODE_ENCODER_JUMP_TRANSLATION);
+    assert_int_equal(log.entries[0].value1, CATHETER);
+    assert_int_equal(log.entries[0].value2, 6010);
+}
+
+static void send_rig(const uint32_t *limits_mN, uint16_t count)
+{
+    uint8_t payload[128];
+    seld_wire_rig rig = {.tracks_count = count};
+    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    for (uint16_t k = 0; k < count; k++) {
+        rig.tracks[k] = (seld_wire_track){1000000, 65536, 4000, limits_mN[k], 20000};
+    }
+    seld_wire_put_rig(&writer, &rig);
+    client_send(&host, SELD_WIRE_TYPE_rig, payload, writer.length);
+}
+
+/* The third track asks for more than it has: the first two, which ask for less, keep what they had. */
+static void a_rig_is_taken_over_whole_or_not_at_all(void **state)
+{
+    (void)state;
+    greet();
+    send_rig((const uint32_t[]){500, 400, 9000}, 3);
+    expect_reject(SELD_REJECT_RIG_RANGE, GUIDE, 3);
+    send_rig((const uint32_t[]){8000, 8000, 8000}, 3);
+    assert_true(client_expect_status(&host, &status));
+    send_rig((const uint32_t[]){60}, 1);
+    assert_true(client_expect_status(&host, &status));
+    send_rig((const uint32_t[]){61}, 1);
+    expect_reject(SELD_REJECT_RIG_RANGE, WIRE, 3);
+    send_rig((const uint32_t[]){60, 8000}, 2);
+    assert_true(client_expect_status(&host, &status));
+}
+
+/* Jerks of all hands at gain 4: every motor within its own limit and the slew, in every tick, and more than one moves. */
+static void motors_stay_within_their_own_limit_and_slew(void **state)
+{
+    (void)state;
+    const int32_t limits_mN[TOOLS] = {60, 8000, 90};
+    int32_t last[TOOLS] = {0}, largest[TOOLS] = {0};
+    greet();
+    send_rig((const uint32_t[]){60, 8000, 90}, TOOLS);
+    assert_true(client_expect_status(&host, &status));
+    start_three();
+    for (uint32_t tick = 0; tick < 640;) {
+        const int32_t step = (tick / 64) % 2 ? -400 : 400;
+        client_step_each(&host, tick, 64, hands_at, (const int32_t[]){step, -step / 2, step / 4});
+        assert_true(client_expect_ticks(&host, &ticks));
+        hands_at[WIRE] += 64 * step;
+        hands_at[CATHETER] -= 64 * (step / 2);
+        hands_at[GUIDE] += 64 * (step / 4);
+        for (int i = 0; i < ticks.states_count; i++, tick++) {
+            for (int k = 0; k < TOOLS; k++) {
+                int32_t now = ticks.states[i].tools[k].motor_axial_mN;
+                assert_true(abs(now) <= limits_mN[k] && abs(now - last[k]) <= 50);
+                largest[k] = abs(now) > largest[k] ? abs(now) : largest[k];
+                last[k] = now;
+            }
+        }
+    }
+    assert_true(largest[WIRE] > 0 && largest[CATHETER] > 0 && largest[GUIDE] > 0);
+}
+
+/* --- snapshots --- */
+
+/* Every result of every tick, the motors' among them, is that of the session that was not interrupted. The motors are
+ * compared in the very next tick, where a lost slew state would show. */
+static void a_snapshot_of_three_tools_continues_bit_for_bit(void **state)
+{
+    (void)state;
+    static seld_wire_ticks expected;
+    uint32_t tick = 0;
+    const int32_t moves[] = {60, -40, 25};
+    start_three();
+    move(&tick, 150, moves);
+    assert_true(client_read_snapshot(&host));
+    int32_t at[TOOLS];
+    memcpy(at, hands_at, sizeof at);
+    move(&tick, 50, moves);
+    expected = ticks;
+    assert_int_not_equal(expected.states[0].tools[WIRE].motor_axial_mN, 0);
+    command(SELD_WIRE_ACTION_STOP);
+    client_write_snapshot(&host);
+    assert_true(client_expect_status(&host, &status));
+    assert_int_equal(status.tick, 150);
+    command(SELD_WIRE_ACTION_START);
+    memcpy(hands_at, at, sizeof at);
+    tick = 150;
+    move(&tick, 50, moves);
+    assert_memory_equal(&expected, &ticks, sizeof expected);
+}
+
+static void a_lockstep_session_goes_on_after_stop_as_if_it_had_not_stopped(void **state)
+{
+    (void)state;
+    seld_wire_tick_state last[2];
+    for (int run = 0; run < 2; run++) {
+        uint32_t tick = 0;
+        client_close(&host);
+        client_open(&host, 0);
+        start_three();
+        move(&tick, 100, (const int32_t[]){60, -40, 25});
+        if (run == 1) {
+            command(SELD_WIRE_ACTION_STOP);
+            seld_sim_timer(host.sim, 20);
+            command(SELD_WIRE_ACTION_START);
+        }
+        move(&tick, 50, (const int32_t[]){60, -40, 25});
+        last[run] = ticks.states[0];
+    }
+    assert_memory_equal(&last[0], &last[1], sizeof last[0]);
+}
+
+/* Hostile head fields of every tool, and a snapshot of fewer tools. */
+static void a_damaged_or_foreign_snapshot_leaves_the_state(void **state)
+{
+    (void)state;
+    uint32_t tick = 0;
+    start_three();
+    move(&tick, 50, (const int32_t[]){10, 10, 10});
+    assert_true(client_read_snapshot(&host));
+    command(SELD_WIRE_ACTION_STOP);
+    for (int k = 0; k < TOOLS; k++) {
+        const size_t known = 12 + 36 * (size_t)k, sum = known + 19, motor = known + 31;
+        for (size_t i = 0; i < 3; i++) {
+            size_t byte = i == 0 ? known : i == 1 ? sum : motor;
+            uint8_t kept = host.snapshot[byte];
+            host.snapshot[byte] = 0x7f;
+            client_write_snapshot(&host);
+            assert_true(client_expect_reject(&host, &reject));
+            assert_int_equal(reject.code, SELD_REJECT_SNAPSHOT_INVALID);
+            host.snapshot[byte] = kept;
+        }
+    }
+    host.snapshot[8] = 2;
+    client_write_snapshot(&host);
+    assert_true(client_expect_reject(&host, &reject));
+    assert_int_equal(reject.code, SELD_REJECT_SNAPSHOT_INVALID);
+    host.snapshot[8] = TOOLS;
+    client_write_snapshot(&host);
+    assert_true(client_expect_status(&host, &status));
+    assert_int_equal(status.tick, 50);
+}
+
+/* --- FREE_RUN --- */
+
+static void start_free_run(uint16_t tool_count)
+{
+    assert_true(client_start_tools(&host, tool_count));
+    command(SELD_WIRE_ACTION_STOP);
+    command(SELD_WIRE_ACTION_FREE_RUN);
+    command(SELD_WIRE_ACTION_START);
+}
+
+static void take_ticks(void)
+{
+    while (client_expect_ticks(&host, &ticks)) {
+    }
+}
+
+/* A hand that was far from zero before anybody listened, and one that moves while the session is stopped: neither is a
+ * jump, and neither moves the tool. */
+static void what_hands_do_while_stopped_is_no_motion(void **state)
+{
+    (void)state;
+    const int32_t still[TOOLS] = {0};
+    start_free_run(TOOLS);
+    seld_sim_timer(host.sim, 16);
+    client_input(&host, (const int32_t[]){700000, -300000, 123456}, still);
+    seld_sim_timer(host.sim, 16);
+    client_input(&host, (const int32_t[]){700100, -300000, 123456}, still);
+    seld_sim_timer(host.sim, 320);
+    take_ticks();
+    expect_state(SELD_WIRE_STATE_RUNNING);
+    expect_inserted(WIRE, 50.1, 0.05);
+    command(SELD_WIRE_ACTION_STOP);
+    client_input(&host, (const int32_t[]){800000, 0, 0}, still);
+    command(SELD_WIRE_ACTION_START);
+    seld_sim_timer(host.sim, 16);
+    client_input(&host, (const int32_t[]){900000, 400000, 0}, (const int32_t[]){50000, 0, 0});
+    seld_sim_timer(host.sim, 160);
+    take_ticks();
+    expect_state(SELD_WIRE_STATE_RUNNING);
+    expect_inserted(WIRE, 50.1, 0.05);
+    expect_inserted(CATHETER, 50, 0.05);
+}
+
+/* The wire's hand is pulled against its tool's inertia and friction until its motor feels force; then the host says no
+ * more. The motors fade within the slew limit to nothing and come back with the next frame. */
+static void forces_fade_when_the_host_is_silent_and_come_back(void **state)
+{
+    (void)state;
+    const int32_t still[TOOLS] = {0};
+    int32_t at = 0;
+    start_free_run(TOOLS);
+    for (int i = 0; i < 400; i++) {
+        at += i < 200 ? 450 : -450;
+        client_input(&host, (const int32_t[]){at, 0, 0}, still);
+        seld_sim_timer(host.sim, 1);
+    }
+    take_ticks();
+    seld_sim_motors before = seld_sim_read_motors(host.sim);
+    assert_int_not_equal(before.axial_mN[WIRE], 0);
+    assert_int_equal(before.drive, 1);
+    seld_sim_timer(host.sim, 249);
+    for (int i = 0; i < 160; i++) {
+        int32_t last = seld_sim_read_motors(host.sim).axial_mN[WIRE];
+        seld_sim_timer(host.sim, 1);
+        int32_t now = seld_sim_read_motors(host.sim).axial_mN[WIRE];
+        assert_true(abs(now) <= abs(last) && abs(now - last) <= 50);
+    }
+    seld_sim_motors faded = seld_sim_read_motors(host.sim);
+    for (int k = 0; k < TOOLS; k++) {
+        assert_int_equal(faded.axial_mN[k], 0);
+        assert_int_equal(faded.torque_uN_m[k], 0);
+    }
+    assert_int_equal(faded.drive, 1);
+    take_ticks();
+    expect_state(SELD_WIRE_STATE_RUNNING);
+    for (int i = 0; i < 100; i++) {
+        at += 450;
+        client_input(&host, (const int32_t[]){at, 0, 0}, still);
+        seld_sim_timer(host.sim, 1);
+    }
+    assert_int_not_equal(seld_sim_read_motors(host.sim).axial_mN[WIRE], 0);
+}
+
+static void a_track_without_a_tool_is_not_driven(void **state)
+{
+    (void)state;
+    start_free_run(2);
+    for (int32_t i = 0; i < 200; i++) {
+        client_input(&host, (const int32_t[]){400 * i, -200 * i, 0}, (const int32_t[]){0, 0, 0});
+        seld_sim_timer(host.sim, 1);
+        assert_int_equal(seld_sim_read_motors(host.sim).axial_mN[GUIDE], 0);
+        assert_int_equal(seld_sim_read_motors(host.sim).torque_uN_m[GUIDE], 0);
+    }
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(a_jump_of_one_hand_stops_all_and_names_it),
+        TEST(a_rig_is_taken_over_whole_or_not_at_all),
+        TEST(motors_stay_within_their_own_limit_and_slew),
+        TEST(a_snapshot_of_three_tools_continues_bit_for_bit),
+        TEST(a_lockstep_session_goes_on_after_stop_as_if_it_had_not_stopped),
+        TEST(a_damaged_or_foreign_snapshot_leaves_the_state),
+        TEST(what_hands_do_while_stopped_is_no_motion),
+        TEST(forces_fade_when_the_host_is_silent_and_come_back),
+        TEST(a_track_without_a_tool_is_not_driven),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,355 @@
+/* Claims about several tools on one line, shown through bytes on the sim port: each hand moves its own tool, set-up is
+ * whole or nothing with the tool at fault named, and the wall's forces come on request. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "firmware/tests/reference/client.h"
+#include "firmware/tests/reference/tube_lumen.h"
+#include "shared/scene/scene_write.h"
+
+enum { WIRE, CATHETER, GUIDE, TOOLS };
+
+static client host;
+static seld_wire_status status;
+static seld_wire_reject reject;
+static seld_wire_ticks ticks;
+static seld_wire_tools tools;
+
+static int set_up(void **state)
+{
+    (void)state;
+    client_open(&host, 1 << 20);
+    return host.sim == NULL;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    client_close(&host);
+    return 0;
+}
+
+static void expect_reject(uint16_t code, uint32_t detail1, uint32_t detail2)
+{
+    assert_true(client_expect_reject(&host, &reject));
+    if (reject.code != code || reject.detail1 != detail1 || reject.detail2 != detail2) {
+        fail_msg("refused with %s [%u, %u], expected %s [%u, %u]", seld_wire_reject_name(reject.code),
+                 reject.detail1, reject.detail2, seld_wire_reject_name(code), detail1, detail2);
+    }
+}
+
+static void expect_state(uint8_t expected)
+{
+    client_get(&host, SELD_WIRE_GET_STATUS);
+    assert_true(client_expect_status(&host, &status));
+    if (status.state != expected) {
+        fail_msg("state %s, expected %s", seld_wire_state_name(status.state), seld_wire_state_name(expected));
+    }
+}
+
+static void command(uint8_t action)
+{
+    client_command(&host, action);
+    assert_true(client_expect_status(&host, &status));
+}
+
+static void greet(void)
+{
+    client_hello(&host, seld_wire_schema_hash());
+    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_hello_reply);
+}
+
+static double inserted_mm(int tool)
+{
+    return ticks.states[ticks.states_count - 1].tools[tool].inserted_m_q30 / 1073741824.0 * 1e3;
+}
+
+static void expect_inserted(int tool, double expected_mm, double tolerance_mm)
+{
+    if (abs((int)((inserted_mm(tool) - expected_mm) * 1000)) > tolerance_mm * 1000) {
+        fail_msg("tool %d: inserted = %.3f mm, expected %.3f +- %.1f", tool, inserted_mm(tool), expected_mm,
+                 tolerance_mm);
+    }
+}
+
+/* `ticks` ticks at constant speeds of the three hands, from wherever they are. */
+static int32_t hands_at[TOOLS];
+static void move(uint32_t *tick, uint32_t count, const int32_t *per_tick)
+{
+    for (uint32_t done = 0; done < count; done += 50) {
+        client_step_each(&host, *tick, 50, hands_at, per_tick);
+        assert_true(client_expect_ticks(&host, &ticks));
+        assert_int_equal(ticks.states_count, 50);
+        for (int k = 0; k < TOOLS; k++) hands_at[k] += 50 * per_tick[k];
+        *tick += 50;
+    }
+}
+
+static void start_three(void)
+{
+    memset(hands_at, 0, sizeof hands_at);
+    assert_true(client_start_tools(&host, TOOLS));
+}
+
+/* --- motion --- */
+
+/* The wire is pushed by 30 mm, the catheter by 10 mm, the guide pulled back by 10 mm, all at once. Free space, so each
+ * follows its own hand; 0.3 mm is left to friction between them and to the hands' coupling. */
+static void each_hand_moves_its_own_tool(void **state)
+{
+    (void)state;
+    uint32_t tick = 0;
+    start_three();
+    move(&tick, 1000, (const int32_t[]){30, 10, -10});
+    move(&tick, 300, (const int32_t[]){0, 0, 0});
+    assert_int_equal(ticks.states[49].tools_count, TOOLS);
+    expect_inserted(WIRE, 80, 0.3);
+    expect_inserted(CATHETER, 60, 0.3);
+    expect_inserted(GUIDE, 40, 0.3);
+    assert_int_equal(ticks.states[49].lead_tool, WIRE);
+}
+
+static void the_tool_whose_tip_is_farthest_leads(void **state)
+{
+    (void)state;
+    uint32_t tick = 0;
+    start_three();
+    move(&tick, 500, (const int32_t[]){20, 0, 0});
+    assert_int_equal(ticks.states[49].lead_tool, WIRE);
+    move(&tick, 1000, (const int32_t[]){-20, 10, 0});
+    assert_int_equal(ticks.states[49].lead_tool, CATHETER);
+    move(&tick, 1000, (const int32_t[]){0, 0, 20});
+    assert_int_equal(ticks.states[49].lead_tool, GUIDE);
+    expect_inserted(WIRE, 40, 0.3);
+}
+
+static void a_session_with_three_tools_gives_the_same_hashes_every_time(void **state)
+{
+    (void)state;
+    seld_wire_tick_state last[2];
+    for (int run = 0; run < 2; run++) {
+        uint32_t tick = 0;
+        client_close(&host);
+        client_open(&host, 0);
+        start_three();
+        move(&tick, 500, (const int32_t[]){25, -10, 5});
+        last[run] = ticks.states[49];
+    }
+    assert_memory_equal(&last[0], &last[1], sizeof last[0]);
+}
+
+/* --- set-up --- */
+
+/* A wire of 0.6 mm does not pass the catheter's lumen of 0.5 mm; refused as a whole, and the old tools still arm. */
+static void tools_that_do_not_nest_are_refused_by_name_and_leave_the_old_ones(void **state)
+{
+    (void)state;
+    start_three();
+    command(SELD_WIRE_ACTION_RESET);
+    client_plain_tools(&tools, 2);
+    tools.tools[WIRE].knots[1].radius_outer_um = 600;
+    client_tools(&host, &tools);
+    expect_reject(SELD_REJECT_TOOL_NESTING, CATHETER, 0);
+    command(SELD_WIRE_ACTION_ARM);
+    command(SELD_WIRE_ACTION_START);
+    host.tool_count = TOOLS;
+    client_step(&host, 0, 1, 0, 0);
+    assert_true(client_expect_ticks(&host, &ticks));
+    assert_int_equal(ticks.states[0].tools_count, TOOLS);
+}
+
+/* One wrong value anywhere refuses the whole set, with the tool and the knot. */
+static void a_wrong_value_names_its_tool_and_knot(void **state)
+{
+    (void)state;
+    greet();
+    for (uint16_t k = 0; k < TOOLS; k++) {
+        client_plain_tools(&tools, TOOLS);
+        tools.tools[k].knots[1].bend_stiffness_nN_m2 = 5;
+        client_tools(&host, &tools);
+        expect_reject(SELD_REJECT_TOOL_RANGE, k, 1);
+        client_plain_tools(&tools, TOOLS);
+        tools.tools[k].knots_count = 1;
+        client_tools(&host, &tools);
+        expect_reject(SELD_REJECT_TOOL_KNOTS, k, 0);
+        client_plain_tools(&tools, TOOLS);
+        tools.tools[k].element_tip_um = 100;
+        client_tools(&host, &tools);
+        expect_reject(SELD_REJECT_TOOL_ELEMENTS, k, 0);
+        client_plain_tools(&tools, TOOLS);
+        tools.tools[k].knots[1].arc_um = 19000;
+        client_tools(&host, &tools);
+        assert_true(client_expect_reject(&host, &reject));
+        assert_int_equal(reject.code, SELD_REJECT_TOOL_LENGTH);
+        assert_int_equal(reject.detail1, k);
+    }
+    client_command(&host, SELD_WIRE_ACTION_ARM);
+    expect_reject(SELD_REJECT_SET_UP_MISSING, 0, 0);
+}
+
+static void none_and_four_tools_are_refused(void **state)
+{
+    (void)state;
+    greet();
+    memset(&tools, 0, sizeof tools);
+    client_tools(&host, &tools);
+    expect_reject(SELD_REJECT_TOOL_COUNT, 0, TOOLS);
+    uint8_t four[2 + 4 * 22] = {4};
+    client_send(&host, SELD_WIRE_TYPE_tools, four, sizeof four);
+    assert_true(client_expect_reject(&host, &reject));
+    assert_int_equal(reject.code, SELD_REJECT_MALFORMED);
+}
+
+/* An entry gives one length per tool; after a change of their number it must come again. */
+static void an_entry_belongs_to_its_number_of_tools(void **state)
+{
+    (void)state;
+    const uint32_t lengths_um[] = {50000, 40000};
+    greet();
+    client_entry_each(&host, lengths_um, 2);
+    expect_reject(SELD_REJECT_SET_UP_MISSING, 0, 0);
+    client_plain_tools(&tools, TOOLS);
+    client_tools(&host, &tools);
+    assert_true(client_expect_status(&host, &status));
+    client_entry_each(&host, lengths_um, 2);
+    expect_reject(SELD_REJECT_TOOL_COUNT, 2, TOOLS);
+    client_entry(&host, 50000);
+    assert_true(client_expect_status(&host, &status));
+    client_plain_tools(&tools, 2);
+    client_tools(&host, &tools);
+    assert_true(client_expect_status(&host, &status));
+    client_command(&host, SELD_WIRE_ACTION_ARM);
+    expect_reject(SELD_REJECT_SET_UP_MISSING, 2, 0);
+    client_entry_each(&host, lengths_um, 2);
+    assert_true(client_expect_status(&host, &status));
+    command(SELD_WIRE_ACTION_ARM);
+}
+
+static void the_tool_that_is_too_short_for_its_start_is_named(void **state)
+{
+    (void)state;
+    const uint32_t lengths_um[] = {50000, 300001, 40000};
+    greet();
+    client_plain_tools(&tools, TOOLS);
+    client_tools(&host, &tools);
+    assert_true(client_expect_status(&host, &status));
+    client_entry_each(&host, lengths_um, TOOLS);
+    assert_true(client_expect_status(&host, &status));
+    client_command(&host, SELD_WIRE_ACTION_ARM);
+    expect_reject(SELD_REJECT_LENGTH_INSERTED, CATHETER, 300000);
+}
+
+static void inputs_for_another_number_of_tools_are_refused_and_change_nothing(void **state)
+{
+    (void)state;
+    const int32_t none[TOOLS] = {0};
+    start_three();
+    host.tool_count = 2;
+    client_step(&host, 0, 5, 0, 10);
+    expect_reject(SELD_REJECT_TOOL_COUNT, 2, TOOLS);
+    client_input(&host, none, none);
+    expect_reject(SELD_REJECT_TOOL_COUNT, 2, TOOLS);
+    expect_state(SELD_WIRE_STATE_RUNNING);
+    assert_int_equal(status.tick, 0);
+}
+
+/* --- contacts --- */
+
+static void read_contacts(seld_wire_contacts *contacts)
+{
+    client_get(&host, SELD_WIRE_GET_CONTACTS);
+    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_contacts);
+    assert_true(seld_wire_decode_contacts(host.decoder.payload, host.decoder.payload_bytes, contacts));
+}
+
+/* A tube of 2 mm around the x axis as a scene, and the entry at its beginning. */
+static void send_tube(void)
+{
+    static uint8_t file[1 << 20], section[1 << 20];
+    const reference_piece straight = {0.3, 0, 0};
+    reference_tube *tube = reference_tube_make(&straight, 1, 0.002, 0);
+    const seld_lumen *lumen = &tube->lumen;
+    const uint32_t *n = lumen->brick_count_xyz;
+    const size_t entries = (size_t)n[0] * n[1] * n[2],
+                 samples = (size_t)lumen->brick_count * SELD_LUMEN_BRICK_SAMPLES;
+    memset(section, 0, 32);
+    for (int k = 0; k < 3; k++) {
+        seld_scene_put_u32(section + 4 * k, (uint32_t)lumen->origin_m_q30[k]);
+        seld_scene_put_u16(section + 12 + 2 * k, (uint16_t)n[k]);
+    }
+    seld_scene_put_u32(section + 20, lumen->brick_count);
+    for (size_t i = 0; i < entries; i++) seld_scene_put_u16(section + 32 + 2 * i, lumen->index[i]);
+    memcpy(section + 32 + 2 * entries, lumen->samples, samples);
+    uint8_t meta[SELD_SCENE_META_BYTES] = "tube", entry[SELD_SCENE_ENTRY_BYTES] = {0};
+    seld_scene_put_u32(entry + 12, 1u << 30);
+    const seld_scene_part parts[3] = {{SELD_SCENE_META, meta, sizeof meta},
+                                      {SELD_SCENE_ENTRY, entry, sizeof entry},
+                                      {SELD_SCENE_LUMEN, section, 32 + 2 * entries + samples}};
+    size_t bytes = seld_scene_write(SELD_SCENE_KIND_SCENE, parts, 3, file, sizeof file);
+    assert_true(bytes > 0);
+    reference_tube_free(tube);
+    assert_true(client_load_scene(&host, file, (uint32_t)bytes));
+}
+
+/* A straight wire lies on the floor of a horizontal tube. In sum the wall carries what it weighs beyond the mouth, less
+ * what the inserter carries; every force points up, and there are as many as the tick reports. */
+static void contact_forces_carry_the_weight(void **state)
+{
+    (void)state;
+    static seld_wire_contacts contacts;
+    greet();
+    client_get(&host, SELD_WIRE_GET_CONTACTS);
+    expect_reject(SELD_REJECT_WRONG_STATE, SELD_WIRE_STATE_READY, 0);
+    send_tube();
+    client_plain_tools(&tools, 1);
+    tools.tools[0].knots[0].bend_stiffness_nN_m2 = tools.tools[0].knots[1].bend_stiffness_nN_m2 = 100000;
+    client_tools(&host, &tools);
+    assert_true(client_expect_status(&host, &status));
+    assert_true(client_entry_along_x(&host, 250000));
+    command(SELD_WIRE_ACTION_ARM);
+    read_contacts(&contacts);
+    assert_int_equal(contacts.contacts_count, 0);
+    command(SELD_WIRE_ACTION_START);
+    for (uint32_t tick = 0; tick < 2000; tick += 50) {
+        client_step(&host, tick, 50, 0, 0);
+        assert_true(client_expect_ticks(&host, &ticks));
+    }
+    read_contacts(&contacts);
+    assert_int_equal(contacts.tick, 2000);
+    assert_int_equal(contacts.contacts_count, ticks.states[49].contact_count);
+    double up_N = 0;
+    for (uint16_t i = 0; i < contacts.contacts_count; i++) {
+        assert_true(i == 0 || contacts.contacts[i].node > contacts.contacts[i - 1].node);
+        assert_true(contacts.contacts[i].force_z_N_q22 >= 0);
+        up_N += contacts.contacts[i].force_z_N_q22 / 4194304.0;
+    }
+    const double weight_N = 0.25 * 0.004 * 9.81;
+    if (up_N < 0.6 * weight_N || up_N > weight_N) {
+        fail_msg("the wall carries %.5f N of a weight of %.5f N", up_N, weight_N);
+    }
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(each_hand_moves_its_own_tool),
+        TEST(the_tool_whose_tip_is_farthest_leads),
+        TEST(a_session_with_three_tools_gives_the_same_hashes_every_time),
+        TEST(tools_that_do_not_nest_are_refused_by_name_and_leave_the_old_ones),
+        TEST(a_wrong_value_names_its_tool_and_knot),
+        TEST(none_and_four_tools_are_refused),
+        TEST(an_entry_belongs_to_its_number_of_tools),
+        TEST(the_tool_that_is_too_short_for_its_start_is_named),
+        TEST(inputs_for_another_number_of_tools_are_refused_and_change_nothing),
+        TEST(contact_forces_carry_the_weight),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
