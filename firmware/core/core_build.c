@@ -4,7 +4,6 @@
 #include "firmware/core/rod.h"
 
 enum {
-    CLIP_FACTOR_MAX = 10,      /* a cell clipped at the mouth keeps at least a tenth of its length */
     FOLD_MAX_N = 8192,         /* W / l: bounds the products of joint_forces() in rod_force.c */
     BEND_MAX_N_m = 16,         /* W of a joint, for the same */
     LOAD_RESERVE_N_m = 250000, /* room in the diagonal for contact, friction and tension */
@@ -61,6 +60,8 @@ static void build_cells(seld_model *model)
         seld_mesh_node *node = &model->mesh[i];
         node->cell_end_m_q30 = node->arc_m_q30 + node->length_m_q30 / 2;
         node->inverse_cell_per_m_q18 = inverse_per_m_q18(node->cell_end_m_q30 - begin);
+        node->bearing_share_q30 =
+            seld_quotient(node->length_m_q30, node->length_m_q30 + SELD_BEARING_M_Q30, 30);
         begin = node->cell_end_m_q30;
     }
 }
@@ -211,6 +212,7 @@ static int64_t cell_stiffness_q26(const seld_model *model, uint32_t node, int32_
 static seld_build_status choose_exponent(seld_model *model)
 {
     int64_t worst_q8 = 0;
+    int64_t unclipped_q8 = 0;
     int64_t softest_q8 = INT64_MAX;
     for (uint32_t i = 1; i + 1 < model->node_count; i++) {
         int32_t a = model->mesh[i - 1].inverse_length_per_m_q18;
@@ -223,12 +225,16 @@ static seld_build_status choose_exponent(seld_model *model)
         int64_t w = seld_bend_spring_q8((int32_t)bend, a, a);
         int64_t axial =
             seld_axial_spring_q8(model, i - 1, (int32_t)bend) + seld_axial_spring_q8(model, i, (int32_t)bend);
-        int64_t sum = axial + w * (2 + 4 * CLIP_FACTOR_MAX);
+        int64_t sum = axial + w * (2 + 4 * SELD_CLIP_SURE);
         worst_q8 = sum > worst_q8 ? sum : worst_q8;
+        sum = axial + 2 * w;
+        unclipped_q8 = sum > unclipped_q8 ? sum : unclipped_q8;
         int64_t soft = seld_bend_spring_q8((int32_t)cell_stiffness_q26(model, i, range.softest_q35), c, c);
         softest_q8 = soft < softest_q8 ? soft : softest_q8;
     }
-    worst_q8 += (int64_t)LOAD_RESERVE_N_m << 8;
+    /* A joint clipped further than that is held below 2^28 (rod_feed.c); the rest must leave it that room. */
+    worst_q8 = worst_q8 > 2 * unclipped_q8 ? worst_q8 : 2 * unclipped_q8;
+    worst_q8 += (int64_t)(2 * LOAD_RESERVE_N_m) << 8;
     uint32_t exponent = 14;
     while (exponent > 0 && (worst_q8 >> 8) >= ((int64_t)1 << (29 - exponent))) {
         exponent--;

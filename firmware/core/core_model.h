@@ -24,16 +24,21 @@ enum {
     SELD_CONTACT_STIFFNESS_N_m = 5000,       /* normal penalty; 2e4 chatters at r = 1.5 mm */
     SELD_CONTACT_STIFFNESS_DEEP_N_m = 20000, /* added beyond SELD_CONTACT_DEEP */
     SELD_FRICTION_STIFFNESS_N_m = 2000,      /* bristle */
-    SELD_HOLD_STIFFNESS_N_m = 200000,        /* of a held tip; within LOAD_RESERVE_N_m of core_build.c */
-    SELD_CONTACT_DEEP_M_Q30 = 214748,        /* 0.2 mm */
-    SELD_MISSED_CONTACT_M_Q30 = 107374,      /* 0.1 mm: an unseen contact deeper than this is solved again */
-    SELD_FEED_MAX_M_Q30 = 536871,            /* 0.5 mm per tick = 0.5 m/s */
-    SELD_TURN_MAX_TURN32 = 13671000,         /* 0.02 rad per tick = 20 rad/s */
-    SELD_DAMPING_KEEP_Q30 = 21474836,        /* 20/s x 1 ms = 0.02: blood's drag, mass proportional */
-    SELD_POSITION_MAX_M_Q30 = 2126008811,    /* 1.98 m */
-    SELD_STEP_CAP_M_Q33 = 4294967,           /* 0.5 mm of motion per tick besides the feed */
-    SELD_RELEASE_STEP_Q30 = 1 << 22,     /* a shaped tip leaves the introducer over 256 ticks, not in one */
-    SELD_SPIN_DRAG_N_M_Q26 = 6711,       /* 1e-7 N m s / 1 ms per edge: keeps the twist solve regular */
+    SELD_WALL_ROUND_PER_m = 1000,            /* 1 / 1 mm: curvature of the wall that the matrix allows for */
+    SELD_WALL_ROUND_MAX_N = 20,
+    SELD_HOLD_STIFFNESS_N_m = 200000,     /* of a held tip; within LOAD_RESERVE_N_m of core_build.c */
+    SELD_CONTACT_DEEP_M_Q30 = 214748,     /* 0.2 mm */
+    SELD_MISSED_CONTACT_M_Q30 = 107374,   /* 0.1 mm: an unseen contact deeper than this is solved again */
+    SELD_FEED_MAX_M_Q30 = 536871,         /* 0.5 mm per tick = 0.5 m/s */
+    SELD_TURN_MAX_TURN32 = 13671000,      /* 0.02 rad per tick = 20 rad/s */
+    SELD_DAMPING_KEEP_Q30 = 21474836,     /* 20/s x 1 ms = 0.02: blood's drag, mass proportional */
+    SELD_POSITION_MAX_M_Q30 = 2126008811, /* 1.98 m */
+    SELD_STEP_CAP_M_Q33 = 4294967,        /* 0.5 mm of motion per tick besides the feed */
+    SELD_RELEASE_STEP_Q30 = 1 << 22,      /* a shaped tip leaves the introducer over 256 ticks, not in one */
+    SELD_SPIN_DRAG_N_M_Q26 = 7,   /* 1e-10 N m s / 1 ms per edge: about what blood does to a turning wire */
+    SELD_CLIP_SURE = 10,          /* a cell clipped at the mouth may keep this part of its length, */
+    SELD_CLIP_MAX = 32,           /* or this part, where the number format has room for it */
+    SELD_BEARING_M_Q30 = 3221225, /* 3 mm: length over which a tool bears on the one around it */
     SELD_GRIP_STIFFNESS_N_M_Q26 = 26844, /* 4e-4 N m: bristle of one tool turning in another */
     SELD_GRIP_COMPLIANCE_PER_N_M = 2500, /* its inverse */
     SELD_WITHDRAWN_M_Q30 =
@@ -79,6 +84,8 @@ typedef struct seld_mesh_node {
     int32_t inverse_length_per_m_q18;
     int32_t cell_end_m_q30; /* arc + length / 2 */
     int32_t inverse_cell_per_m_q18;
+    int32_t
+        bearing_share_q30; /* length / (length + SELD_BEARING): how fast a tool's moment passes to the next tool */
 } seld_mesh_node;
 
 /* Holds the tip by springs of 2e5 N/m, for validation cases (Euler's and Greenhill's ends). */

@@ -37,9 +37,9 @@ typedef struct seld_tool_state {
 typedef struct seld_state_words {
     uint32_t tick;
     uint32_t fault_bits;
-    uint32_t free_count; /* na: nodes beyond the inserter */
-    int32_t
-        release_q30; /* share of the rest shapes that is in force: 0 in the introducer, 1 after 256 ticks */
+    uint32_t free_count;      /* na: nodes beyond the inserter */
+    int32_t line_axial_N_q22; /* force of the line on the inserter: what all hands bear together */
+    int32_t release_q30;      /* share of the rest shapes in force: 0 in the introducer, 1 after 256 ticks */
     seld_tool_state tools[SELD_TOOL_MAX];
     seld_node_state nodes[SELD_ARRAY_NODES];
 } seld_state_words;
@@ -84,6 +84,7 @@ typedef struct seld_assembly {
     seld_vec3 axis1_q30[SELD_TOOL_MAX]; /* edge: d1 of a tool, where its rest shape needs it */
     int32_t twist_ratio_q30, twist_angle_q30;
     int32_t joint_angle_q30;              /* of the joint behind the edge: twist before the solve */
+    int32_t around_reach_m_q33;           /* touching: expected bristle along `around` without the turn */
     int32_t press_N_m_q30[SELD_PAIR_MAX]; /* edge: mu N r between tool k and k + 1 */
 } seld_assembly;
 
@@ -95,8 +96,12 @@ typedef struct seld_factor {
 typedef struct seld_work {
     /* predicted configuration x* = x - T ds: the line slid along itself by this tick's feed */
     seld_vec3 position_m_q30;
-    seld_vec3 slide_m_q33;  /* x* - x */
-    seld_vec3 drift_m_q33;  /* last step minus slide: what inertia carries beyond sliding */
+    seld_vec3 slide_m_q33; /* x* - x */
+    union {
+        seld_vec3 drift_m_q33; /* last step minus slide: what inertia carries beyond sliding */
+        seld_vec3
+            around_q30; /* once a touching node is found: normal x tangent, the way of a turning surface */
+    };
     int32_t strain_q30;     /* edge, at x* */
     int32_t geometric;      /* edge: tension / length in Q(a), 0 in compression */
     int32_t torque_N_m_q30; /* joint: twisting moment of all tools */
@@ -104,8 +109,10 @@ typedef struct seld_work {
     seld_vec3 normal_q30;
     int32_t distance_m_q30;             /* cull distance at x* */
     int32_t depth_m_q30;                /* at x*; meaningful while touching */
+    int32_t wall_round;                 /* N / r of a wall of SELD_WALL_ROUND, Q(a) */
     int32_t wall_normal, wall_friction; /* contact stiffnesses, Q(a); 0 where nothing touches */
-    int32_t roll_m_q33;                 /* way of the surface by turning, along normal x tangent */
+    seld_vec3 held_m_q33; /* touching: bristle and way without the deviation, across the normal */
+    int32_t roll_m_q33;   /* way of the surface by turning, along normal x tangent */
     uint32_t touching;
     union {
         seld_assembly a;
@@ -119,8 +126,9 @@ typedef struct seld_scratch {
         seld_work nodes[SELD_ARRAY_NODES];
         seld_state_words incoming; /* a state being restored, until it has passed its checks */
     };
-    seld_joint mouth[2]; /* joints na-1 and na with their cells clipped at the inserter's mouth */
-    int32_t feed_m_q33;  /* of the leading tip: how far the line slides along itself */
+    seld_joint mouth[2];       /* joints na-1 and na with their cells clipped at the inserter's mouth */
+    int32_t mouth_axial_N_q22; /* force of the mouth on a bent line */
+    int32_t feed_m_q33;        /* of the leading tip: how far the line slides along itself */
     int32_t slide_m_q33[SELD_TOOL_MAX];      /* of each tool along the line: its feed less that of the line */
     int32_t turn_q30[SELD_TOOL_MAX];         /* of each tool in the inserter, radians */
     int32_t torque_N_m_q30[SELD_TOOL_MAX];   /* on each handle */

@@ -21,7 +21,7 @@ static int32_t largest_deviation(const seld_state *state)
 static void cap_step(seld_state *state, int32_t largest_m_q33)
 {
     int32_t feed = state->scratch.feed_m_q33 < 0 ? -state->scratch.feed_m_q33 : state->scratch.feed_m_q33;
-    int32_t cap = 3 * feed > SELD_STEP_CAP_M_Q33 ? 3 * feed : SELD_STEP_CAP_M_Q33;
+    int32_t cap = 3 * feed / 2 > SELD_STEP_CAP_M_Q33 ? 3 * feed / 2 : SELD_STEP_CAP_M_Q33;
     if (largest_m_q33 <= cap) {
         return;
     }
@@ -35,18 +35,23 @@ static void cap_step(seld_state *state, int32_t largest_m_q33)
     }
 }
 
-/* The leading tool's hand bears what the line does to the inserter, less what the other hands bear. */
+/* The leading tool's hand bears what the line does to the inserter, less what the other hands bear. Theirs follows
+ * with a time constant of 8 ms: the moment where a tip ends is not at rest while the tip slides. */
 static void share_handles(const seld_model *model, seld_state *state, int32_t line_axial_N_q22)
 {
+    enum { FOLLOW = 8 };
     uint32_t lead = seld_lead_tool(model, &state->words);
     int64_t rest = line_axial_N_q22;
     for (uint32_t k = 0; k < model->tool_count; k++) {
-        rest -= k == lead ? 0 : state->scratch.axial_N_q22[k];
+        seld_tool_state *tool = &state->words.tools[k];
+        if (k != lead) {
+            int64_t change = (int64_t)state->scratch.axial_N_q22[k] - tool->handle_axial_N_q22;
+            tool->handle_axial_N_q22 += (int32_t)(change / FOLLOW);
+            rest -= tool->handle_axial_N_q22;
+        }
     }
-    state->scratch.axial_N_q22[lead] = seld_sat32(rest);
-    for (uint32_t k = 0; k < model->tool_count; k++) {
-        state->words.tools[k].handle_axial_N_q22 = state->scratch.axial_N_q22[k];
-    }
+    state->words.tools[lead].handle_axial_N_q22 = seld_sat32(rest);
+    state->words.line_axial_N_q22 = line_axial_N_q22;
 }
 
 static void report(const seld_model *model, const seld_state *state, seld_output *output)
@@ -83,7 +88,8 @@ void seld_step(const seld_model *model, seld_state *state, const seld_input *inp
         output->solve_count = 2;
         largest_m_q33 = largest_deviation(state);
     }
-    int32_t line_axial_N_q22 = seld_rod_handle_axial(model, state);
+    int32_t line_axial_N_q22 =
+        seld_add_sat(seld_rod_handle_axial(model, state), state->scratch.mouth_axial_N_q22);
     cap_step(state, largest_m_q33);
     seld_contact_finish(model, state, output);
     seld_tools_slide(model, state);

@@ -148,8 +148,6 @@ void seld_tools_slide(const seld_model *model, seld_state *state);
 /* rod_contact.c: contacts at the predicted configuration with their stiffnesses; their forces, once the turn of the
  * surface is known. */
 void seld_contact_find(const seld_model *model, seld_state *state);
-/* Expected way of node i's surface across the normal, besides its turn: bristle, slide and drift. Q33 m. */
-seld_vec3 seld_contact_way(const seld_state *state, uint32_t i);
 void seld_contact_forces(const seld_model *model, seld_state *state);
 /* Looks for contacts the prediction missed, given the solution and its largest component; returns how many it added. */
 uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t largest_m_q33);

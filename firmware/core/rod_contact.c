@@ -80,70 +80,69 @@ static int32_t friction_stiffness(const seld_model *model, int32_t limit_N_q22, 
     return stiffness > model->friction ? model->friction : (int32_t)stiffness;
 }
 
-/* Adds the way of the surface beyond that of the node: the outer tool's slide and its turn. */
-static void add_surface_way(const seld_state *state, uint32_t i, int32_t roll_m_q33, seld_vec3 *way)
+/* How far the outer tool slides along the line at node i, Q33 m; towards the tip. */
+static int32_t surface_slide(const seld_state *state, uint32_t i)
 {
     const seld_line_node *line = &state->line.nodes[i];
-    const seld_work *work = &state->scratch.nodes[i];
-    const seld_vec3 *tangent = &state->words.nodes[i].tangent_q30;
     int32_t under = state->scratch.slide_m_q33[line->under];
     int64_t more = (int64_t)(state->scratch.slide_m_q33[line->outer] - under) * line->outer_share_q15;
-    int32_t slide = under + (int32_t)(more >> 15);
-    if ((slide | roll_m_q33) == 0) {
-        return;
-    }
-    seld_vec3 around = {{0, 0, 0}};
-    if (roll_m_q33 != 0) {
-        around = seld_vec3_cross_unit(&work->normal_q30, tangent);
-    }
-    for (int k = 0; k < 3; k++) {
-        int64_t sum = (int64_t)way->v[k] - seld_scale_q30(slide, tangent->v[k]) +
-                      seld_scale_q30(roll_m_q33, around.v[k]);
-        way->v[k] = seld_sat32(sum);
-    }
+    return under + (int32_t)(more >> 15);
 }
 
-/* Bristle and what the surface does besides the node's deviation, across the normal. */
-static seld_vec3 held_way(const seld_state *state, uint32_t i, int32_t roll_m_q33)
+/* Bristle and what the surface does besides the node's deviation and its turn, across the normal. */
+static void hold_surface(seld_state *state, uint32_t i)
 {
-    const seld_work *work = &state->scratch.nodes[i];
+    const seld_vec3 *tangent = &state->words.nodes[i].tangent_q30;
+    seld_work *work = &state->scratch.nodes[i];
     seld_vec3 way = seld_vec3_add(state->words.nodes[i].bristle_m_q33, work->slide_m_q33);
-    add_surface_way(state, i, roll_m_q33, &way);
-    return tangential(&way, &work->normal_q30);
+    int32_t slide = surface_slide(state, i);
+    if (slide != 0) {
+        for (int k = 0; k < 3; k++) {
+            way.v[k] = seld_sub_sat(way.v[k], seld_scale_q30(slide, tangent->v[k]));
+        }
+    }
+    work->held_m_q33 = tangential(&way, &work->normal_q30);
 }
 
-seld_vec3 seld_contact_way(const seld_state *state, uint32_t i)
+static void add_roll(seld_vec3 *way, const seld_vec3 *around_q30, int32_t roll_m_q33)
 {
-    const seld_work *work = &state->scratch.nodes[i];
-    seld_vec3 drift = tangential(&work->drift_m_q33, &work->normal_q30);
-    return seld_vec3_add(held_way(state, i, 0), drift);
+    for (int k = 0; k < 3; k++) {
+        way->v[k] = seld_add_sat(way->v[k], seld_scale_q30(roll_m_q33, around_q30->v[k]));
+    }
 }
 
-/* Contact of node i with `predicted` depth after the expected motion: its stiffnesses. */
+/* Contact of node i with `predicted` depth after the expected motion: its stiffnesses. `expected` is the node's expected
+ * deviation, `roll` the expected way of its surface by turning. */
 static void touch(const seld_model *model, seld_state *state, uint32_t i, int32_t predicted_m_q30,
-                  int32_t roll_m_q33)
+                  const seld_vec3 *expected_m_q33, int32_t roll_m_q33)
 {
     seld_work *work = &state->scratch.nodes[i];
     int32_t force = predicted_m_q30 > 0 ? normal_force(model, predicted_m_q30) : 0;
     int32_t limit = seld_mul_q30(force, friction_of(state, i));
-    seld_vec3 held = held_way(state, i, roll_m_q33);
-    seld_vec3 drift = tangential(&work->drift_m_q33, &work->normal_q30);
-    seld_vec3 reach = seld_vec3_add(held, drift);
+    hold_surface(state, i);
+    seld_vec3 reach = tangential(expected_m_q33, &work->normal_q30);
+    reach = seld_vec3_add(reach, work->held_m_q33);
+    work->around_q30 = seld_vec3_cross_unit(&work->normal_q30, &state->words.nodes[i].tangent_q30);
+    work->roll_m_q33 = seld_vec3_dot_unit(&reach, &work->around_q30);
+    add_roll(&reach, &work->around_q30, roll_m_q33);
     work->wall_friction = friction_stiffness(model, limit, &reach);
     work->wall_normal =
         model->contact + (work->depth_m_q30 > SELD_CONTACT_DEEP_M_Q30 ? model->contact_deep : 0);
+    /* N / 1 mm: N Q22 -> Q(a) N/m */
+    int32_t round_N_q22 = seld_clamp(force, 0, SELD_WALL_ROUND_MAX_N << 22);
+    work->wall_round =
+        (int32_t)(((int64_t)round_N_q22 * SELD_WALL_ROUND_PER_m) >> (22 - model->stiffness_exponent));
     work->touching = 1;
 }
 
 /* Right side of contact and friction in newtons Q22, once the turn of the surface is known. */
-static void push_node(const seld_model *model, seld_state *state, uint32_t i)
+static void push_node(const seld_model *model, seld_work *work)
 {
-    seld_work *work = &state->scratch.nodes[i];
-    seld_vec3 held = held_way(state, i, work->roll_m_q33);
+    add_roll(&work->held_m_q33, &work->around_q30, work->roll_m_q33);
     int32_t push = normal_force(model, work->depth_m_q30);
     for (int k = 0; k < 3; k++) {
-        int64_t drag =
-            seld_rshift_round64((int64_t)work->wall_friction * held.v[k], model->stiffness_exponent + 11);
+        int64_t drag = seld_rshift_round64((int64_t)work->wall_friction * work->held_m_q33.v[k],
+                                           model->stiffness_exponent + 11);
         work->force_N_q22.v[k] =
             seld_sat32(work->force_N_q22.v[k] + seld_mul_q30(push, work->normal_q30.v[k]) - drag);
     }
@@ -197,7 +196,9 @@ static void find_node(const seld_model *model, seld_state *state, uint32_t i)
         return;
     }
     int32_t spin = state->words.nodes[i].spin_q30[state->line.nodes[i].outer];
-    touch(model, state, i, predicted, seld_surface_way(state->line.nodes[i].radius_m_q30, spin));
+    seld_vec3 expected = work->drift_m_q33; /* `around` takes its place */
+    touch(model, state, i, predicted, &expected, seld_surface_way(state->line.nodes[i].radius_m_q30, spin));
+    work->u.a.around_reach_m_q33 = work->roll_m_q33; /* the twist solve sets the roll */
 }
 
 /* The springs of a held tip take the place of a contact. */
@@ -246,7 +247,7 @@ void seld_contact_forces(const seld_model *model, seld_state *state)
 {
     for (uint32_t i = 0; i < state->words.free_count; i++) {
         if (state->scratch.nodes[i].touching) {
-            push_node(model, state, i);
+            push_node(model, &state->scratch.nodes[i]);
         }
     }
 }
@@ -267,23 +268,27 @@ uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t
         }
         int32_t ended = seld_sub_sat(work->depth_m_q30, along(&work->solution_m_q33, &work->normal_q30) >> 3);
         if (ended > SELD_MISSED_CONTACT_M_Q30) {
-            touch(model, state, i, ended, work->roll_m_q33);
-            push_node(model, state, i);
+            int32_t roll = work->roll_m_q33;
+            touch(model, state, i, ended, &work->solution_m_q33, roll);
+            work->roll_m_q33 = roll;
+            push_node(model, work);
             added++;
         }
     }
     return added;
 }
 
-/* z + way limited to mu N / k_t; sticks when it was not limited. */
-static void move_bristle(const seld_model *model, seld_state *state, uint32_t i, int32_t depth_m_q30)
+/* z + way limited to mu N / k_t; sticks when it was not limited. `along_m_q33` is the deviation along the normal. */
+static void move_bristle(const seld_model *model, seld_state *state, uint32_t i, int32_t depth_m_q30,
+                         int32_t along_m_q33)
 {
     seld_node_state *node = &state->words.nodes[i];
-    seld_work *work = &state->scratch.nodes[i];
-    seld_vec3 way = seld_vec3_add(work->solution_m_q33, work->slide_m_q33);
-    way = seld_vec3_add(way, node->bristle_m_q33);
-    add_surface_way(state, i, work->roll_m_q33, &way);
-    way = tangential(&way, &work->normal_q30);
+    const seld_work *work = &state->scratch.nodes[i];
+    seld_vec3 way;
+    for (int k = 0; k < 3; k++) {
+        int32_t across = work->solution_m_q33.v[k] - seld_scale_q30(along_m_q33, work->normal_q30.v[k]);
+        way.v[k] = seld_add_sat(work->held_m_q33.v[k], across);
+    }
     int32_t force = depth_m_q30 > 0 ? normal_force(model, depth_m_q30) : 0;
     int32_t limit_N_q22 = seld_mul_q30(force, friction_of(state, i));
     /* mu N / k_t in m Q33: 2^11 / 2000 = 1 + 25166 / 2^20 */
@@ -326,8 +331,9 @@ void seld_contact_finish(const seld_model *model, seld_state *state, seld_output
         if (!work->touching) {
             continue;
         }
-        int32_t depth = seld_sub_sat(work->depth_m_q30, along(&work->solution_m_q33, &work->normal_q30) >> 3);
-        move_bristle(model, state, i, depth);
+        int32_t deviation = along(&work->solution_m_q33, &work->normal_q30);
+        int32_t depth = seld_sub_sat(work->depth_m_q30, deviation >> 3);
+        move_bristle(model, state, i, depth, deviation);
         if (model->tool_count > 1) {
             charge_outer_tool(state, i);
         }

@@ -11,15 +11,34 @@ enum {
     TURN32_TO_Q30_RAD = 1686629713, /* pi / 2 in Q30 */
 };
 
-/* Feed that brings the handle to its force limit: (F_max - H) x compliance of the free part and the wall.
+/* Feed that brings the handle to its force limit: (F_max - H) x compliance of the free part and the wall. Beyond the
+ * limit it is negative: the tool slips back through the hand, slowly.
  * Format: N Q22 x m/N Q40 -> m Q30. Overflow: saturates at the feed limit. */
 static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
 {
+    const int32_t slip_max = SELD_FEED_MAX_M_Q30 / 16;
     if (margin_N_q22 <= 0) {
-        return 0;
+        int64_t back = ((int64_t)margin_N_q22 * compliance_m_N_q40) >> 32;
+        return back < -slip_max ? -slip_max : (int32_t)back;
     }
     int64_t limit = (int64_t)(((uint64_t)(uint32_t)margin_N_q22 * compliance_m_N_q40) >> 32);
     return limit > SELD_FEED_MAX_M_Q30 ? SELD_FEED_MAX_M_Q30 : (int32_t)limit;
+}
+
+/* What a tool may be fed: as far as its hand's force limit allows, and the leading tip no farther than the force of all
+ * hands together allows, or two tips at one wall would push each other's share on, tick by tick. */
+static int32_t limit_feed(const seld_model *model, const seld_state *state, uint32_t k, int32_t feed_m_q30)
+{
+    const seld_state_words *words = &state->words;
+    const seld_tool_state *tool = &words->tools[k];
+    uint32_t compliance =
+        (uint32_t)state->line.nodes[words->free_count].compliance_m_N_q40 + WALL_COMPLIANCE_m_N_Q40;
+    int32_t push = stall_limit(seld_sub_sat(model->stall_N_q22, tool->handle_axial_N_q22), compliance);
+    int32_t pull = stall_limit(seld_add_sat(model->stall_N_q22, tool->handle_axial_N_q22), compliance);
+    int32_t behind = seld_lead_inserted(model, words) - tool->inserted_m_q30;
+    int32_t line = stall_limit(seld_sub_sat(model->stall_N_q22, words->line_axial_N_q22), compliance);
+    line = seld_add_sat(behind, line);
+    return seld_clamp(feed_m_q30, -pull, push < line ? push : line);
 }
 
 /* Feed of one tool in this tick, Q30 m. The hand may lead by four times the largest feed; beyond that it slips, as
@@ -36,12 +55,7 @@ static int32_t choose_feed(const seld_model *model, seld_state *state, uint32_t 
         words->fault_bits |= SELD_FAULT_FEED_LIMIT;
         lead = kept;
     }
-    int32_t feed = (int32_t)lead / (1 << FOLLOW_SHIFT);
-    uint32_t compliance =
-        (uint32_t)state->line.nodes[words->free_count].compliance_m_N_q40 + WALL_COMPLIANCE_m_N_Q40;
-    int32_t push = stall_limit(seld_sub_sat(model->stall_N_q22, tool->handle_axial_N_q22), compliance);
-    int32_t pull = stall_limit(seld_add_sat(model->stall_N_q22, tool->handle_axial_N_q22), compliance);
-    feed = seld_clamp(feed, -pull, push);
+    int32_t feed = limit_feed(model, state, k, (int32_t)lead / (1 << FOLLOW_SHIFT));
     int32_t wanted = tool->inserted_m_q30 + feed;
     int32_t allowed = seld_clamp(wanted, SELD_WITHDRAWN_M_Q30, model->tools[k].inserted_max_m_q30);
     if (allowed != wanted) {
@@ -60,6 +74,8 @@ static void feed_tools(const seld_model *model, seld_state *state, const seld_in
     int32_t feed[SELD_TOOL_MAX];
     for (uint32_t k = 0; k < model->tool_count; k++) {
         feed[k] = choose_feed(model, state, k, input->hands[k].feed_m_q30);
+    }
+    for (uint32_t k = 0; k < model->tool_count; k++) {
         words->tools[k].inserted_m_q30 += feed[k];
         longest = words->tools[k].inserted_m_q30 > words->tools[longest].inserted_m_q30 ? k : longest;
     }
@@ -173,8 +189,22 @@ static void slide_node(const seld_model *model, seld_state *state, uint32_t i)
     }
 }
 
+/* Factor by which a joint's stiffness may grow: its entries stay below 2^26, of which four meet in a diagonal below
+ * 2^29 (core_build.c), and W below 16 N m. */
+static int32_t clip_room(const seld_joint *joint)
+{
+    int32_t entry = joint->p > joint->r ? joint->p : joint->r;
+    int32_t by_entry = entry <= (1 << 26) / SELD_CLIP_MAX ? SELD_CLIP_MAX : seld_quotient(1 << 26, entry, 0);
+    int32_t by_bend = joint->bend_N_m_q26 <= (1 << 30) / SELD_CLIP_MAX
+                          ? SELD_CLIP_MAX
+                          : seld_quotient(1 << 30, joint->bend_N_m_q26, 0);
+    int32_t room = by_entry < by_bend ? by_entry : by_bend;
+    return room > SELD_CLIP_SURE ? room : SELD_CLIP_SURE;
+}
+
 /* The two joints at the mouth own only the part of their cell that lies outside it: W grows by cell / part,
- * the rest turning shrinks by part / cell. At least a tenth of the cell is kept for the stiffness. */
+ * the rest turning shrinks by part / cell. The format sets how little of a cell may be left, and what is
+ * kept too much bends as if the line were that much longer. */
 static void clip_joint(const seld_model *model, seld_state *state, int32_t inserted_m_q30, uint32_t i)
 {
     seld_joint *joint = &state->scratch.mouth[i + 1 - state->words.free_count];
@@ -185,8 +215,8 @@ static void clip_joint(const seld_model *model, seld_state *state, int32_t inser
     if (part >= cell) {
         return;
     }
-    int32_t tenth = (int32_t)(((int64_t)cell * 6554) >> 16);
-    int32_t factor_q24 = seld_quotient(cell, part > tenth ? part : tenth, 24);
+    int32_t least = seld_quotient(cell, clip_room(joint), 0);
+    int32_t factor_q24 = seld_quotient(cell, part > least ? part : least, 24);
     joint->bend_N_m_q26 = seld_mul(joint->bend_N_m_q26, factor_q24, 24);
     joint->p = seld_mul(joint->p, factor_q24, 24);
     joint->q = seld_mul(joint->q, factor_q24, 24);

@@ -50,11 +50,14 @@ static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
     return seld_mul(per_m_q20, length_m_q30, 20);
 }
 
-/* The chord 2 sin(turn / 2) that two unit edges make: turn (1 - turn^2 / 24). */
-static int32_t chord_of(int32_t turn_q30)
+/* What makes two unit edges rest at this angle: they differ by 2 sin(turn / 2), and the rest turning is applied along the
+ * mean of their axes, which is cos(turn / 2) long, so 2 tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120).
+ * Error: 0.1 % at 1 rad. */
+static int32_t rest_turn_of(int32_t turn_q30)
 {
     int32_t square = seld_mul_q30(turn_q30, turn_q30);
-    return turn_q30 - seld_mul_q30(turn_q30, seld_mul_q30(square, 44739243)); /* 1/24 in Q30 */
+    int32_t series = seld_add_sat(89478485, seld_mul_q30(square, 8947849)); /* 1/12 and 1/120 in Q30 */
+    return seld_add_sat(turn_q30, seld_mul_q30(turn_q30, seld_mul_q30(square, series)));
 }
 
 static void seek(const seld_tool *tool, uint32_t *span, int32_t arc_m_q30)
@@ -231,8 +234,8 @@ static void build_joint(walk *w, uint32_t i, cell c)
         share_stiffness(w, own_q26, joint);
     }
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
-        joint->turn1_q30[k] = chord_of(joint->turn1_q30[k]);
-        joint->turn2_q30[k] = chord_of(joint->turn2_q30[k]);
+        joint->turn1_q30[k] = rest_turn_of(joint->turn1_q30[k]);
+        joint->turn2_q30[k] = rest_turn_of(joint->turn2_q30[k]);
         joint->curved |= (uint32_t)((joint->turn1_q30[k] | joint->turn2_q30[k]) != 0) << k;
     }
     if (i > 0) {

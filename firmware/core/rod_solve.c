@@ -148,60 +148,74 @@ static inline void edge_matrix(const seld_state *state, uint32_t i, seld_sym3 *s
     s->m[ZZ] = seld_scale_q30(z, t->v[2]) + geometric;
 }
 
-/* Adds k_n n n^T + k_f (I - n n^T) of a touching node. */
-static inline void add_wall(const seld_work *work, seld_sym3 *d)
+/* k v v^T added to a block. */
+static inline void add_along(const seld_vec3 *v_q30, int32_t stiffness, seld_sym3 *d)
 {
-    const seld_vec3 *n = &work->normal_q30;
-    int32_t friction = work->wall_friction;
-    int32_t x = seld_scale_q30(work->wall_normal - friction, n->v[0]);
-    int32_t y = seld_scale_q30(work->wall_normal - friction, n->v[1]);
-    int32_t z = seld_scale_q30(work->wall_normal - friction, n->v[2]);
-    d->m[XX] += seld_scale_q30(x, n->v[0]) + friction;
-    d->m[XY] += seld_scale_q30(x, n->v[1]);
-    d->m[XZ] += seld_scale_q30(x, n->v[2]);
-    d->m[YY] += seld_scale_q30(y, n->v[1]) + friction;
-    d->m[YZ] += seld_scale_q30(y, n->v[2]);
-    d->m[ZZ] += seld_scale_q30(z, n->v[2]) + friction;
+    int32_t x = seld_scale_q30(stiffness, v_q30->v[0]);
+    int32_t y = seld_scale_q30(stiffness, v_q30->v[1]);
+    int32_t z = seld_scale_q30(stiffness, v_q30->v[2]);
+    d->m[XX] += seld_scale_q30(x, v_q30->v[0]);
+    d->m[XY] += seld_scale_q30(x, v_q30->v[1]);
+    d->m[XZ] += seld_scale_q30(x, v_q30->v[2]);
+    d->m[YY] += seld_scale_q30(y, v_q30->v[1]);
+    d->m[YZ] += seld_scale_q30(y, v_q30->v[2]);
+    d->m[ZZ] += seld_scale_q30(z, v_q30->v[2]);
 }
 
-/* One entry of U^T W. Overflow: 3 * 2^29 * 2^31 < 2^62. */
-static inline int32_t column_product(const mat3 *u, int a, const int32_t *w_q29, int b)
+/* Adds k_n n n^T + k_f (I - n n^T) + k_r b b^T of a touching node, b around the wall: a step that way turns the normal
+ * force with the wall, which without k_r = N / r swings for ever on a wall without friction (docs/rod.md, "contact"). */
+static inline void add_wall(const seld_work *work, seld_sym3 *d)
 {
-    int64_t sum = (int64_t)u->m[a] * w_q29[b] + (int64_t)u->m[3 + a] * w_q29[3 + b] +
-                  (int64_t)u->m[6 + a] * w_q29[6 + b];
+    int32_t friction = work->wall_friction;
+    add_along(&work->normal_q30, work->wall_normal - friction, d);
+    if (work->touching) {
+        add_along(&work->around_q30, work->wall_round, d);
+    }
+    d->m[XX] += friction;
+    d->m[YY] += friction;
+    d->m[ZZ] += friction;
+}
+
+/* One entry of T^T V. Overflow: 3 * 2^29 * 2^31 < 2^62. */
+static inline int32_t column_product(const mat3 *t, int a, const int32_t *v_q29, int b)
+{
+    int64_t sum = (int64_t)t->m[a] * v_q29[b] + (int64_t)t->m[3 + a] * v_q29[3 + b] +
+                  (int64_t)t->m[6 + a] * v_q29[6 + b];
     return (int32_t)((sum + (1 << 28)) >> 29);
 }
 
-/* D -= U^T W */
-static inline void subtract_product(seld_sym3 *d, const mat3 *u, const int32_t *w_q29)
+/* R[i+1] += R + Q + Q^T - T^T V */
+static inline void pass_remainder(const seld_sym3 *r, const mat3 *q, const mat3 *t, const int32_t *v_q29,
+                                  seld_sym3 *next)
 {
-    d->m[XX] -= column_product(u, 0, w_q29, 0);
-    d->m[XY] -= column_product(u, 0, w_q29, 1);
-    d->m[XZ] -= column_product(u, 0, w_q29, 2);
-    d->m[YY] -= column_product(u, 1, w_q29, 1);
-    d->m[YZ] -= column_product(u, 1, w_q29, 2);
-    d->m[ZZ] -= column_product(u, 2, w_q29, 2);
+    next->m[XX] += r->m[XX] + 2 * q->m[0] - column_product(t, 0, v_q29, 0);
+    next->m[XY] += r->m[XY] + q->m[1] + q->m[3] - column_product(t, 0, v_q29, 1);
+    next->m[XZ] += r->m[XZ] + q->m[2] + q->m[6] - column_product(t, 0, v_q29, 2);
+    next->m[YY] += r->m[YY] + 2 * q->m[4] - column_product(t, 1, v_q29, 1);
+    next->m[YZ] += r->m[YZ] + q->m[5] + q->m[7] - column_product(t, 1, v_q29, 2);
+    next->m[ZZ] += r->m[ZZ] + 2 * q->m[8] - column_product(t, 2, v_q29, 2);
 }
 
-/* U[i+1] -= kb W^T */
-static inline void subtract_second(mat3 *u, int64_t second, const int32_t *w_q29)
+/* Q[i+1] += kb (I - V^T) */
+static inline void pass_second(mat3 *q, int64_t second, const int32_t *v_q29)
 {
     for (int r = 0; r < 3; r++) {
         for (int c = 0; c < 3; c++) {
-            u->m[3 * r + c] -= (int32_t)((second * w_q29[3 * c + r] + (1 << 28)) >> 29);
+            q->m[3 * r + c] -= (int32_t)((second * v_q29[3 * c + r] + (1 << 28)) >> 29);
         }
+        q->m[4 * r] += (int32_t)second;
     }
 }
 
-/* r[i+1] -= W^T r and r[i+2] -= P r. Overflow: r is limited to 2^30, so sums stay below 3 * 2^30 * 2^31; what is
- * carried stays in 64 bits until its own turn. */
+/* r[i+1] -= W^T r = V^T r - r and r[i+2] -= P r. Overflow: r is limited to 2^30, so sums stay below 3 * 2^30 * 2^31; what
+ * is carried stays in 64 bits until its own turn. */
 static inline void subtract_forces(int64_t *next, int64_t *after, const seld_work *work, const int32_t *r)
 {
-    const int32_t *w = work->u.f.w_q29;
+    const int32_t *v = work->u.f.w_q29;
     const int32_t *p = work->u.f.p_q29.m;
     const int64_t x = r[0], y = r[1], z = r[2];
     for (int k = 0; k < 3; k++) {
-        next[k] -= (w[k] * x + w[3 + k] * y + w[6 + k] * z + (1 << 28)) >> 29;
+        next[k] += r[k] - ((v[k] * x + v[3 + k] * y + v[6 + k] * z + (1 << 28)) >> 29);
     }
     after[0] -= (p[XX] * x + p[XY] * y + p[XZ] * z + (1 << 28)) >> 29;
     after[1] -= (p[XY] * x + p[YY] * y + p[YZ] * z + (1 << 28)) >> 29;
@@ -210,32 +224,24 @@ static inline void subtract_forces(int64_t *next, int64_t *after, const seld_wor
 
 /* What one node of the elimination holds; three of them rotate. */
 typedef struct row3 {
-    seld_sym3 d;
-    seld_sym3 spring; /* S of the edge behind the node: part of the next node's block */
-    mat3 u;
+    seld_sym3 remainder; /* R */
+    seld_sym3 spring;    /* S of the edge behind the node */
+    mat3 q;
     int32_t second;
     int64_t r[3];
 } row3;
 
-/* Assembles row i; `ahead` is the spring of the edge before it. */
-static inline void load_row(const seld_model *model, const seld_state *state, uint32_t i,
-                            const seld_sym3 *ahead, row3 *row)
+/* Assembles row i. */
+static inline void load_row(const seld_model *model, const seld_state *state, uint32_t i, row3 *row)
 {
     const seld_work *work = &state->scratch.nodes[i];
     bend_row bend = bend_row_of(model, state, i);
     edge_matrix(state, i, &row->spring);
-    for (int k = 0; k < 6; k++) {
-        row->d.m[k] = row->spring.m[k] + ahead->m[k];
-    }
-    row->d.m[XX] += bend.diagonal;
-    row->d.m[YY] += bend.diagonal;
-    row->d.m[ZZ] += bend.diagonal;
+    row->remainder = (seld_sym3){{bend.diagonal, 0, 0, bend.diagonal, 0, bend.diagonal}};
     if ((work->wall_normal | work->wall_friction) != 0) {
-        add_wall(work, &row->d);
+        add_wall(work, &row->remainder);
     }
-    const int32_t *s = row->spring.m;
-    row->u = (mat3){{bend.next - s[XX], -s[XY], -s[XZ], -s[XY], bend.next - s[YY], -s[YZ], -s[XZ], -s[YZ],
-                     bend.next - s[ZZ]}};
+    row->q = (mat3){{bend.next, 0, 0, 0, bend.next, 0, 0, 0, bend.next}};
     row->second = bend.second;
     for (int k = 0; k < 3; k++) {
         row->r[k] = work->force_N_q22.v[k];
@@ -250,30 +256,40 @@ static inline int64_t eliminate_node(unsigned exponent, seld_work *work, const r
     const int32_t r[3] = {limit(here->r[0], FORCE_MAX_N_Q22), limit(here->r[1], FORCE_MAX_N_Q22),
                           limit(here->r[2], FORCE_MAX_N_Q22)};
     inverse3 inverse;
-    invert(&here->d, &inverse);
-    times(&inverse, &here->u, work->u.f.w_q29);
-    second_neighbour(&inverse, here->second, &work->u.f.p_q29, &after->d);
+    const seld_sym3 *rest = &here->remainder;
+    seld_sym3 d;
+    for (int k = 0; k < 6; k++) {
+        d.m[k] = rest->m[k] + here->spring.m[k];
+    }
+    mat3 t = here->q;
+    const int32_t full[9] = {rest->m[XX], rest->m[XY], rest->m[XZ], rest->m[XY], rest->m[YY],
+                             rest->m[YZ], rest->m[XZ], rest->m[YZ], rest->m[ZZ]};
+    for (int k = 0; k < 9; k++) {
+        t.m[k] += full[k];
+    }
+    invert(&d, &inverse);
+    times(&inverse, &t, work->u.f.w_q29);
+    second_neighbour(&inverse, here->second, &work->u.f.p_q29, &after->remainder);
     apply(&inverse, r, exponent, &work->solution_m_q33);
     subtract_forces(next->r, after->r, work, r);
-    subtract_product(&next->d, &here->u, work->u.f.w_q29);
-    subtract_second(&next->u, here->second, work->u.f.w_q29);
+    pass_remainder(rest, &here->q, &t, work->u.f.w_q29, &next->remainder);
+    pass_second(&next->q, here->second, work->u.f.w_q29);
     return (here->r[0] ^ r[0]) | (here->r[1] ^ r[1]) | (here->r[2] ^ r[2]);
 }
 
 /* One pass from tip to base. Rows of the held nodes stay empty: they do not deviate. */
 static void eliminate(const seld_model *model, seld_state *state)
 {
-    static const seld_sym3 no_spring = {{0, 0, 0, 0, 0, 0}};
     static const row3 held = {{{0}}, {{0}}, {{0}}, 0, {0}};
     uint32_t na = state->words.free_count;
     row3 rows[3];
     row3 *here = &rows[0], *next = &rows[1], *after = &rows[2];
     int64_t limited = 0;
-    load_row(model, state, 0, &no_spring, here);
-    load_row(model, state, 1, &here->spring, next);
+    load_row(model, state, 0, here);
+    load_row(model, state, 1, next);
     for (uint32_t i = 0; i < na; i++) {
         if (i + 2 < na) {
-            load_row(model, state, i + 2, &next->spring, after);
+            load_row(model, state, i + 2, after);
         } else {
             *after = held;
         }
@@ -306,7 +322,7 @@ static void substitute(seld_state *state)
             int64_t sum =
                 (int64_t)w[3 * k] * b[0] + (int64_t)w[3 * k + 1] * b[1] + (int64_t)w[3 * k + 2] * b[2];
             sum += (int64_t)pr[3 * k] * c[0] + (int64_t)pr[3 * k + 1] * c[1] + (int64_t)pr[3 * k + 2] * c[2];
-            int64_t value = here->solution_m_q33.v[k] - seld_rshift_round64(sum, 29);
+            int64_t value = (int64_t)here->solution_m_q33.v[k] + b[k] - seld_rshift_round64(sum, 29);
             here->solution_m_q33.v[k] = limit(value, SOLUTION_MAX_M_Q33);
         }
     }

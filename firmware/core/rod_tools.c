@@ -76,6 +76,18 @@ static int32_t pressing_force(const seld_model *model, const seld_vec3 *before, 
     return length_of(&force);
 }
 
+/* A tool bears on the next one over a length that its clearance and stiffness set, about 3 mm for a wire in a catheter
+ * (sqrt(2 EI delta / M) with 0.05 mm, docs/rod.md); without it a step of the moment would press the harder the finer the
+ * mesh. */
+static void soften(const seld_model *model, uint32_t i, seld_vec3 *moment, const seld_vec3 *ahead)
+{
+    int32_t share = model->mesh[i].bearing_share_q30;
+    for (int c = 0; c < 3; c++) {
+        moment->v[c] =
+            seld_add_sat(ahead->v[c], seld_mul_q30(seld_sub_sat(moment->v[c], ahead->v[c]), share));
+    }
+}
+
 /* Turning limit mu N r of every edge of a pair, and the sum of mu N, which limits sliding. */
 static void grip_pair(const seld_model *model, seld_state *state, uint32_t pair)
 {
@@ -96,6 +108,7 @@ static void grip_pair(const seld_model *model, seld_state *state, uint32_t pair)
     }
     for (uint32_t j = first; j < na; j++) {
         after = inner_moment(state, pair, j + 1);
+        soften(model, j, &after, &here);
         int32_t limit =
             seld_mul_q30(pressing_force(model, &before, &here, &after, j), outer->lumen_friction_q30);
         sum_N_q22 += limit;
@@ -189,7 +202,7 @@ static bool changes(const seld_tool *tool, uint32_t *span, int32_t from, int32_t
     }
     const seld_span *s = &tool->spans[*span];
     bool one = to <= s->end_m_q30 || *span + 1 == tool->span_count;
-    return from < 0 || !one || !s->flat;
+    return from <= 0 || !one || !s->flat;
 }
 
 /* Joint i's part of tool k's handle force: psi where the cell begins less psi where it ends. */
@@ -208,11 +221,17 @@ static int32_t joint_handle(const seld_model *model, const seld_state *state, ui
     }
     section before = others;
     section after = others;
-    if (from >= 0) {
+    if (from > 0) {
         add_tool(model, state, k, from, i, &before);
     }
     add_tool(model, state, k, to, i, &after);
-    seld_vec3 moment = total_moment(model, state, i);
+    /* Moments are continuous; that of the cell itself lags while a tip slides through it. */
+    seld_vec3 ahead = total_moment(model, state, i > 1 ? i - 1 : i);
+    seld_vec3 behind = total_moment(model, state, i < state->words.free_count ? i + 1 : i);
+    seld_vec3 moment;
+    for (int c = 0; c < 3; c++) {
+        moment.v[c] = (int32_t)(((int64_t)ahead.v[c] + behind.v[c]) >> 1);
+    }
     return seld_sub_sat(potential(&before, &moment), potential(&after, &moment));
 }
 
@@ -231,7 +250,8 @@ static int32_t elastic_handle(const seld_model *model, const seld_state *state, 
     uint32_t span = 0;
     int32_t sum = 0;
     for (uint32_t i = 1; i <= state->words.free_count; i++) {
-        int32_t from = model->mesh[i - 1].cell_end_m_q30 - offset;
+        /* The tip's half cell has no joint of its own: the first one stands for it. */
+        int32_t from = (i > 1 ? model->mesh[i - 1].cell_end_m_q30 : 0) - offset;
         int32_t to = model->mesh[i].cell_end_m_q30;
         to = (to < inserted ? to : inserted) - offset;
         if (to > 0 && from < to && changes(&model->tools[k], &span, from, to)) {
@@ -241,9 +261,34 @@ static int32_t elastic_handle(const seld_model *model, const seld_state *state, 
     return inserted > offset ? seld_add_sat(sum, mouth_handle(model, state, k, inserted - offset)) : 0;
 }
 
+/* A bent line pushes on the inserter along its axis with EI kappa^2 / 2 at the mouth: what is fed in has to be straight
+ * (the configurational force of a sliding sleeve; Bigoni et al., Mech. Res. Commun. 2014). The cut joint's W is EI / part
+ * and its edges differ by kappa part. Format: Q26 N m x Q30^2 -> Q30 N m, / Q30 m -> Q22 N. */
+static int32_t mouth_axial(const seld_model *model, const seld_state *state)
+{
+    uint32_t na = state->words.free_count;
+    int32_t inserted = seld_lead_inserted(model, &state->words);
+    uint32_t cut = inserted > model->mesh[na - 1].cell_end_m_q30 ? na : na - 1;
+    int32_t part = inserted - model->mesh[cut - 1].cell_end_m_q30;
+    const seld_joint *joint = &state->scratch.mouth[cut + 1 - na];
+    int32_t whole = state->line.nodes[cut].joint.bend_N_m_q26;
+    int64_t square = 0;
+    for (int k = 0; k < 3; k++) {
+        int64_t bend = (int64_t)state->scratch.nodes[cut].u.a.stretch_q30.v[k] -
+                       state->scratch.nodes[cut - 1].u.a.stretch_q30.v[k];
+        square += (bend * bend) >> 30;
+    }
+    int32_t energy = seld_mul(seld_sat32(square >> 1), joint->bend_N_m_q26, 26);
+    /* the part that the joint's stiffness stands for */
+    int32_t cell = model->mesh[cut].cell_end_m_q30 - model->mesh[cut - 1].cell_end_m_q30;
+    int32_t least = seld_mul(cell, seld_quotient(whole, joint->bend_N_m_q26, 30), 30);
+    return -seld_quotient(energy, part > least ? part : least, 22);
+}
+
 void seld_tools_handles(const seld_model *model, seld_state *state)
 {
     uint32_t lead = seld_lead_tool(model, &state->words);
+    state->scratch.mouth_axial_N_q22 = mouth_axial(model, state);
     for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
         bool follows = k < model->tool_count && k != lead;
         state->scratch.axial_N_q22[k] = follows ? elastic_handle(model, state, k) : 0;

@@ -53,9 +53,7 @@ static void wall_resistance(const seld_model *model, const seld_state *state, ui
     const seld_work *work = &state->scratch.nodes[j];
     int64_t radius = state->line.nodes[j].radius_m_q30;
     unsigned exponent = model->stiffness_exponent;
-    seld_vec3 around = seld_vec3_cross_unit(&work->normal_q30, &state->words.nodes[j].tangent_q30);
-    seld_vec3 way = seld_contact_way(state, j);
-    int64_t reach = seld_vec3_dot_unit(&way, &around);
+    int64_t reach = work->u.a.around_reach_m_q33;
     /* k_f r in N Q22: at most 2000 N/m x 2 mm; k_f r^2 from r^2 in Q44 */
     int64_t lever = ((int64_t)work->wall_friction * radius) >> (exponent + 8);
     sum->torque_N_m_q30 = seld_sat32(sum->torque_N_m_q30 - seld_rshift_round64(lever * reach, 25));

@@ -65,6 +65,7 @@ static double nearest(const reference_tube *tube, const double *p, uint32_t from
 {
     double best = 1e9;
     for (uint32_t i = from; i + 1 < to; i++) {
+        if (i + 1 == tube->branch) continue;
         double d = segment_distance(p, tube->points_m[i], tube->points_m[i + 1]);
         best = d < best ? d : best;
     }
@@ -202,6 +203,28 @@ reference_tube *reference_tube_make(const reference_piece *pieces, uint32_t piec
     for (uint32_t i = 0; i < piece_count; i++) {
         tube->point_count = add_piece(tube->points_m, tube->point_count, &f, &pieces[i]);
     }
+    build_field(tube, level);
+    return tube;
+}
+
+reference_tube *reference_fork_make(const reference_piece *trunk, const reference_piece left[2],
+                                    const reference_piece right[2], double radius_m, uint32_t level)
+{
+    reference_tube *tube = calloc(1, sizeof *tube);
+    double total = trunk->length_m;
+    for (int i = 0; i < 2; i++) total += left[i].length_m + right[i].length_m;
+    tube->points_m = malloc((size_t)(total / 0.001 + 64) * sizeof *tube->points_m);
+    tube->radius_m = radius_m;
+    frame f = {{-0.02, 0, 0}, {1, 0, 0}, {0, 0, 1}};
+    memcpy(tube->points_m[tube->point_count++], f.x, sizeof f.x);
+    const reference_piece whole = {trunk->length_m + 0.02, trunk->angle_rad, trunk->roll_rad};
+    uint32_t count = add_piece(tube->points_m, tube->point_count, &f, &whole);
+    frame end = f;
+    for (int i = 0; i < 2; i++) count = add_piece(tube->points_m, count, &f, &left[i]);
+    tube->branch = count;
+    memcpy(tube->points_m[count++], end.x, sizeof end.x);
+    for (int i = 0; i < 2; i++) count = add_piece(tube->points_m, count, &end, &right[i]);
+    tube->point_count = count;
     build_field(tube, level);
     return tube;
 }

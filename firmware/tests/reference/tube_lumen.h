@@ -9,6 +9,7 @@
 typedef struct reference_tube {
     double (*points_m)[3]; /* path, finely sampled */
     uint32_t point_count;
+    uint32_t branch; /* first point of a second path, which starts where the trunk ends; 0: none */
     double radius_m;
     seld_lumen lumen; /* owns index, children, samples */
 } reference_tube;
@@ -22,6 +23,9 @@ typedef struct reference_piece {
 /* Path from the origin along +x, normal +z; field at refinement `level` (0 .. 2) within about 3 voxels of the wall. */
 reference_tube *reference_tube_make(const reference_piece *pieces, uint32_t piece_count, double radius_m,
                                     uint32_t level);
+/* A trunk that forks in two: `left` and `right` go on from its end. */
+reference_tube *reference_fork_make(const reference_piece *trunk, const reference_piece left[2],
+                                    const reference_piece right[2], double radius_m, uint32_t level);
 void reference_tube_free(reference_tube *tube);
 
 /* Exact signed distance in metres, negative inside. */

@@ -1,0 +1,556 @@
+/* Claims: coaxial tools on one line add their stiffness, keep their own feed, turn and rest shape, press and rub on each
+ * other both ways, and may lead in turn without a jolt; the wall resists turning as Coulomb says (docs/rod.md, "tools").
+ * Shown against closed forms of composite beams, stored energy, and force balances. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "firmware/core/core_state.h"
+#include "firmware/tests/reference/random.h"
+#include "firmware/tests/reference/tube_lumen.h"
+
+static const double Q30 = 1073741824.0;
+static const double pi = 3.14159265358979;
+
+enum { WIRE, CATHETER, GUIDE };
+
+typedef struct rig {
+    seld_model model;
+    seld_state state;
+    seld_input input;
+    seld_output output;
+} rig;
+
+/* A tool with a bent end: rest curvature over the first `bent_mm`, straight and `shaft` stiff behind it. */
+typedef struct tool_plan {
+    double tip_N_m2, shaft_N_m2, curve_per_m, bent_mm;
+    uint32_t radius_um, bore_um;
+    double wall_friction, lumen_friction;
+} tool_plan;
+
+static seld_instrument make_tool(const tool_plan *plan)
+{
+    seld_instrument tool = reference_wire(plan->shaft_N_m2, 900000, 4000, plan->wall_friction);
+    tool.element_tip_um = 1000;
+    tool.element_fine_um = 40000;
+    tool.lumen_friction_milli = (uint32_t)lround(1000 * plan->lumen_friction);
+    tool.knot_count = 4;
+    tool.knots[3] = tool.knots[1];
+    for (int i = 0; i < 3; i++) tool.knots[i] = tool.knots[0];
+    for (int i = 0; i < 4; i++) {
+        tool.knots[i].radius_outer_um = plan->radius_um;
+        tool.knots[i].radius_inner_um = plan->bore_um;
+    }
+    tool.knots[1].arc_um = tool.knots[2].arc_um = (uint32_t)lround(1000 * plan->bent_mm);
+    for (int i = 0; i < 2; i++) {
+        tool.knots[i].bend_stiffness_nN_m2 = (uint32_t)lround(1e9 * plan->tip_N_m2);
+        tool.knots[i].twist_stiffness_nN_m2 = (uint32_t)lround(1e9 * plan->tip_N_m2);
+        tool.knots[i].rest_curvature1_per_m_milli = (int32_t)lround(1000 * plan->curve_per_m);
+    }
+    return tool;
+}
+
+static rig *rig_make(const tool_plan *plans, uint32_t count, const seld_lumen *lumen,
+                     const uint32_t *inserted_um)
+{
+    rig *r = calloc(1, sizeof *r);
+    seld_instrument tools[SELD_TOOL_MAX];
+    seld_entry entry = reference_entry();
+    seld_build_place place;
+    for (uint32_t k = 0; k < count; k++) tools[k] = make_tool(&plans[k]);
+    assert_int_equal(seld_model_build(&r->model, tools, count, lumen, &entry, &place), SELD_BUILD_OK);
+    seld_state_init(&r->model, &r->state, inserted_um);
+    return r;
+}
+
+static void rig_step(rig *r)
+{
+    seld_step(&r->model, &r->state, &r->input, &r->output);
+}
+
+static void rest(rig *r, int ticks)
+{
+    for (int t = 0; t < ticks; t++) rig_step(r);
+}
+
+static double axial_N(const rig *r, int tool)
+{
+    return r->output.tools[tool].axial_N_q22 / 4194304.0;
+}
+
+static double torque_N_m(const rig *r, int tool)
+{
+    return r->output.tools[tool].torque_N_m_q24 / 16777216.0;
+}
+
+/* Largest displacement of a node in the last tick, mm. */
+static double largest_step_mm(const rig *r)
+{
+    double largest = 0;
+    for (uint32_t i = 0; i < seld_state_free_count(&r->state); i++) {
+        double square = 0;
+        for (int k = 0; k < 3; k++)
+            square += pow(r->state.words.nodes[i].step_m_q33.v[k] / (Q30 * 8) * 1e3, 2);
+        largest = fmax(largest, sqrt(square));
+    }
+    return largest;
+}
+
+typedef struct journey {
+    double work_J, step_mm;
+} journey;
+
+/* Moves one tool by `way_m` at `speed_m_s` and lets it rest for two seconds; work of all hands, largest node motion. */
+static journey move_tool(rig *r, int tool, double way_m, double speed_m_s)
+{
+    journey j = {0, 0};
+    int32_t from = r->input.hands[tool].feed_m_q30;
+    int moving = (int)(fabs(way_m) / speed_m_s * 1000);
+    double inserted[SELD_TOOL_MAX];
+    for (int k = 0; k < SELD_TOOL_MAX; k++) inserted[k] = r->state.words.tools[k].inserted_m_q30 / Q30;
+    for (int t = 1; t <= moving + 2000; t++) {
+        double share = t < moving ? (double)t / moving : 1;
+        r->input.hands[tool].feed_m_q30 = from + (int32_t)lround(share * way_m * Q30);
+        rig_step(r);
+        for (int k = 0; k < SELD_TOOL_MAX; k++) {
+            double now = r->output.tools[k].inserted_m_q30 / Q30;
+            j.work_J += axial_N(r, k) * (now - inserted[k]);
+            inserted[k] = now;
+        }
+        j.step_mm = fmax(j.step_mm, largest_step_mm(r));
+    }
+    return j;
+}
+
+/* Angle between the first edge and the one at `arc_m`, degrees. */
+static double turning_deg(const rig *r, double arc_m)
+{
+    uint32_t edge = 0;
+    while (seld_model_arc(&r->model, edge) < arc_m * Q30) edge++;
+    double dot = 0;
+    for (int k = 0; k < 3; k++) {
+        dot += r->state.words.nodes[0].tangent_q30.v[k] / Q30 *
+               (r->state.words.nodes[edge].tangent_q30.v[k] / Q30);
+    }
+    return acos(fmin(1, fmax(-1, dot))) * 180 / pi;
+}
+
+static void check_near(const char *what, double value, double expected, double tolerance)
+{
+    if (!(fabs(value - expected) <= tolerance))
+        fail_msg("%s = %g, expected %g +- %g", what, value, expected, tolerance);
+}
+
+static void check_below(const char *what, double value, double most)
+{
+    if (!(value <= most)) fail_msg("%s = %g, allowed %g", what, value, most);
+}
+
+static const tool_plan j_wire = {1e-4, 2e-4, 60, 30, 445, 0, 0, 0};
+static const tool_plan straight_wire = {1.2e-3, 1.2e-3, 0, 30, 445, 0, 0, 0};
+static const tool_plan straight_catheter = {4e-4, 4e-4, 0, 30, 800, 500, 0, 0};
+static const tool_plan bent_catheter = {4e-4, 4e-4, 20, 60, 800, 500, 0, 0};
+
+static rig *rig_in_air(const tool_plan *wire, const tool_plan *catheter, uint32_t wire_um,
+                       uint32_t catheter_um)
+{
+    const tool_plan plans[] = {*wire, *catheter};
+    const uint32_t inserted_um[] = {wire_um, catheter_um};
+    rig *r = rig_make(plans, 2, NULL, inserted_um);
+    seld_model_set_gravity(&r->model, 0, 0, 0);
+    return r;
+}
+
+/* --- shapes: a composite beam rests at kappa = sum EI_k kappa_k / sum EI_k --------------------------------------------- */
+
+/* Wire EI 1e-4, 60/m over 30 mm, in a catheter of 4e-4: 60 / 5 = 12/m over 30 mm = 20.6 degrees. Tolerance 1 degree:
+ * the catheter's frictionless tip is 5 mm beyond. */
+static void a_catheter_opens_the_j_of_the_wire_inside_it(void **context)
+{
+    (void)context;
+    rig *r = rig_in_air(&j_wire, &straight_catheter, 150000, 50000);
+    rest(r, 2000);
+    check_near("turning of the free J (deg)", turning_deg(r, 0.045), 60 * 0.03 * 180 / pi, 2);
+    move_tool(r, CATHETER, 0.105, 0.05);
+    check_near("turning inside the catheter (deg)", turning_deg(r, 0.045), 12 * 0.03 * 180 / pi, 1);
+    free(r);
+}
+
+/* 20/m over 60 mm: alone 68.8 degrees; with the straight wire inside, a quarter of it. */
+static void withdrawing_the_wire_lets_a_shaped_catheter_take_its_shape(void **context)
+{
+    (void)context;
+    rig *r = rig_in_air(&straight_wire, &bent_catheter, 200000, 200000);
+    rest(r, 2000);
+    double alone = 20 * 0.06 * 180 / pi;
+    check_near("turning on the stiff wire (deg)", turning_deg(r, 0.08), alone * 4e-4 / 16e-4, 1);
+    move_tool(r, WIRE, -0.12, 0.05);
+    assert_int_equal(r->output.lead_tool, CATHETER);
+    check_near("turning with the wire withdrawn (deg)", turning_deg(r, 0.08), alone, 1);
+    move_tool(r, WIRE, 0.12, 0.05);
+    check_near("turning with the wire back (deg)", turning_deg(r, 0.08), alone * 4e-4 / 16e-4, 1);
+    free(r);
+}
+
+/* Sag of a heavy line under both tools: (m_w + m_c) g L^4 / (8 (EI_w + EI_c)) for small sags. L 100 mm, 1 %. */
+static void stiffness_and_weight_add_where_tools_overlap(void **context)
+{
+    (void)context;
+    const tool_plan plans[] = {straight_wire, straight_catheter};
+    const uint32_t inserted_um[] = {100000, 100000};
+    rig *r = rig_make(plans, 2, NULL, inserted_um);
+    rest(r, 6000);
+    double length_m = r->output.tools[0].inserted_m_q30 / Q30;
+    double sag_m = -seld_state_position(&r->state, 0).v[2] / Q30;
+    double expected_m = 0.010 * 9.81 * pow(length_m, 4) / (8 * 1.6e-3);
+    check_near("sag in % of the composite beam's", 100 * sag_m / expected_m, 100, 1);
+    free(r);
+}
+
+/* --- forces ------------------------------------------------------------------------------------------------------------ */
+
+/* Pushing the catheter over the J stores EI_w EI_c / (EI_w + EI_c) kappa^2 / 2 x 30 mm = 4.32 mJ; the hands' work is
+ * that, and comes back when the wire is pushed out again. 5 %: drag of the moving tip in blood. */
+static void work_of_the_hands_is_the_energy_stored_in_the_j(void **context)
+{
+    (void)context;
+    rig *r = rig_in_air(&j_wire, &straight_catheter, 150000, 100000);
+    rest(r, 3000);
+    const double stored_J = 0.5 * 0.8e-4 * 60 * 60 * 0.03;
+    check_near("work of covering it, in % of the energy",
+               100 * move_tool(r, CATHETER, 0.12, 0.02).work_J / stored_J, 100, 5);
+    check_near("work of uncovering it, in %", 100 * move_tool(r, WIRE, 0.12, 0.02).work_J / stored_J, -100,
+               5);
+    free(r);
+}
+
+/* With friction in the catheter's lumen the same move costs more both ways, and neither way gives energy back. */
+static void friction_between_tools_takes_work_both_ways(void **context)
+{
+    (void)context;
+    tool_plan rough = straight_catheter;
+    rough.lumen_friction = 0.1;
+    rig *r = rig_in_air(&j_wire, &rough, 150000, 100000);
+    rest(r, 3000);
+    double there = move_tool(r, CATHETER, 0.12, 0.05).work_J;
+    double back = move_tool(r, CATHETER, -0.12, 0.05).work_J;
+    check_below("work over the closed way, as its negative (J)", -(there + back), -1e-3);
+    free(r);
+}
+
+/* The catheter slides, the wire is held: what one hand feels more, the other feels less. */
+static void sliding_friction_acts_on_both_hands(void **context)
+{
+    (void)context;
+    tool_plan rough = straight_catheter;
+    rough.lumen_friction = 0.1;
+    rig *r = rig_in_air(&j_wire, &rough, 150000, 170000);
+    rest(r, 2000);
+    for (int t = 0; t < 200; t++) {
+        r->input.hands[CATHETER].feed_m_q30 += (int32_t)(5e-5 * Q30);
+        rig_step(r);
+    }
+    double wire_N = axial_N(r, WIRE), catheter_N = axial_N(r, CATHETER);
+    check_below("force on the catheter's hand, as its negative (N)", -catheter_N, -0.05);
+    check_near("sum of both hands (N)", wire_N + catheter_N, 0, 0.03);
+    free(r);
+}
+
+/* A catheter turned about a bent wire drags it along: equal and opposite torques at the hands. */
+static void turning_friction_acts_on_both_hands(void **context)
+{
+    (void)context;
+    tool_plan rough = straight_catheter;
+    rough.lumen_friction = 0.3;
+    rig *r = rig_in_air(&j_wire, &rough, 150000, 170000);
+    rest(r, 2000);
+    for (int t = 0; t < 500; t++) {
+        r->input.hands[CATHETER].turn32 += 2000000;
+        rig_step(r);
+    }
+    double wire = torque_N_m(r, WIRE), catheter = torque_N_m(r, CATHETER);
+    check_below("torque on the catheter's hand, as its negative (N m)", -catheter, -2e-5);
+    check_near("torque on both hands in % of one", 100 * (wire + catheter) / catheter, 0, 5);
+    free(r);
+}
+
+/* --- lead ---------------------------------------------------------------------------------------------------------------- */
+
+/* 0.05 mm of it is the feed itself. */
+static void a_change_of_the_lead_moves_no_node_by_more_than_0_1_mm(void **context)
+{
+    (void)context;
+    rig *r = rig_in_air(&j_wire, &bent_catheter, 150000, 130000);
+    rest(r, 3000);
+    assert_int_equal(r->output.lead_tool, WIRE);
+    check_below("node motion when the catheter takes the lead (mm per tick)",
+                move_tool(r, CATHETER, 0.04, 0.05).step_mm, 0.1);
+    assert_int_equal(r->output.lead_tool, CATHETER);
+    check_below("node motion when the wire takes it back (mm per tick)",
+                move_tool(r, WIRE, 0.05, 0.05).step_mm, 0.1);
+    assert_int_equal(r->output.lead_tool, WIRE);
+    check_below("node motion when the wire gives it up (mm per tick)",
+                move_tool(r, WIRE, -0.06, 0.05).step_mm, 0.1);
+    assert_int_equal(r->output.lead_tool, CATHETER);
+    free(r);
+}
+
+/* The catheter follows the wire round three bends; it stays in the tube and the wire's tip stays where it is. */
+static void a_catheter_tracks_over_the_wire_round_the_bends(void **context)
+{
+    (void)context;
+    reference_tube *tube = reference_three_bends(0.004, 0);
+    const tool_plan plans[] = {{1e-5, 3e-4, 0, 30, 445, 0, 0.1, 0}, {2e-4, 3e-4, 0, 30, 800, 500, 0.1, 0.05}};
+    const uint32_t inserted_um[] = {60000, 20000};
+    rig *r = rig_make(plans, 2, &tube->lumen, inserted_um);
+    move_tool(r, WIRE, 0.44, 0.15);
+    seld_vec3 before = seld_state_position(&r->state, 0);
+    double deepest_mm = 0;
+    for (int t = 0; t < 4500; t++) {
+        r->input.hands[CATHETER].feed_m_q30 += (int32_t)(1e-4 * Q30);
+        rig_step(r);
+        deepest_mm = fmax(deepest_mm, r->output.penetration_max_m_q30 / Q30 * 1e3);
+    }
+    rest(r, 500);
+    seld_vec3 after = seld_state_position(&r->state, 0);
+    double moved = 0;
+    for (int k = 0; k < 3; k++) moved += pow((after.v[k] - before.v[k]) / Q30 * 1e3, 2);
+    check_near("inserted length of the catheter (mm)", r->output.tools[CATHETER].inserted_m_q30 / Q30 * 1e3,
+               470, 1);
+    check_below("motion of the wire's tip (mm)", sqrt(moved), 8);
+    check_below("penetration (mm)", deepest_mm, 0.5);
+    free(r);
+    reference_tube_free(tube);
+}
+
+/* --- turning ------------------------------------------------------------------------------------------------------------- */
+
+/* Straight and frictionless: every edge of either tool stands at its own hand's angle. 1e-6 turn = 0.0004 degrees. */
+static void without_friction_each_tool_follows_its_own_hand(void **context)
+{
+    (void)context;
+    rig *r = rig_in_air(&straight_wire, &straight_catheter, 200000, 150000);
+    for (int t = 0; t < 1000; t++) {
+        r->input.hands[WIRE].turn32 += 5000000;
+        r->input.hands[CATHETER].turn32 -= 3000000;
+        rig_step(r);
+    }
+    rest(r, 200);
+    for (int k = 0; k < 2; k++) {
+        uint32_t edge = k == WIRE ? 0 : 60;
+        uint32_t lag = r->state.words.nodes[edge].angle_turn32[k] + r->input.hands[k].turn32;
+        check_near("tip's lag (turn)", (int32_t)lag / 4294967296.0, 0, 1e-6);
+    }
+    free(r);
+}
+
+static double resting_torque(double friction, double sliding_m_s)
+{
+    const reference_piece straight = {0.5, 0, 0};
+    reference_tube *tube = reference_tube_make(&straight, 1, 0.002, 1);
+    const tool_plan plan = {1e-4, 1e-4, 0, 30, 445, 0, friction, 0};
+    const uint32_t inserted_um = 400000;
+    rig *r = rig_make(&plan, 1, &tube->lumen, &inserted_um);
+    rest(r, 1500);
+    double torque = 0;
+    for (int t = 0; t < 1500; t++) {
+        r->input.hands[0].turn32 += 1000000; /* 1.5 rad/s */
+        r->input.hands[0].feed_m_q30 -= (int32_t)(sliding_m_s * 1e-3 * Q30);
+        rig_step(r);
+        if (t >= 1000) torque += torque_N_m(r, 0) / 500;
+    }
+    free(r);
+    reference_tube_free(tube);
+    return torque;
+}
+
+/* A wire that lies on the floor of a tube resists turning with mu N r. N is its weight less what the
+ * mouth carries (from 2 mm height: (72 EI h / w)^(1/4) = 123 mm, two thirds of it): 8 %. */
+static void the_wall_resists_turning_with_mu_n_r(void **context)
+{
+    (void)context;
+    double span_m = pow(72 * 1e-4 * 0.0015555 / (0.005 * 9.81), 0.25);
+    double weight_N = 0.005 * 9.81 * (0.4 - span_m * 2 / 3);
+    check_near("torque in % of mu N r", 100 * resting_torque(0.3, 0) / (0.3 * weight_N * 445e-6), 100, 8);
+    assert_true(fabs(resting_torque(0, 0)) < 1e-7);
+}
+
+/* One limit mu N holds for the whole slip: a wire that is drawn ten times as fast as its surface turns resists turning a
+ * tenth as much (0.667 mm/s of surface against 6.67 mm/s): 1 / sqrt(101). */
+static void a_wire_that_slides_turns_almost_freely(void **context)
+{
+    (void)context;
+    double held = resting_torque(0.3, 0);
+    double surface_m_s = 1000000 / 4294967296.0 * 2 * pi * 1000 * 445e-6;
+    double sliding = resting_torque(0.3, 10 * surface_m_s);
+    check_near("torque while sliding in % of that at rest", 100 * sliding / held, 100 / sqrt(101), 3);
+}
+
+/* --- contact forces ------------------------------------------------------------------------------------------------------ */
+
+static void contact_forces_of_the_nodes_carry_the_weight(void **context)
+{
+    (void)context;
+    const reference_piece straight = {0.5, 0, 0};
+    reference_tube *tube = reference_tube_make(&straight, 1, 0.002, 1);
+    const tool_plan plan = {1e-5, 1e-5, 0, 30, 445, 0, 0.2, 0};
+    const uint32_t inserted_um = 400000;
+    rig *r = rig_make(&plan, 1, &tube->lumen, &inserted_um);
+    rest(r, 4000);
+    double up_N = 0;
+    for (uint32_t i = 0; i < seld_state_free_count(&r->state); i++) {
+        seld_vec3 force;
+        bool touches = seld_state_contact_force(&r->model, &r->state, i, &force);
+        assert_true(touches || force.v[2] == 0);
+        up_N += force.v[2] / 4194304.0;
+    }
+    double span_m = pow(72 * 1e-5 * 0.0015555 / (0.005 * 9.81), 0.25);
+    check_near("sum of the contact forces in % of the weight",
+               100 * up_N / (0.005 * 9.81 * (0.4 - span_m * 2 / 3)), 100, 5);
+    free(r);
+    reference_tube_free(tube);
+}
+
+/* --- robustness ---------------------------------------------------------------------------------------------------------- */
+
+static const tool_plan three_shaped[] = {{1e-5, 5e-4, 66, 20, 445, 0, 0.1, 0},
+                                         {2e-4, 5e-4, 30, 40, 800, 500, 0.1, 0.05},
+                                         {5e-4, 8e-4, 15, 40, 1150, 850, 0.1, 0.05}};
+
+typedef struct random_result {
+    int ticks, deep, long_by_045;
+    double strain_pct;
+} random_result;
+
+/* Hands that push up to 0.5 m/s, turn up to 12 rad/s and change speed every 0.2 s, in a vessel that forks. */
+static random_result random_hands(uint32_t tool_count, uint64_t seed, int ticks)
+{
+    const reference_piece trunk = {0.2, 0, 0};
+    const reference_piece left[] = {{0.08, 1.2, 0}, {0.2, 0.5, 0.4}},
+                          right[] = {{0.08, 0.9, 3.14}, {0.2, -0.6, 1}};
+    reference_tube *tube = reference_fork_make(&trunk, left, right, 0.005, 1);
+    reference_random random = reference_random_seed(seed);
+    const uint32_t inserted_um[] = {60000, 40000, 20000};
+    rig *r = rig_make(three_shaped, tool_count, &tube->lumen, inserted_um);
+    random_result result = {0, 0, 0, 0};
+    int32_t speed[SELD_TOOL_MAX] = {0}, turn[SELD_TOOL_MAX] = {0};
+    for (int t = 0; t < ticks; t++) {
+        for (uint32_t k = 0; k < tool_count; k++) {
+            if (t % 200 == 0) {
+                double inserted_m = seld_state_inserted(&r->state, k) / Q30;
+                speed[k] = (int32_t)reference_random_below(&random, 1073742) - 536871;
+                turn[k] = (int32_t)reference_random_below(&random, 16400000) - 8200000;
+                if (inserted_m > 0.5) speed[k] = -abs(speed[k]);
+                if (inserted_m < 0.02) speed[k] = abs(speed[k]);
+            }
+            r->input.hands[k].feed_m_q30 = seld_add_sat(r->input.hands[k].feed_m_q30, speed[k]);
+            r->input.hands[k].turn32 += (uint32_t)turn[k];
+        }
+        rig_step(r);
+        if (t < 300) continue;
+        double strain_pct = 100 * fabs(r->output.strain_max_q30 / Q30);
+        result.ticks++;
+        result.deep += r->output.penetration_max_m_q30 > 1073742;
+        result.long_by_045 += strain_pct > 0.45;
+        result.strain_pct = fmax(result.strain_pct, strain_pct);
+    }
+    free(r);
+    reference_tube_free(tube);
+    return result;
+}
+
+/* The long form, a million ticks, is `make bench`'s row core.random_hands. */
+static void random_hands_keep_three_tools_in_the_vessel(void **context)
+{
+    (void)context;
+    const uint64_t seed = 20261121;
+    print_message("# random_hands: seed %llu\n", (unsigned long long)seed);
+    random_result result = random_hands(3, seed, 15000);
+    check_below("length error (%)", result.strain_pct, 0.6);
+    check_below("ticks with more than 0.45 %", result.long_by_045, 1);
+    check_below("ticks deeper than 1 mm", result.deep, 1);
+}
+
+static void three_tools_are_restored_bit_for_bit(void **context)
+{
+    (void)context;
+    const uint32_t inserted_um[] = {150000, 120000, 90000};
+    rig *r = rig_make(three_shaped, 3, NULL, inserted_um);
+    for (int t = 0; t < 1000; t++) {
+        r->input.hands[t % 3].feed_m_q30 += 150000;
+        r->input.hands[(t + 1) % 3].turn32 += 9000000;
+        rig_step(r);
+    }
+    uint8_t *saved = malloc(seld_state_bytes());
+    seld_state_save(&r->state, saved);
+    seld_input input = r->input;
+    uint64_t hash[2];
+    for (int run = 0; run < 2; run++) {
+        if (run) {
+            const uint32_t elsewhere_um[] = {50000, 60000, 70000};
+            seld_state_init(&r->model, &r->state, elsewhere_um);
+            assert_true(seld_state_restore(&r->model, &r->state, saved));
+        }
+        r->input = input;
+        for (int t = 0; t < 300; t++) {
+            r->input.hands[CATHETER].feed_m_q30 += 200000;
+            rig_step(r);
+        }
+        hash[run] = seld_state_hash64(&r->state);
+    }
+    assert_true(hash[0] == hash[1]);
+    free(saved);
+    free(r);
+}
+
+static void tools_that_do_not_fit_are_refused_by_name(void **context)
+{
+    (void)context;
+    seld_instrument tools[4];
+    seld_entry entry = reference_entry();
+    seld_build_place place;
+    seld_model *model = malloc(sizeof *model);
+    for (int k = 0; k < 3; k++) tools[k] = make_tool(&three_shaped[k]);
+    tools[3] = tools[2];
+    assert_int_equal(seld_model_build(model, tools, 3, NULL, &entry, &place), SELD_BUILD_OK);
+    assert_int_equal(seld_model_build(model, tools, 0, NULL, &entry, &place), SELD_BUILD_TOOLS);
+    assert_int_equal(seld_model_build(model, tools, 4, NULL, &entry, &place), SELD_BUILD_TOOLS);
+    tools[GUIDE].knots[2].radius_inner_um = 799; /* the catheter is 800 um thick */
+    assert_int_equal(seld_model_build(model, tools, 3, NULL, &entry, &place), SELD_BUILD_NESTING);
+    assert_int_equal(place.tool, GUIDE);
+    assert_int_equal(place.knot, 2);
+    tools[GUIDE].knots[2].radius_inner_um = 1150; /* no wall left */
+    assert_int_equal(seld_model_build(model, tools, 3, NULL, &entry, &place), SELD_BUILD_RANGE);
+    assert_int_equal(place.tool, GUIDE);
+    free(model);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_catheter_opens_the_j_of_the_wire_inside_it),
+        cmocka_unit_test(withdrawing_the_wire_lets_a_shaped_catheter_take_its_shape),
+        cmocka_unit_test(stiffness_and_weight_add_where_tools_overlap),
+        cmocka_unit_test(work_of_the_hands_is_the_energy_stored_in_the_j),
+        cmocka_unit_test(friction_between_tools_takes_work_both_ways),
+        cmocka_unit_test(sliding_friction_acts_on_both_hands),
+        cmocka_unit_test(turning_friction_acts_on_both_hands),
+        cmocka_unit_test(a_change_of_the_lead_moves_no_node_by_more_than_0_1_mm),
+        cmocka_unit_test(a_catheter_tracks_over_the_wire_round_the_bends),
+        cmocka_unit_test(without_friction_each_tool_follows_its_own_hand),
+        cmocka_unit_test(the_wall_resists_turning_with_mu_n_r),
+        cmocka_unit_test(a_wire_that_slides_turns_almost_freely),
+        cmocka_unit_test(contact_forces_of_the_nodes_carry_the_weight),
+        cmocka_unit_test(random_hands_keep_three_tools_in_the_vessel),
+        cmocka_unit_test(three_tools_are_restored_bit_for_bit),
+        cmocka_unit_test(tools_that_do_not_fit_are_refused_by_name),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
