@@ -45,13 +45,13 @@ static inline int64_t seld_bend_spring_q8(int32_t bend_N_m_q26, int32_t a_per_m_
     return (ac_q4 * bend_N_m_q26) >> 22;
 }
 
-/* EA / length of an edge between joints of which the softer has W: at most 256 W a^2, because above about 450 the
- * fixed-point solve loses accuracy, and at most the cap. N/m with 8 fractional bits. */
+/* EA / length of an edge between joints of which the softer has W: at most 512 W a^2, because far above that the
+ * determinant of a block loses its bits, and at most the cap. N/m with 8 fractional bits. */
 static inline int64_t seld_axial_spring_q8(const seld_model *model, uint32_t edge, int32_t bend_N_m_q26)
 {
     int32_t inverse = model->mesh[edge].inverse_length_per_m_q18;
     int64_t cap = ((int64_t)model->axial_max_N_q17 * inverse) >> 27;
-    int64_t most = seld_bend_spring_q8(bend_N_m_q26, inverse, inverse) << 8;
+    int64_t most = seld_bend_spring_q8(bend_N_m_q26, inverse, inverse) << 9;
     return most < cap ? most : cap;
 }
 
