@@ -164,8 +164,8 @@ double angle_deg(const Vector3d &a, const Vector3d &b)
 // From straight to rest in 4 s. Positions are compared node by node; the tip's direction is that of its first element.
 void expect_rest_shape(const Instrument &instrument)
 {
-    constexpr double allowed_deg = 5.0, allowed_strain = 1e-3;
-    const double allowed_mm = 0.05 + 0.04 * shaped_m(instrument) * 1e3;
+    constexpr double allowed_deg = 2.5, allowed_strain = 1e-3;
+    const double allowed_mm = 0.05 + 0.005 * shaped_m(instrument) * 1e3;
     FreeLine line({&instrument});
     assert_int_equal(line.status(), SELD_BUILD_OK);
     line.start(shaped_m(instrument) + 0.05);
