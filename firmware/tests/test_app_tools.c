@@ -311,7 +311,7 @@ static void contact_forces_carry_the_weight(void **state)
     tools.tools[0].knots[0].bend_stiffness_nN_m2 = tools.tools[0].knots[1].bend_stiffness_nN_m2 = 100000;
     client_tools(&host, &tools);
     assert_true(client_expect_status(&host, &status));
-    assert_true(client_entry_along_x(&host, 250000));
+    assert_true(client_entry_along(&host, 0, 250000));
     command(SELD_WIRE_ACTION_ARM);
     read_contacts(&contacts);
     assert_int_equal(contacts.contacts_count, 0);

@@ -76,10 +76,12 @@ void client_entry(client *c, uint32_t inserted_um)
     client_entry_each(c, each, c->tool_count);
 }
 
-bool client_entry_along_x(client *c, uint32_t inserted_um)
+bool client_entry_along(client *c, int axis, uint32_t inserted_um)
 {
-    seld_wire_entry entry = {.direction_x_q30 = 1 << 30, .inserted_um_count = c->tool_count};
+    seld_wire_entry entry = {.inserted_um_count = c->tool_count};
     seld_wire_status status;
+    int32_t *const directions[] = {&entry.direction_x_q30, &entry.direction_y_q30, &entry.direction_z_q30};
+    *directions[axis] = 1 << 30;
     for (uint16_t k = 0; k < c->tool_count; k++) entry.inserted_um[k] = inserted_um;
     SEND(c, entry, &entry);
     return client_expect_status(c, &status);

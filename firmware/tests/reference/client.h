@@ -34,7 +34,7 @@ void client_get(client *c, uint8_t what);
 void client_tools(client *c, const seld_wire_tools *tools);
 void client_entry(client *c, uint32_t inserted_um); /* the same for every tool */
 void client_entry_each(client *c, const uint32_t *inserted_um, uint16_t count);
-bool client_entry_along_x(client *c, uint32_t inserted_um); /* waits for the answer */
+bool client_entry_along(client *c, int axis, uint32_t inserted_um); /* waits for the answer */
 bool client_load_scene(client *c, const uint8_t *bytes, uint32_t count);
 /* Tool 0 moves, the others rest. */
 void client_step(client *c, uint32_t tick, uint16_t count, int32_t translation_begin,
