@@ -1,5 +1,6 @@
 // The pipeline: text -> surface -> field -> measurements -> bodies -> files.
 #include "tools/bake/bake.hpp"
+#include "host/model/output_files.hpp"
 #include "tools/bake/fault.hpp"
 
 #include <cmath>
@@ -98,6 +99,22 @@ std::filesystem::path bodies_file(const std::filesystem::path &scene)
     return file.replace_extension(".bodies");
 }
 
+// Everything that the scene's text names is read before anything is written, but must not be written over.
+void check_files(const SceneText &text, const Options &options)
+{
+    std::vector<NamedPath> inputs = {{"SCENE", options.scene.string()},
+                                     {"the entry", text.entry.centreline.string()}};
+    inputs.push_back({"the lumen", text.lumen.centrelines.empty() ? text.lumen.mesh.file.string() : ""});
+    for (const std::filesystem::path &file : text.lumen.centrelines)
+        inputs.push_back({"the lumen", file.string()});
+    for (const BodyText &body : text.bodies) {
+        if (!body.is_lumen) inputs.push_back({"body '" + body.name + "'", body.mesh.file.string()});
+    }
+    check_outputs(inputs, {{"--output", options.output.string()},
+                           {"the bodies of --output", bodies_file(options.output).string()},
+                           {"--surface", options.surface.string()}});
+}
+
 } // namespace
 
 Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progress)
@@ -120,6 +137,7 @@ Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progres
 std::string bake(const Options &options, Progress &progress)
 {
     const SceneText text = read_scene_text(options.scene, options.data);
+    check_files(text, options);
     std::string report = line("scene             %s", text.name.c_str());
     const Mesh surface = lumen_surface(text, report, progress);
     const TriangleTree tree(surface);

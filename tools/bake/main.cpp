@@ -56,11 +56,6 @@ int main(int argc, char **argv)
     seld::bake::Progress progress;
     seld::bake::Progress::catch_interrupts();
     try {
-        seld::check_outputs({{"SCENE", options.scene.string()}},
-                            {{"--output", options.output.string()},
-                             {"the bodies of --output",
-                              std::filesystem::path(options.output).replace_extension(".bodies").string()},
-                             {"--surface", surface}});
         std::fputs(seld::bake::bake(options, progress).c_str(), stdout);
         return 0;
     } catch (const seld::UsageError &error) {

@@ -294,6 +294,8 @@ def seldinger_outputs(bench):
     bench.bad("a replay onto its recording is refused", ["seldinger", "replay", "good.rec", "--png", "good.rec"], 2,
               "would overwrite what the recording reads")
     bench.bad("a bake onto its text is refused", ["bake", "good.toml", "-o", "good.toml"], 2, "would overwrite what SCENE reads")
+    bench.bad("a bake onto its lumen's mesh is refused", ["bake", "good.toml", "-o", "x.scene", "--surface", "lumen.stl"], 2,
+              "would overwrite what the lumen reads")
     bench.bad("a bake of two outputs into one file is refused", ["bake", "good.toml", "-o", "one.scene", "--surface", "one.scene"],
               2, "would both write", "one.scene")
     bench.report.check("the session is as it was", [] if bench.read("good.session") == before else ["it changed"])
