@@ -142,6 +142,18 @@ void a_refused_tool_is_named_with_place_and_rule(void **)
     expect_refusal({tools[0], tools[0], tools[0], tools[0]}, {}, "a line holds 1 to 3 tools, not 4");
 }
 
+// Free space holds nothing; the answer belongs to the tick at which it was asked for.
+void contact_forces_are_read_at_any_tick(void **)
+{
+    const std::vector<seld::Instrument> tools = three_tools();
+    seld::Device device(scene, tools, seld::entry_of(scene, 3, {}), seld::host_rig());
+    seld_wire_encoders rest{};
+    rest.hands_count = 3;
+    device.link().step(std::vector<seld_wire_encoders>(7, rest), false);
+    assert_int_equal(device.link().read_contacts().tick, 7);
+    assert_int_equal(device.link().read_contacts().contacts_count, 0);
+}
+
 // --- recordings ---
 
 void a_session_of_three_tools_replays_bit_for_bit(void **)
@@ -370,6 +382,7 @@ int main()
 {
     const CMUnitTest tests[] = {
         cmocka_unit_test(a_refused_tool_is_named_with_place_and_rule),
+        cmocka_unit_test(contact_forces_are_read_at_any_tick),
         cmocka_unit_test(a_session_of_three_tools_replays_bit_for_bit),
         cmocka_unit_test(a_changed_input_of_any_tool_is_found),
         cmocka_unit_test(each_tool_covers_the_line_from_its_own_tip),
