@@ -84,7 +84,7 @@ def check_program(report, name, text, last_line, code, part):
 
 def check_bench(report, name, text, code, part):
     with tempfile.TemporaryDirectory() as folder:
-        got_code, output = run([RUN_BENCH, "--no-session", script(folder, "bench", text)], folder)
+        got_code, output = run([RUN_BENCH, "--only-programs", script(folder, "bench", text)], folder)
         table = os.path.join(folder, "out", "bench.tsv")
         if os.path.exists(table):
             with open(table, encoding="utf-8") as file:
