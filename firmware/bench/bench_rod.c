@@ -21,11 +21,13 @@ static seld_input input;
 static seld_output output;
 
 typedef struct scene {
-    int elements, on_floor, contacts;
+    int elements, on_floor, contacts, tools;
 } scene;
-static const scene scenes[] = {{256, 0, 57}, {128, 0, 20}, {64, 0, 4}, {256, 1, 245}};
+static const scene scenes[] = {
+    {256, 0, 57, 1}, {128, 0, 20, 1}, {64, 0, 4, 1}, {256, 1, 245, 1}, {256, 1, 245, 3}};
 
-/* What callgrind counts: seld_step as called from here, not the ticks of the insertion. */
+/* What callgrind counts: seld_step as called from here, not the ticks of the insertion. The tools slide and turn against
+ * each other, so that nothing is kept from tick to tick. */
 static BENCH_MEASURED void measured_step(void)
 {
     seld_step(&model, &state, &input, &output);
@@ -37,16 +39,26 @@ static void insert(const scene *s)
     const reference_piece straight = {0.85, 0, 0};
     reference_tube *tube =
         s->on_floor ? reference_tube_make(&straight, 1, 0.0006, 1) : reference_three_bends(0.002, 1);
-    seld_instrument wire = reference_wire(s->on_floor ? 2e-6 : 1.85e-3, 900000, ELEMENT_um, 0.2);
+    seld_instrument tools[SELD_TOOL_MAX];
+    const uint32_t radius_um[] = {300, 370, 445};
+    for (int k = 0; k < s->tools; k++) {
+        tools[k] = reference_wire(s->on_floor ? 2e-6 : 1.85e-3, 900000, ELEMENT_um, 0.2);
+        tools[k].lumen_friction_milli = 50;
+        for (int i = 0; s->tools > 1 && i < 2; i++) {
+            tools[k].knots[i].radius_outer_um = radius_um[k];
+            tools[k].knots[i].radius_inner_um = k > 0 ? radius_um[k - 1] : 0;
+            tools[k].knots[i].bend_stiffness_nN_m2 -= (uint32_t)i; /* no span is flat: nothing is copied */
+        }
+    }
     seld_entry entry = reference_entry();
     seld_build_place place;
-    const uint32_t inserted_um = 50000;
-    if (seld_model_build(&model, &wire, 1, &tube->lumen, &entry, &place) != SELD_BUILD_OK)
+    const uint32_t inserted_um[] = {50000, 49000, 48000};
+    if (seld_model_build(&model, tools, (uint32_t)s->tools, &tube->lumen, &entry, &place) != SELD_BUILD_OK)
         bench_fail("no model");
-    seld_state_init(&model, &state, &inserted_um);
+    seld_state_init(&model, &state, inserted_um);
     for (int rest = 0; rest < 500;) {
         if ((int)seld_state_free_count(&state) < s->elements) {
-            input.hands[0].feed_m_q30 += 107374;
+            for (int k = 0; k < s->tools; k++) input.hands[k].feed_m_q30 += 107374;
         } else {
             rest++;
         }
@@ -56,10 +68,21 @@ static void insert(const scene *s)
     if (output.contact_count < s->contacts) bench_fail("the scene has fewer contacts than its row says");
 }
 
+static void slide_tools(const scene *s)
+{
+    for (int k = 1; k < s->tools; k++) {
+        input.hands[k].feed_m_q30 += k == 1 ? 50000 : -50000;
+        input.hands[k].turn32 += 3000000;
+    }
+}
+
 static double run_instructions(const bench_case *self)
 {
     insert(&scenes[self->argument]);
-    for (int i = 0; i < CALLS; i++) measured_step();
+    for (int i = 0; i < CALLS; i++) {
+        slide_tools(&scenes[self->argument]);
+        measured_step();
+    }
     return 0;
 }
 
@@ -68,6 +91,7 @@ static double run_us(const bench_case *self)
     insert(&scenes[self->argument]);
     double fastest = 1e9;
     for (int i = 0; i < TIMED_TICKS; i++) {
+        slide_tools(&scenes[self->argument]);
         double start = bench_now_us();
         measured_step();
         fastest = fmin(fastest, bench_now_us() - start);
@@ -94,23 +118,25 @@ static double run_elastica(const bench_case *self)
             "elements=" #elements " EI_N_m2=" bend " L_m=" length " PL2_EI=0.5..10", NULL, 0, run_elastica,  \
             elements * 10 + index                                                                            \
     }
-#define STEP(elements, contacts, index)                                                                      \
+#define STEP(elements, contacts, tools, index)                                                               \
     {"rod.step_instructions",                                                                                \
      "instructions",                                                                                         \
-     "elements=" #elements " contacts=" contacts,                                                            \
+     "elements=" #elements " contacts=" contacts " tools=" #tools,                                           \
      "measured_step",                                                                                        \
      CALLS,                                                                                                  \
      run_instructions,                                                                                       \
      index},                                                                                                 \
     {                                                                                                        \
-        "rod.step_us", "us", "elements=" #elements " contacts=" contacts, NULL, 0, run_us, index             \
+        "rod.step_us", "us", "elements=" #elements " contacts=" contacts " tools=" #tools, NULL, 0, run_us,  \
+            index                                                                                            \
     }
 
 static const bench_case cases[] = {
-    STEP(256, "57+", 0),
-    STEP(128, "20+", 1),
-    STEP(64, "4+", 2),
-    STEP(256, "all", 3),
+    STEP(256, "57+", 1, 0),
+    STEP(128, "20+", 1, 1),
+    STEP(64, "4+", 1, 2),
+    STEP(256, "all", 1, 3),
+    STEP(256, "all", 3, 4),
     ELASTICA(256, 0, "2e-6", "0.1"),
     ELASTICA(256, 1, "1e-5", "0.1"),
     ELASTICA(256, 2, "1e-4", "0.5"),

@@ -8,7 +8,10 @@
  * May include: rod.h. Called by: core_step.c. */
 #include "firmware/core/rod.h"
 
-enum { MARGIN_M_Q30 = SELD_LUMEN_CULL_ERROR_M_Q30 }; /* beyond the drift before the dear sample is skipped */
+enum {
+    MARGIN_M_Q30 = SELD_LUMEN_CULL_ERROR_M_Q30, /* beyond the drift before the dear sample is skipped */
+    NORMAL_MAX_N_Q22 = 1 << 29,                 /* 128 N: bounds a bristle to 66 mm, below 2^30 in Q33 */
+};
 
 static int32_t magnitude_sum(const seld_vec3 *a)
 {
@@ -43,21 +46,8 @@ static int32_t normal_force(const seld_model *model, int32_t depth_m_q30)
     if (depth_m_q30 > SELD_CONTACT_DEEP_M_Q30) {
         force += (int64_t)model->contact_deep * (depth_m_q30 - SELD_CONTACT_DEEP_M_Q30);
     }
-    return seld_sat32(seld_rshift_round64(force, model->stiffness_exponent + 8));
-}
-
-/* 1 / |a| as reciprocal root and shift: 1/|a| = root_q30 2^(half_lead - 62). Returns false for a zero vector.
- */
-static bool inverse_length(const seld_vec3 *a, int64_t *root_q30, unsigned *half_lead)
-{
-    uint64_t square = (uint64_t)seld_vec3_dot64(*a, *a);
-    if (square == 0) {
-        return false;
-    }
-    unsigned lead = (unsigned)__builtin_clzll(square) & ~1u;
-    *root_q30 = seld_rsqrt_q30((uint32_t)((square << lead) >> 32));
-    *half_lead = lead >> 1;
-    return true;
+    force = seld_rshift_round64(force, model->stiffness_exponent + 8);
+    return (int32_t)(force > NORMAL_MAX_N_Q22 ? NORMAL_MAX_N_Q22 : force);
 }
 
 static int32_t friction_of(const seld_state *state, uint32_t i)
@@ -66,17 +56,32 @@ static int32_t friction_of(const seld_state *state, uint32_t i)
     return state->words.nodes[i].contact == SELD_CONTACT_SLIPS ? line->kinetic_q30 : line->static_q30;
 }
 
-/* k_f in Q(a): mu N / |z + u_t|, at most k_t. Format: N Q22 / m Q33 -> Q(a): N root 2^(half_lead - 62) 2^(11
- * + a). */
+/* Bristle at its limit mu N / k_t. Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 / 2^20. */
+static int64_t bristle_limit(int32_t limit_N_q22)
+{
+    return limit_N_q22 + (((int64_t)limit_N_q22 * 25166) >> 20);
+}
+
+/* 1 / |a| from |a|^2 > 0 as reciprocal root and shift: 1/|a| = root_q30 2^(half_lead - 62). */
+static int64_t inverse_root(int64_t square, unsigned *half_lead)
+{
+    unsigned lead = seld_clz64((uint64_t)square) & ~1u;
+    *half_lead = lead >> 1;
+    return seld_rsqrt_q30((uint32_t)(((uint64_t)square << lead) >> 32));
+}
+
+/* k_f in Q(a): k_t while the bristle's reach is within its limit, else mu N / reach.
+ * Format: N Q22 / m Q33 -> Q(a): N root 2^(half_lead - 62) 2^(11 + a). */
 static int32_t friction_stiffness(const seld_model *model, int32_t limit_N_q22, const seld_vec3 *reach_m_q33)
 {
-    int64_t root;
-    unsigned half_lead;
-    if (!inverse_length(reach_m_q33, &root, &half_lead)) {
+    int64_t most = bristle_limit(limit_N_q22);
+    int64_t square = seld_vec3_dot64(*reach_m_q33, *reach_m_q33);
+    if (square <= most * most) {
         return model->friction;
     }
-    unsigned shift = 51 - model->stiffness_exponent - half_lead;
-    int64_t stiffness = seld_asr64((int64_t)limit_N_q22 * root, shift);
+    unsigned half_lead;
+    int64_t root = inverse_root(square, &half_lead);
+    int64_t stiffness = seld_asr64(limit_N_q22 * root, 51 - model->stiffness_exponent - half_lead);
     return stiffness > model->friction ? model->friction : (int32_t)stiffness;
 }
 
@@ -89,16 +94,20 @@ static int32_t surface_slide(const seld_state *state, uint32_t i)
     return under + (int32_t)(more >> 15);
 }
 
-/* Bristle and what the surface does besides the node's deviation and its turn, across the normal. */
+/* Bristle and what the surface does besides the node's deviation and its turn, across the normal.
+ * Overflow: impossible. Bristles stay below 2^29.1 (NORMAL_MAX), slides below 2^24. */
 static void hold_surface(seld_state *state, uint32_t i)
 {
-    const seld_vec3 *tangent = &state->words.nodes[i].tangent_q30;
+    const seld_node_state *node = &state->words.nodes[i];
     seld_work *work = &state->scratch.nodes[i];
-    seld_vec3 way = seld_vec3_add(state->words.nodes[i].bristle_m_q33, work->slide_m_q33);
     int32_t slide = surface_slide(state, i);
+    seld_vec3 way;
+    for (int k = 0; k < 3; k++) {
+        way.v[k] = node->bristle_m_q33.v[k] + work->slide_m_q33.v[k];
+    }
     if (slide != 0) {
         for (int k = 0; k < 3; k++) {
-            way.v[k] = seld_sub_sat(way.v[k], seld_scale_q30(slide, tangent->v[k]));
+            way.v[k] -= seld_scale_q30(slide, node->tangent_q30.v[k]);
         }
     }
     work->held_m_q33 = tangential(&way, &work->normal_q30);
@@ -107,31 +116,41 @@ static void hold_surface(seld_state *state, uint32_t i)
 static void add_roll(seld_vec3 *way, const seld_vec3 *around_q30, int32_t roll_m_q33)
 {
     for (int k = 0; k < 3; k++) {
-        way->v[k] = seld_add_sat(way->v[k], seld_scale_q30(roll_m_q33, around_q30->v[k]));
+        way->v[k] += seld_scale_q30(roll_m_q33, around_q30->v[k]);
     }
 }
 
-/* Contact of node i with `predicted` depth after the expected motion: its stiffnesses. `expected` is the node's expected
- * deviation, `roll` the expected way of its surface by turning. */
+/* A node that touches: its expected deviation and its part along the normal, Q33 m, and the expected way of its surface
+ * by turning. */
+typedef struct approach {
+    seld_vec3 deviation;
+    int32_t inwards, roll;
+} approach;
+
+/* Contact of node i with depth `predicted` after the expected motion: its stiffnesses.
+ * Overflow: impossible. Held way 2^29.2, deviations 2^29, roll 2^23: reach below 2^30.5 in every component. */
 static void touch(const seld_model *model, seld_state *state, uint32_t i, int32_t predicted_m_q30,
-                  const seld_vec3 *expected_m_q33, int32_t roll_m_q33)
+                  const approach *expected)
 {
     seld_work *work = &state->scratch.nodes[i];
+    const seld_vec3 *n = &work->normal_q30;
     int32_t force = predicted_m_q30 > 0 ? normal_force(model, predicted_m_q30) : 0;
-    int32_t limit = seld_mul_q30(force, friction_of(state, i));
+    int32_t limit = seld_scale_q30(force, friction_of(state, i));
     hold_surface(state, i);
-    seld_vec3 reach = tangential(expected_m_q33, &work->normal_q30);
-    reach = seld_vec3_add(reach, work->held_m_q33);
-    work->around_q30 = seld_vec3_cross_unit(&work->normal_q30, &state->words.nodes[i].tangent_q30);
+    seld_vec3 reach;
+    for (int k = 0; k < 3; k++) {
+        reach.v[k] =
+            work->held_m_q33.v[k] + expected->deviation.v[k] - seld_scale_q30(expected->inwards, n->v[k]);
+    }
+    work->around_q30 = seld_vec3_cross_unit(n, &state->words.nodes[i].tangent_q30);
     work->roll_m_q33 = seld_vec3_dot_unit(&reach, &work->around_q30);
-    add_roll(&reach, &work->around_q30, roll_m_q33);
+    add_roll(&reach, &work->around_q30, expected->roll);
     work->wall_friction = friction_stiffness(model, limit, &reach);
     work->wall_normal =
         model->contact + (work->depth_m_q30 > SELD_CONTACT_DEEP_M_Q30 ? model->contact_deep : 0);
     /* N / 1 mm: N Q22 -> Q(a) N/m */
-    int32_t round_N_q22 = seld_clamp(force, 0, SELD_WALL_ROUND_MAX_N << 22);
-    work->wall_round =
-        (int32_t)(((int64_t)round_N_q22 * SELD_WALL_ROUND_PER_m) >> (22 - model->stiffness_exponent));
+    int64_t round_N_q22 = force < SELD_WALL_ROUND_MAX_N << 22 ? force : SELD_WALL_ROUND_MAX_N << 22;
+    work->wall_round = (int32_t)((round_N_q22 * SELD_WALL_ROUND_PER_m) >> (22 - model->stiffness_exponent));
     work->touching = 1;
 }
 
@@ -143,8 +162,8 @@ static void push_node(const seld_model *model, seld_work *work)
     for (int k = 0; k < 3; k++) {
         int64_t drag = seld_rshift_round64((int64_t)work->wall_friction * work->held_m_q33.v[k],
                                            model->stiffness_exponent + 11);
-        work->force_N_q22.v[k] =
-            seld_sat32(work->force_N_q22.v[k] + seld_mul_q30(push, work->normal_q30.v[k]) - drag);
+        int64_t sum = (int64_t)work->force_N_q22.v[k] + seld_scale_q30(push, work->normal_q30.v[k]) - drag;
+        work->force_N_q22.v[k] = seld_sat32(sum);
     }
 }
 
@@ -190,14 +209,16 @@ static void find_node(const seld_model *model, seld_state *state, uint32_t i)
         clear(&state->words.nodes[i]);
         return;
     }
-    int32_t predicted = seld_sub_sat(work->depth_m_q30, along(&work->drift_m_q33, &work->normal_q30) >> 3);
+    approach expected = {work->drift_m_q33, 0, 0}; /* copied, `around` takes its place */
+    expected.inwards = along(&work->drift_m_q33, &work->normal_q30);
+    int32_t predicted = seld_sub_sat(work->depth_m_q30, expected.inwards >> 3);
     if (work->depth_m_q30 <= 0 && predicted <= 0) {
         clear(&state->words.nodes[i]);
         return;
     }
     int32_t spin = state->words.nodes[i].spin_q30[state->line.nodes[i].outer];
-    seld_vec3 expected = work->drift_m_q33; /* `around` takes its place */
-    touch(model, state, i, predicted, &expected, seld_surface_way(state->line.nodes[i].radius_m_q30, spin));
+    expected.roll = seld_surface_way(state->line.nodes[i].radius_m_q30, spin);
+    touch(model, state, i, predicted, &expected);
     work->u.a.around_reach_m_q33 = work->roll_m_q33; /* the twist solve sets the roll */
 }
 
@@ -266,11 +287,12 @@ uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t
             !sample(model, state, i)) {
             continue;
         }
-        int32_t ended = seld_sub_sat(work->depth_m_q30, along(&work->solution_m_q33, &work->normal_q30) >> 3);
+        approach found = {work->solution_m_q33, along(&work->solution_m_q33, &work->normal_q30),
+                          work->roll_m_q33};
+        int32_t ended = seld_sub_sat(work->depth_m_q30, found.inwards >> 3);
         if (ended > SELD_MISSED_CONTACT_M_Q30) {
-            int32_t roll = work->roll_m_q33;
-            touch(model, state, i, ended, &work->solution_m_q33, roll);
-            work->roll_m_q33 = roll;
+            touch(model, state, i, ended, &found);
+            work->roll_m_q33 = found.roll;
             push_node(model, work);
             added++;
         }
@@ -287,23 +309,19 @@ static void move_bristle(const seld_model *model, seld_state *state, uint32_t i,
     seld_vec3 way;
     for (int k = 0; k < 3; k++) {
         int32_t across = work->solution_m_q33.v[k] - seld_scale_q30(along_m_q33, work->normal_q30.v[k]);
-        way.v[k] = seld_add_sat(work->held_m_q33.v[k], across);
+        way.v[k] = work->held_m_q33.v[k] + across;
     }
     int32_t force = depth_m_q30 > 0 ? normal_force(model, depth_m_q30) : 0;
-    int32_t limit_N_q22 = seld_mul_q30(force, friction_of(state, i));
-    /* mu N / k_t in m Q33: 2^11 / 2000 = 1 + 25166 / 2^20 */
-    int64_t limit_m_q33 = limit_N_q22 + (((int64_t)limit_N_q22 * 25166) >> 20);
-    int64_t root;
-    unsigned half_lead;
+    int64_t most = bristle_limit(seld_scale_q30(force, friction_of(state, i)));
+    int64_t square = seld_vec3_dot64(way, way);
     node->contact = SELD_CONTACT_STICKS;
-    if (inverse_length(&way, &root, &half_lead)) {
-        /* ratio = limit / |z| in Q30 */
-        int64_t ratio = seld_asr64(limit_m_q33 * root, 32 - half_lead);
-        if (ratio < SELD_ONE_Q30) {
-            node->contact = SELD_CONTACT_SLIPS;
-            for (int k = 0; k < 3; k++) {
-                way.v[k] = seld_mul_q30(way.v[k], (int32_t)ratio);
-            }
+    if (square > most * most) {
+        unsigned half_lead;
+        int64_t root = inverse_root(square, &half_lead);
+        int32_t ratio_q30 = (int32_t)seld_asr64(most * root, 32 - half_lead); /* limit / |z|, below 1 */
+        node->contact = SELD_CONTACT_SLIPS;
+        for (int k = 0; k < 3; k++) {
+            way.v[k] = seld_scale_q30(way.v[k], ratio_q30);
         }
     }
     node->bristle_m_q33 = way;

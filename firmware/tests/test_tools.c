@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "firmware/core/core_state.h"
-#include "firmware/tests/reference/random.h"
+#include "firmware/tests/reference/random_hands.h"
 #include "firmware/tests/reference/tube_lumen.h"
 
 static const double Q30 = 1073741824.0;
@@ -424,57 +424,14 @@ static const tool_plan three_shaped[] = {{1e-5, 5e-4, 66, 20, 445, 0, 0.1, 0},
                                          {2e-4, 5e-4, 30, 40, 800, 500, 0.1, 0.05},
                                          {5e-4, 8e-4, 15, 40, 1150, 850, 0.1, 0.05}};
 
-typedef struct random_result {
-    int ticks, deep, long_by_045;
-    double strain_pct;
-} random_result;
-
-/* Hands that push up to 0.5 m/s, turn up to 12 rad/s and change speed every 0.2 s, in a vessel that forks. */
-static random_result random_hands(uint32_t tool_count, uint64_t seed, int ticks)
-{
-    const reference_piece trunk = {0.2, 0, 0};
-    const reference_piece left[] = {{0.08, 1.2, 0}, {0.2, 0.5, 0.4}},
-                          right[] = {{0.08, 0.9, 3.14}, {0.2, -0.6, 1}};
-    reference_tube *tube = reference_fork_make(&trunk, left, right, 0.005, 1);
-    reference_random random = reference_random_seed(seed);
-    const uint32_t inserted_um[] = {60000, 40000, 20000};
-    rig *r = rig_make(three_shaped, tool_count, &tube->lumen, inserted_um);
-    random_result result = {0, 0, 0, 0};
-    int32_t speed[SELD_TOOL_MAX] = {0}, turn[SELD_TOOL_MAX] = {0};
-    for (int t = 0; t < ticks; t++) {
-        for (uint32_t k = 0; k < tool_count; k++) {
-            if (t % 200 == 0) {
-                double inserted_m = seld_state_inserted(&r->state, k) / Q30;
-                speed[k] = (int32_t)reference_random_below(&random, 1073742) - 536871;
-                turn[k] = (int32_t)reference_random_below(&random, 16400000) - 8200000;
-                if (inserted_m > 0.5) speed[k] = -abs(speed[k]);
-                if (inserted_m < 0.02) speed[k] = abs(speed[k]);
-            }
-            r->input.hands[k].feed_m_q30 = seld_add_sat(r->input.hands[k].feed_m_q30, speed[k]);
-            r->input.hands[k].turn32 += (uint32_t)turn[k];
-        }
-        rig_step(r);
-        if (t < 300) continue;
-        double strain_pct = 100 * fabs(r->output.strain_max_q30 / Q30);
-        result.ticks++;
-        result.deep += r->output.penetration_max_m_q30 > 1073742;
-        result.long_by_045 += strain_pct > 0.45;
-        result.strain_pct = fmax(result.strain_pct, strain_pct);
-    }
-    free(r);
-    reference_tube_free(tube);
-    return result;
-}
-
-/* The long form, a million ticks, is `make bench`'s row core.random_hands. */
+/* The long form, a million ticks, is the row hands.length_error_max_pct of `make bench`. */
 static void random_hands_keep_three_tools_in_the_vessel(void **context)
 {
     (void)context;
-    const uint64_t seed = 20261121;
-    print_message("# random_hands: seed %llu\n", (unsigned long long)seed);
-    random_result result = random_hands(3, seed, 15000);
-    check_below("length error (%)", result.strain_pct, 0.6);
-    check_below("ticks with more than 0.45 %", result.long_by_045, 1);
+    reference_hands_result result = {0, 0, 0, 0, 0};
+    reference_random_hands(3, 8, 12000, &result);
+    check_below("length error (%)", result.strain_max_pct, 0.6);
+    check_below("ticks with more than 0.45 %", result.long_045, 1);
     check_below("ticks deeper than 1 mm", result.deep, 1);
 }
 
