@@ -51,7 +51,9 @@ static void share_handles(const seld_model *model, seld_state *state, int32_t li
         }
     }
     state->words.tools[lead].handle_axial_N_q22 = seld_sat32(rest);
+    state->words.line_change_N_q22 = seld_sub_sat(line_axial_N_q22, state->words.line_axial_N_q22);
     state->words.line_axial_N_q22 = line_axial_N_q22;
+    state->words.line_feed_m_q30 = state->scratch.feed_m_q33 / 8;
 }
 
 static void report(const seld_model *model, const seld_state *state, seld_output *output)

@@ -12,11 +12,12 @@ enum {
     STRAIN_MAX_Q30 = 1 << 27,      /* series used up to 12.5 % strain, clamped beyond */
     TENSION_MAX_N_Q22 = 128 << 22, /* edge force, clamped: twenty times what a hand can do */
     TENSION_STIFF_MAX_N_Q22 = 32 << 22,
-    PART_MAX_N_Q22 = 32 << 22,
+    PART_MAX_N_Q22 =
+        60 << 22, /* one joint's force on one node; reached by an EI of 1.85e-3 in 4 mm at R = 8 mm */
 };
 
 /* Adds one force component. Overflow: impossible. A node sums two edges (128 N each), three joints (PART_MAX each,
- * twice for the middle one) and its own weight, drag and contact: 2 x 128 + 4 x 32 + 100 < 512 N. */
+ * twice for the middle one) and its own weight, drag and contact: 2 x 128 + 4 x 60 < 512 N; weight and drag are below 1 N, contact saturates. */
 static void add(seld_vec3 *sum, int k, int32_t value)
 {
     sum->v[k] += value;
@@ -135,12 +136,14 @@ static seld_vec3 twist_force(int32_t torque_N_m_q30, const seld_vec3 *before, co
     return across;
 }
 
-/* One component of a joint's force on a neighbour, limited to 32 N: ten times what a hand can bend in. */
-static int32_t part(int64_t force_N_q22)
+/* One component of a joint's force on a neighbour, limited to 60 N: ten times what a hand can bend in. */
+static int32_t part(int64_t force_N_q22, uint32_t *fault_bits)
 {
-    return force_N_q22 > PART_MAX_N_Q22
-               ? PART_MAX_N_Q22
-               : (force_N_q22 < -PART_MAX_N_Q22 ? -PART_MAX_N_Q22 : (int32_t)force_N_q22);
+    if (force_N_q22 > PART_MAX_N_Q22 || force_N_q22 < -PART_MAX_N_Q22) {
+        *fault_bits |= SELD_FAULT_SATURATED;
+        return force_N_q22 > 0 ? PART_MAX_N_Q22 : -PART_MAX_N_Q22;
+    }
+    return (int32_t)force_N_q22;
 }
 
 seld_vec3 seld_rod_tool_turn(const seld_state *state, const seld_joint *joint, uint32_t tool, uint32_t i)
@@ -181,6 +184,7 @@ static void joint_forces(const seld_model *model, seld_state *state, uint32_t i)
     if (joint->curved != 0) {
         turn = seld_rod_line_turn(model, state, joint, i);
     }
+    uint32_t *faults = &state->words.fault_bits;
     seld_vec3 twisting = {{0, 0, 0}};
     if (here->torque_N_m_q30 != 0) {
         twisting = twist_force(here->torque_N_m_q30, &state->words.nodes[i - 1].tangent_q30,
@@ -189,8 +193,8 @@ static void joint_forces(const seld_model *model, seld_state *state, uint32_t i)
     for (int k = 0; k < 3; k++) {
         int64_t bend = (int64_t)here->u.a.stretch_q30.v[k] - ahead->u.a.stretch_q30.v[k] - turn.v[k];
         int64_t moment = seld_rshift_round64(bend * joint->bend_N_m_q26, 26);
-        int32_t front = part(seld_rshift_round64((moment - twisting.v[k]) * a, 26));
-        int32_t back = part(seld_rshift_round64((moment + twisting.v[k]) * c, 26));
+        int32_t front = part(seld_rshift_round64((moment - twisting.v[k]) * a, 26), faults);
+        int32_t back = part(seld_rshift_round64((moment + twisting.v[k]) * c, 26), faults);
         add(&ahead->force_N_q22, k, -front);
         add(&here->force_N_q22, k, front + back);
         add(&here[1].force_N_q22, k, -back);

@@ -162,18 +162,26 @@ static inline void add_along(const seld_vec3 *v_q30, int32_t stiffness, seld_sym
     d->m[ZZ] += seld_scale_q30(z, v_q30->v[2]);
 }
 
-/* Adds k_n n n^T + k_f (I - n n^T) + k_r b b^T of a touching node, b around the wall: a step that way turns the normal
- * force with the wall, which without k_r = N / r swings for ever on a wall without friction (docs/rod.md, "contact"). */
-static inline void add_wall(const seld_work *work, seld_sym3 *d)
+/* Adds k_n n n^T + k_f (I - n n^T) + k_r (I - n n^T - t' t'^T) of a touching node, t' the tangent across n. A step across
+ * both turns the normal force with the round wall, which without k_r = N / r swings for ever where nothing rubs
+ * (docs/rod.md, "contact"). A tip that meets the wall head on has no t': k_r acts all round. */
+static inline void add_wall(const seld_work *work, const seld_vec3 *tangent, seld_sym3 *d)
 {
-    int32_t friction = work->wall_friction;
-    add_along(&work->normal_q30, work->wall_normal - friction, d);
-    if (work->touching) {
-        add_along(&work->around_q30, work->wall_round, d);
+    const seld_vec3 *n = &work->normal_q30;
+    int32_t round = work->touching ? work->wall_round : 0;
+    int32_t across = work->wall_friction + round;
+    add_along(n, work->wall_normal - across, d);
+    if (round != 0) {
+        int32_t inwards = seld_vec3_dot_unit(tangent, n);
+        seld_vec3 flat;
+        for (int k = 0; k < 3; k++) {
+            flat.v[k] = tangent->v[k] - seld_scale_q30(inwards, n->v[k]);
+        }
+        add_along(&flat, -round, d);
     }
-    d->m[XX] += friction;
-    d->m[YY] += friction;
-    d->m[ZZ] += friction;
+    d->m[XX] += across;
+    d->m[YY] += across;
+    d->m[ZZ] += across;
 }
 
 /* One entry of T^T V. Overflow: 3 * 2^29 * 2^31 < 2^62. */
@@ -239,7 +247,7 @@ static inline void load_row(const seld_model *model, const seld_state *state, ui
     edge_matrix(state, i, &row->spring);
     row->remainder = (seld_sym3){{bend.diagonal, 0, 0, bend.diagonal, 0, bend.diagonal}};
     if ((work->wall_normal | work->wall_friction) != 0) {
-        add_wall(work, &row->remainder);
+        add_wall(work, &state->words.nodes[i].tangent_q30, &row->remainder);
     }
     row->q = (mat3){{bend.next, 0, 0, 0, bend.next, 0, 0, 0, bend.next}};
     row->second = bend.second;

@@ -42,7 +42,7 @@ static seld_vec3 inner_moment(const seld_state *state, uint32_t pair, uint32_t i
     }
     seld_vec3 moment;
     for (int c = 0; c < 3; c++) {
-        int32_t bend = here->u.a.stretch_q30.v[c] - here[-1].u.a.stretch_q30.v[c];
+        int32_t bend = seld_sub_sat(here->u.a.stretch_q30.v[c], here[-1].u.a.stretch_q30.v[c]);
         moment.v[c] =
             seld_mul(seld_sub_sat(seld_mul_q30(bend, share_q30), turn.v[c]), joint->bend_N_m_q26, 26);
     }
@@ -188,7 +188,7 @@ static seld_vec3 total_moment(const seld_model *model, const seld_state *state, 
     seld_vec3 turn = seld_rod_line_turn(model, state, joint, i);
     seld_vec3 moment;
     for (int c = 0; c < 3; c++) {
-        int32_t bend = here->u.a.stretch_q30.v[c] - here[-1].u.a.stretch_q30.v[c];
+        int32_t bend = seld_sub_sat(here->u.a.stretch_q30.v[c], here[-1].u.a.stretch_q30.v[c]);
         moment.v[c] = seld_mul(seld_sub_sat(bend, turn.v[c]), joint->bend_N_m_q26, 26);
     }
     return moment;
