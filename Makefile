@@ -24,7 +24,7 @@ CXXFLAGS := -std=c++20 -g $(WARN) $(CXXWARN) -I. -isystem /usr/include/eigen3 -M
 LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
-LIBS       := host/app host/xray host/link host/model tools/anatomy tools/bake firmware/port/sim firmware/app \
+LIBS       := host/app host/xray host/link host/model tools/anatomy tools/bake tools/validate firmware/port/sim firmware/app \
               firmware/core shared/scene shared/wire
 lib_file    = $(BUILD)/lib/lib$(subst /,_,$(1)).a
 lib_sources = $(filter-out %/main.cpp,$(wildcard $(1)/*.c $(1)/*.cpp))
@@ -35,13 +35,14 @@ FIRMWARE_LIBS := firmware/port/sim firmware/app firmware/core shared/scene share
 HOST_LIBS     := host/app host/xray host/link host/model $(FIRMWARE_LIBS)
 BAKE_LIBS     := tools/bake host/model firmware/core shared/scene shared/wire
 ANATOMY_LIBS  := tools/anatomy
+VALIDATE_LIBS := tools/validate firmware/core
 VDB_LINK      := -lopenvdb -ltbb -lImath-3_1
 BAKE_LINK     := $(VDB_LINK) -lassimp -lccd
 HOST_LINK     := -lpng -lglfw -ldl
 
-PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/docs
+PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: all run window test bench bench-peers fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs
+.PHONY: all run window test validate bench bench-peers fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -89,6 +90,7 @@ $(eval $(call program,seldinger,host/app/main.cpp,$(HOST_LIBS),$(HOST_LINK)))
 $(eval $(call program,bake,tools/bake/main.cpp,$(BAKE_LIBS),$(BAKE_LINK)))
 $(eval $(call program,anatomy,tools/anatomy/main.cpp,$(ANATOMY_LIBS),$(VDB_LINK)))
 $(eval $(call program,docs,tools/docs/main.cpp,shared/wire,))
+$(eval $(call program,validate,tools/validate/main.cpp,$(VALIDATE_LIBS),))
 
 # --- the demo: shipped anatomy -> scene -> session -> film -----------------------------------------------------------
 ANATOMY := $(BUILD)/anatomy/aorta/scene.toml
@@ -126,6 +128,7 @@ window: packages-build packages-run ## push and turn a wire by keyboard (needs a
 FIRMWARE_TESTS := $(wildcard firmware/tests/test_*.c shared/*/tests/test_*.c hil_tests/test_*.c)
 HOST_TESTS     := $(wildcard host/tests/test_*.cpp)
 TOOL_TESTS     := $(wildcard tools/bake/tests/test_*.cpp)
+VALIDATE_TESTS := $(wildcard tools/validate/tests/test_*.cpp)
 SYSTEM_TESTS   := $(wildcard hil_tests/test_*.cpp) # the whole program against real anatomy
 SCRIPT_TESTS   := $(wildcard tools/check/test_*.sh tools/check/test_*.py host/tests/test_*.sh tools/*/tests/test_*.sh)
 test_program    = $(patsubst %,$(BUILD)/test/%,$(basename $(1)))
@@ -139,9 +142,10 @@ endef
 $(foreach t,$(FIRMWARE_TESTS),$(eval $(call test_rule,$(t),$(FIRMWARE_LIBS),,$(REFERENCE))))
 $(foreach t,$(HOST_TESTS),$(eval $(call test_rule,$(t),$(HOST_LIBS),$(HOST_LINK),)))
 $(foreach t,$(TOOL_TESTS),$(eval $(call test_rule,$(t),$(BAKE_LIBS),$(BAKE_LINK),)))
+$(foreach t,$(VALIDATE_TESTS),$(eval $(call test_rule,$(t),$(VALIDATE_LIBS),,)))
 $(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/xray host/link tools/bake host/model $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
-ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(TOOL_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
+ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(TOOL_TESTS) $(VALIDATE_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
 
 tests-build: $(ALL_TEST_PROGRAMS) ## build the test programs
 tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS),$(call test_program,$(t))) ## build those without OpenVDB
@@ -184,6 +188,11 @@ compilers: packages-build packages-test ## replay out/demo.rec by gcc -O0, gcc -
 
 matrix: packages-build packages-test packages-matrix ## one hash on five machines, gcc and clang, -O0/2/3: docs/determinism.md
 	@tools/check/matrix.py --jobs $(JOBS)
+
+# --- validation: docs/validation.md --------------------------------------------------------------------------------
+validate: packages-build ## compare the rod with closed forms; writes out/validation.html and .tsv, renews docs/validation.md
+	@$(QUIET_MAKE) $(BUILD)/bin/validate
+	@$(BUILD)/bin/validate --jobs $(JOBS) --docs docs/validation.md
 
 # --- benchmarks: docs/bench.md -------------------------------------------------------------------------------------
 BENCHES := $(wildcard firmware/bench/bench_*.c)

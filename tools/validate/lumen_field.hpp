@@ -1,0 +1,68 @@
+// Lumens from closed forms: exact distance functions, and the core's sparse field made from them in memory.
+// A baker would store the same field; this one is made without it, so that a case depends on the core alone.
+// May include: the core's lumen.h. Called by: tools/validate.
+#pragma once
+#include <Eigen/Geometry>
+#include <functional>
+#include <memory>
+#include <vector>
+
+struct seld_lumen;
+
+namespace seld::validate
+{
+
+using Eigen::Vector3d;
+
+// Signed distance to the wall in metres, negative inside; never steeper than 1.
+using Distance = std::function<double(const Vector3d &)>;
+
+// A path of straight pieces and arcs in one plane or several, by closed form.
+class Path
+{
+  public:
+    Path(const Vector3d &start, const Vector3d &direction, const Vector3d &normal);
+    Path &straight(double length_m);
+    Path &bend(double radius_m, double angle_rad); // towards the normal
+    Path &roll(double angle_rad);                  // turns the normal about the direction
+
+    double distance(const Vector3d &point_m) const; // to the path
+    Vector3d at(double arc_m) const;                // the last piece goes on beyond the end
+    Vector3d end() const { return at_; }
+    Vector3d end_direction() const { return direction_; }
+    double length() const { return length_m_; }
+    // Smallest box around the path.
+    Vector3d low() const { return low_; }
+    Vector3d high() const { return high_; }
+
+  private:
+    struct Piece {
+        Vector3d from, direction, normal;
+        double length_m, radius_m; // radius 0: straight
+        Vector3d point(double arc_m) const;
+        double distance(const Vector3d &point_m) const;
+    };
+    std::vector<Piece> pieces_;
+    Vector3d at_, direction_, normal_, low_, high_;
+    double length_m_ = 0;
+    void add(const Piece &piece);
+};
+
+class LumenField
+{
+  public:
+    // Field of `distance` within the box; refinement level 0, 1, 2 for voxels of 1, 0.5, 0.25 mm.
+    LumenField(const Distance &distance, const Vector3d &low, const Vector3d &high, unsigned level);
+    ~LumenField();
+    LumenField(LumenField &&) noexcept;
+    const seld_lumen *lumen() const;
+
+  private:
+    struct Storage;
+    std::unique_ptr<Storage> storage_;
+};
+
+// Tube of one radius around a path, with half balls at its ends; or closed by a plane across its end.
+LumenField tube_field(const Path &path, double radius_m, unsigned level, bool flat_end = false);
+
+} // namespace seld::validate

@@ -1,0 +1,33 @@
+// Line plots as SVG text: plain axes with round ticks, lines for references, dots for our values.
+// May include: the standard library. Called by: tools/validate.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace seld::validate
+{
+
+struct Series {
+    std::string label; // empty: not in the legend
+    std::vector<double> x, y;
+    bool dots = false; // else a line
+    int colour = -1;   // series of one number have one colour; -1: its place in the plot, 6: black
+};
+
+struct Plot {
+    std::string title, x_label, y_label;
+    std::vector<Series> series;
+    bool equal_scale = false; // the same millimetres along both axes, for shapes
+    bool x_is_logarithmic = false;
+};
+
+// A whole <svg> element. Values that are not finite are left out.
+std::string svg(const Plot &plot);
+
+// Text for HTML and SVG: &, < and > replaced.
+std::string escaped(const std::string &text);
+
+// A number for people: four significant digits, no trailing zeros.
+std::string short_number(double value);
+
+} // namespace seld::validate
