@@ -61,7 +61,7 @@ Q = @$(if $(V),,echo "  $(@:$(BUILD)/%=%)";)$(if $(V),set -x;)
 
 # --- rules ------------------------------------------------------------------------------------------------------
 $(BUILD)/obj/firmware/core/%.c.o: OPT := $(CORE_OPT)
-$(BUILD)/obj/firmware/core/%.c.o: CFLAGS += -ffreestanding $(if $(findstring clang,$(CC)),,-fno-schedule-insns)
+$(BUILD)/obj/firmware/core/%.c.o: CFLAGS += -ffreestanding $(if $(findstring clang,$(CC)),,-fno-schedule-insns -fno-tree-pre)
 # Loops over pixels become vector code; neither flag changes a value.
 $(BUILD)/obj/host/xray/%.cpp.o: OPT := -O3
 $(BUILD)/obj/host/xray/%.cpp.o: CXXFLAGS += -fno-math-errno -fno-trapping-math
@@ -225,7 +225,7 @@ BUDGET_MAKE := $(BUILD)/bench/budget_make
 
 $(BUILD)/m7/obj/%.c.o: %.c
 	@mkdir -p $(@D)
-	$(Q) $(M7_CC) $(M7_FLAGS) $(CORE_OPT) -fno-schedule-insns -c $< -o $@
+	$(Q) $(M7_CC) $(M7_FLAGS) $(CORE_OPT) -fno-schedule-insns -fno-tree-pre -c $< -o $@
 $(M7_IMAGE): $(M7_SOURCES:%=$(BUILD)/m7/obj/%.o) $(BUILD)/m7/obj/firmware/bench/budget_image.c.o firmware/port/mps2_an500/image.ld
 	$(Q) $(M7_CC) -mcpu=cortex-m7 -mthumb -mfloat-abi=soft -nostdlib -T firmware/port/mps2_an500/image.ld $(filter %.o,$^) -o $@ -lgcc
 $(BUDGET_MAKE): $(call objects,firmware/bench/budget_make.c firmware/bench/bench.c $(REFERENCE)) $(foreach lib,$(FIRMWARE_LIBS),$(call lib_file,$(lib)))

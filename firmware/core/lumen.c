@@ -94,96 +94,150 @@ int32_t seld_lumen_distance(const seld_lumen *lumen, const seld_vec3 *position_m
     return seld_asr32(between(low, high, (int32_t)(z >> 12 & 255u)), 9 + place.level);
 }
 
-/* The quadratic B-spline at fraction u of a voxel: weights (1-u)^2/2, the rest, u^2/2 in Q17; those of the slope per
- * voxel are -(1-u), 1-2u, u in Q20. */
+/* The quadratic B-spline at fraction u of a voxel: weights (1-u)^2/2, the rest, u^2/2; those of the slope per voxel are
+ * -(1-u), 1-2u, u. The fast types have the width that the machine multiplies best; values fit 32 bits. */
 typedef struct lumen_weights {
-    int64_t low, middle, high;
-    int64_t fall, rise; /* 1-u and u */
+    int_fast32_t low, middle, high;
+    int_fast32_t fall, rise; /* 1-u and u */
 } lumen_weights;
 
-/* Error: 1 LSB each (floor); the values' weights sum to one and the slopes' to zero exactly. */
+/* Half of a square. Format: Q20 in [0, 1] -> Q29. Error: 1/2 LSB. */
+static inline int32_t half_square_q29(uint32_t v_q20)
+{
+    return seld_mulh((int32_t)(v_q20 << 10), (int32_t)(v_q20 << 10));
+}
+
+/* Format: fraction Q20 -> values Q30, slopes Q29. Error: 1 LSB; the values' weights sum to one and the slopes' to zero
+ * exactly. Overflow: impossible, no weight is above one. */
 static inline lumen_weights weights_at(uint32_t x_q20)
 {
-    int64_t u_q20 = x_q20 & VOXEL_MASK_Q20, v_q20 = (1 << 20) - u_q20;
-    int64_t low = (v_q20 * v_q20) >> 24, high = (u_q20 * u_q20) >> 24;
-    lumen_weights w = {low, (1 << 17) - low - high, high, v_q20, u_q20};
-    return w;
+    const uint32_t u_q20 = x_q20 & VOXEL_MASK_Q20, v_q20 = (1u << 20) - u_q20;
+    const int32_t low = half_square_q29(v_q20) * 2, high = half_square_q29(u_q20) * 2;
+    return (lumen_weights){low, (1 << 30) - low - high, high, (int32_t)(v_q20 << 9), (int32_t)(u_q20 << 9)};
 }
 
-/* Format: Qa -> Q(a+17) and Q(a+20). Overflow: see spline_27. Error: exact. */
-static inline int64_t spline(int64_t a, int64_t b, int64_t c, const lumen_weights *w)
+/* High words of sums of three products. Format: Qa, weights Qb -> Q(a+b-32). Error: 1 LSB (floor). Overflow: the weights of
+ * a value sum to one; those of a slope, which have a bit less, to two in magnitude: below 2^31 * 2^30. */
+static inline int_fast32_t spline(int_fast32_t a, int_fast32_t b, int_fast32_t c, const lumen_weights *w)
 {
-    return a * w->low + b * w->middle + c * w->high;
+    return seld_high64((int64_t)a * w->low + (int64_t)b * w->middle + (int64_t)c * w->high);
 }
-
-static inline int64_t slope(int64_t a, int64_t b, int64_t c, const lumen_weights *w)
+static inline int_fast32_t slope(int_fast32_t a, int_fast32_t b, int_fast32_t c, const lumen_weights *w)
 {
-    return (b - a) * w->fall + (c - b) * w->rise;
+    return seld_high64((int64_t)(b - a) * w->fall + (int64_t)(c - b) * w->rise);
 }
 
-/* Value (Q51) and gradient per voxel (Q54) in voxel/32. */
+/* Three taps along x: value Q23, slope Q22. Exact; overflow: coefficients are within +-128, and the weights of a slope add up
+ * to two in magnitude: at most 2^30. */
+typedef struct lumen_row {
+    int_fast32_t value, slope;
+} lumen_row;
+
+/* Weights along x as row_of() multiplies them, and where it reads. */
+typedef struct lumen_row_weights {
+#if SELD_HIGH_WORDS_BY_DSP
+    uint32_t value, slope, middle; /* pairs of 16 bits: low and high, -fall and rise, both middles */
+    uint32_t shift;                /* brings the taps to the upper three bytes of a word */
+#else
+    int64_t low, middle, high; /* value in the lower half, slope in the upper */
+#endif
+} lumen_row_weights;
+
+/* Format: fraction Q20 -> values Q15, slopes Q14, each within 16 bits. Error: 1/2 LSB. */
+static inline lumen_row_weights row_weights_at(uint32_t x_q20)
+{
+    const uint32_t u_q20 = x_q20 & VOXEL_MASK_Q20;
+    const int32_t low = (half_square_q29((1u << 20) - u_q20) + (1 << 13)) >> 14;
+    const int32_t high = (half_square_q29(u_q20) + (1 << 13)) >> 14;
+    const int32_t middle = (1 << 15) - low - high;
+    const int32_t rise = (int32_t)((u_q20 + (1 << 5)) >> 6), fall = (1 << 14) - rise;
+#if SELD_HIGH_WORDS_BY_DSP
+    /* A word that begins one tap early holds the taps in its upper bytes; in the first column it would begin before the
+     * brick. */
+    return (lumen_row_weights){(uint32_t)low | (uint32_t)high << 16,
+                               ((uint32_t)-fall & 0xffffu) | (uint32_t)rise << 16,
+                               (uint32_t)middle | (uint32_t)(fall - rise) << 16, x_q20 >> 20 == 0 ? 8 : 0};
+#else
+    const int64_t upper = (int64_t)1 << 32;
+    return (lumen_row_weights){256 * (low - fall * upper), 256 * (middle + (fall - rise) * upper),
+                               256 * (high + rise * upper)};
+#endif
+}
+
+#if SELD_HIGH_WORDS_BY_DSP
+static inline lumen_row row_of(const int8_t *c, const lumen_row_weights *w)
+{
+    const uint32_t upper_bytes = 0xff00ff00u; /* as signed halves: coefficients times 256 */
+    uint32_t word;
+    int32_t value, gradient;
+    __builtin_memcpy(&word, c - 1 + (w->shift >> 3), sizeof word);
+    word <<= w->shift;
+    uint32_t outer = word & upper_bytes, inner = word << 8 & upper_bytes;
+    __asm__("smuad %0, %1, %2" : "=r"(value) : "r"(outer), "r"(w->value));
+    __asm__("smlatb %0, %1, %2, %0" : "+r"(value) : "r"(inner), "r"(w->middle));
+    __asm__("smuad %0, %1, %2" : "=r"(gradient) : "r"(outer), "r"(w->slope));
+    __asm__("smlatt %0, %1, %2, %0" : "+r"(gradient) : "r"(inner), "r"(w->middle));
+    return (lumen_row){value, gradient};
+}
+#else
+static inline lumen_row row_of(const int8_t *c, const lumen_row_weights *w)
+{
+    int64_t both = c[0] * w->low + c[1] * w->middle + c[2] * w->high;
+    /* A negative value borrows one from the slope. */
+    return (lumen_row){(int32_t)(uint32_t)both, seld_asr64(both + ((int64_t)1 << 31), 32)};
+}
+#endif
+
+/* Value (Q19) and gradient per voxel (Q18) in voxel/32. */
 typedef struct lumen_taps {
-    int64_t value;
-    int64_t slope_x, slope_y, slope_z;
+    int32_t value;
+    int32_t slope_x, slope_y, slope_z;
 } lumen_taps;
 
-/* One row of three taps along x: value in the low word, slope in the high word (1 LSB low when the value is negative). */
-static inline int64_t row_of(const int8_t *c, const lumen_weights *x)
-{
-    return c[0] * x->low + c[1] * x->middle + c[2] * x->high;
-}
-
-/* Value and slopes of three rows in a plane of constant z. */
+/* Value (Q21) and slopes (Q20) of three rows in a plane of constant z. */
 typedef struct lumen_plane {
-    int64_t value, slope_x, slope_y;
+    int_fast32_t value, slope_x, slope_y;
 } lumen_plane;
 
-static inline lumen_plane plane_of(const int8_t *c, const lumen_weights *x, const lumen_weights *y)
+static inline lumen_plane plane_of(const int8_t *c, const lumen_row_weights *x, const lumen_weights *y)
 {
-    int64_t first = row_of(c, x), second = row_of(c + ROW, x), third = row_of(c + 2 * ROW, x);
-    lumen_plane plane;
-    plane.slope_x = spline(seld_asr64(first, 32), seld_asr64(second, 32), seld_asr64(third, 32), y);
-    int64_t a = (int32_t)(uint32_t)first, b = (int32_t)(uint32_t)second, d = (int32_t)(uint32_t)third;
-    plane.value = spline(a, b, d, y);
-    plane.slope_y = slope(a, b, d, y);
-    return plane;
+    const lumen_row first = row_of(c, x), second = row_of(c + ROW, x), third = row_of(c + 2 * ROW, x);
+    return (lumen_plane){spline(first.value, second.value, third.value, y),
+                         spline(first.slope, second.slope, third.slope, y),
+                         slope(first.value, second.value, third.value, y)};
 }
 
-/* The 27 taps, first along x, then y, then z, all exact. Overflow: a value lies between the extremes of its taps, below
- * 2^7, and a slope within twice that, so every sum stays below 2^(8 + 17 + 17 + 20) = 2^62. */
+/* The 27 taps, first along x, then y, then z. Overflow: a value lies between the extremes of its taps, within 2^7, and a
+ * slope within twice that. Error: 1 LSB of Q15 in the weights, 15 nm and 3e-5 of a slope of one. */
 static inline lumen_taps spline_27(const lumen_place *p)
 {
-    lumen_weights x = weights_at(p->x_q20);
+    const lumen_row_weights x = row_weights_at(p->x_q20);
     const lumen_weights y = weights_at(p->y_q20), z = weights_at(p->z_q20);
-    /* Both sets of weights in one word for row_of. */
-    x.low -= x.fall * ((int64_t)1 << 32);
-    x.high += x.rise * ((int64_t)1 << 32);
-    x.middle = (1 << 17) - x.low - x.high;
     /* The nearest sample of floor(x) is coefficient floor(x) + 1: the taps are floor(x) .. floor(x) + 2. */
     const int8_t *c = p->brick + ((p->z_q20 >> 20) * SLICE + (p->y_q20 >> 20) * ROW + (p->x_q20 >> 20));
     const lumen_plane a = plane_of(c, &x, &y), b = plane_of(c + SLICE, &x, &y),
                       d = plane_of(c + 2 * SLICE, &x, &y);
-    lumen_taps taps = {spline(a.value, b.value, d.value, &z), spline(a.slope_x, b.slope_x, d.slope_x, &z),
-                       spline(a.slope_y, b.slope_y, d.slope_y, &z), slope(a.value, b.value, d.value, &z)};
+    lumen_taps taps = {
+        (int32_t)spline(a.value, b.value, d.value, &z), (int32_t)spline(a.slope_x, b.slope_x, d.slope_x, &z),
+        (int32_t)spline(a.slope_y, b.slope_y, d.slope_y, &z), (int32_t)slope(a.value, b.value, d.value, &z)};
     return taps;
 }
 
-/* Inward unit normal -g/|g|. Format: Q54 -> Q30; a gradient below 2^-22 gives a zero normal. Overflow: |g| < 2^62, so
- * its upper words' squares sum to less than 2^62; |n| <= 1. Error: <= 4 LSB of Q30 beside that of g. */
+/* Inward unit normal -g/|g|. Format: Q18 -> Q30; a zero gradient gives a zero normal. Overflow: |g| < 2^27, so the squares sum
+ * to less than 2^55; |n| <= 1. Error: <= 4 LSB of Q30 beside that of g. */
 static inline seld_vec3 inward(const lumen_taps *taps)
 {
-    int64_t x = seld_asr64(taps->slope_x, 32), y = seld_asr64(taps->slope_y, 32),
-            z = seld_asr64(taps->slope_z, 32);
-    uint64_t square = (uint64_t)(x * x + y * y + z * z);
+    int32_t x = taps->slope_x, y = taps->slope_y, z = taps->slope_z;
+    uint64_t square = (uint64_t)((int64_t)x * x + (int64_t)y * y + (int64_t)z * z);
     if (square == 0) {
         return seld_vec3_make(0, 0, 0);
     }
     unsigned lead = seld_clz64(square) & ~1u;
-    int64_t root_q30 = seld_rsqrt_q30((uint32_t)((square << lead) >> 32));
-    const unsigned drop = 32 - lead / 2;
-    return seld_vec3_make((int32_t)seld_asr64(-(x * root_q30), drop),
-                          (int32_t)seld_asr64(-(y * root_q30), drop),
-                          (int32_t)seld_asr64(-(z * root_q30), drop));
+    int32_t root_q30 = seld_rsqrt_q30((uint32_t)((square << lead) >> 32));
+    /* 1/|g| = root 2^(lead/2 - 62), and |g| 2^(lead/2) < 2^32: halved here, doubled by the root's Q30 read as Q31 */
+    int32_t scale = -((int32_t)1 << (lead / 2 - 1));
+    return seld_vec3_make(seld_mulh(x * scale, root_q30) * 2, seld_mulh(y * scale, root_q30) * 2,
+                          seld_mulh(z * scale, root_q30) * 2);
 }
 
 seld_lumen_sample seld_lumen_contact(const seld_lumen *lumen, const seld_vec3 *position_m_q30)
@@ -195,8 +249,8 @@ seld_lumen_sample seld_lumen_contact(const seld_lumen *lumen, const seld_vec3 *p
         return sample;
     }
     lumen_taps taps = spline_27(&place);
-    /* Q51 of voxel/32, and that is 2^(15-L) Q30 units */
-    sample.distance_m_q30 = (int32_t)seld_rshift_round64(taps.value, 36 + place.level);
+    /* Q19 of voxel/32, and that is 2^(15-L) Q30 units */
+    sample.distance_m_q30 = seld_asr32(taps.value + (8 << place.level), 4 + place.level);
     sample.normal_q30 = inward(&taps);
     return sample;
 }

@@ -1,23 +1,21 @@
 /* The implicit step: A delta = r by block LDL^T, 3x3 blocks, two blocks to the right, from tip to base.
  *
- *   A[i][i] = D,  A[i][i+1] = U,  A[i][i+2] = kb I;  nodes na, na+1 do not deviate from the slide (delta = 0)
- *   W = D^-1 U, P = kb D^-1
- *   r[i+1] -= W^T r[i]     r[i+2] -= P r[i]
- *   D[i+1] -= U^T W        U[i+1] -= kb W^T        D[i+2] -= kb P
- *   back: delta[i] = D^-1 r[i] - W delta[i+1] - P delta[i+2]
+ *   A[i][i] = D = R + S,  A[i][i+1] = Q - S,  A[i][i+2] = kb I;  nodes na, na+1 do not deviate from the slide (delta = 0)
+ *   S is the edge behind the node, R what else acts on it; T = R + Q, V = D^-1 T (D^-1 (Q - S) is V - I), P = kb D^-1
+ *   R[i+1] += R + Q + Q^T - T^T V     R[i+2] -= kb P      Q[i+1] += kb (I - V^T)
+ *   r[i+1] += r - V^T r               r[i+2] -= P r
+ *   back: delta[i] = D^-1 r[i] + delta[i+1] - V delta[i+1] - P delta[i+2]
  *
- * From the tip the free rod's bending factor is exactly [1, -2, 1], so nothing cancels. One reciprocal per
- * node, by Newton; no divide. Formats: D, U, kb in Q(a) N/m below 2^29; W, P in Q29; r in Q22 N; delta in Q33
- * m. May include: rod.h. Called by: core_step.c. */
+ * Nothing of the size of S cancels, and from the tip the free rod's bending factor is exactly [1, -2, 1]. One reciprocal per
+ * node, by Newton; no divide. Each row gathers what the two rows before it give, so that a sum of up to six products is
+ * rounded once and nothing half-finished is stored. Operands have 32 bits and sums 64: one SMLAL each on the Cortex-M7.
+ * Formats: D, R, S, Q, T, kb in Q(a) N/m below 2^29; V, P in Q29; r in Q22 N; delta in Q33 m.
+ * May include: rod.h. Called by: core_step.c. */
 #include "firmware/core/rod.h"
-
-typedef struct mat3 {
-    int32_t m[9];
-} mat3;
 
 /* Inverse of a block: D^-1 = mantissa 2^-exponent in units of 1/D. */
 typedef struct inverse3 {
-    int64_t m[6]; /* |m| <= 2^29 */
+    int32_t m[6]; /* |m| <= 2^30 */
     unsigned exponent;
 } inverse3;
 
@@ -41,76 +39,91 @@ static inline unsigned clz64(uint64_t a)
     return (unsigned)__builtin_clzll(a);
 }
 
+static inline int64_t minor(int32_t a, int32_t b, int32_t c, int32_t d)
+{
+    return (int64_t)a * b - (int64_t)c * d;
+}
+
 /* Adjugate over determinant. Format: D Q(a), |D| < 2^29, positive definite.
- * The adjugate is exact in 64 bits (2 x 2^58), cut to 29 bits by its largest diagonal, which bounds every entry of a
+ * The adjugate is exact in 64 bits (2 x 2^58), cut to 30 bits by its largest diagonal, which bounds every entry of a
  * positive definite matrix. The determinant keeps 22 bits or more while k_s / w <= 2^9.
- * Overflow: determinant below 3 * 2^29 * 2^29. */
+ * Overflow: determinant below 3 * 2^29 * 2^30. */
 static inline void invert(const seld_sym3 *d, inverse3 *inverse)
 {
-    const int64_t xx = d->m[XX], xy = d->m[XY], xz = d->m[XZ], yy = d->m[YY], yz = d->m[YZ], zz = d->m[ZZ];
-    int64_t *n = inverse->m;
-    n[XX] = yy * zz - yz * yz;
-    n[XY] = xz * yz - xy * zz;
-    n[XZ] = xy * yz - xz * yy;
-    n[YY] = xx * zz - xz * xz;
-    n[YZ] = xy * xz - xx * yz;
-    n[ZZ] = xx * yy - xy * xy;
-    uint64_t size = ((uint64_t)(n[XX] | n[YY] | n[ZZ]) & (uint64_t)INT64_MAX) | ((uint64_t)1 << 29);
-    unsigned cut = 35 - clz64(size); /* largest diagonal to below 2^29 */
-    int64_t half = (int64_t)1 << (cut - 1);
+    const int32_t xx = d->m[XX], xy = d->m[XY], xz = d->m[XZ], yy = d->m[YY], yz = d->m[YZ], zz = d->m[ZZ];
+    const int64_t n[6] = {minor(yy, zz, yz, yz), minor(xz, yz, xy, zz), minor(xy, yz, xz, yy),
+                          minor(xx, zz, xz, xz), minor(xy, xz, xx, yz), minor(xx, yy, xy, xy)};
+    uint64_t size = ((uint64_t)(n[XX] | n[YY] | n[ZZ]) & (uint64_t)INT64_MAX) | ((uint64_t)1 << 30);
+    unsigned cut = 34 - clz64(size); /* largest diagonal to below 2^30: 1 .. 30 */
+    int32_t m[6];
     for (int k = 0; k < 6; k++) {
-        n[k] = (n[k] + half) >> cut;
+        m[k] = seld_narrow64(n[k], cut);
     }
-    int64_t determinant = xx * n[XX] + xy * n[XY] + xz * n[XZ];
+    int64_t determinant = (int64_t)xx * m[XX] + (int64_t)xy * m[XY] + (int64_t)xz * m[XZ];
     /* An instrument far softer than its format's step could fall below; the floor keeps every shift in range. */
-    const int64_t least = (int64_t)1 << 30;
+    const int64_t least = (int64_t)1 << 31;
     determinant = determinant < least ? least : determinant;
-    unsigned lead = clz64((uint64_t)determinant);
+    unsigned lead = clz64((uint64_t)determinant); /* 3 .. 32 */
     /* determinant = mantissa 2^(33 - lead); reciprocal = 2^61 / mantissa */
-    int64_t reciprocal = seld_reciprocal_q30((uint32_t)(((uint64_t)determinant << lead) >> 33));
+    int32_t reciprocal = seld_reciprocal_q30((uint32_t)(((uint64_t)determinant << lead) >> 33));
     for (int k = 0; k < 6; k++) {
-        n[k] = (n[k] * reciprocal + ((int64_t)1 << 30)) >> 31;
+        inverse->m[k] = seld_mulh(m[k], reciprocal);
     }
-    inverse->exponent = 63 - lead;
+    inverse->exponent = 62 - lead; /* 30 .. 59 */
 }
 
-/* D^-1 U in Q29, column by column. Overflow: 3 * 2^29 * 2^29 in the sum; |W| <= 2 for meshes that grow to the base. */
-static inline void times(const inverse3 *inverse, const mat3 *u, int32_t *w_q29)
+/* One entry of D^-1 T. */
+static inline int32_t row_times(int32_t a, int32_t b, int32_t c, const int32_t *t, unsigned shift)
 {
-    const int64_t *n = inverse->m;
-    unsigned shift = inverse->exponent - 29;
-    int64_t half = (int64_t)1 << (shift - 1);
+    return seld_narrow64((int64_t)a * t[0] + (int64_t)b * t[3] + (int64_t)c * t[6], shift);
+}
+
+/* V = D^-1 T in Q29, column by column. Overflow: 3 * 2^29 * 2^29 in the sum; |W| = |V - I| <= 2 for meshes that grow to
+ * the base. */
+static inline void times(const inverse3 *inverse, const int32_t *t, int32_t *v_q29)
+{
+    const int32_t *n = inverse->m;
+    unsigned shift = inverse->exponent - 29; /* 1 .. 30 */
     for (int c = 0; c < 3; c++) {
-        int64_t x = u->m[c];
-        int64_t y = u->m[3 + c];
-        int64_t z = u->m[6 + c];
-        w_q29[c] = (int32_t)((n[XX] * x + n[XY] * y + n[XZ] * z + half) >> shift);
-        w_q29[3 + c] = (int32_t)((n[XY] * x + n[YY] * y + n[YZ] * z + half) >> shift);
-        w_q29[6 + c] = (int32_t)((n[XZ] * x + n[YZ] * y + n[ZZ] * z + half) >> shift);
+        v_q29[c] = row_times(n[XX], n[XY], n[XZ], t + c, shift);
+        v_q29[3 + c] = row_times(n[XY], n[YY], n[YZ], t + c, shift);
+        v_q29[6 + c] = row_times(n[XZ], n[YZ], n[ZZ], t + c, shift);
     }
 }
 
-/* delta = D^-1 r. Format: r Q22 N -> Q33 m: shift = exponent - a - 11. Overflow: limited to 62 mm. */
-static inline void apply(const inverse3 *inverse, const int32_t *r, unsigned exponent_a, seld_vec3 *delta)
+/* One component of D^-1 r, limited to 62 mm. Format: n r -> Q33 m by `shift`. Error: 1/2 LSB. */
+static inline int32_t row_apply(int32_t a, int32_t b, int32_t c, const int32_t *r, unsigned shift)
 {
-    const int64_t *n = inverse->m;
-    unsigned shift = inverse->exponent - exponent_a - 11;
-    int64_t half = (int64_t)1 << (shift - 1);
-    delta->v[0] = limit((n[XX] * r[0] + n[XY] * r[1] + n[XZ] * r[2] + half) >> shift, SOLUTION_MAX_M_Q33);
-    delta->v[1] = limit((n[XY] * r[0] + n[YY] * r[1] + n[YZ] * r[2] + half) >> shift, SOLUTION_MAX_M_Q33);
-    delta->v[2] = limit((n[XZ] * r[0] + n[YZ] * r[1] + n[ZZ] * r[2] + half) >> shift, SOLUTION_MAX_M_Q33);
+    int64_t sum = (int64_t)a * r[0] + (int64_t)b * r[1] + (int64_t)c * r[2];
+    if (shift > 32) { /* the low word cannot carry */
+        int32_t value = seld_asr32(seld_high64(sum) + ((int32_t)1 << (shift - 33)), shift - 32);
+        return value > SOLUTION_MAX_M_Q33 ? SOLUTION_MAX_M_Q33
+                                          : (value < -SOLUTION_MAX_M_Q33 ? -SOLUTION_MAX_M_Q33 : value);
+    }
+    int32_t most = (int32_t)1 << (shift < 3 ? 0 : shift - 3); /* upper word of the limit */
+    int32_t high = seld_high64(sum);
+    if (shift < 32 && shift > 3 && high < most && high >= -most) {
+        return seld_narrow64(sum + ((int64_t)1 << (shift - 1)), shift);
+    }
+    return limit(seld_rshift_round64(sum, shift), SOLUTION_MAX_M_Q33);
 }
 
-/* P = kb D^-1 in Q29 and D[i+2] -= kb P. */
-static inline void second_neighbour(const inverse3 *inverse, int64_t second, seld_sym3 *p_q29,
-                                    seld_sym3 *d_after)
+/* z = D^-1 r. Format: r Q22 N -> Q33 m: shift = exponent - a - 11. Overflow: 3 * 2^29 * 2^30 in the sum. */
+static inline void apply(const inverse3 *inverse, const int32_t *r, unsigned exponent_a, seld_vec3 *z)
+{
+    const int32_t *n = inverse->m;
+    unsigned shift = inverse->exponent - exponent_a - 11;
+    z->v[0] = row_apply(n[XX], n[XY], n[XZ], r, shift);
+    z->v[1] = row_apply(n[XY], n[YY], n[YZ], r, shift);
+    z->v[2] = row_apply(n[XZ], n[YZ], n[ZZ], r, shift);
+}
+
+/* P = kb D^-1 in Q29. Overflow: |P| <= 1, as kb is the pure bending part of D's smallest eigenvalue. */
+static inline void second_neighbour(const inverse3 *inverse, int32_t second, seld_sym3 *p_q29)
 {
     unsigned shift = inverse->exponent - 29;
-    int64_t half = (int64_t)1 << (shift - 1);
     for (int k = 0; k < 6; k++) {
-        int64_t p = (inverse->m[k] * second + half) >> shift;
-        p_q29->m[k] = (int32_t)p;
-        d_after->m[k] -= (int32_t)((p * second + (1 << 28)) >> 29);
+        p_q29->m[k] = seld_narrow64((int64_t)inverse->m[k] * second, shift);
     }
 }
 
@@ -184,130 +197,143 @@ static inline void add_wall(const seld_work *work, const seld_vec3 *tangent, sel
     d->m[ZZ] += across;
 }
 
-/* One entry of T^T V. Overflow: 3 * 2^29 * 2^31 < 2^62. */
-static inline int32_t column_product(const mat3 *t, int a, const int32_t *v_q29, int b)
-{
-    int64_t sum = (int64_t)t->m[a] * v_q29[b] + (int64_t)t->m[3 + a] * v_q29[3 + b] +
-                  (int64_t)t->m[6 + a] * v_q29[6 + b];
-    return (int32_t)((sum + (1 << 28)) >> 29);
-}
+/* What two rows give to the third, besides their V and P: of the row before T, R + Q + Q^T, kb and r, of the one before that
+ * kb and r. */
+typedef struct given {
+    int32_t t[9];
+    seld_sym3 rest;
+    int32_t second, second_before;
+    int32_t r[3], r_before[3];
+} given;
 
-/* R[i+1] += R + Q + Q^T - T^T V */
-static inline void pass_remainder(const seld_sym3 *r, const mat3 *q, const mat3 *t, const int32_t *v_q29,
-                                  seld_sym3 *next)
-{
-    next->m[XX] += r->m[XX] + 2 * q->m[0] - column_product(t, 0, v_q29, 0);
-    next->m[XY] += r->m[XY] + q->m[1] + q->m[3] - column_product(t, 0, v_q29, 1);
-    next->m[XZ] += r->m[XZ] + q->m[2] + q->m[6] - column_product(t, 0, v_q29, 2);
-    next->m[YY] += r->m[YY] + 2 * q->m[4] - column_product(t, 1, v_q29, 1);
-    next->m[YZ] += r->m[YZ] + q->m[5] + q->m[7] - column_product(t, 1, v_q29, 2);
-    next->m[ZZ] += r->m[ZZ] + 2 * q->m[8] - column_product(t, 2, v_q29, 2);
-}
-
-/* Q[i+1] += kb (I - V^T) */
-static inline void pass_second(mat3 *q, int64_t second, const int32_t *v_q29)
-{
-    for (int r = 0; r < 3; r++) {
-        for (int c = 0; c < 3; c++) {
-            q->m[3 * r + c] -= (int32_t)((second * v_q29[3 * c + r] + (1 << 28)) >> 29);
-        }
-        q->m[4 * r] += (int32_t)second;
-    }
-}
-
-/* r[i+1] -= W^T r = V^T r - r and r[i+2] -= P r. Overflow: r is limited to 2^30, so sums stay below 3 * 2^30 * 2^31; what
- * is carried stays in 64 bits until its own turn. */
-static inline void subtract_forces(int64_t *next, int64_t *after, const seld_work *work, const int32_t *r)
-{
-    const int32_t *v = work->u.f.w_q29;
-    const int32_t *p = work->u.f.p_q29.m;
-    const int64_t x = r[0], y = r[1], z = r[2];
-    for (int k = 0; k < 3; k++) {
-        next[k] += r[k] - ((v[k] * x + v[3 + k] * y + v[6 + k] * z + (1 << 28)) >> 29);
-    }
-    after[0] -= (p[XX] * x + p[XY] * y + p[XZ] * z + (1 << 28)) >> 29;
-    after[1] -= (p[XY] * x + p[YY] * y + p[YZ] * z + (1 << 28)) >> 29;
-    after[2] -= (p[XZ] * x + p[YZ] * y + p[ZZ] * z + (1 << 28)) >> 29;
-}
-
-/* What one node of the elimination holds; three of them rotate. */
+/* Row i as assembled, without S. */
 typedef struct row3 {
-    seld_sym3 remainder; /* R */
-    seld_sym3 spring;    /* S of the edge behind the node */
-    mat3 q;
+    seld_sym3 rest; /* R */
+    int32_t next;   /* Q = next I */
     int32_t second;
-    int64_t r[3];
 } row3;
 
-/* Assembles row i. */
-static inline void load_row(const seld_model *model, const seld_state *state, uint32_t i, row3 *row)
+static inline row3 load_row(const seld_model *model, const seld_state *state, uint32_t i)
 {
     const seld_work *work = &state->scratch.nodes[i];
     bend_row bend = bend_row_of(model, state, i);
-    edge_matrix(state, i, &row->spring);
-    row->remainder = (seld_sym3){{bend.diagonal, 0, 0, bend.diagonal, 0, bend.diagonal}};
+    row3 row = {{{bend.diagonal, 0, 0, bend.diagonal, 0, bend.diagonal}}, bend.next, bend.second};
     if ((work->wall_normal | work->wall_friction) != 0) {
-        add_wall(work, &state->words.nodes[i].tangent_q30, &row->remainder);
+        add_wall(work, &state->words.nodes[i].tangent_q30, &row.rest);
     }
-    row->q = (mat3){{bend.next, 0, 0, 0, bend.next, 0, 0, 0, bend.next}};
-    row->second = bend.second;
-    for (int k = 0; k < 3; k++) {
-        row->r[k] = work->force_N_q22.v[k];
-    }
+    return row;
 }
 
-/* Eliminates node `work`; the forces are copied so that a second solve can start from what was assembled. Returns
- * non-zero bits when a force had to be limited. */
-static inline int64_t eliminate_node(unsigned exponent, seld_work *work, const row3 *here, row3 *next,
-                                     row3 *after)
+/* One entry of T^T V + kb P. Overflow: 3 * 2^29 * 2^31 + 2^27 * 2^31 < 2^62. */
+static inline int32_t taken(const int32_t *t, const int32_t *v_q29, int32_t second, int32_t p_q29)
 {
-    const int32_t r[3] = {limit(here->r[0], FORCE_MAX_N_Q22), limit(here->r[1], FORCE_MAX_N_Q22),
-                          limit(here->r[2], FORCE_MAX_N_Q22)};
-    inverse3 inverse;
-    const seld_sym3 *rest = &here->remainder;
-    seld_sym3 d;
-    for (int k = 0; k < 6; k++) {
-        d.m[k] = rest->m[k] + here->spring.m[k];
-    }
-    mat3 t = here->q;
-    const int32_t full[9] = {rest->m[XX], rest->m[XY], rest->m[XZ], rest->m[XY], rest->m[YY],
-                             rest->m[YZ], rest->m[XZ], rest->m[YZ], rest->m[ZZ]};
-    for (int k = 0; k < 9; k++) {
-        t.m[k] += full[k];
-    }
-    invert(&d, &inverse);
-    times(&inverse, &t, work->u.f.w_q29);
-    second_neighbour(&inverse, here->second, &work->u.f.p_q29, &after->remainder);
-    apply(&inverse, r, exponent, &work->solution_m_q33);
-    subtract_forces(next->r, after->r, work, r);
-    pass_remainder(rest, &here->q, &t, work->u.f.w_q29, &next->remainder);
-    pass_second(&next->q, here->second, work->u.f.w_q29);
-    return (here->r[0] ^ r[0]) | (here->r[1] ^ r[1]) | (here->r[2] ^ r[2]);
+    int64_t sum = (int64_t)t[0] * v_q29[0] + (int64_t)t[3] * v_q29[3] + (int64_t)t[6] * v_q29[6] +
+                  (int64_t)second * p_q29 + (1 << 28);
+    return seld_narrow64(sum, 29);
 }
 
-/* One pass from tip to base. Rows of the held nodes stay empty: they do not deviate. */
+/* R += R' + Q' + Q'^T - T'^T V' - kb'' P'' */
+static inline void gather_rest(seld_sym3 *rest, const given *from, const int32_t *v_q29, const int32_t *p_q29)
+{
+    const int32_t *t = from->t;
+    const int32_t *r = from->rest.m;
+    int32_t second = from->second_before;
+    rest->m[XX] += r[XX] - taken(t, v_q29, second, p_q29[XX]);
+    rest->m[XY] += r[XY] - taken(t, v_q29 + 1, second, p_q29[XY]);
+    rest->m[XZ] += r[XZ] - taken(t, v_q29 + 2, second, p_q29[XZ]);
+    rest->m[YY] += r[YY] - taken(t + 1, v_q29 + 1, second, p_q29[YY]);
+    rest->m[YZ] += r[YZ] - taken(t + 1, v_q29 + 2, second, p_q29[YZ]);
+    rest->m[ZZ] += r[ZZ] - taken(t + 2, v_q29 + 2, second, p_q29[ZZ]);
+}
+
+/* Q = next I + kb' (I - V'^T). Overflow: kb < 2^27 (a diagonal holds W (a + c)^2 >= 4 kb), so that 8 kb fits. */
+static inline void gather_upper(int32_t *q, int32_t next, int32_t second, const int32_t *v_q29)
+{
+    const int32_t minus_q3 = -8 * second;
+    const int32_t diagonal = next + second;
+    for (int r = 0; r < 3; r++) {
+        for (int c = 0; c < 3; c++) {
+            q[3 * r + c] = seld_mulh_add(r == c ? diagonal : 0, minus_q3, v_q29[3 * c + r]);
+        }
+    }
+}
+
+/* One component of r + r' - V'^T r' - P'' r'', limited to 256 N. Overflow: forces are within 2^30, and the magnitudes of a row
+ * of V^T and of one of P add up to less than 2^31 and 2^30: below 2^62. */
+static inline int32_t gather_force(int64_t sum_N_q22, const int32_t *v_q29, const int32_t *r, int32_t p0,
+                                   int32_t p1, int32_t p2, const int32_t *r_before)
+{
+    int64_t sum = (int64_t)v_q29[0] * r[0] + (int64_t)v_q29[3] * r[1] + (int64_t)v_q29[6] * r[2] +
+                  (int64_t)p0 * r_before[0] + (int64_t)p1 * r_before[1] + (int64_t)p2 * r_before[2] +
+                  (1 << 28);
+    return limit(sum_N_q22 - (sum >> 29), FORCE_MAX_N_Q22);
+}
+
+/* Keeps what the next two rows need. */
+static inline void give(given *from, const int32_t *q, const int32_t *t, const int32_t *r, int32_t second)
+{
+    from->rest = (seld_sym3){{t[0] + q[0], t[1] + q[3], t[2] + q[6], t[4] + q[4], t[5] + q[7], t[8] + q[8]}};
+    for (int k = 0; k < 9; k++) {
+        from->t[k] = t[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        from->r_before[k] = from->r[k];
+        from->r[k] = r[k];
+    }
+    from->second_before = from->second;
+    from->second = second;
+}
+
+/* Eliminates row i; V' and P'' are those of the rows before. The assembled forces stay as they are, so that a second solve
+ * can start from them. Returns true when a force had to be limited. */
+static inline bool eliminate_row(const seld_model *model, seld_state *state, uint32_t i, const int32_t *v_q29,
+                                 const int32_t *p_q29, given *from)
+{
+    seld_work *work = &state->scratch.nodes[i];
+    const int32_t *f = work->force_N_q22.v;
+    const int32_t *before = from->r, *p = p_q29;
+    row3 row = load_row(model, state, i);
+    gather_rest(&row.rest, from, v_q29, p_q29);
+    int32_t q[9];
+    gather_upper(q, row.next, from->second, v_q29);
+    const int32_t r[3] = {
+        gather_force((int64_t)f[0] + before[0], v_q29, before, p[XX], p[XY], p[XZ], from->r_before),
+        gather_force((int64_t)f[1] + before[1], v_q29 + 1, before, p[XY], p[YY], p[YZ], from->r_before),
+        gather_force((int64_t)f[2] + before[2], v_q29 + 2, before, p[XZ], p[YZ], p[ZZ], from->r_before)};
+    const int32_t *m = row.rest.m;
+    const int32_t t[9] = {m[XX] + q[0], m[XY] + q[1], m[XZ] + q[2], m[XY] + q[3], m[YY] + q[4],
+                          m[YZ] + q[5], m[XZ] + q[6], m[YZ] + q[7], m[ZZ] + q[8]};
+    give(from, q, t, r, row.second);
+    seld_sym3 d;
+    edge_matrix(state, i, &d);
+    for (int k = 0; k < 6; k++) {
+        d.m[k] += m[k];
+    }
+    inverse3 inverse;
+    invert(&d, &inverse);
+    times(&inverse, from->t, work->u.f.w_q29);
+    second_neighbour(&inverse, row.second, &work->u.f.p_q29);
+    apply(&inverse, from->r, model->stiffness_exponent, &work->solution_m_q33);
+    int32_t largest = 0;
+    for (int k = 0; k < 3; k++) {
+        largest |= (r[k] < 0 ? -r[k] : r[k]);
+    }
+    return largest >= FORCE_MAX_N_Q22;
+}
+
+/* One pass from tip to base. */
 static void eliminate(const seld_model *model, seld_state *state)
 {
-    static const row3 held = {{{0}}, {{0}}, {{0}}, 0, {0}};
-    uint32_t na = state->words.free_count;
-    row3 rows[3];
-    row3 *here = &rows[0], *next = &rows[1], *after = &rows[2];
-    int64_t limited = 0;
-    load_row(model, state, 0, here);
-    load_row(model, state, 1, next);
-    for (uint32_t i = 0; i < na; i++) {
-        if (i + 2 < na) {
-            load_row(model, state, i + 2, after);
-        } else {
-            *after = held;
-        }
-        limited |= eliminate_node(model->stiffness_exponent, &state->scratch.nodes[i], here, next, after);
-        row3 *done = here;
-        here = next;
-        next = after;
-        after = done;
+    static const seld_factor none = {{0}, {{0}}};
+    const seld_factor *ahead = &none, *ahead2 = &none;
+    given from = {{0}, {{0}}, 0, 0, {0}, {0}};
+    bool limited = false;
+    for (uint32_t i = 0; i < state->words.free_count; i++) {
+        limited |= eliminate_row(model, state, i, ahead->w_q29, ahead2->p_q29.m, &from);
+        ahead2 = ahead;
+        ahead = &state->scratch.nodes[i].u.f;
     }
-    if (limited != 0) {
+    if (limited) {
         state->words.fault_bits |= SELD_FAULT_SATURATED;
     }
 }

@@ -34,22 +34,29 @@ static inline int64_t seld_vec3_dot64(seld_vec3 a, seld_vec3 b)
     return (int64_t)a.v[0] * b.v[0] + (int64_t)a.v[1] * b.v[1] + (int64_t)a.v[2] * b.v[2];
 }
 
-/* Dot product of a vector and a unit vector. Format: Qa . Q30 -> Qa. Overflow: impossible while the vector's
- * length is below 2^31 (1 - 2^-9). Error: 1/2 LSB. */
+/* Dot product of a vector and a unit vector. Format: Qa . Q30 -> Qa in steps of 4 LSB. Overflow: impossible while the
+ * vector's length is below 2^31 (1 - 2^-9). Error: 6 LSB. */
 static inline int32_t seld_vec3_dot_unit(const seld_vec3 *a, const seld_vec3 *unit_q30)
 {
-    return (int32_t)((seld_vec3_dot64(*a, *unit_q30) + ((int64_t)1 << 29)) >> 30);
+    int32_t sum = seld_mulh(a->v[0], unit_q30->v[0]);
+    sum = seld_mulh_add(sum, a->v[1], unit_q30->v[1]);
+    return seld_mulh_add(sum, a->v[2], unit_q30->v[2]) * 4;
 }
 
-/* Cross product with a unit vector on the left. Format: Q30 x Qa -> Qa. Overflow: impossible while the other's
- * length is below 2^31 (1 - 2^-9). Error: 1/2 LSB. */
+/* a b - c d, the high words rounded. Format: Qa x Q30 -> Qa in steps of 4 LSB. Error: 4 LSB. */
+static inline int32_t seld_minor_unit(int32_t a, int32_t b_q30, int32_t c, int32_t d_q30)
+{
+    return seld_mulh_add(seld_mulh(a, b_q30), -c, d_q30) * 4;
+}
+
+/* Cross product with a unit vector on the left. Format: Q30 x Qa -> Qa in steps of 4 LSB. Overflow: impossible while the
+ * other's length is below 2^31 (1 - 2^-9). Error: 4 LSB. */
 static inline seld_vec3 seld_vec3_cross_unit(const seld_vec3 *unit_q30, const seld_vec3 *a)
 {
     const int32_t *u = unit_q30->v;
-    const int64_t half = (int64_t)1 << 29;
-    return seld_vec3_make((int32_t)(((int64_t)u[1] * a->v[2] - (int64_t)u[2] * a->v[1] + half) >> 30),
-                          (int32_t)(((int64_t)u[2] * a->v[0] - (int64_t)u[0] * a->v[2] + half) >> 30),
-                          (int32_t)(((int64_t)u[0] * a->v[1] - (int64_t)u[1] * a->v[0] + half) >> 30));
+    return seld_vec3_make(seld_minor_unit(a->v[2], u[1], a->v[1], u[2]),
+                          seld_minor_unit(a->v[0], u[2], a->v[2], u[0]),
+                          seld_minor_unit(a->v[1], u[0], a->v[0], u[1]));
 }
 
 /* Cross product. Format: Qa x Qb -> Q(a+b-n), rounded, 1 <= n <= 63, 64-bit intermediate. Overflow:

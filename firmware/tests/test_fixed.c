@@ -73,7 +73,15 @@ static void check_pair(int32_t a, int32_t b, unsigned n)
                  reference_saturated32(reference_round_shift(product, 30)));
     if (a > -scale_limit && a < scale_limit && b >= -scale_factor_max && b <= scale_factor_max) {
         expect_equal("seld_scale_q30", a, b, 30, seld_scale_q30(a, b),
-                     (int64_t)reference_round_shift(product, 30));
+                     (int64_t)reference_round_shift(product, 32) * 4);
+    }
+    int64_t sum = (int64_t)reference_round_shift(product, 32) + n;
+    expect_equal("seld_mulh_add", a, b, n, seld_mulh_add((int32_t)n, a, b), sum);
+    int64_t wide = (int64_t)a * b;
+    expect_equal("seld_high64", a, b, 32, seld_high64(wide), (int64_t)reference_floor_shift(product, 32));
+    reference_wide floor = reference_floor_shift(product, n);
+    if (n <= 31 && floor == reference_saturated32(floor)) {
+        expect_equal("seld_narrow64", a, b, n, seld_narrow64(wide, n), (int64_t)floor);
     }
     expect_equal("seld_add_sat", a, b, 0, seld_add_sat(a, b), reference_saturated32((reference_wide)a + b));
     expect_equal("seld_sub_sat", a, b, 0, seld_sub_sat(a, b), reference_saturated32((reference_wide)a - b));

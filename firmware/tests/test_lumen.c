@@ -140,9 +140,9 @@ static void contact_is_the_quadratic_b_spline(void **state)
             worst_normal = fmax(worst_normal, fabs(ldexp(got.normal_q30.v[k], -30) + g[k] / length));
         }
     }
-    /* The weights carry 2^-17: three of them on neighbours that differ by up to 8 voxels. */
+    /* The weights along x carry 2^-16, on random neighbours that differ by up to 8 voxels; a wall's differ by one. */
     if (worst_m > 2e-7) fail_msg("worst distance error %.3g m, allowed 2e-7", worst_m);
-    if (worst_normal > 1e-3) fail_msg("worst normal error %.3g, allowed 1e-3", worst_normal);
+    if (worst_normal > 2e-3) fail_msg("worst normal error %.3g, allowed 2e-3", worst_normal);
 }
 
 static void distance_is_trilinear(void **state)
