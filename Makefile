@@ -24,7 +24,7 @@ CXXFLAGS := -std=c++20 -g $(WARN) $(CXXWARN) -I. -isystem /usr/include/eigen3 -M
 LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
-LIBS       := host/app host/xray host/link host/model tools/anatomy tools/bake tools/validate firmware/port/sim firmware/app \
+LIBS       := tools/vcsim3 host/app host/xray host/link host/model tools/anatomy tools/bake tools/validate firmware/port/sim firmware/app \
               firmware/core shared/scene shared/wire
 lib_file    = $(BUILD)/lib/lib$(subst /,_,$(1)).a
 lib_sources = $(filter-out %/main.cpp,$(wildcard $(1)/*.c $(1)/*.cpp))
@@ -36,13 +36,14 @@ HOST_LIBS     := host/app host/xray host/link host/model $(FIRMWARE_LIBS)
 BAKE_LIBS     := tools/bake host/model firmware/core shared/scene shared/wire
 ANATOMY_LIBS  := tools/anatomy
 VALIDATE_LIBS := tools/validate firmware/core
+VCSIM3_LIBS   := tools/vcsim3 host/app firmware/core shared/scene shared/wire
 VDB_LINK      := -lopenvdb -ltbb -lImath-3_1
 BAKE_LINK     := $(VDB_LINK) -lassimp -lccd
 HOST_LINK     := -lpng -lglfw -ldl
 
-PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/docs $(BUILD)/bin/validate
+PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: all run window test validate bench bench-peers fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs
+.PHONY: all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -89,6 +90,7 @@ endef
 $(eval $(call program,seldinger,host/app/main.cpp,$(HOST_LIBS),$(HOST_LINK)))
 $(eval $(call program,bake,tools/bake/main.cpp,$(BAKE_LIBS),$(BAKE_LINK)))
 $(eval $(call program,anatomy,tools/anatomy/main.cpp,$(ANATOMY_LIBS),$(VDB_LINK)))
+$(eval $(call program,vcsim3,tools/vcsim3/main.cpp,$(VCSIM3_LIBS),-lpng))
 $(eval $(call program,docs,tools/docs/main.cpp,shared/wire,))
 $(eval $(call program,validate,tools/validate/main.cpp,$(VALIDATE_LIBS),))
 
@@ -129,6 +131,7 @@ FIRMWARE_TESTS := $(wildcard firmware/tests/test_*.c shared/*/tests/test_*.c hil
 HOST_TESTS     := $(wildcard host/tests/test_*.cpp)
 TOOL_TESTS     := $(wildcard tools/bake/tests/test_*.cpp)
 VALIDATE_TESTS := $(wildcard tools/validate/tests/test_*.cpp)
+THESIS_TESTS   := $(wildcard tools/vcsim3/tests/test_*.cpp)
 SYSTEM_TESTS   := $(wildcard hil_tests/test_*.cpp) # the whole program against real anatomy
 SCRIPT_TESTS   := $(wildcard tools/check/test_*.sh tools/check/test_*.py host/tests/test_*.sh tools/*/tests/test_*.sh)
 test_program    = $(patsubst %,$(BUILD)/test/%,$(basename $(1)))
@@ -142,10 +145,11 @@ endef
 $(foreach t,$(FIRMWARE_TESTS),$(eval $(call test_rule,$(t),$(FIRMWARE_LIBS),,$(REFERENCE))))
 $(foreach t,$(HOST_TESTS),$(eval $(call test_rule,$(t),$(HOST_LIBS),$(HOST_LINK),)))
 $(foreach t,$(TOOL_TESTS),$(eval $(call test_rule,$(t),$(BAKE_LIBS),$(BAKE_LINK),)))
+$(foreach t,$(THESIS_TESTS),$(eval $(call test_rule,$(t),tools/vcsim3 host/app $(FIRMWARE_LIBS),-lpng,$(REFERENCE))))
 $(foreach t,$(VALIDATE_TESTS),$(eval $(call test_rule,$(t),$(VALIDATE_LIBS),,)))
 $(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/xray host/link tools/bake host/model $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
-ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(TOOL_TESTS) $(VALIDATE_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
+ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(TOOL_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
 
 tests-build: $(ALL_TEST_PROGRAMS) ## build the test programs
 tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS),$(call test_program,$(t))) ## build those without OpenVDB
@@ -235,6 +239,21 @@ $(BUDGET_MAKE): $(call objects,firmware/bench/budget_make.c firmware/bench/bench
 budget: packages-build packages-matrix packages-budget ## count the Cortex-M7's instructions, stack and bytes; fails at +3 % (ACCEPT=1: new budget)
 	@$(QUIET_MAKE) $(M7_IMAGE) $(BUDGET_MAKE)
 	@tools/bench/budget.py --build $(BUILD) $(if $(ACCEPT),--accept)
+
+# --- the thesis' rod beside ours: docs/thesis.md ---------------------------------------------------------------------
+PHANTOM_TEXT  := $(BUILD)/anatomy/phantom/scene.toml
+PHANTOM_SCENE := out/phantom.scene
+$(PHANTOM_TEXT): $(BUILD)/bin/anatomy
+	@echo "Making the phantom"
+	@$(BUILD)/bin/anatomy phantom -o $(@D) --no-bodies
+$(PHANTOM_SCENE): $(PHANTOM_TEXT) $(BUILD)/bin/bake
+	@mkdir -p out
+	@echo "Baking $(PHANTOM_SCENE)"
+	@$(BUILD)/bin/bake $(PHANTOM_TEXT) -o $(PHANTOM_SCENE)
+
+thesis: packages-build packages-bench ## Figures 5.11 to 5.14 of the thesis by its own rod and by ours: out/thesis/index.html (minutes)
+	@$(QUIET_MAKE) $(BUILD)/bin/vcsim3 $(PHANTOM_SCENE)
+	@$(BUILD)/bin/vcsim3 figures --scene $(PHANTOM_SCENE) -o out/thesis --threads $(JOBS) --instructions
 
 docs: packages-build ## write the generated tables of docs/wire.md, docs/faults.md and docs/instruments.md, and its picture
 	@$(QUIET_MAKE) $(BUILD)/bin/docs $(BUILD)/bin/seldinger

@@ -1,0 +1,50 @@
+// A picture to draw charts into: rectangles, lines, discs and letters, smooth by drawing at twice the size.
+// May include: host/app's picture.hpp and picture_font.hpp. Called by: charts, vessel_picture.
+#pragma once
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vcsim3
+{
+
+struct Colour {
+    std::uint8_t red, green, blue;
+};
+
+enum class Align { left, centre, right };
+
+// Coordinates in pixels of the finished picture, origin top left; what lies outside is cut off.
+class Canvas
+{
+  public:
+    Canvas(int width, int height, Colour background);
+
+    int width() const { return width_; }
+    int height() const { return height_; }
+
+    void rectangle(double x0, double y0, double x1, double y1, Colour colour);
+    void line(double x0, double y0, double x1, double y1, double thickness, Colour colour);
+    void dashed(double x0, double y0, double x1, double y1, double thickness, Colour colour);
+    void disc(double x, double y, double radius, Colour colour);
+    void blend(int x, int y, Colour colour, double share); // one pixel
+
+    // Letters are 6 x 8 points of `size` pixels each; y is the top. Upwards: turned a quarter turn, y is its middle.
+    void text(double x, double y, std::string_view letters, double size, Colour colour,
+              Align align = Align::left);
+    void text_upwards(double x, double y, std::string_view letters, double size, Colour colour);
+    static double text_width(std::string_view letters, double size);
+
+    // Throws std::runtime_error that names the file and the cause.
+    void write_png(const std::string &path) const;
+
+  private:
+    void put(int column, int row, Colour colour);
+
+    int width_, height_;
+    std::vector<std::uint8_t> fine_; // RGB at twice the width and height
+};
+
+} // namespace vcsim3

@@ -1,0 +1,27 @@
+// The sheath that feeds the rod: nodes beyond its mouth lie on its axis and move with the hand.
+// May include: rod.hpp. Called by: simulation, tests.
+#pragma once
+#include "tools/vcsim3/rod.hpp"
+
+namespace vcsim3
+{
+
+class Inserter
+{
+  public:
+    // `direction` (unit) points into the vessel.
+    Inserter(const Vector &mouth_m, const Vector &direction) : mouth_m_(mouth_m), direction_(direction) {}
+
+    // A straight rod at rest with `inserted_m` of it outside, 0 .. its length.
+    Rod make_rod(const RodProperties &properties, double inserted_m) const;
+
+    // Places and moves the held nodes for this inserted length; frees those that have left the mouth.
+    void feed(Rod &rod, double inserted_m, double speed_m_s) const;
+
+    const Vector &direction() const { return direction_; }
+
+  private:
+    Vector mouth_m_, direction_;
+};
+
+} // namespace vcsim3

@@ -1,0 +1,11 @@
+// out/thesis/index.html: the four figures with their numbers and what to make of them.
+// May include: study.hpp, tables.hpp. Called by: main.
+#pragma once
+#include "tools/vcsim3/study.hpp"
+
+namespace vcsim3
+{
+
+std::string page_html(const Study &study, const std::string &vessel_name);
+
+} // namespace vcsim3

@@ -1,0 +1,74 @@
+// The thesis' rod (CoRdE): mass points joined by segments, a unit quaternion per segment, advanced explicitly.
+// Node 0 is the tip; segment j joins nodes j and j+1 and its third director points towards the hand. SI units, doubles.
+//   Energies and forces          rod_forces.cpp
+//   Explicit integration         rod_integrate.cpp
+//   Inserter that feeds the rod  inserter.hpp
+// May include: Eigen. Called by: constraints, collision, simulation, tests.
+#pragma once
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <vector>
+
+namespace vcsim3
+{
+
+using Vector = Eigen::Vector3d;
+using Quaternion = Eigen::Quaterniond;
+
+// Constants of a uniform straight rod. All finite and positive unless said.
+struct RodProperties {
+    int element_count = 0;           // 2 or more
+    double element_m = 0.0;          // rest length of every segment
+    double bend_N_m2 = 0.0;          // EI
+    double twist_N_m2 = 0.0;         // GJ
+    double parallel_N = 0.0;         // Kp: ties the third director to the segment
+    double mass_kg_per_m = 0.0;      // of the mass points, after the mass scale
+    double inertia_bend_kg_m = 0.0;  // of a segment about a transverse axis per length, after both scales
+    double inertia_twist_kg_m = 0.0; // about its own axis
+    double radius_m = 0.0;           // of the tube that touches the wall
+    double friction = 0.0;           // Coulomb, 0 or more
+    double drag_per_s = 0.0;         // of the points' velocities, 0 or more
+    double spin_drag_per_s = 0.0;    // of the segments' angular velocities, 0 or more
+    double stretch_N = 0.0;          // Ks of the penalty mode; 0: lengths are held by constraints
+};
+
+// Node i has position and velocity; segment j has orientation (body to world) and angular velocity in its own axes.
+// Nodes from free_count on, and their segments, are held: nothing here moves them.
+struct Rod {
+    RodProperties properties;
+    int free_count = 0; // 0 .. element_count + 1
+    std::vector<Vector> position, velocity, force;
+    std::vector<Quaternion> orientation;
+    std::vector<Vector> spin, torque;
+
+    // Straight at rest from `tip` in direction `to_hand` (unit), all nodes free.
+    Rod(const RodProperties &given, const Vector &tip, const Vector &to_hand);
+
+    int node_count() const { return static_cast<int>(position.size()); }
+    double node_mass_kg() const { return properties.mass_kg_per_m * properties.element_m; }
+    double inverse_mass(int node) const { return node < free_count ? 1.0 / node_mass_kg() : 0.0; }
+    Vector director(int segment) const { return orientation[segment] * Vector::UnitZ(); }
+};
+
+// Fills force and torque (in the segment's axes) from the energies of the present shape.
+void add_elastic_forces(Rod &rod);
+
+// Energies in J, for tests and for watching stability.
+struct Energy {
+    double bend_and_twist = 0.0, parallel = 0.0, stretch = 0.0, kinetic = 0.0;
+    double total() const { return bend_and_twist + parallel + stretch + kinetic; }
+};
+Energy energy_of(const Rod &rod);
+
+// Semi-implicit Euler in two halves, so that constraints can change the velocities between them.
+void integrate_velocities(Rod &rod, double step_s);
+void integrate_positions(Rod &rod, double step_s);
+
+// Length of the free part now, divided by its rest length, minus 1: negative when compressed.
+double length_error(const Rod &rod);
+
+// False when a coordinate is not finite, or a node farther than `reach_m` from the first held node (or the tip).
+bool is_sound_within(const Rod &rod, double reach_m);
+
+} // namespace vcsim3

@@ -1,0 +1,20 @@
+// What the thesis' text states for Figures 5.11, 5.13 and 5.14. Nothing is read off the printed bars.
+// May include: nothing. Called by: charts, pages.
+#pragma once
+#include <optional>
+#include <string>
+
+namespace vcsim3
+{
+
+// Compression in percent; none where only the bar exists. The axis ends at 14 %.
+std::optional<double> thesis_compression_pct(const std::string &mode_token);
+inline constexpr double thesis_compression_axis_pct = 14.0;
+
+// Milliseconds per step on a Core2 Quad at 2.66 GHz; none for 200 local, which Figure 5.14 leaves out.
+struct ThesisTimes {
+    double integrator_ms, constraints_ms, cosserat_ms, collisions_ms, total_ms; // the total as printed
+};
+std::optional<ThesisTimes> thesis_times(const std::string &mode_token);
+
+} // namespace vcsim3
