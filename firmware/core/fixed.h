@@ -51,22 +51,49 @@ static inline int32_t seld_sat32(int64_t a)
     return (int32_t)a;
 }
 
-/* Saturating sum and difference. Format: same format in and out. Overflow: saturates. Error: exact in range.
+/* The Cortex-M7's DSP instructions do some of this in one step; elsewhere the same values come from C. */
+#if defined(__ARM_FEATURE_DSP) && defined(__thumb__)
+#define SELD_HIGH_WORDS_BY_DSP 1
+#else
+#define SELD_HIGH_WORDS_BY_DSP 0
+#endif
+
+/* Saturating sum and difference (QADD, QSUB). Format: same format in and out. Overflow: saturates. Error: exact in range.
  */
 static inline int32_t seld_add_sat(int32_t a, int32_t b)
 {
+#if SELD_HIGH_WORDS_BY_DSP
+    int32_t sum;
+    __asm__("qadd %0, %1, %2" : "=r"(sum) : "r"(a), "r"(b) : "cc");
+    return sum;
+#else
     return seld_sat32((int64_t)a + b);
+#endif
 }
 static inline int32_t seld_sub_sat(int32_t a, int32_t b)
 {
+#if SELD_HIGH_WORDS_BY_DSP
+    int32_t difference;
+    __asm__("qsub %0, %1, %2" : "=r"(difference) : "r"(a), "r"(b) : "cc");
+    return difference;
+#else
     return seld_sat32((int64_t)a - b);
+#endif
 }
 
 /* Product of two values, rounded and saturated once. Format: Qa x Qb -> Q(a+b-n), 64-bit intermediate, 1 <= n
- * <= 62. Overflow: saturates. Error: 1/2 LSB in range. */
+ * <= 62. Overflow: saturates. Error: 1/2 LSB in range. A 32-bit machine looks at the upper word only. */
 static inline int32_t seld_mul(int32_t a, int32_t b, unsigned n)
 {
-    return seld_sat32(seld_rshift_round64((int64_t)a * b, n));
+    int64_t sum = (int64_t)a * b + ((int64_t)1 << (n - 1));
+    if (sizeof(void *) > 4 || n > 31) {
+        return seld_sat32(sum >> n);
+    }
+    int32_t high = (int32_t)(uint32_t)((uint64_t)sum >> 32);
+    if (((uint32_t)high + ((uint32_t)1 << (n - 1))) >> n != 0) {
+        return high < 0 ? INT32_MIN : INT32_MAX;
+    }
+    return (int32_t)((uint32_t)high << (32 - n) | (uint32_t)sum >> n);
 }
 
 /* Product with a Q30 factor. Format: Qa x Q30 -> Qa. Overflow: saturates (only when |b| > 1). Error: 1/2 LSB.
@@ -75,13 +102,6 @@ static inline int32_t seld_mul_q30(int32_t a, int32_t b_q30)
 {
     return seld_mul(a, b_q30, 30);
 }
-
-/* The high words of products, which the Cortex-M7 gives in one instruction, rounded; elsewhere the same value in C. */
-#if defined(__ARM_FEATURE_DSP) && defined(__thumb__)
-#define SELD_HIGH_WORDS_BY_DSP 1
-#else
-#define SELD_HIGH_WORDS_BY_DSP 0
-#endif
 
 /* High word of a product, rounded: SMMULR. Format: Qa x Qb -> Q(a+b-32). Overflow: impossible, |a*b| <= 2^62.
  * Error: 1/2 LSB. */
