@@ -66,6 +66,7 @@ void seld_state_init(const seld_model *model, seld_state *state, const uint32_t 
     }
     seld_state_words *words = &state->words;
     place_tools(model, words, inserted_um);
+    words->line_compliance_m_N_q40 = UINT32_MAX; /* nothing seen yet: that of the whole line */
     int32_t inserted = seld_lead_inserted(model, words);
     while (model->mesh[words->free_count].arc_m_q30 < inserted) {
         words->free_count++;

@@ -41,6 +41,7 @@ typedef struct seld_state_words {
     int32_t line_axial_N_q22;  /* force of the line on the inserter: what all hands bear together */
     int32_t line_change_N_q22; /* its change in the last tick, and the way of the leading tip that made it */
     int32_t line_feed_m_q30;
+    uint32_t line_compliance_m_N_q40; /* of the line seen from the hands, the least of the last ticks */
     int32_t release_q30; /* share of the rest shapes in force: 0 in the introducer, 1 after 256 ticks */
     seld_tool_state tools[SELD_TOOL_MAX];
     seld_node_state nodes[SELD_ARRAY_NODES];

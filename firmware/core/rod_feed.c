@@ -25,25 +25,28 @@ static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
     return limit > SELD_FEED_MAX_M_Q30 ? SELD_FEED_MAX_M_Q30 : (int32_t)limit;
 }
 
-/* How far the hand may move for each newton: what the free part and the wall give, or what the last tick has shown to be
- * less, since the wall's friction holds the front of a wire and leaves the hand the stiff rest. Q40 m/N. */
+/* How far the hand may move for each newton, Q40 m/N: what the free part and the wall give, or what the last ticks have
+ * shown to be less, since the wall's friction holds the front of a wire and leaves the hand the stiff rest. What was seen
+ * relaxes by 1/128 a tick, so that one soft tick (a snap, a rest) does not forget a stiff line (docs/rod.md, "stall"). */
 static uint32_t line_compliance(const seld_state *state)
 {
-    enum { SEEN_FROM_M_Q30 = 1074 }; /* 1 um */
+    enum { SEEN_FROM_M_Q30 = 107, LEAST_m_N_Q40 = WALL_COMPLIANCE_m_N_Q40 / 16 }; /* 0.1 um; 400 kN/m */
     const seld_state_words *words = &state->words;
     uint32_t whole =
         (uint32_t)state->line.nodes[words->free_count].compliance_m_N_q40 + WALL_COMPLIANCE_m_N_Q40;
+    uint64_t older = words->line_compliance_m_N_q40 + (uint64_t)(words->line_compliance_m_N_q40 / 128);
+    uint32_t most = older < whole ? (uint32_t)older : whole;
     int64_t way = words->line_feed_m_q30;
     int64_t change = words->line_change_N_q22;
     way = way < 0 ? -way : way;
     change = change < 0 ? -change : change;
-    if (way < SEEN_FROM_M_Q30 || change == 0) {
-        return whole;
+    if (way >= SEEN_FROM_M_Q30 && change > 0) {
+        /* Q30 m / Q22 N -> Q40: 2^32 way / change; below 2 where it matters */
+        uint32_t seen = (uint32_t)seld_quotient((int32_t)way, seld_sat32(change), 30) * 2u;
+        seen = seen > UINT32_MAX / 2 ? seen : seen * 2u;
+        most = seen < most ? seen : most;
     }
-    /* Q30 m / Q22 N -> Q40: 2^32 way / change; below 2 where it matters */
-    uint32_t seen = (uint32_t)seld_quotient((int32_t)way, seld_sat32(change), 30) * 2u;
-    seen = seen > UINT32_MAX / 2 ? seen : seen * 2u;
-    return seen < whole ? seen : whole;
+    return most > LEAST_m_N_Q40 ? most : LEAST_m_N_Q40;
 }
 
 /* What a tool may be fed: as far as its hand's force limit allows, and the leading tip no farther than the force of all
@@ -52,7 +55,7 @@ static int32_t limit_feed(const seld_model *model, const seld_state *state, uint
 {
     const seld_state_words *words = &state->words;
     const seld_tool_state *tool = &words->tools[k];
-    uint32_t compliance = line_compliance(state);
+    uint32_t compliance = words->line_compliance_m_N_q40;
     int32_t push = stall_limit(seld_sub_sat(model->stall_N_q22, tool->handle_axial_N_q22), compliance);
     int32_t pull = stall_limit(seld_add_sat(model->stall_N_q22, tool->handle_axial_N_q22), compliance);
     int32_t behind = seld_lead_inserted(model, words) - tool->inserted_m_q30;
@@ -92,6 +95,7 @@ static void feed_tools(const seld_model *model, seld_state *state, const seld_in
     int32_t before = seld_lead_inserted(model, words);
     uint32_t longest = 0;
     int32_t feed[SELD_TOOL_MAX];
+    words->line_compliance_m_N_q40 = line_compliance(state);
     for (uint32_t k = 0; k < model->tool_count; k++) {
         feed[k] = choose_feed(model, state, k, input->hands[k].feed_m_q30);
     }

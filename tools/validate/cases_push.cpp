@@ -69,7 +69,7 @@ void compression(Result &result, bool quick)
         std::string name = plain_text(force) + "N";
         result.at_most("length_error." + name, "%", 100 * got.strain_peak, bar);
         result.absolute("closed_form." + name, "%", 100 * got.hand_N / 10000, 100 * got.strain, 0.01);
-        if (!quick) result.at_most("resting_motion." + name, "um/tick", got.resting_m * 1e6, 1);
+        result.at_most("resting_motion." + name, "um/tick", got.resting_m * 1e6, 1);
         got.force_against_way.label = "stalls at " + name;
         plot.series.push_back(got.force_against_way);
         if (!quick) {
