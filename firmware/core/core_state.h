@@ -86,9 +86,9 @@ typedef struct seld_assembly {
     seld_vec3 stretch_q30;              /* edge: (x*[i+1] - x*[i]) / length */
     seld_vec3 axis1_q30[SELD_TOOL_MAX]; /* edge: d1 of a tool, where its rest shape needs it */
     int32_t twist_ratio_q30, twist_angle_q30;
-    int32_t joint_angle_q30;              /* of the joint behind the edge: twist before the solve */
-    int32_t around_reach_m_q33;           /* touching: expected bristle along `around` without the turn */
     int32_t press_N_m_q30[SELD_PAIR_MAX]; /* edge: mu N r between tool k and k + 1 */
+    uint16_t grip_N_m_q26
+        [SELD_PAIR_MAX]; /* edge: stiffness of that friction in this tick, at most SELD_GRIP_STIFFNESS */
 } seld_assembly;
 
 typedef struct seld_factor {
@@ -115,7 +115,7 @@ typedef struct seld_work {
     int32_t wall_round;                 /* N / r of a wall of SELD_WALL_ROUND, Q(a) */
     int32_t wall_normal, wall_friction; /* contact stiffnesses, Q(a); 0 where nothing touches */
     seld_vec3 held_m_q33; /* touching: bristle and way without the deviation, across the normal */
-    int32_t roll_m_q33;   /* way of the surface by turning, along normal x tangent */
+    int32_t reach_m_q33;  /* touching: expected bristle along normal x tangent without the surface's turn */
     uint32_t touching;
     union {
         seld_assembly a;

@@ -42,13 +42,11 @@ static inline int64_t seld_rshift_round64(int64_t a, unsigned n)
 /* Saturate to 32 bits. Format: int64 -> int32. Overflow: saturates. Error: none in range. */
 static inline int32_t seld_sat32(int64_t a)
 {
-    if (a > INT32_MAX) {
-        return INT32_MAX;
+    int32_t low = (int32_t)(uint32_t)(uint64_t)a;
+    if (low == a) { /* one comparison for the usual case */
+        return low;
     }
-    if (a < INT32_MIN) {
-        return INT32_MIN;
-    }
-    return (int32_t)a;
+    return a < 0 ? INT32_MIN : INT32_MAX;
 }
 
 /* The Cortex-M7's DSP instructions do some of this in one step; elsewhere the same values come from C. */
@@ -67,7 +65,11 @@ static inline int32_t seld_add_sat(int32_t a, int32_t b)
     __asm__("qadd %0, %1, %2" : "=r"(sum) : "r"(a), "r"(b) : "cc");
     return sum;
 #else
-    return seld_sat32((int64_t)a + b);
+    int32_t sum;
+    if (!__builtin_add_overflow(a, b, &sum)) {
+        return sum;
+    }
+    return a < 0 ? INT32_MIN : INT32_MAX;
 #endif
 }
 static inline int32_t seld_sub_sat(int32_t a, int32_t b)
@@ -77,7 +79,11 @@ static inline int32_t seld_sub_sat(int32_t a, int32_t b)
     __asm__("qsub %0, %1, %2" : "=r"(difference) : "r"(a), "r"(b) : "cc");
     return difference;
 #else
-    return seld_sat32((int64_t)a - b);
+    int32_t difference;
+    if (!__builtin_sub_overflow(a, b, &difference)) {
+        return difference;
+    }
+    return a < 0 ? INT32_MIN : INT32_MAX;
 #endif
 }
 

@@ -113,6 +113,13 @@ static void hold_surface(seld_state *state, uint32_t i)
     work->held_m_q33 = tangential(&way, &work->normal_q30);
 }
 
+/* Way of the surface at node i by the last turn of the outer tool, along normal x tangent. */
+static int32_t surface_roll(const seld_state *state, uint32_t i)
+{
+    const seld_line_node *line = &state->line.nodes[i];
+    return seld_surface_way(line->radius_m_q30, state->words.nodes[i].spin_q30[line->outer]);
+}
+
 static void add_roll(seld_vec3 *way, const seld_vec3 *around_q30, int32_t roll_m_q33)
 {
     for (int k = 0; k < 3; k++) {
@@ -143,7 +150,7 @@ static void touch(const seld_model *model, seld_state *state, uint32_t i, int32_
             work->held_m_q33.v[k] + expected->deviation.v[k] - seld_scale_q30(expected->inwards, n->v[k]);
     }
     work->around_q30 = seld_vec3_cross_unit(n, &state->words.nodes[i].tangent_q30);
-    work->roll_m_q33 = seld_vec3_dot_unit(&reach, &work->around_q30);
+    work->reach_m_q33 = seld_vec3_dot_unit(&reach, &work->around_q30);
     add_roll(&reach, &work->around_q30, expected->roll);
     work->wall_friction = friction_stiffness(model, limit, &reach);
     work->wall_normal =
@@ -155,9 +162,10 @@ static void touch(const seld_model *model, seld_state *state, uint32_t i, int32_
 }
 
 /* Right side of contact and friction in newtons Q22, once the turn of the surface is known. */
-static void push_node(const seld_model *model, seld_work *work)
+static void push_node(const seld_model *model, seld_state *state, uint32_t i)
 {
-    add_roll(&work->held_m_q33, &work->around_q30, work->roll_m_q33);
+    seld_work *work = &state->scratch.nodes[i];
+    add_roll(&work->held_m_q33, &work->around_q30, surface_roll(state, i));
     int32_t push = normal_force(model, work->depth_m_q30);
     for (int k = 0; k < 3; k++) {
         int64_t drag = seld_rshift_round64((int64_t)work->wall_friction * work->held_m_q33.v[k],
@@ -216,10 +224,8 @@ static void find_node(const seld_model *model, seld_state *state, uint32_t i)
         clear(&state->words.nodes[i]);
         return;
     }
-    int32_t spin = state->words.nodes[i].spin_q30[state->line.nodes[i].outer];
-    expected.roll = seld_surface_way(state->line.nodes[i].radius_m_q30, spin);
+    expected.roll = surface_roll(state, i);
     touch(model, state, i, predicted, &expected);
-    work->u.a.around_reach_m_q33 = work->roll_m_q33; /* the twist solve sets the roll */
 }
 
 /* The springs of a held tip take the place of a contact. */
@@ -268,7 +274,7 @@ void seld_contact_forces(const seld_model *model, seld_state *state)
 {
     for (uint32_t i = 0; i < state->words.free_count; i++) {
         if (state->scratch.nodes[i].touching) {
-            push_node(model, &state->scratch.nodes[i]);
+            push_node(model, state, i);
         }
     }
 }
@@ -288,12 +294,11 @@ uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t
             continue;
         }
         approach found = {work->solution_m_q33, along(&work->solution_m_q33, &work->normal_q30),
-                          work->roll_m_q33};
+                          surface_roll(state, i)};
         int32_t ended = seld_sub_sat(work->depth_m_q30, found.inwards >> 3);
         if (ended > SELD_MISSED_CONTACT_M_Q30) {
             touch(model, state, i, ended, &found);
-            work->roll_m_q33 = found.roll;
-            push_node(model, work);
+            push_node(model, state, i);
             added++;
         }
     }

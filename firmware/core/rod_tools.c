@@ -12,7 +12,22 @@
 
 /* --- how hard tools press on each other ---------------------------------------------------------------------- */
 
-/* Length of a vector, relative error 2^-16. Format: same in and out. Overflow: saturates. */
+enum {
+    MOMENT_MAX_N_m_Q30 =
+        (1 << 30) - 1024,      /* 1 N m: differences of two fit 32 bits, with the rounding of soften() */
+    FORCE_MAX_N_Q22 = 1 << 30, /* 256 N: three squares fit 64 bits */
+};
+
+/* Format: same in and out. Overflow: |value| and most below 2^62. */
+static inline int32_t limited(int64_t value, int64_t most)
+{
+    if ((uint64_t)(value + most) <= (uint64_t)most * 2) { /* one comparison for the usual case */
+        return (int32_t)value;
+    }
+    return (int32_t)(value > 0 ? most : -most);
+}
+
+/* Length of a vector, relative error 2^-16. Format: same in and out. Overflow: impossible for components within 2^30. */
 static int32_t length_of(const seld_vec3 *a)
 {
     uint64_t square = (uint64_t)seld_vec3_dot64(*a, *a);
@@ -23,30 +38,38 @@ static int32_t length_of(const seld_vec3 *a)
     uint64_t top = (square << lead) >> 32;
     /* sqrt(top 2^(32 - lead)) = top / sqrt(top) 2^(16 - lead / 2), 1 / sqrt(top) = root 2^-46 */
     uint64_t root = (uint64_t)seld_rsqrt_q30((uint32_t)top);
-    uint64_t length = (top * root) >> (30 + (lead >> 1));
-    return length > INT32_MAX ? INT32_MAX : (int32_t)length;
+    return (int32_t)((top * root) >> (30 + (lead >> 1)));
 }
 
-/* Moment of joint i that the tools up to `pair` bear: their share of W b less their rest shapes. Q30 N m. */
-static seld_vec3 inner_moment(const seld_state *state, uint32_t pair, uint32_t i)
+/* Moments of joint i that the tools up to each pair's inner one bear: their share of W b less their rest shapes.
+ * Format: b in Q29 so that it fits, W Q26 -> Q30 N m, limited. */
+static void inner_moments(const seld_model *model, const seld_state *state, uint32_t i,
+                          seld_vec3 moments[SELD_PAIR_MAX])
 {
     const seld_joint *joint = seld_rod_joint(state, i);
-    const seld_work *here = &state->scratch.nodes[i];
-    int32_t share_q30 = joint->inner_share_q15[pair] << 15;
+    const int32_t *behind = state->scratch.nodes[i].u.a.stretch_q30.v;
+    const int32_t *ahead = state->scratch.nodes[i - 1].u.a.stretch_q30.v;
+    int32_t whole[3];
+    for (int c = 0; c < 3; c++) {
+        int32_t bend_q29 = seld_asr32(behind[c], 1) - seld_asr32(ahead[c], 1);
+        whole[c] = limited(((int64_t)bend_q29 * joint->bend_N_m_q26) >> 25, MOMENT_MAX_N_m_Q30);
+    }
     seld_vec3 turn = {{0, 0, 0}};
-    for (uint32_t k = 0; k <= pair; k++) {
-        if (joint->curved >> k & 1u) {
-            seld_vec3 own = seld_rod_tool_turn(state, joint, k, i);
-            turn = seld_vec3_add(turn, own);
+    for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
+        int32_t share_q30 = joint->inner_share_q15[pair] << 15;
+        for (int c = 0; c < 3; c++) {
+            moments[pair].v[c] = seld_scale_q30(whole[c], share_q30);
+        }
+        if (joint->curved >> pair & 1u) {
+            turn = seld_vec3_add(turn, seld_rod_tool_turn(state, joint, pair, i));
+        }
+        if ((turn.v[0] | turn.v[1] | turn.v[2]) != 0) {
+            for (int c = 0; c < 3; c++) {
+                int64_t rest = ((int64_t)turn.v[c] * joint->bend_N_m_q26) >> 26;
+                moments[pair].v[c] = limited(moments[pair].v[c] - rest, MOMENT_MAX_N_m_Q30);
+            }
         }
     }
-    seld_vec3 moment;
-    for (int c = 0; c < 3; c++) {
-        int32_t bend = seld_sub_sat(here->u.a.stretch_q30.v[c], here[-1].u.a.stretch_q30.v[c]);
-        moment.v[c] =
-            seld_mul(seld_sub_sat(seld_mul_q30(bend, share_q30), turn.v[c]), joint->bend_N_m_q26, 26);
-    }
-    return moment;
 }
 
 /* First edge where both tools of a pair are. */
@@ -62,16 +85,23 @@ static uint32_t first_shared(const seld_model *model, const seld_state *state, u
     return j;
 }
 
-/* Force of the inner tools' bending on node i from the moments of the joints around it. Q22 N. */
-static int32_t pressing_force(const seld_model *model, const seld_vec3 *before, const seld_vec3 *here,
-                              const seld_vec3 *after, uint32_t i)
+/* One pair on the way from its first shared edge to the base: moments of the last two joints, sum of mu N. */
+typedef struct pressing {
+    seld_vec3 before, here;
+    uint32_t first;
+    int64_t sum_N_q22;
+} pressing;
+
+/* Force of the inner tools' bending on node i from the moments of the joints around it. Q22 N. Overflow: differences of
+ * moments fit 32 bits, 1 / edge is below 2^31. */
+static int32_t pressing_force(const pressing *pair, const seld_vec3 *after, int32_t a_per_m_q18,
+                              int32_t c_per_m_q18)
 {
-    int32_t a = model->mesh[i > 0 ? i - 1 : 0].inverse_length_per_m_q18;
-    int32_t c = model->mesh[i].inverse_length_per_m_q18;
     seld_vec3 force;
     for (int k = 0; k < 3; k++) {
-        int64_t sum = ((int64_t)here->v[k] - before->v[k]) * a + ((int64_t)here->v[k] - after->v[k]) * c;
-        force.v[k] = seld_sat32(seld_rshift_round64(sum, 26));
+        int64_t sum = (int64_t)(pair->here.v[k] - pair->before.v[k]) * a_per_m_q18;
+        sum += (int64_t)(pair->here.v[k] - after->v[k]) * c_per_m_q18;
+        force.v[k] = limited(sum >> 26, FORCE_MAX_N_Q22);
     }
     return length_of(&force);
 }
@@ -79,51 +109,68 @@ static int32_t pressing_force(const seld_model *model, const seld_vec3 *before, 
 /* A tool bears on the next one over a length that its clearance and stiffness set, about 3 mm for a wire in a catheter
  * (sqrt(2 EI delta / M) with 0.05 mm, docs/rod.md); without it a step of the moment would press the harder the finer the
  * mesh. */
-static void soften(const seld_model *model, uint32_t i, seld_vec3 *moment, const seld_vec3 *ahead)
+static void soften(int32_t share_q30, seld_vec3 *moment, const seld_vec3 *ahead)
 {
-    int32_t share = model->mesh[i].bearing_share_q30;
     for (int c = 0; c < 3; c++) {
-        moment->v[c] =
-            seld_add_sat(ahead->v[c], seld_mul_q30(seld_sub_sat(moment->v[c], ahead->v[c]), share));
+        moment->v[c] = ahead->v[c] + seld_scale_q30(moment->v[c] - ahead->v[c], share_q30);
     }
 }
 
-/* Turning limit mu N r of every edge of a pair, and the sum of mu N, which limits sliding. */
-static void grip_pair(const seld_model *model, seld_state *state, uint32_t pair)
+/* Stiffness of the friction against turning: that of the bristle while its reach is within the limit mu N r, else limit /
+ * reach, where the reach is that of the last tick's turns. Overflow: the quotient is then below 4e-4 N m. */
+static uint16_t grip_stiffness(const seld_node_state *node, uint32_t pair, int32_t limit_N_m_q30)
 {
-    uint32_t na = state->words.free_count;
-    uint32_t first = first_shared(model, state, pair);
-    const seld_tool *outer = &model->tools[pair + 1];
-    int32_t radius_m_q30 = model->tools[pair].shaft_radius_m_q30;
-    int64_t sum_N_q22 = 0;
-    seld_vec3 before = {{0, 0, 0}}, here = {{0, 0, 0}}, after = {{0, 0, 0}};
-    for (uint32_t j = 0; j < first; j++) {
-        state->scratch.nodes[j].u.a.press_N_m_q30[pair] = 0;
+    int64_t reach = (int64_t)node->grip_q30[pair] + node->spin_q30[pair] - node->spin_q30[pair + 1];
+    reach = reach < 0 ? -reach : reach;
+    if (limit_N_m_q30 == 0) {
+        return 0;
     }
-    if (first > 1) {
-        before = inner_moment(state, pair, first - 1);
+    if (reach <= (int64_t)limit_N_m_q30 * SELD_GRIP_COMPLIANCE_PER_N_M) {
+        return SELD_GRIP_STIFFNESS_N_M_Q26;
     }
-    if (first > 0 && first <= na) {
-        here = inner_moment(state, pair, first);
+    return (uint16_t)seld_quotient(limit_N_m_q30, seld_sat32(reach), 26);
+}
+
+/* Edge j of one pair: turning limit mu N r and its stiffness. `after` are the moments of joint j + 1. */
+static void grip_edge(const seld_model *model, seld_state *state, uint32_t pair, uint32_t j,
+                      const seld_vec3 *after, pressing *walk)
+{
+    seld_assembly *work = &state->scratch.nodes[j].u.a;
+    seld_vec3 next = *after;
+    int32_t press = 0;
+    if (j >= walk->first) {
+        soften(model->mesh[j].bearing_share_q30, &next, &walk->here);
+        int32_t a = model->mesh[j > 0 ? j - 1 : 0].inverse_length_per_m_q18;
+        int32_t force = pressing_force(walk, &next, a, model->mesh[j].inverse_length_per_m_q18);
+        int32_t limit = seld_scale_q30(force, model->tools[pair + 1].lumen_friction_q30);
+        walk->sum_N_q22 += limit;
+        /* Q22 N x Q39 m -> Q30 N m: a radius is at most 2 mm */
+        press = seld_mulh(limit, model->tools[pair].shaft_radius_m_q30 << 9) * 2;
     }
-    for (uint32_t j = first; j < na; j++) {
-        after = inner_moment(state, pair, j + 1);
-        soften(model, j, &after, &here);
-        int32_t limit =
-            seld_mul_q30(pressing_force(model, &before, &here, &after, j), outer->lumen_friction_q30);
-        sum_N_q22 += limit;
-        /* Q22 N x Q30 m -> Q30 N m */
-        state->scratch.nodes[j].u.a.press_N_m_q30[pair] = seld_mul(limit, radius_m_q30, 22);
-        before = here;
-        here = after;
-    }
-    state->scratch.grip_limit_N_q22[pair] = seld_sat32(sum_N_q22);
+    work->press_N_m_q30[pair] = press;
+    work->grip_N_m_q26[pair] = grip_stiffness(&state->words.nodes[j], pair, press);
+    walk->before = walk->here;
+    walk->here = next;
 }
 
 void seld_tools_grip(const seld_model *model, seld_state *state)
 {
+    pressing walks[SELD_PAIR_MAX] = {{{{0}}, {{0}}, 0, 0}, {{{0}}, {{0}}, 0, 0}};
+    if (model->tool_count < 2) {
+        return;
+    }
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
-        grip_pair(model, state, pair);
+        walks[pair].first = first_shared(model, state, pair);
+    }
+    for (uint32_t j = 0; j < state->words.free_count; j++) {
+        seld_vec3 after[SELD_PAIR_MAX];
+        inner_moments(model, state, j + 1, after);
+        for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
+            grip_edge(model, state, pair, j, &after[pair], &walks[pair]);
+        }
+    }
+    for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
+        state->scratch.grip_limit_N_q22[pair] = seld_sat32(walks[pair].sum_N_q22);
     }
 }
 
@@ -194,15 +241,34 @@ static seld_vec3 total_moment(const seld_model *model, const seld_state *state, 
     return moment;
 }
 
-/* Do tool k's properties change between two of its arc lengths, or does its tip lie between them? */
-static bool changes(const seld_tool *tool, uint32_t *span, int32_t from, int32_t to)
+/* Jump of psi over joint i where only the stiffness changes and no tool has a rest shape:
+ *   |M|^2 / 2 (1 / E - 1 / E') = |M|^2 / (2 E') change / E,  E = EI before and E' = EI after
+ * Format: change in Q35 N m^2, below E. */
+static int32_t straight_handle(const seld_vec3 *moment_N_m_q30, int32_t before_q35, int32_t change_q35)
 {
-    while (*span + 1 < tool->span_count && tool->spans[*span].end_m_q30 <= from) {
-        (*span)++;
+    int32_t after_q35 = before_q35 + change_q35;
+    unsigned lead = seld_clz32((uint32_t)after_q35) - 1; /* 0 .. 24 */
+    int64_t inverse = seld_reciprocal_q30((uint32_t)after_q35 << lead);
+    int64_t sum = 0;
+    for (int c = 0; c < 3; c++) {
+        int32_t curvature =
+            seld_sat32((moment_N_m_q30->v[c] * inverse) >> (36 - lead)); /* Q30 / Q35 -> Q20 1/m */
+        sum += ((int64_t)moment_N_m_q30->v[c] * curvature) >> 28;
     }
-    const seld_span *s = &tool->spans[*span];
-    bool one = to <= s->end_m_q30 || *span + 1 == tool->span_count;
-    return from <= 0 || !one || !s->flat;
+    return seld_mul(seld_sat32(sum), seld_quotient(change_q35, before_q35, 30), 31);
+}
+
+/* Moment at joint i from the joints around it: moments are continuous; that of the cell itself lags while a tip slides
+ * through it. Q30 N m. */
+static seld_vec3 moment_around(const seld_model *model, const seld_state *state, uint32_t i)
+{
+    seld_vec3 ahead = total_moment(model, state, i > 1 ? i - 1 : i);
+    seld_vec3 behind = total_moment(model, state, i < state->words.free_count ? i + 1 : i);
+    seld_vec3 moment;
+    for (int c = 0; c < 3; c++) {
+        moment.v[c] = (int32_t)(((int64_t)ahead.v[c] + behind.v[c]) >> 1);
+    }
+    return moment;
 }
 
 /* Joint i's part of tool k's handle force: psi where the cell begins less psi where it ends. */
@@ -225,13 +291,7 @@ static int32_t joint_handle(const seld_model *model, const seld_state *state, ui
         add_tool(model, state, k, from, i, &before);
     }
     add_tool(model, state, k, to, i, &after);
-    /* Moments are continuous; that of the cell itself lags while a tip slides through it. */
-    seld_vec3 ahead = total_moment(model, state, i > 1 ? i - 1 : i);
-    seld_vec3 behind = total_moment(model, state, i < state->words.free_count ? i + 1 : i);
-    seld_vec3 moment;
-    for (int c = 0; c < 3; c++) {
-        moment.v[c] = (int32_t)(((int64_t)ahead.v[c] + behind.v[c]) >> 1);
-    }
+    seld_vec3 moment = moment_around(model, state, i);
     return seld_sub_sat(potential(&before, &moment), potential(&after, &moment));
 }
 
@@ -243,19 +303,64 @@ static int32_t mouth_handle(const seld_model *model, const seld_state *state, ui
     return -(own.stored_N_q22 / 2);
 }
 
+/* Does a tip lie inside the cell of joint i? */
+static bool holds_tip(const seld_model *model, const seld_state *state, uint32_t i)
+{
+    for (uint32_t m = 0; m < model->tool_count; m++) {
+        int32_t tip = state->line.offset_m_q30[m];
+        if (tip > model->mesh[i - 1].cell_end_m_q30 && tip < model->mesh[i].cell_end_m_q30) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The same for a cell within one span of tool k: EI comes from the joint, its change from the span. */
+static int32_t smooth_handle(const seld_model *model, const seld_state *state, uint32_t k, uint32_t i,
+                             const seld_span *span, int32_t from, int32_t to)
+{
+    int32_t delta = span->delta[SELD_BEND_N_M2_Q35];
+    int32_t change = seld_scale_q30(delta, seld_span_fraction(span, to)) -
+                     seld_scale_q30(delta, seld_span_fraction(span, from));
+    int32_t cell = model->mesh[i].cell_end_m_q30 - model->mesh[i - 1].cell_end_m_q30;
+    /* Q26 N m x Q30 m -> Q35 N m^2 */
+    int32_t before = seld_mul(state->line.nodes[i].joint.bend_N_m_q26, cell, 21) - change / 2;
+    int32_t size = change < 0 ? -change : change;
+    if (before <= size || seld_edge_curved(state, i) != 0 || holds_tip(model, state, i)) {
+        return joint_handle(model, state, k, i, from, to);
+    }
+    if (change == 0) {
+        return 0;
+    }
+    seld_vec3 moment = moment_around(model, state, i);
+    return straight_handle(&moment, before, change);
+}
+
 static int32_t elastic_handle(const seld_model *model, const seld_state *state, uint32_t k)
 {
     int32_t inserted = seld_lead_inserted(model, &state->words);
     int32_t offset = state->line.offset_m_q30[k];
-    uint32_t span = 0;
+    const seld_tool *tool = &model->tools[k];
+    const seld_span *last = &tool->spans[tool->span_count - 1];
+    const seld_span *span = tool->spans;
     int32_t sum = 0;
     for (uint32_t i = 1; i <= state->words.free_count; i++) {
         /* The tip's half cell has no joint of its own: the first one stands for it. */
         int32_t from = (i > 1 ? model->mesh[i - 1].cell_end_m_q30 : 0) - offset;
         int32_t to = model->mesh[i].cell_end_m_q30;
         to = (to < inserted ? to : inserted) - offset;
-        if (to > 0 && from < to && changes(&model->tools[k], &span, from, to)) {
+        if (to <= 0 || from >= to) {
+            continue;
+        }
+        while (span < last && span->end_m_q30 <= from) {
+            span++;
+        }
+        if (from <= 0 || (span < last && to > span->end_m_q30)) {
             sum = seld_add_sat(sum, joint_handle(model, state, k, i, from, to));
+        } else if (!span->flat) {
+            sum = seld_add_sat(sum, smooth_handle(model, state, k, i, span, from, to));
+        } else if (span == last) {
+            break; /* nothing changes from here on */
         }
     }
     return inserted > offset ? seld_add_sat(sum, mouth_handle(model, state, k, inserted - offset)) : 0;
@@ -298,11 +403,6 @@ void seld_tools_handles(const seld_model *model, seld_state *state)
 /* --- after the solve ----------------------------------------------------------------------------------------- */
 
 /* Elastic turn of each edge of a pair, limited to mu N r / stiffness. */
-static int32_t limited(int64_t value, int64_t most)
-{
-    return (int32_t)(value > most ? most : (value < -most ? -most : value));
-}
-
 void seld_tools_turned(const seld_model *model, seld_state *state)
 {
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {

@@ -11,7 +11,8 @@ enum {
     ANGLE_STEP_MAX_Q30 = 1 << 29, /* correction of one edge in one tick: 0.5 rad */
     HALF_PI_Q30 = 1686629713,
     TWO_OVER_PI_Q30 = 683565276,
-    NEW_EDGES_MAX = 8, /* edges that a tool's tip can pass in one tick */
+    CURVE_MAX_N_M_Q26 = 1 << 29, /* 8 N m: what a rest shape may add to a pivot */
+    NEW_EDGES_MAX = 8,           /* edges that a tool's tip can pass in one tick */
 };
 
 /* Twist of a joint. Format: difference of binary angles -> Q30 rad, saturated at 2 rad (114 degrees in one joint). */
@@ -37,7 +38,8 @@ static void curvature_torque(const seld_state *state, uint32_t k, uint32_t i, in
         int32_t lever = seld_sat32(seld_rshift_round64(seld_vec3_dot64(bend, turned), 30));
         int32_t hold = seld_sat32(seld_rshift_round64(seld_vec3_dot64(bend, half), 30));
         torque_N_m_q30[side] = seld_mul(lever, joint->bend_N_m_q26, 26);
-        stiffness_q26[side] = hold > 0 ? seld_mul_q30(joint->bend_N_m_q26, hold) : 0;
+        stiffness_q26[side] =
+            hold > 0 ? seld_clamp(seld_mul_q30(joint->bend_N_m_q26, hold), 0, CURVE_MAX_N_M_Q26) : 0;
     }
 }
 
@@ -47,158 +49,145 @@ typedef struct resistance {
 } resistance;
 
 /* The wall's friction on the tool that touches it: the surface moves by r theta along n x t besides its way along the
- * wall, all against one bristle (rod_contact.c). Format: Q(a) N/m x Q30 m x Q33 m -> Q30 N m. */
-static void wall_resistance(const seld_model *model, const seld_state *state, uint32_t j, resistance *sum)
+ * wall, all against one bristle (rod_contact.c). Overflow: impossible; k_f r is below 2000 N/m x 2 mm = 2^24 in Q22, the
+ * reach below 2^30.5, so the torque below 2^29. */
+static resistance wall_resistance(const seld_model *model, const seld_state *state, uint32_t j)
 {
     const seld_work *work = &state->scratch.nodes[j];
-    int64_t radius = state->line.nodes[j].radius_m_q30;
-    unsigned exponent = model->stiffness_exponent;
-    int64_t reach = work->u.a.around_reach_m_q33;
-    /* k_f r in N Q22: at most 2000 N/m x 2 mm; k_f r^2 from r^2 in Q44 */
-    int64_t lever = ((int64_t)work->wall_friction * radius) >> (exponent + 8);
-    sum->torque_N_m_q30 = seld_sat32(sum->torque_N_m_q30 - seld_rshift_round64(lever * reach, 25));
-    sum->stiffness_q26 += (int32_t)((work->wall_friction * ((radius * radius) >> 16)) >> (exponent + 18));
+    int32_t radius = state->line.nodes[j].radius_m_q30;
+    /* k_f in Q19 N/m, r in Q35 m: k_f r in Q22 N, then Q28; with the reach in Q33 m Q29 N m, with r in Q30 m Q26 N m */
+    int32_t stiffness_q19 = work->wall_friction << (19 - model->stiffness_exponent);
+    int32_t lever_N_q28 = seld_mulh(stiffness_q19, radius << 5) << 6;
+    return (resistance){seld_mulh(lever_N_q28, -work->reach_m_q33) * 2, seld_mulh(lever_N_q28, radius)};
 }
 
-/* Friction between tool `pair` and the next one at edge j, on the inner tool; `limit` is mu N r. */
-static resistance pair_resistance(const seld_state *state, uint32_t pair, uint32_t j, int32_t limit_N_m_q30)
-{
-    const seld_node_state *node = &state->words.nodes[j];
-    int64_t reach = (int64_t)node->grip_q30[pair] + node->spin_q30[pair] - node->spin_q30[pair + 1];
-    int32_t size = seld_sat32(reach < 0 ? -reach : reach);
-    int32_t stiffness = SELD_GRIP_STIFFNESS_N_M_Q26;
-    if (size > 0) {
-        int32_t secant = seld_quotient(limit_N_m_q30, size, 26);
-        stiffness = secant < stiffness ? secant : stiffness;
-    }
-    return (resistance){seld_mul(stiffness, node->grip_q30[pair], 26), stiffness};
-}
-
-/* Friction on tool k at edge j: between it and its neighbours (the other's turn is the newest known), and of the wall. */
+/* Friction on tool k at edge j: between it and its neighbours (the other's turn is the newest known), and of the wall.
+ * Overflow: stiffnesses of pairs are below 2^15 and turns below 2^32, so a pair's torque is below 2^22; the hold's is below
+ * 16 N m/rad x 2 rad, which the sum saturates. */
 static resistance edge_resistance(const seld_model *model, const seld_state *state, uint32_t k, uint32_t j)
 {
     const seld_node_state *node = &state->words.nodes[j];
     const seld_work *work = &state->scratch.nodes[j];
     resistance sum = {0, 0};
     if (work->touching && state->line.nodes[j].outer == k) {
-        wall_resistance(model, state, j, &sum);
+        sum = wall_resistance(model, state, j);
     }
-    if (k + 1 < model->tool_count && work->u.a.press_N_m_q30[k] > 0) {
-        resistance grip = pair_resistance(state, k, j, work->u.a.press_N_m_q30[k]);
-        int32_t carried = seld_mul(grip.stiffness_q26, node->spin_q30[k + 1], 26);
-        sum.torque_N_m_q30 = seld_sat32((int64_t)sum.torque_N_m_q30 - grip.torque_N_m_q30 + carried);
-        sum.stiffness_q26 += grip.stiffness_q26;
+    int64_t pairs = 0;
+    if (k + 1 < model->tool_count) {
+        int32_t stiffness = work->u.a.grip_N_m_q26[k];
+        pairs = stiffness * ((int64_t)node->spin_q30[k + 1] - node->grip_q30[k]);
+        sum.stiffness_q26 += stiffness;
     }
-    if (k > 0 && work->u.a.press_N_m_q30[k - 1] > 0) {
-        resistance grip = pair_resistance(state, k - 1, j, work->u.a.press_N_m_q30[k - 1]);
-        int32_t carried = seld_mul(grip.stiffness_q26, node->spin_q30[k - 1], 26);
-        sum.torque_N_m_q30 = seld_sat32((int64_t)sum.torque_N_m_q30 + grip.torque_N_m_q30 + carried);
-        sum.stiffness_q26 += grip.stiffness_q26;
+    if (k > 0) {
+        int32_t stiffness = work->u.a.grip_N_m_q26[k - 1];
+        pairs += stiffness * ((int64_t)node->spin_q30[k - 1] + node->grip_q30[k - 1]);
+        sum.stiffness_q26 += stiffness;
     }
+    sum.torque_N_m_q30 += seld_narrow64(pairs, 26);
     if (j == 0 && k == 0 && model->hold.turn) {
-        int32_t miss = (int32_t)(model->hold.turn32 - node->angle_turn32[0]);
-        sum.torque_N_m_q30 =
-            seld_sat32((int64_t)sum.torque_N_m_q30 + 16 * (int64_t)seld_mul_q30(miss, HALF_PI_Q30));
+        int32_t miss = seld_mul_q30((int32_t)(model->hold.turn32 - node->angle_turn32[0]), HALF_PI_Q30);
+        sum.torque_N_m_q30 = seld_sat32(sum.torque_N_m_q30 + 16 * (int64_t)miss);
         sum.stiffness_q26 += 16 << 26;
     }
     return sum;
 }
 
-/* value / pivot, the pivot given by its leading zeros and reciprocal. Format: with both in one Q and q = 30 a ratio in
- * Q30; value in Q30 N m over Q26 N m with q = 26 an angle in Q30. */
-static int32_t over_pivot(int32_t value, int64_t reciprocal_q30, unsigned lead, unsigned q)
-{
-    return seld_sat32(seld_rshift_round64(value * reciprocal_q30, 62 - lead - q));
-}
-
 /* What elimination hands from one edge to the next. */
 typedef struct twist_carry {
-    int32_t coupling_q26, moment;        /* k and k m of the joint ahead */
-    int32_t curve_torque, curve_q26;     /* curvature terms of this edge from the joint ahead */
-    int32_t reduced_q26, reduced_torque; /* what eliminating the edge ahead leaves here */
+    int32_t left_q26; /* k of the joint ahead less what eliminating the edge ahead takes: not negative */
+    int32_t moment;   /* k m of the joint ahead */
+    int32_t curve_torque, curve_q26; /* curvature terms of this edge from the joint ahead */
+    int32_t reduced_torque;          /* what eliminating the edge ahead leaves here */
 } twist_carry;
 
-/* Row of edge j of tool k. Pivots and couplings in Q26 N m, right side in Q30 N m, angles in Q30 rad. */
-static void eliminate_edge(const seld_model *model, seld_state *state, uint32_t k, uint32_t j,
-                           twist_carry *carry)
+/* A 32-bit machine looks at the upper word. right / pivot in Q30 for right in Q30 and pivot = mantissa 2^(1 - lead) in Q26, given the reciprocal 2^61 / mantissa.
+ * Overflow: saturates. */
+static inline int32_t over_pivot(int32_t right, int32_t reciprocal, unsigned lead)
+{
+    int64_t product = (int64_t)right * reciprocal;
+    unsigned shift = 36 - lead; /* 7 .. 36 */
+    if (sizeof(void *) > 4 || shift > 31) {
+        return seld_sat32(product >> shift);
+    }
+    int32_t high = seld_high64(product);
+    int32_t most = (int32_t)1 << (shift - 1); /* upper word of the limit */
+    if (high >= most || high < -most) {
+        return high < 0 ? INT32_MIN : INT32_MAX;
+    }
+    return seld_narrow64(product, shift);
+}
+
+/* Row of edge j of tool k. Pivots and couplings in Q26 N m, right side in Q30 N m, angles in Q30 rad.
+ * Overflow: k is below 2^30 (rod_line.c), curvature terms below 2^29 each, friction below 2^30 + 2^20: the pivot fits 32
+ * bits without a sign. Moments saturate. */
+static inline void eliminate_edge(const seld_model *model, seld_state *state, uint32_t k, uint32_t j,
+                                  twist_carry *carry)
 {
     const seld_joint *joint = seld_rod_joint(state, j + 1);
     const seld_node_state *node = &state->words.nodes[j];
     seld_assembly *work = &state->scratch.nodes[j].u.a;
     int32_t next = joint->twist_N_m_q26[k];
-    int32_t angle = joint_angle(node->angle_turn32[k], node[1].angle_turn32[k]);
-    int32_t moment = seld_mul(next, angle, 26);
+    int32_t moment = seld_mul(next, joint_angle(node->angle_turn32[k], node[1].angle_turn32[k]), 26);
     int32_t curve_torque[2] = {0, 0};
     int32_t curve_q26[2] = {0, 0};
     if (joint->curved >> k & 1u) {
         curvature_torque(state, k, j + 1, curve_torque, curve_q26);
     }
     resistance friction = edge_resistance(model, state, k, j);
-    int64_t pivot = (int64_t)carry->coupling_q26 + next + SELD_SPIN_DRAG_N_M_Q26 + carry->curve_q26 +
-                    curve_q26[0] + friction.stiffness_q26 - carry->reduced_q26;
-    pivot = pivot > INT32_MAX ? INT32_MAX : pivot;
-    int32_t right = seld_sat32((int64_t)moment - carry->moment + carry->curve_torque + curve_torque[0] +
-                               friction.torque_N_m_q30 + carry->reduced_torque);
-    unsigned lead = seld_clz32((uint32_t)pivot);
-    int64_t reciprocal = seld_reciprocal_q30((uint32_t)pivot << lead >> 1);
-    int32_t ratio = over_pivot(next, reciprocal, lead, 30);
-    work->joint_angle_q30 = angle; /* of joint j + 1 */
+    uint32_t pivot = (uint32_t)carry->left_q26 + (uint32_t)next + SELD_SPIN_DRAG_N_M_Q26 +
+                     (uint32_t)(carry->curve_q26 + curve_q26[0]) + (uint32_t)friction.stiffness_q26;
+    int32_t right = seld_add_sat(seld_sub_sat(moment, carry->moment), carry->reduced_torque);
+    right = seld_add_sat(right, friction.torque_N_m_q30);
+    right = seld_add_sat(right, seld_add_sat(carry->curve_torque, curve_torque[0]));
+    unsigned lead = (unsigned)__builtin_clz(pivot);
+    int32_t reciprocal = seld_reciprocal_q30(pivot << lead >> 1);
+    /* k / pivot, at most one since the pivot is k and more; 2^-30 of room for the reciprocal's rounding */
+    int32_t ratio = (int32_t)(((uint64_t)((uint32_t)next << lead) * (uint32_t)reciprocal) >> 32);
+    ratio = ratio > SELD_ONE_Q30 ? SELD_ONE_Q30 : ratio;
     work->twist_ratio_q30 = ratio;
-    work->twist_angle_q30 = over_pivot(right, reciprocal, lead, 26);
-    /* ratio <= 1: the pivot is the coupling and more */
-    *carry = (twist_carry){next,
-                           moment,
-                           curve_torque[1],
-                           curve_q26[1],
-                           seld_scale_q30(next, ratio),
-                           seld_scale_q30(right, ratio)};
+    work->twist_angle_q30 = over_pivot(right, reciprocal, lead);
+    *carry = (twist_carry){next - seld_scale_q30(next, ratio), moment, curve_torque[1], curve_q26[1],
+                           seld_mul_q30(right, ratio)};
 }
 
-/* Turns edge j of tool k and, where the rest shape needs it, its material axis: d1 (1 - a^2/2) + d2 a. */
-static void turn_edge(seld_state *state, uint32_t k, uint32_t j, int32_t angle_q30)
+/* Turns the material axis of an edge: d1 (1 - a^2/2) + d2 a. */
+static void turn_axis(const seld_vec3 *tangent, int32_t angle_q30, seld_vec3 *axis1)
 {
-    seld_node_state *node = &state->words.nodes[j];
-    seld_work *work = &state->scratch.nodes[j];
-    node->angle_turn32[k] += (uint32_t)seld_scale_q30(angle_q30, TWO_OVER_PI_Q30);
-    node->spin_q30[k] = angle_q30;
-    if (state->line.nodes[j].outer == k) {
-        work->roll_m_q33 = seld_surface_way(state->line.nodes[j].radius_m_q30, angle_q30);
-    }
-    if ((seld_edge_curved(state, j) >> k & 1u) == 0) {
-        return;
-    }
-    seld_vec3 *axis1 = &work->u.a.axis1_q30[k];
-    seld_vec3 axis2 = seld_vec3_cross_unit(&node->tangent_q30, axis1);
+    seld_vec3 axis2 = seld_vec3_cross_unit(tangent, axis1);
     int32_t cosine = SELD_ONE_Q30 - (seld_scale_q30(angle_q30, angle_q30) >> 1);
     for (int c = 0; c < 3; c++) {
         axis1->v[c] = seld_scale_q30(axis1->v[c], cosine) + seld_scale_q30(axis2.v[c], angle_q30);
     }
-    seld_frames_orthonormalise(axis1, &node->tangent_q30);
+    seld_frames_orthonormalise(axis1, tangent);
 }
 
 /* From the base to tool k's tip; edges that the tip is about to reach take the frame of its last edge. */
 static void substitute(seld_state *state, uint32_t k, uint32_t first)
 {
-    int32_t behind = 0; /* turn of the edge nearer the base */
-    for (uint32_t n = state->words.free_count; n > first; n--) {
+    uint32_t na = state->words.free_count;
+    int32_t turn = 0; /* of the edge nearer the base */
+    uint32_t angle = state->words.nodes[na].angle_turn32[k];
+    for (uint32_t n = na; n > first; n--) {
         seld_work *work = &state->scratch.nodes[n - 1];
-        int64_t angle =
-            work->u.a.twist_angle_q30 + (int64_t)seld_scale_q30(behind, work->u.a.twist_ratio_q30);
-        int32_t turn = angle > ANGLE_STEP_MAX_Q30
-                           ? ANGLE_STEP_MAX_Q30
-                           : (angle < -ANGLE_STEP_MAX_Q30 ? -ANGLE_STEP_MAX_Q30 : (int32_t)angle);
-        int64_t after = (int64_t)work->u.a.joint_angle_q30 + behind - turn;
-        int32_t torque = seld_mul(seld_rod_joint(state, n)->twist_N_m_q26[k], seld_sat32(after), 26);
+        seld_node_state *node = &state->words.nodes[n - 1];
+        turn = seld_add_sat(work->u.a.twist_angle_q30, seld_scale_q30(turn, work->u.a.twist_ratio_q30));
+        turn = seld_clamp(turn, -ANGLE_STEP_MAX_Q30, ANGLE_STEP_MAX_Q30);
+        uint32_t behind = angle;
+        angle = node->angle_turn32[k] + (uint32_t)seld_scale_q30(turn, TWO_OVER_PI_Q30);
+        node->angle_turn32[k] = angle;
+        node->spin_q30[k] = turn;
+        int32_t torque = seld_mul(seld_rod_joint(state, n)->twist_N_m_q26[k], joint_angle(angle, behind), 26);
         work[1].torque_N_m_q30 = seld_add_sat(work[1].torque_N_m_q30, torque);
-        if (n == state->words.free_count) {
+        if (n == na) {
             state->scratch.torque_N_m_q30[k] = torque;
         }
-        turn_edge(state, k, n - 1, turn);
-        behind = turn;
+        if ((seld_edge_curved(state, n - 1) >> k & 1u) != 0) {
+            turn_axis(&node->tangent_q30, turn, &work->u.a.axis1_q30[k]);
+        }
     }
     for (uint32_t n = first; n > 0 && n + NEW_EDGES_MAX > first; n--) {
         state->words.nodes[n - 1].angle_turn32[k] = state->words.nodes[first].angle_turn32[k];
-        state->words.nodes[n - 1].spin_q30[k] = behind;
+        state->words.nodes[n - 1].spin_q30[k] = turn;
     }
 }
 
@@ -217,10 +206,9 @@ void seld_rod_twist(const seld_model *model, seld_state *state)
     uint32_t na = state->words.free_count;
     for (uint32_t i = 0; i <= na; i++) {
         state->scratch.nodes[i].torque_N_m_q30 = 0;
-        state->scratch.nodes[i].roll_m_q33 = 0;
     }
     for (uint32_t k = 0; k < model->tool_count; k++) {
-        twist_carry carry = {0, 0, 0, 0, 0, 0};
+        twist_carry carry = {0, 0, 0, 0, 0};
         uint32_t first = tip_edge(model, state, k);
         state->scratch.torque_N_m_q30[k] = 0;
         for (uint32_t j = first; j < na; j++) {
