@@ -62,7 +62,8 @@ typedef struct seld_line_node {
     seld_joint joint;
     int32_t spring;                /* edge: EA / length in Q(a) N/m */
     int32_t axial_stiffness_N_q17; /* edge: EA */
-    int32_t compliance_m_N_q40;    /* sum of length / EA of edges 0 .. i-1, saturated */
+    int32_t
+        compliance_m_N_q40; /* sum of length / EA of edges 0 .. i-1, saturated; up to the first steady node */
     int32_t mass_kg_q40;
     int32_t radius_m_q30;
     int32_t kinetic_q30, static_q30;
@@ -71,7 +72,10 @@ typedef struct seld_line_node {
 } seld_line_node;
 
 typedef struct seld_line {
-    uint32_t count;                      /* nodes that are up to date; 0: none */
+    uint32_t count;                  /* nodes that are up to date; 0: none */
+    uint32_t steady;                 /* first node that is like all behind it; count: none is */
+    uint32_t uniform;                /* first node whose two edges in front are as long as all behind it */
+    int32_t edge_compliance_m_N_q40; /* of one edge from there on */
     int32_t offset_m_q30[SELD_TOOL_MAX]; /* how far each tip is behind the leading one */
     seld_line_node nodes[SELD_ARRAY_NODES];
 } seld_line;

@@ -100,6 +100,16 @@ static inline uint32_t seld_edge_curved(const seld_state *state, uint32_t j)
  * against another. */
 void seld_line_update(const seld_model *model, seld_state *state);
 
+/* Compliance of the line from its tip to node i along itself, Q40 m/N, saturated. */
+static inline int32_t seld_line_compliance(const seld_line *line, uint32_t i)
+{
+    if (i <= line->steady) {
+        return line->nodes[i].compliance_m_N_q40;
+    }
+    return seld_sat32(line->nodes[line->steady].compliance_m_N_q40 +
+                      (int64_t)(i - line->steady) * line->edge_compliance_m_N_q40);
+}
+
 /* rod_feed.c: hands -> feeds and base angles, nodes freed or captured, predicted configuration and inertia. */
 void seld_rod_feed(const seld_model *model, seld_state *state, const seld_input *input);
 

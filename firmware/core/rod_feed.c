@@ -33,7 +33,7 @@ static uint32_t line_compliance(const seld_state *state)
     enum { SEEN_FROM_M_Q30 = 107, LEAST_m_N_Q40 = WALL_COMPLIANCE_m_N_Q40 / 16 }; /* 0.1 um; 400 kN/m */
     const seld_state_words *words = &state->words;
     uint32_t whole =
-        (uint32_t)state->line.nodes[words->free_count].compliance_m_N_q40 + WALL_COMPLIANCE_m_N_Q40;
+        (uint32_t)seld_line_compliance(&state->line, words->free_count) + WALL_COMPLIANCE_m_N_Q40;
     uint64_t older = words->line_compliance_m_N_q40 + (uint64_t)(words->line_compliance_m_N_q40 / 128);
     uint32_t most = older < whole ? (uint32_t)older : whole;
     int64_t way = words->line_feed_m_q30;

@@ -7,6 +7,10 @@
  * May include: rod.h. Called by: core_step.c, core_state.c. */
 #include "firmware/core/rod.h"
 
+enum {
+    TWIST_MAX_N_m_Q26 = 1 << 30
+}; /* 16 N m in one joint: 0.03 N m^2 in 2 mm; two of them fit a pivot (rod_twist.c) */
+
 /* One tick's walk along the line: the span that each tool is in. */
 typedef struct walk {
     const seld_model *model;
@@ -90,12 +94,17 @@ static stretch integrate(const seld_tool *tool, uint32_t span, int32_t from, int
 /* Share of the tools up to each pair's inner one in the joint's stiffness. Q15. */
 static void share_stiffness(const walk *w, const int32_t own_q26[SELD_TOOL_MAX], seld_joint *joint)
 {
+    if (w->model->tool_count < 2) {
+        return;
+    }
+    unsigned lead = seld_clz32((uint32_t)joint->bend_N_m_q26) - 1;
+    int64_t inverse = seld_reciprocal_q30((uint32_t)joint->bend_N_m_q26 << lead);
     int32_t inner_q26 = 0;
     for (uint32_t pair = 0; pair + 1 < w->model->tool_count; pair++) {
         inner_q26 = seld_add_sat(inner_q26, own_q26[pair]);
         bool all = inner_q26 >= joint->bend_N_m_q26;
         joint->inner_share_q15[pair] =
-            (uint16_t)(all ? 1 << 15 : seld_quotient(inner_q26, joint->bend_N_m_q26, 15));
+            (uint16_t)(all ? 1 << 15 : seld_rshift_round64(inner_q26 * inverse, 46 - lead));
     }
 }
 
@@ -215,6 +224,21 @@ static void share_turns(const walk *w, const int32_t own_q26[SELD_TOOL_MAX], sel
     }
 }
 
+/* Bending entries of joint i from its stiffness. */
+static void build_entries(const walk *w, uint32_t i, seld_joint *joint)
+{
+    const seld_mesh_node *mesh = &w->model->mesh[i];
+    if (i > 0) {
+        unsigned exponent = w->model->stiffness_exponent;
+        int32_t bend = joint->bend_N_m_q26;
+        int32_t a = mesh[-1].inverse_length_per_m_q18;
+        int32_t b = mesh->inverse_length_per_m_q18;
+        joint->p = seld_to_exponent(seld_bend_spring_q8(bend, a, a), exponent);
+        joint->q = a == b ? joint->p : seld_to_exponent(seld_bend_spring_q8(bend, a, b), exponent);
+        joint->r = a == b ? joint->p : seld_to_exponent(seld_bend_spring_q8(bend, b, b), exponent);
+    }
+}
+
 static void build_joint(walk *w, uint32_t i, cell c)
 {
     seld_joint *joint = &w->line->nodes[i].joint;
@@ -234,18 +258,11 @@ static void build_joint(walk *w, uint32_t i, cell c)
         share_stiffness(w, own_q26, joint);
     }
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
+        joint->twist_N_m_q26[k] =
+            joint->twist_N_m_q26[k] < TWIST_MAX_N_m_Q26 ? joint->twist_N_m_q26[k] : TWIST_MAX_N_m_Q26;
         joint->turn1_q30[k] = rest_turn_of(joint->turn1_q30[k]);
         joint->turn2_q30[k] = rest_turn_of(joint->turn2_q30[k]);
         joint->curved |= (uint32_t)((joint->turn1_q30[k] | joint->turn2_q30[k]) != 0) << k;
-    }
-    if (i > 0) {
-        unsigned exponent = w->model->stiffness_exponent;
-        int32_t bend = joint->bend_N_m_q26;
-        int32_t a = mesh[-1].inverse_length_per_m_q18;
-        int32_t b = mesh->inverse_length_per_m_q18;
-        joint->p = seld_to_exponent(seld_bend_spring_q8(bend, a, a), exponent);
-        joint->q = a == b ? joint->p : seld_to_exponent(seld_bend_spring_q8(bend, a, b), exponent);
-        joint->r = a == b ? joint->p : seld_to_exponent(seld_bend_spring_q8(bend, b, b), exponent);
     }
 }
 
@@ -277,7 +294,7 @@ static void build_surface(walk *w, uint32_t i, cell c)
             continue;
         }
         const seld_tool *tool = &w->model->tools[k];
-        int32_t arc = w->model->mesh[i].arc_m_q30 - w->line->offset_m_q30[k];
+        int32_t arc = c.begin + (c.end - c.begin) / 2 - w->line->offset_m_q30[k];
         uint32_t span = w->span[k];
         arc = arc < 0 ? 0 : arc;
         seek(tool, &span, arc);
@@ -310,12 +327,79 @@ static void build_edge(walk *w, uint32_t i)
     int64_t spring_q8 = seld_axial_spring_q8(w->model, i, softer);
     node->spring = seld_to_exponent(spring_q8, w->model->stiffness_exponent);
     node->axial_stiffness_N_q17 = seld_sat32((spring_q8 * w->model->mesh[i].length_m_q30) >> 21);
-    node[1].compliance_m_N_q40 = seld_add_sat(node->compliance_m_N_q40, inverse_of(spring_q8, 48));
+    w->line->edge_compliance_m_N_q40 = inverse_of(spring_q8, 48);
+    node[1].compliance_m_N_q40 = seld_add_sat(node->compliance_m_N_q40, w->line->edge_compliance_m_N_q40);
+}
+
+/* --- cells like most of them: each tool either absent or in one span, straight ------------------------------------ */
+
+static bool is_straight(const seld_span *s)
+{
+    return (s->from[SELD_CURVE1_PER_M_Q20] | s->delta[SELD_CURVE1_PER_M_Q20] |
+            s->from[SELD_CURVE2_PER_M_Q20] | s->delta[SELD_CURVE2_PER_M_Q20]) == 0;
+}
+
+/* Is the cell such a one? Brings every tool's span to it. */
+static bool is_plain(walk *w, cell c)
+{
+    for (uint32_t k = 0; k < w->model->tool_count; k++) {
+        const seld_tool *tool = &w->model->tools[k];
+        int32_t offset = w->line->offset_m_q30[k];
+        if (offset >= c.end) {
+            continue;
+        }
+        seek(tool, &w->span[k], c.begin - offset);
+        const seld_span *s = &tool->spans[w->span[k]];
+        bool one = c.end - offset <= s->end_m_q30 || w->span[k] + 1 == tool->span_count;
+        if (offset > c.begin || !one || !is_straight(s)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Joint, mass and surface of a plain cell: one place in each span gives all of them. */
+static void build_plain(walk *w, uint32_t i, cell c)
+{
+    seld_line_node *node = &w->line->nodes[i];
+    int32_t inverse = w->model->mesh[i].inverse_cell_per_m_q18;
+    int32_t middle = c.begin + (c.end - c.begin) / 2;
+    int32_t own_q26[SELD_TOOL_MAX] = {0, 0, 0};
+    int64_t mass_kg_per_m_q34 = 0;
+    int32_t bend = 0, outer_fraction = 0;
+    uint32_t outer = SELD_TOOL_MAX;
+    node->joint = (seld_joint){0};
+    for (uint32_t k = 0; k < w->model->tool_count; k++) {
+        int32_t offset = w->line->offset_m_q30[k];
+        if (offset >= c.end) {
+            continue;
+        }
+        const seld_span *s = &w->model->tools[k].spans[w->span[k]];
+        int32_t fraction = s->flat ? 0 : seld_span_fraction(s, middle - offset);
+        int32_t twist = seld_mul(seld_span_value(s, SELD_TWIST_N_M2_Q35, fraction), inverse, 27);
+        own_q26[k] = seld_mul(seld_span_value(s, SELD_BEND_N_M2_Q35, fraction), inverse, 27);
+        node->joint.twist_N_m_q26[k] = twist < TWIST_MAX_N_m_Q26 ? twist : TWIST_MAX_N_m_Q26;
+        bend = seld_add_sat(bend, own_q26[k]);
+        mass_kg_per_m_q34 += seld_span_value(s, SELD_MASS_KG_PER_M_Q34, fraction);
+        node->under = (uint8_t)(outer == SELD_TOOL_MAX ? k : outer);
+        outer = k;
+        outer_fraction = fraction;
+    }
+    /* The leading tool is everywhere, so that there is an outer one. */
+    const seld_span *s = &w->model->tools[outer].spans[w->span[outer]];
+    node->joint.bend_N_m_q26 = bend;
+    share_stiffness(w, own_q26, &node->joint);
+    node->outer = (uint8_t)outer;
+    node->outer_share_q15 = 1 << 15;
+    node->radius_m_q30 = seld_span_value(s, SELD_RADIUS_M_Q30, outer_fraction);
+    node->kinetic_q30 = seld_span_value(s, SELD_KINETIC_Q30, outer_fraction);
+    node->static_q30 = seld_span_value(s, SELD_STATIC_Q30, outer_fraction);
+    node->mass_kg_q40 = seld_sat32(seld_rshift_round64(mass_kg_per_m_q34 * (c.end - c.begin), 24));
 }
 
 /* --- the whole line ------------------------------------------------------------------------------------------ */
 
-/* Is node i like node i-1: same elements, each tool absent or in one flat span over both cells? Most of a shaft is. */
+/* Is node i like node i-1: same elements, each tool absent or in one flat span over both cells? */
 static bool repeats(const walk *w, uint32_t i)
 {
     const seld_mesh_node *mesh = &w->model->mesh[i];
@@ -335,29 +419,98 @@ static bool repeats(const walk *w, uint32_t i)
     return true;
 }
 
+/* Arc length behind the leading tip from which every tool is in its last span and that is flat, as most of a shaft is. */
+static int32_t steady_arc(const seld_model *model, const seld_line *line)
+{
+    int32_t arc = 0;
+    for (uint32_t k = 0; k < model->tool_count; k++) {
+        const seld_span *last = &model->tools[k].spans[model->tools[k].span_count - 1];
+        int32_t begin = last->flat ? seld_add_sat(last->begin_m_q30, line->offset_m_q30[k]) : INT32_MAX;
+        arc = begin > arc ? begin : arc;
+    }
+    return arc;
+}
+
+/* First node that is like all nodes behind it; `count` when there is none. */
+static uint32_t steady_node(const seld_model *model, const seld_line *line, uint32_t count)
+{
+    int32_t arc = steady_arc(model, line);
+    const seld_mesh_node *mesh = model->mesh;
+    uint32_t i = line->uniform;
+    i = line->count > 0 && line->steady > i ? line->steady : i;
+    while (i > line->uniform && mesh[i - 3].cell_end_m_q30 >= arc) {
+        i--;
+    }
+    while (i < count && mesh[i - 2].cell_end_m_q30 < arc) {
+        i++;
+    }
+    return i < count ? i : count;
+}
+
+/* First node that has two edges in front of it as long as all behind it. */
+static uint32_t uniform_node(const seld_model *model)
+{
+    uint32_t i = model->node_count + 2;
+    while (i > 3 && model->mesh[i - 3].length_m_q30 == model->mesh[model->node_count].length_m_q30) {
+        i--;
+    }
+    return i;
+}
+
+static void build_node(walk *w, uint32_t i)
+{
+    seld_line_node *node = &w->line->nodes[i];
+    if (repeats(w, i)) {
+        int32_t compliance = node->compliance_m_N_q40;
+        *node = node[-1];
+        node->compliance_m_N_q40 = compliance;
+        return;
+    }
+    const seld_mesh_node *mesh = &w->model->mesh[i];
+    cell c = {i > 0 ? mesh[-1].cell_end_m_q30 : 0, mesh->cell_end_m_q30};
+    if (is_plain(w, c)) {
+        build_plain(w, i, c);
+    } else {
+        build_joint(w, i, c);
+        build_surface(w, i, c);
+    }
+    build_entries(w, i, &node->joint);
+}
+
+/* Edge behind node i: like the one in front. */
+static void repeat_edge(seld_line *line, uint32_t i)
+{
+    line->nodes[i].spring = line->nodes[i - 1].spring;
+    line->nodes[i].axial_stiffness_N_q17 = line->nodes[i - 1].axial_stiffness_N_q17;
+}
+
 static void build_line(const seld_model *model, seld_line *line, uint32_t count)
 {
     walk w = {model, line, {0, 0, 0}};
+    if (line->count == 0) {
+        line->uniform = uniform_node(model);
+    }
+    uint32_t steady = steady_node(model, line, count);
+    uint32_t kept = line->count > 0 ? line->steady
+                                    : count; /* these nodes are as they would be again, up to line->count */
     line->nodes[0].compliance_m_N_q40 = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        seld_line_node *node = &line->nodes[i];
-        if (repeats(&w, i)) {
-            int32_t compliance = node->compliance_m_N_q40;
-            *node = node[-1];
-            node->compliance_m_N_q40 = compliance;
-        } else {
-            cell c = {i > 0 ? model->mesh[i - 1].cell_end_m_q30 : 0, model->mesh[i].cell_end_m_q30};
-            build_joint(&w, i, c);
-            build_surface(&w, i, c);
-        }
+    for (uint32_t i = 0; i < count && i <= steady; i++) {
+        build_node(&w, i);
         if (i > 0) {
             build_edge(&w, i - 1);
         }
     }
-    /* The last edge has no joint behind it. */
-    line->nodes[count - 1].spring = line->nodes[count - 2].spring;
-    line->nodes[count - 1].axial_stiffness_N_q17 = line->nodes[count - 2].axial_stiffness_N_q17;
+    if (steady < count) {
+        repeat_edge(line, steady);
+    }
+    for (uint32_t i = steady + 1; i < count; i++) {
+        if (i < kept || i >= line->count) {
+            line->nodes[i] = line->nodes[i - 1];
+        }
+    }
+    repeat_edge(line, count - 1); /* no joint behind it */
     line->count = count;
+    line->steady = steady;
 }
 
 void seld_line_update(const seld_model *model, seld_state *state)

@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "firmware/core/core_state.h"
+#include "firmware/tests/reference/random.h"
 #include "firmware/tests/reference/random_hands.h"
 #include "firmware/tests/reference/tube_lumen.h"
 
@@ -467,6 +468,36 @@ static void three_tools_are_restored_bit_for_bit(void **context)
     free(r);
 }
 
+/* What is kept of the line between ticks equals what a fresh start derives, wherever the tools slide. */
+static void a_line_that_is_kept_is_the_line_built_afresh(void **context)
+{
+    (void)context;
+    const uint32_t inserted_um[] = {150000, 120000, 160000};
+    rig *kept = rig_make(three_shaped, 3, NULL, inserted_um);
+    rig *afresh = malloc(sizeof *afresh);
+    *afresh = *kept;
+    reference_random random = {7};
+    int32_t way[3] = {0, 0, 0};
+    for (int t = 0; t < 3000; t++) {
+        for (int k = 0; k < 3; k++) {
+            /* half of the time it moves, often alone: the line behind is steady, shifts, or is another's */
+            if (t % 50 == 0) {
+                bool moves = reference_random_below(&random, 2) == 1;
+                way[k] = moves ? (int32_t)reference_random_below(&random, 800000) - 330000 : 0;
+            }
+            kept->input.hands[k].feed_m_q30 += way[k];
+        }
+        afresh->input = kept->input;
+        afresh->state.line.count = 0;
+        rig_step(kept);
+        rig_step(afresh);
+        assert_int_equal(kept->output.hash_lane[0], afresh->output.hash_lane[0]);
+        assert_int_equal(kept->output.hash_lane[1], afresh->output.hash_lane[1]);
+    }
+    free(kept);
+    free(afresh);
+}
+
 static void tools_that_do_not_fit_are_refused_by_name(void **context)
 {
     (void)context;
@@ -507,6 +538,7 @@ int main(void)
         cmocka_unit_test(contact_forces_of_the_nodes_carry_the_weight),
         cmocka_unit_test(random_hands_keep_three_tools_in_the_vessel),
         cmocka_unit_test(three_tools_are_restored_bit_for_bit),
+        cmocka_unit_test(a_line_that_is_kept_is_the_line_built_afresh),
         cmocka_unit_test(tools_that_do_not_fit_are_refused_by_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
