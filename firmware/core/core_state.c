@@ -133,13 +133,13 @@ static bool within(int32_t value, int32_t most)
 /* Bounds that the tick's own arithmetic keeps: displacements of 62 mm, turns of half a radian a tick. */
 static bool node_is_valid(const seld_node_state *node)
 {
-    enum { STEP_MAX_M_Q33 = 1 << 29, TURN_MAX_Q30 = 1 << 29 };
+    enum { STEP_MAX_M_Q33 = 1 << 24, BRISTLE_MAX_M_Q33 = 1 << 29, TURN_MAX_Q30 = 1 << 29 };
     bool turns = true;
     for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
         turns = turns && within(node->spin_q30[k], TURN_MAX_Q30);
     }
     return turns && is_unit(&node->tangent_q30) && is_small(&node->step_m_q33, STEP_MAX_M_Q33) &&
-           is_small(&node->bristle_m_q33, STEP_MAX_M_Q33) &&
+           is_small(&node->bristle_m_q33, BRISTLE_MAX_M_Q33) &&
            is_small(&node->position_m_q30, SELD_POSITION_MAX_M_Q30) && node->contact <= SELD_CONTACT_STICKS;
 }
 
@@ -224,19 +224,23 @@ bool seld_state_restore(const seld_model *model, seld_state *state, const uint8_
 /* --- hashes
  * ---------------------------------------------------------------------------------------------------- */
 
-/* Two 32-bit FNV-1a lanes over even and odd words: three operations a word, for every tick. */
+/* Two 32-bit polynomials over even and odd words, sum of word[i] m^(n-i) with the odd FNV prime m: two operations a word, for
+ * every tick. Each step is one to one in the lane and in the word, so a single wrong word never goes unseen. */
 void seld_state_hash_lanes(const seld_state *state, uint32_t lane[2])
 {
     const uint32_t *words = (const uint32_t *)&state->words;
     size_t live = live_words(&state->words);
     uint32_t even = 2166136261u;
     uint32_t odd = 3405691582u;
-    for (size_t i = 0; i + 1 < live; i += 2) {
-        even = (even ^ words[i]) * 16777619u;
-        odd = (odd ^ words[i + 1]) * 16777619u;
+    size_t i = 0;
+    for (; i + 8 <= live; i += 8) {
+        for (size_t k = 0; k < 8; k += 2) {
+            even = even * 16777619u + words[i + k];
+            odd = odd * 16777619u + words[i + k + 1];
+        }
     }
-    if (live & 1u) {
-        even = (even ^ words[live - 1]) * 16777619u;
+    for (; i < live; i++) {
+        even = even * 16777619u + words[i];
     }
     lane[0] = even ^ (even >> 15);
     lane[1] = odd ^ (odd >> 15);

@@ -87,6 +87,26 @@ static inline int32_t seld_sub_sat(int32_t a, int32_t b)
 #endif
 }
 
+/* a >> n between -most and most. Format: 64 bit -> 32 bit, floor, `most_high` being the high word of `most` << n, 1 <= n <= 31.
+ * Overflow: limited, and a bit of `flag` set in `*flags`. A 32-bit machine looks at the high word only. */
+static inline int32_t seld_limit64(int64_t a, unsigned n, int32_t most_high, uint32_t flag, uint32_t *flags)
+{
+    int64_t most = (int64_t)most_high << (32 - n);
+    if (sizeof(void *) > 4) {
+        int64_t value = a >> n;
+        if ((uint64_t)(value + most) < 2 * (uint64_t)most) {
+            return (int32_t)value;
+        }
+    } else {
+        uint32_t high = (uint32_t)((uint64_t)a >> 32);
+        if (high + (uint32_t)most_high < 2 * (uint32_t)most_high) {
+            return (int32_t)(high << (32 - n) | (uint32_t)a >> n);
+        }
+    }
+    *flags |= flag;
+    return (int32_t)(a < 0 ? -most : (most > INT32_MAX ? INT32_MAX : most));
+}
+
 /* Product of two values, rounded and saturated once. Format: Qa x Qb -> Q(a+b-n), 64-bit intermediate, 1 <= n
  * <= 62. Overflow: saturates. Error: 1/2 LSB in range. A 32-bit machine looks at the upper word only. */
 static inline int32_t seld_mul(int32_t a, int32_t b, unsigned n)
@@ -132,6 +152,18 @@ static inline int32_t seld_mulh_add(int32_t sum, int32_t a, int32_t b)
     return high;
 #else
     return sum + seld_mulh(a, b);
+#endif
+}
+
+/* sum - a b, the product's high word rounded: SMMLSR. Otherwise as seld_mulh_add. Error: 1/2 LSB. */
+static inline int32_t seld_mulh_sub(int32_t sum, int32_t a, int32_t b)
+{
+#if SELD_HIGH_WORDS_BY_DSP
+    int32_t high;
+    __asm__("smmlsr %0, %1, %2, %3" : "=r"(high) : "r"(a), "r"(b), "r"(sum));
+    return high;
+#else
+    return sum + (int32_t)((((int64_t)1 << 31) - (int64_t)a * b) >> 32);
 #endif
 }
 

@@ -62,10 +62,11 @@ static inline int32_t seld_to_exponent(int64_t value_q8, unsigned exponent)
                                     : seld_rshift_round64(value_q8, 8 - exponent));
 }
 
-/* m / h^2 in Q(a) N/m from kg in Q40. */
+/* m / h^2 in Q(a) N/m, a <= 14: kg in Q40 times 1e6 2^10 / 2^32 is N/m in Q18. The matrix and the right side need the same
+ * rounded value: a difference of 2 % undoes the damping. Overflow: impossible, below 2^29. */
 static inline int32_t seld_line_inertia(const seld_model *model, const seld_line_node *line)
 {
-    return seld_sat32(((int64_t)line->mass_kg_q40 * 1000000) >> (40 - model->stiffness_exponent));
+    return seld_asr32(seld_mulh(line->mass_kg_q40, 1024000000), 18 - model->stiffness_exponent);
 }
 
 /* --- parts of the tick --------------------------------------------------------------------------------------- */

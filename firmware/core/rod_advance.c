@@ -2,13 +2,11 @@
  * May include: rod.h. Called by: core_step.c. */
 #include "firmware/core/rod.h"
 
-/* +-1.98 m, so that a tick's slide can be added without overflow. Beyond it only in a scene without walls. */
-static int32_t limit_position(int64_t m_q30)
+/* +-1.98 m, so that a tick's slide can be added without overflow. Beyond it only in a scene without walls. Overflow of the
+ * sum: impossible, a tick's motion is below 2^20 in Q30. */
+static int32_t limit_position(int32_t m_q30)
 {
-    if (m_q30 > SELD_POSITION_MAX_M_Q30) {
-        return SELD_POSITION_MAX_M_Q30;
-    }
-    return m_q30 < -SELD_POSITION_MAX_M_Q30 ? -SELD_POSITION_MAX_M_Q30 : (int32_t)m_q30;
+    return seld_clamp(m_q30, -SELD_POSITION_MAX_M_Q30, SELD_POSITION_MAX_M_Q30);
 }
 
 static void move_node(seld_state *state, uint32_t i)
@@ -18,13 +16,13 @@ static void move_node(seld_state *state, uint32_t i)
     for (int k = 0; k < 3; k++) {
         int32_t step = work->solution_m_q33.v[k] + work->slide_m_q33.v[k];
         node->step_m_q33.v[k] = step;
-        node->position_m_q30.v[k] = limit_position((int64_t)node->position_m_q30.v[k] + ((step + 4) >> 3));
+        node->position_m_q30.v[k] = limit_position(node->position_m_q30.v[k] + ((step + 4) >> 3));
     }
 }
 
 /* Elongation of all free edges to first order: that at x* plus t . (delta[i+1] - delta[i]). Sideways motion of one tick
  * adds its square over twice the edge, below 0.02 % while steps are below the cap.
- * Format: sum of Q33 m in 64 bits. */
+ * Format: sum of Q33 m in 64 bits. Overflow: edges are below 2^25 in Q30. */
 static int64_t elongation_m_q33(const seld_model *model, const seld_state *state)
 {
     int64_t sum = 0;
@@ -34,8 +32,8 @@ static int64_t elongation_m_q33(const seld_model *model, const seld_state *state
         seld_vec3 relative = {{work[1].solution_m_q33.v[0] - work->solution_m_q33.v[0],
                                work[1].solution_m_q33.v[1] - work->solution_m_q33.v[1],
                                work[1].solution_m_q33.v[2] - work->solution_m_q33.v[2]}};
-        sum += seld_vec3_dot64(relative, *t) >> 30;
-        sum += ((int64_t)work->strain_q30 * model->mesh[i].length_m_q30) >> 27;
+        int32_t ahead = seld_mulh(work->strain_q30, model->mesh[i].length_m_q30 * 32);
+        sum += ahead + seld_vec3_dot_unit(&relative, t);
     }
     return sum;
 }

@@ -192,24 +192,24 @@ static void free_node(seld_state *state, uint32_t i)
 }
 
 /* x* = x - T ds with the node's tangent T, and the inertia's right side m/h^2 ((1 - gamma h) u - slide).
- * Overflow: displacements per tick stay below 2^23 m Q33 (cap), inertia below 2^29: products below 2^60. */
+ * Overflow: displacements per tick stay below 2^24 m Q33 (feed and cap), their eightfold below 2^27. */
 static void slide_node(const seld_model *model, seld_state *state, uint32_t i)
 {
     seld_node_state *node = &state->words.nodes[i];
     seld_work *work = &state->scratch.nodes[i];
     const seld_vec3 *ahead = &state->words.nodes[i > 0 ? i - 1 : 0].tangent_q30;
-    const int64_t inertia = seld_line_inertia(model, &state->line.nodes[i]);
-    int32_t feed = state->scratch.feed_m_q33;
-    unsigned shift = model->stiffness_exponent + 11; /* Q(a) N/m x Q33 m -> Q22 N */
+    const int32_t inertia_q18 = seld_line_inertia(model, &state->line.nodes[i])
+                                << (18 - model->stiffness_exponent);
+    const int32_t back_m_q35 = -4 * state->scratch.feed_m_q33;
     for (int k = 0; k < 3; k++) {
-        int32_t tangent = (int32_t)(((int64_t)ahead->v[k] + node->tangent_q30.v[k]) >> 1);
-        int32_t slide = -seld_scale_q30(feed, tangent);
+        int32_t tangent = seld_asr32(ahead->v[k], 1) + seld_asr32(node->tangent_q30.v[k], 1);
+        int32_t slide = seld_mulh(back_m_q35, tangent);
         int32_t drift = node->step_m_q33.v[k] - slide;
-        int32_t kept = drift - seld_scale_q30(node->step_m_q33.v[k], SELD_DAMPING_KEEP_Q30);
+        int32_t kept = seld_mulh_add(drift, node->step_m_q33.v[k], -4 * SELD_DAMPING_KEEP_Q30);
         work->slide_m_q33.v[k] = slide;
         work->drift_m_q33.v[k] = drift;
         work->position_m_q30.v[k] = node->position_m_q30.v[k] + ((slide + 4) >> 3);
-        work->force_N_q22.v[k] = (int32_t)seld_rshift_round64(inertia * kept, shift);
+        work->force_N_q22.v[k] = seld_mulh(inertia_q18, kept * 8); /* Q18 N/m x Q36 m */
     }
 }
 

@@ -23,18 +23,6 @@ static void add(seld_vec3 *sum, int k, int32_t value)
     sum->v[k] += value;
 }
 
-/* Half of |w|^2 - 1. Format: Q30 -> Q30, clamped to +-STRAIN_MAX. Error: 1 LSB. */
-static int32_t half_excess(const seld_vec3 *w, bool *clamped)
-{
-    int64_t square = seld_vec3_dot64(*w, *w) - ((int64_t)1 << 60);
-    int64_t excess = square >> 31;
-    if (excess > STRAIN_MAX_Q30 || excess < -STRAIN_MAX_Q30) {
-        *clamped = true;
-        return excess > 0 ? STRAIN_MAX_Q30 : -STRAIN_MAX_Q30;
-    }
-    return (int32_t)excess;
-}
-
 /* Strain sqrt(1 + 2e) - 1 and inverse length of an edge from e = (|w|^2 - 1) / 2.
  * Error: e^4 * 5/8 <= 1.5e-4 at 12.5 %; below 1e-9 at 1 %. */
 static int32_t strain_of(int32_t e)
@@ -45,27 +33,41 @@ static int32_t strain_of(int32_t e)
 static int32_t inverse_stretch_of(int32_t e)
 {
     int32_t e2 = seld_scale_q30(e, e);
-    return SELD_ONE_Q30 - e + e2 + (e2 >> 1) - (int32_t)(((int64_t)seld_scale_q30(e2, e) * 5) >> 1);
+    return SELD_ONE_Q30 - e + e2 + (e2 >> 1) - ((seld_scale_q30(e2, e) * 5) >> 1);
 }
 
-/* w, t and the strain of the edge between two positions. Format: positions Q30 m, 1/l Q18 -> Q30. */
+/* w of the edge between two positions. Format: positions Q30 m, 1/l Q18 -> Q30 (floor: the same in all directions, so that no
+ * joint bends by it). Overflow: saturates component by component. */
+static seld_vec3 relative(int32_t inverse_per_m_q18, const seld_vec3 *from, const seld_vec3 *to)
+{
+    seld_vec3 w;
+    uint32_t unseen = 0; /* the strain says it */
+    for (int k = 0; k < 3; k++) {
+        int64_t product = (int64_t)seld_sub_sat(to->v[k], from->v[k]) * inverse_per_m_q18 + (1 << 17);
+        w.v[k] = seld_limit64(product, 18, 1 << 17, 0, &unseen);
+    }
+    return w;
+}
+
+/* w, t and the strain of the edge between two positions. |w|^2 is taken modulo 2^64: an edge longer than 2.8 times its length
+ * has been reported as saturated long before. */
 static int32_t stretch_of(int32_t inverse_per_m_q18, const seld_vec3 *from, const seld_vec3 *to, seld_vec3 *w,
                           seld_vec3 *t, uint32_t *fault_bits)
 {
-    for (int k = 0; k < 3; k++) {
-        int64_t difference = (int64_t)to->v[k] - from->v[k];
-        w->v[k] = seld_sat32(seld_rshift_round64(difference * inverse_per_m_q18, 18));
-    }
-    bool clamped = false;
-    int32_t e = half_excess(w, &clamped);
-    if (clamped) {
+    *w = relative(inverse_per_m_q18, from, to);
+    uint64_t square = (uint64_t)((int64_t)w->v[0] * w->v[0]) + (uint64_t)((int64_t)w->v[1] * w->v[1]) +
+                      (uint64_t)((int64_t)w->v[2] * w->v[2]);
+    int64_t excess = (int64_t)(square - ((uint64_t)1 << 60)); /* twice e, Q60 */
+    int32_t high = seld_high64(excess);
+    if (high >= STRAIN_MAX_Q30 / 2 || high < -STRAIN_MAX_Q30 / 2) {
         *fault_bits |= SELD_FAULT_SATURATED;
         *t = seld_vec3_normalise(*w, *t, NULL);
-    } else {
-        int32_t inverse = inverse_stretch_of(e);
-        for (int k = 0; k < 3; k++) {
-            t->v[k] = (int32_t)seld_rshift_round64((int64_t)w->v[k] * inverse, 30);
-        }
+        return strain_of(high > 0 ? STRAIN_MAX_Q30 : -STRAIN_MAX_Q30);
+    }
+    int32_t e = seld_narrow64(excess, 31);
+    int32_t inverse = inverse_stretch_of(e);
+    for (int k = 0; k < 3; k++) {
+        t->v[k] = seld_scale_q30(w->v[k], inverse);
     }
     return strain_of(e);
 }
@@ -73,8 +75,12 @@ static int32_t stretch_of(int32_t inverse_per_m_q18, const seld_vec3 *from, cons
 /* k_g in Q(a): tension / length, none in compression. */
 static int32_t geometric_stiffness(int32_t tension_N_q22, int32_t inverse_per_m_q18, unsigned exponent)
 {
-    int32_t pull = seld_clamp(tension_N_q22, 0, TENSION_STIFF_MAX_N_Q22);
-    return (int32_t)(((int64_t)pull * inverse_per_m_q18) >> (40 - exponent));
+    if (tension_N_q22 <= 0) {
+        return 0;
+    }
+    int32_t pull = tension_N_q22 < TENSION_STIFF_MAX_N_Q22 ? tension_N_q22 : TENSION_STIFF_MAX_N_Q22;
+    int32_t stiffness_q8 = seld_mulh(pull, inverse_per_m_q18); /* below 2^26: 2^27 N Q22 x 2^31 */
+    return exponent >= 8 ? stiffness_q8 << (exponent - 8) : stiffness_q8 >> (8 - exponent);
 }
 
 /* Geometry and axial force of edge i; adds +-F t to its two nodes. */
@@ -87,14 +93,11 @@ static void edge_forces(const seld_model *model, seld_state *state, uint32_t i)
     here->strain_q30 = stretch_of(inverse, &here->position_m_q30, &next->position_m_q30,
                                   &here->u.a.stretch_q30, tangent, &state->words.fault_bits);
     /* Q17 N x Q30 -> Q22 N */
-    int64_t tension = ((int64_t)state->line.nodes[i].axial_stiffness_N_q17 * here->strain_q30) >> 25;
-    if (tension > TENSION_MAX_N_Q22 || tension < -TENSION_MAX_N_Q22) {
-        state->words.fault_bits |= SELD_FAULT_SATURATED;
-        tension = tension > 0 ? TENSION_MAX_N_Q22 : -TENSION_MAX_N_Q22;
-    }
-    here->geometric = geometric_stiffness((int32_t)tension, inverse, model->stiffness_exponent);
+    int32_t tension = seld_limit64((int64_t)state->line.nodes[i].axial_stiffness_N_q17 * here->strain_q30, 25,
+                                   TENSION_MAX_N_Q22 >> 7, SELD_FAULT_SATURATED, &state->words.fault_bits);
+    here->geometric = geometric_stiffness(tension, inverse, model->stiffness_exponent);
     for (int k = 0; k < 3; k++) {
-        int32_t pull = seld_scale_q30((int32_t)tension, tangent->v[k]);
+        int32_t pull = seld_scale_q30(tension, tangent->v[k]);
         add(&here->force_N_q22, k, pull);
         add(&next->force_N_q22, k, -pull);
     }
@@ -126,7 +129,7 @@ void seld_rod_rest_turn(const seld_joint *joint, uint32_t tool, int32_t release_
  * 1/2 + (1-c)/4 + (1-c)^2/8, good to 1e-4 at 40 degrees. */
 static seld_vec3 twist_force(int32_t torque_N_m_q30, const seld_vec3 *before, const seld_vec3 *after)
 {
-    int32_t lack = SELD_ONE_Q30 - (int32_t)(seld_vec3_dot64(*before, *after) >> 30);
+    int32_t lack = SELD_ONE_Q30 - seld_vec3_dot_unit(before, after);
     int32_t inverse = (SELD_ONE_Q30 >> 1) + (lack >> 2) + (seld_scale_q30(lack, lack) >> 3);
     int32_t scaled = seld_scale_q30(torque_N_m_q30, inverse);
     seld_vec3 across = seld_vec3_cross_unit(before, after);
@@ -136,14 +139,19 @@ static seld_vec3 twist_force(int32_t torque_N_m_q30, const seld_vec3 *before, co
     return across;
 }
 
-/* One component of a joint's force on a neighbour, limited to 60 N: ten times what a hand can bend in. */
-static int32_t part(int64_t force_N_q22, uint32_t *fault_bits)
+/* v / l as one component of a joint's force on a neighbour, limited to 60 N: ten times what a hand can bend in.
+ * Format: Q30 N m x Q18 -> Q22 N, rounded. */
+static inline int32_t part(int32_t moment_N_m_q30, int32_t inverse_per_m_q18, uint32_t *fault_bits)
 {
-    if (force_N_q22 > PART_MAX_N_Q22 || force_N_q22 < -PART_MAX_N_Q22) {
-        *fault_bits |= SELD_FAULT_SATURATED;
-        return force_N_q22 > 0 ? PART_MAX_N_Q22 : -PART_MAX_N_Q22;
-    }
-    return (int32_t)force_N_q22;
+    int64_t force = (int64_t)moment_N_m_q30 * inverse_per_m_q18 + (1 << 25);
+    return seld_limit64(force, 26, PART_MAX_N_Q22 / 64, SELD_FAULT_SATURATED, fault_bits);
+}
+
+/* W b. Format: Q26 N m x Q28 -> Q30 N m, floor. Overflow: saturates at 2 N m, which gives more than 60 N on any edge. */
+static inline int32_t moment_of(int32_t bend_N_m_q26, int32_t turn_q28)
+{
+    uint32_t unseen = 0; /* the force says it */
+    return seld_limit64((int64_t)bend_N_m_q26 * turn_q28 + (1 << 23), 24, 1 << 23, 0, &unseen);
 }
 
 seld_vec3 seld_rod_tool_turn(const seld_state *state, const seld_joint *joint, uint32_t tool, uint32_t i)
@@ -170,9 +178,8 @@ seld_vec3 seld_rod_line_turn(const seld_model *model, const seld_state *state, c
     return turn;
 }
 
-/* Bending and twist at the joint of node i (1 .. na). Format: W Q26 x b Q30 -> v Q30 N m; a Q18 x v Q30 -> Q22 N.
- * Overflow: impossible. |b| < 2^32 and W < 2^30 (16 N m); v a < 4 W / l < 2^15 N (FOLD_MAX_N of core_build.c), below
- * 2^63 in Q48. Both ends get the same rounded force, so momentum is exact. */
+/* Bending and twist at the joint of node i (1 .. na). Format: W Q26 x b Q28 -> v Q30 N m; a Q18 x v Q30 -> Q22 N. b loses two
+ * bits of the edges' Q30, below the step of a position. Both ends get the same rounded force, so momentum is exact. */
 static void joint_forces(const seld_model *model, seld_state *state, uint32_t i)
 {
     seld_work *here = &state->scratch.nodes[i];
@@ -180,21 +187,22 @@ static void joint_forces(const seld_model *model, seld_state *state, uint32_t i)
     const seld_joint *joint = seld_rod_joint(state, i);
     int32_t a = model->mesh[i - 1].inverse_length_per_m_q18;
     int32_t c = model->mesh[i].inverse_length_per_m_q18;
+    uint32_t *faults = &state->words.fault_bits;
     seld_vec3 turn = {{0, 0, 0}};
     if (joint->curved != 0) {
         turn = seld_rod_line_turn(model, state, joint, i);
     }
-    uint32_t *faults = &state->words.fault_bits;
     seld_vec3 twisting = {{0, 0, 0}};
     if (here->torque_N_m_q30 != 0) {
         twisting = twist_force(here->torque_N_m_q30, &state->words.nodes[i - 1].tangent_q30,
                                &state->words.nodes[i].tangent_q30);
     }
     for (int k = 0; k < 3; k++) {
-        int64_t bend = (int64_t)here->u.a.stretch_q30.v[k] - ahead->u.a.stretch_q30.v[k] - turn.v[k];
-        int64_t moment = seld_rshift_round64(bend * joint->bend_N_m_q26, 26);
-        int32_t front = part(seld_rshift_round64((moment - twisting.v[k]) * a, 26), faults);
-        int32_t back = part(seld_rshift_round64((moment + twisting.v[k]) * c, 26), faults);
+        int32_t bend_q28 = seld_asr32(here->u.a.stretch_q30.v[k], 2) -
+                           seld_asr32(ahead->u.a.stretch_q30.v[k], 2) - seld_asr32(turn.v[k], 2);
+        int32_t moment = moment_of(joint->bend_N_m_q26, bend_q28);
+        int32_t front = part(seld_sub_sat(moment, twisting.v[k]), a, faults);
+        int32_t back = part(seld_add_sat(moment, twisting.v[k]), c, faults);
         add(&ahead->force_N_q22, k, -front);
         add(&here->force_N_q22, k, front + back);
         add(&here[1].force_N_q22, k, -back);

@@ -15,7 +15,7 @@
 
 /* Inverse of a block: D^-1 = mantissa 2^-exponent in units of 1/D. */
 typedef struct inverse3 {
-    int32_t m[6]; /* |m| <= 2^30 */
+    int_fast32_t m[6]; /* |m| <= 2^30 */
     unsigned exponent;
 } inverse3;
 
@@ -73,16 +73,17 @@ static inline void invert(const seld_sym3 *d, inverse3 *inverse)
 }
 
 /* One entry of D^-1 T. */
-static inline int32_t row_times(int32_t a, int32_t b, int32_t c, const int32_t *t, unsigned shift)
+static inline int32_t row_times(int_fast32_t a, int_fast32_t b, int_fast32_t c, const int_fast32_t *t,
+                                unsigned shift)
 {
     return seld_narrow64((int64_t)a * t[0] + (int64_t)b * t[3] + (int64_t)c * t[6], shift);
 }
 
 /* V = D^-1 T in Q29, column by column. Overflow: 3 * 2^29 * 2^29 in the sum; |W| = |V - I| <= 2 for meshes that grow to
  * the base. */
-static inline void times(const inverse3 *inverse, const int32_t *t, int32_t *v_q29)
+static inline void times(const inverse3 *inverse, const int_fast32_t *t, int32_t *v_q29)
 {
-    const int32_t *n = inverse->m;
+    const int_fast32_t *n = inverse->m;
     unsigned shift = inverse->exponent - 29; /* 1 .. 30 */
     for (int c = 0; c < 3; c++) {
         v_q29[c] = row_times(n[XX], n[XY], n[XZ], t + c, shift);
@@ -92,7 +93,8 @@ static inline void times(const inverse3 *inverse, const int32_t *t, int32_t *v_q
 }
 
 /* One component of D^-1 r, limited to 62 mm. Format: n r -> Q33 m by `shift`. Error: 1/2 LSB. */
-static inline int32_t row_apply(int32_t a, int32_t b, int32_t c, const int32_t *r, unsigned shift)
+static inline int32_t row_apply(int_fast32_t a, int_fast32_t b, int_fast32_t c, const int_fast32_t *r,
+                                unsigned shift)
 {
     int64_t sum = (int64_t)a * r[0] + (int64_t)b * r[1] + (int64_t)c * r[2];
     if (shift > 32) { /* the low word cannot carry */
@@ -109,9 +111,9 @@ static inline int32_t row_apply(int32_t a, int32_t b, int32_t c, const int32_t *
 }
 
 /* z = D^-1 r. Format: r Q22 N -> Q33 m: shift = exponent - a - 11. Overflow: 3 * 2^29 * 2^30 in the sum. */
-static inline void apply(const inverse3 *inverse, const int32_t *r, unsigned exponent_a, seld_vec3 *z)
+static inline void apply(const inverse3 *inverse, const int_fast32_t *r, unsigned exponent_a, seld_vec3 *z)
 {
-    const int32_t *n = inverse->m;
+    const int_fast32_t *n = inverse->m;
     unsigned shift = inverse->exponent - exponent_a - 11;
     z->v[0] = row_apply(n[XX], n[XY], n[XZ], r, shift);
     z->v[1] = row_apply(n[XY], n[YY], n[YZ], r, shift);
@@ -200,10 +202,10 @@ static inline void add_wall(const seld_work *work, const seld_vec3 *tangent, sel
 /* What two rows give to the third, besides their V and P: of the row before T, R + Q + Q^T, kb and r, of the one before that
  * kb and r. */
 typedef struct given {
-    int32_t t[9];
+    int_fast32_t t[9];
     seld_sym3 rest;
-    int32_t second, second_before;
-    int32_t r[3], r_before[3];
+    int_fast32_t second, second_before;
+    int_fast32_t r[3], r_before[3];
 } given;
 
 /* Row i as assembled, without S. */
@@ -225,7 +227,7 @@ static inline row3 load_row(const seld_model *model, const seld_state *state, ui
 }
 
 /* One entry of T^T V + kb P. Overflow: 3 * 2^29 * 2^31 + 2^27 * 2^31 < 2^62. */
-static inline int32_t taken(const int32_t *t, const int32_t *v_q29, int32_t second, int32_t p_q29)
+static inline int32_t taken(const int_fast32_t *t, const int32_t *v_q29, int_fast32_t second, int32_t p_q29)
 {
     int64_t sum = (int64_t)t[0] * v_q29[0] + (int64_t)t[3] * v_q29[3] + (int64_t)t[6] * v_q29[6] +
                   (int64_t)second * p_q29 + (1 << 28);
@@ -235,9 +237,9 @@ static inline int32_t taken(const int32_t *t, const int32_t *v_q29, int32_t seco
 /* R += R' + Q' + Q'^T - T'^T V' - kb'' P'' */
 static inline void gather_rest(seld_sym3 *rest, const given *from, const int32_t *v_q29, const int32_t *p_q29)
 {
-    const int32_t *t = from->t;
+    const int_fast32_t *t = from->t;
     const int32_t *r = from->rest.m;
-    int32_t second = from->second_before;
+    int_fast32_t second = from->second_before;
     rest->m[XX] += r[XX] - taken(t, v_q29, second, p_q29[XX]);
     rest->m[XY] += r[XY] - taken(t, v_q29 + 1, second, p_q29[XY]);
     rest->m[XZ] += r[XZ] - taken(t, v_q29 + 2, second, p_q29[XZ]);
@@ -260,8 +262,8 @@ static inline void gather_upper(int32_t *q, int32_t next, int32_t second, const 
 
 /* One component of r + r' - V'^T r' - P'' r'', limited to 256 N. Overflow: forces are within 2^30, and the magnitudes of a row
  * of V^T and of one of P add up to less than 2^31 and 2^30: below 2^62. */
-static inline int32_t gather_force(int64_t sum_N_q22, const int32_t *v_q29, const int32_t *r, int32_t p0,
-                                   int32_t p1, int32_t p2, const int32_t *r_before)
+static inline int32_t gather_force(int64_t sum_N_q22, const int32_t *v_q29, const int_fast32_t *r, int32_t p0,
+                                   int32_t p1, int32_t p2, const int_fast32_t *r_before)
 {
     int64_t sum = (int64_t)v_q29[0] * r[0] + (int64_t)v_q29[3] * r[1] + (int64_t)v_q29[6] * r[2] +
                   (int64_t)p0 * r_before[0] + (int64_t)p1 * r_before[1] + (int64_t)p2 * r_before[2] +
@@ -291,7 +293,8 @@ static inline bool eliminate_row(const seld_model *model, seld_state *state, uin
 {
     seld_work *work = &state->scratch.nodes[i];
     const int32_t *f = work->force_N_q22.v;
-    const int32_t *before = from->r, *p = p_q29;
+    const int32_t *p = p_q29;
+    const int_fast32_t *before = from->r;
     row3 row = load_row(model, state, i);
     gather_rest(&row.rest, from, v_q29, p_q29);
     int32_t q[9];

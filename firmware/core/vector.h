@@ -46,7 +46,7 @@ static inline int32_t seld_vec3_dot_unit(const seld_vec3 *a, const seld_vec3 *un
 /* a b - c d, the high words rounded. Format: Qa x Q30 -> Qa in steps of 4 LSB. Error: 4 LSB. */
 static inline int32_t seld_minor_unit(int32_t a, int32_t b_q30, int32_t c, int32_t d_q30)
 {
-    return seld_mulh_add(seld_mulh(a, b_q30), -c, d_q30) * 4;
+    return seld_mulh_sub(seld_mulh(a, b_q30), c, d_q30) * 4;
 }
 
 /* Cross product with a unit vector on the left. Format: Q30 x Qa -> Qa in steps of 4 LSB. Overflow: impossible while the
