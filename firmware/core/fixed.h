@@ -181,6 +181,16 @@ static inline int32_t seld_high64(int64_t a)
     return (int32_t)(uint32_t)((uint64_t)a >> 32);
 }
 
+/* High word, rounded. Format: 64 bit -> 32 bit, floor(a / 2^32 + 1/2). Overflow: |a| must be below 2^63 - 2^31. Error: 1/2
+ * LSB. On a 32-bit machine the low word's top bit is added to the high word. */
+static inline int32_t seld_round_high64(int64_t a)
+{
+    if (sizeof(void *) > 4) {
+        return (int32_t)((a + ((int64_t)1 << 31)) >> 32);
+    }
+    return seld_high64(a) + (int32_t)((uint32_t)a >> 31);
+}
+
 /* Low 32 bits of a >> n for 1 <= n <= 31. Format: 64 bit -> 32 bit, floor. Overflow: bits above are lost; the caller states
  * why there are none. Error: exact floor. A 32-bit machine takes three instructions for it and nine for the shift. */
 static inline int32_t seld_narrow64(int64_t a, unsigned n)

@@ -23,47 +23,52 @@ static int32_t magnitude_sum(const seld_vec3 *a)
 }
 
 /* Component along n. Format: Q33 . Q30 -> Q33. Overflow: impossible, displacements stay below 2^30 (125 mm). */
-static int32_t along(const seld_vec3 *a, const seld_vec3 *n)
+static inline int32_t along(const seld_vec3 *a, const seld_vec3 *n)
 {
     return seld_vec3_dot_unit(a, n);
 }
 
-static seld_vec3 tangential(const seld_vec3 *a, const seld_vec3 *n)
+static inline seld_vec3 without(const seld_vec3 *a, const seld_vec3 *n, int32_t part)
 {
-    int32_t part = along(a, n);
-    seld_vec3 t;
-    for (int k = 0; k < 3; k++) {
-        t.v[k] = a->v[k] - seld_scale_q30(part, n->v[k]);
-    }
-    return t;
+    return seld_vec3_make(a->v[0] - seld_scale_q30(part, n->v[0]), a->v[1] - seld_scale_q30(part, n->v[1]),
+                          a->v[2] - seld_scale_q30(part, n->v[2]));
 }
 
-/* Normal force of a depth: k_c d + k_deep max(0, d - 0.2 mm). Format: Q(a) N/m x Q30 m -> Q22 N; negative
- * depths give the linear part only (it closes the gap in the same solve). */
-static int32_t normal_force(const seld_model *model, int32_t depth_m_q30)
+static inline seld_vec3 tangential(const seld_vec3 *a, const seld_vec3 *n)
 {
-    int64_t force = (int64_t)model->contact * depth_m_q30;
+    return without(a, n, along(a, n));
+}
+
+/* Normal force of a depth: k_c d + k_deep max(0, d - 0.2 mm). Format: Q30 m -> Q22 N; negative
+ * depths give the linear part only (it closes the gap in the same solve). Overflow: limited above; below, 5000 N/m times
+ * -1 m is -5000 N, held at the same limit, since a contact that far off is none. */
+static inline int32_t normal_force(int32_t depth_m_q30)
+{
+    int64_t force = (int64_t)depth_m_q30 * SELD_CONTACT_STIFFNESS_N_m;
     if (depth_m_q30 > SELD_CONTACT_DEEP_M_Q30) {
-        force += (int64_t)model->contact_deep * (depth_m_q30 - SELD_CONTACT_DEEP_M_Q30);
+        force += (int64_t)(depth_m_q30 - SELD_CONTACT_DEEP_M_Q30) * SELD_CONTACT_STIFFNESS_DEEP_N_m;
     }
-    force = seld_rshift_round64(force, model->stiffness_exponent + 8);
-    return (int32_t)(force > NORMAL_MAX_N_Q22 ? NORMAL_MAX_N_Q22 : force);
+    force = seld_rshift_round64(force, 8);
+    if ((uint64_t)(force + NORMAL_MAX_N_Q22) <= (uint64_t)NORMAL_MAX_N_Q22 * 2) { /* the usual case */
+        return (int32_t)force;
+    }
+    return force > 0 ? NORMAL_MAX_N_Q22 : -NORMAL_MAX_N_Q22;
 }
 
-static int32_t friction_of(const seld_state *state, uint32_t i)
+static inline int32_t friction_of(const seld_state *state, uint32_t i)
 {
     const seld_line_node *line = &state->line.nodes[i];
     return state->words.nodes[i].contact == SELD_CONTACT_SLIPS ? line->kinetic_q30 : line->static_q30;
 }
 
 /* Bristle at its limit mu N / k_t. Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 / 2^20. */
-static int64_t bristle_limit(int32_t limit_N_q22)
+static inline int64_t bristle_limit(int32_t limit_N_q22)
 {
     return limit_N_q22 + (((int64_t)limit_N_q22 * 25166) >> 20);
 }
 
 /* 1 / |a| from |a|^2 > 0 as reciprocal root and shift: 1/|a| = root_q30 2^(half_lead - 62). */
-static int64_t inverse_root(int64_t square, unsigned *half_lead)
+static inline int64_t inverse_root(int64_t square, unsigned *half_lead)
 {
     unsigned lead = seld_clz64((uint64_t)square) & ~1u;
     *half_lead = lead >> 1;
@@ -72,7 +77,8 @@ static int64_t inverse_root(int64_t square, unsigned *half_lead)
 
 /* k_f in Q(a): k_t while the bristle's reach is within its limit, else mu N / reach.
  * Format: N Q22 / m Q33 -> Q(a): N root 2^(half_lead - 62) 2^(11 + a). */
-static int32_t friction_stiffness(const seld_model *model, int32_t limit_N_q22, const seld_vec3 *reach_m_q33)
+static inline int32_t friction_stiffness(const seld_model *model, int32_t limit_N_q22,
+                                         const seld_vec3 *reach_m_q33)
 {
     int64_t most = bristle_limit(limit_N_q22);
     int64_t square = seld_vec3_dot64(*reach_m_q33, *reach_m_q33);
@@ -86,7 +92,7 @@ static int32_t friction_stiffness(const seld_model *model, int32_t limit_N_q22, 
 }
 
 /* How far the outer tool slides along the line at node i, Q33 m; towards the tip. */
-static int32_t surface_slide(const seld_state *state, uint32_t i)
+static inline int32_t surface_slide(const seld_state *state, uint32_t i)
 {
     const seld_line_node *line = &state->line.nodes[i];
     int32_t under = state->scratch.slide_m_q33[line->under];
@@ -94,97 +100,96 @@ static int32_t surface_slide(const seld_state *state, uint32_t i)
     return under + (int32_t)(more >> 15);
 }
 
-/* Bristle and what the surface does besides the node's deviation and its turn, across the normal.
+/* Bristle and what the surface does besides the node's deviation and its turn.
  * Overflow: impossible. Bristles stay below 2^29.1 (NORMAL_MAX), slides below 2^24. */
-static void hold_surface(seld_state *state, uint32_t i)
+static inline seld_vec3 surface_way(const seld_model *model, const seld_state *state, uint32_t i)
 {
     const seld_node_state *node = &state->words.nodes[i];
-    seld_work *work = &state->scratch.nodes[i];
-    int32_t slide = surface_slide(state, i);
-    seld_vec3 way;
-    for (int k = 0; k < 3; k++) {
-        way.v[k] = node->bristle_m_q33.v[k] + work->slide_m_q33.v[k];
-    }
-    if (slide != 0) {
-        for (int k = 0; k < 3; k++) {
-            way.v[k] -= seld_scale_q30(slide, node->tangent_q30.v[k]);
-        }
-    }
-    work->held_m_q33 = tangential(&way, &work->normal_q30);
+    const seld_work *work = &state->scratch.nodes[i];
+    seld_vec3 way = {{node->bristle_m_q33.v[0] + work->slide_m_q33.v[0],
+                      node->bristle_m_q33.v[1] + work->slide_m_q33.v[1],
+                      node->bristle_m_q33.v[2] + work->slide_m_q33.v[2]}};
+    int32_t slide = model->tool_count > 1 ? surface_slide(state, i) : 0;
+    return slide != 0 ? without(&way, &node->tangent_q30, slide) : way;
 }
 
 /* Way of the surface at node i by the last turn of the outer tool, along normal x tangent. */
-static int32_t surface_roll(const seld_state *state, uint32_t i)
+static inline int32_t surface_roll(const seld_state *state, uint32_t i)
 {
     const seld_line_node *line = &state->line.nodes[i];
     return seld_surface_way(line->radius_m_q30, state->words.nodes[i].spin_q30[line->outer]);
 }
 
-static void add_roll(seld_vec3 *way, const seld_vec3 *around_q30, int32_t roll_m_q33)
+static inline void add_roll(seld_vec3 *way, const seld_vec3 *around_q30, int32_t roll_m_q33)
 {
     for (int k = 0; k < 3; k++) {
         way->v[k] += seld_scale_q30(roll_m_q33, around_q30->v[k]);
     }
 }
 
-/* A node that touches: its expected deviation and its part along the normal, Q33 m, and the expected way of its surface
- * by turning. */
-typedef struct approach {
-    seld_vec3 deviation;
-    int32_t inwards, roll;
-} approach;
-
-/* Contact of node i with depth `predicted` after the expected motion: its stiffnesses.
+/* Contact of node i after the expected motion: its stiffnesses. `expected` is the node's deviation (it may lie where `around`
+ * takes its place), `inwards` its part along the normal, `predicted` the depth after it.
  * Overflow: impossible. Held way 2^29.2, deviations 2^29, roll 2^23: reach below 2^30.5 in every component. */
-static void touch(const seld_model *model, seld_state *state, uint32_t i, int32_t predicted_m_q30,
-                  const approach *expected)
+static inline void touch(const seld_model *model, seld_state *state, uint32_t i, int32_t predicted_m_q30,
+                         const seld_vec3 *expected, int32_t inwards)
 {
     seld_work *work = &state->scratch.nodes[i];
     const seld_vec3 *n = &work->normal_q30;
-    int32_t force = predicted_m_q30 > 0 ? normal_force(model, predicted_m_q30) : 0;
+    int32_t force = predicted_m_q30 > 0 ? normal_force(predicted_m_q30) : 0;
     int32_t limit = seld_scale_q30(force, friction_of(state, i));
-    hold_surface(state, i);
-    seld_vec3 reach;
+    seld_vec3 way = surface_way(model, state, i);
+    seld_vec3 held = tangential(&way, n);
+    seld_vec3 reach = without(expected, n, inwards);
     for (int k = 0; k < 3; k++) {
-        reach.v[k] =
-            work->held_m_q33.v[k] + expected->deviation.v[k] - seld_scale_q30(expected->inwards, n->v[k]);
+        reach.v[k] += held.v[k];
     }
-    work->around_q30 = seld_vec3_cross_unit(n, &state->words.nodes[i].tangent_q30);
-    work->reach_m_q33 = seld_vec3_dot_unit(&reach, &work->around_q30);
-    add_roll(&reach, &work->around_q30, expected->roll);
+    seld_vec3 around = seld_vec3_cross_unit(n, &state->words.nodes[i].tangent_q30);
+    work->held_m_q33 = held;
+    work->around_q30 = around;
+    work->reach_m_q33 = seld_vec3_dot_unit(&reach, &around);
+    int32_t roll = surface_roll(state, i);
+    if (roll != 0) {
+        add_roll(&reach, &around, roll);
+    }
     work->wall_friction = friction_stiffness(model, limit, &reach);
     work->wall_normal =
         model->contact + (work->depth_m_q30 > SELD_CONTACT_DEEP_M_Q30 ? model->contact_deep : 0);
-    /* N / 1 mm: N Q22 -> Q(a) N/m */
-    int64_t round_N_q22 = force < SELD_WALL_ROUND_MAX_N << 22 ? force : SELD_WALL_ROUND_MAX_N << 22;
-    work->wall_round = (int32_t)((round_N_q22 * SELD_WALL_ROUND_PER_m) >> (22 - model->stiffness_exponent));
+    /* N / 1 mm: N Q22 -> Q(a) N/m; 20 N x 1000 / m in Q14 fit 29 bits, and 1000 = 125 x 8 */
+    int32_t round_N_q22 = force < SELD_WALL_ROUND_MAX_N << 22 ? force : SELD_WALL_ROUND_MAX_N << 22;
+    work->wall_round =
+        (seld_asr32(round_N_q22, 3) * (SELD_WALL_ROUND_PER_m / 8)) >> (16 - model->stiffness_exponent);
     work->touching = 1;
 }
 
-/* Right side of contact and friction in newtons Q22, once the turn of the surface is known. */
-static void push_node(const seld_model *model, seld_state *state, uint32_t i)
+/* Right side of contact and friction in newtons Q22, once the turn of the surface is known. Overflow: a bristle's force is
+ * below 2000 N/m x 180 mm; the sum saturates. */
+static inline void push_node(const seld_model *model, seld_state *state, uint32_t i)
 {
     seld_work *work = &state->scratch.nodes[i];
-    add_roll(&work->held_m_q33, &work->around_q30, surface_roll(state, i));
-    int32_t push = normal_force(model, work->depth_m_q30);
+    int32_t roll = surface_roll(state, i);
+    if (roll != 0) {
+        add_roll(&work->held_m_q33, &work->around_q30, roll);
+    }
+    int32_t push = normal_force(work->depth_m_q30);
+    int32_t minus_q19 = -(work->wall_friction << (19 - model->stiffness_exponent)); /* below 2^30 */
     for (int k = 0; k < 3; k++) {
-        int64_t drag = seld_rshift_round64((int64_t)work->wall_friction * work->held_m_q33.v[k],
-                                           model->stiffness_exponent + 11);
-        int64_t sum = (int64_t)work->force_N_q22.v[k] + seld_scale_q30(push, work->normal_q30.v[k]) - drag;
-        work->force_N_q22.v[k] = seld_sat32(sum);
+        /* Q19 N/m x Q33 m -> Q20 N, in steps of 1 uN */
+        int32_t drag = seld_mulh(minus_q19, work->held_m_q33.v[k]) * 4;
+        int32_t force = seld_scale_q30(push, work->normal_q30.v[k]) + drag;
+        work->force_N_q22.v[k] = seld_add_sat(work->force_N_q22.v[k], force);
     }
 }
 
 /* Depth and normal at x*; false when the field has no gradient there. */
-static bool sample(const seld_model *model, seld_state *state, uint32_t i)
+static inline bool sample(const seld_model *model, seld_state *state, uint32_t i)
 {
     seld_work *work = &state->scratch.nodes[i];
     seld_lumen_sample wall = seld_lumen_contact(model->lumen, &work->position_m_q30);
     work->distance_m_q30 = wall.distance_m_q30;
-    work->depth_m_q30 = seld_add_sat(wall.distance_m_q30, state->line.nodes[i].radius_m_q30);
     work->normal_q30 = wall.normal_q30;
-    bool known = (wall.normal_q30.v[0] | wall.normal_q30.v[1] | wall.normal_q30.v[2]) != 0;
-    if (!known && wall.distance_m_q30 > 0) {
+    work->depth_m_q30 = seld_add_sat(work->distance_m_q30, state->line.nodes[i].radius_m_q30);
+    bool known = (work->normal_q30.v[0] | work->normal_q30.v[1] | work->normal_q30.v[2]) != 0;
+    if (!known && work->distance_m_q30 > 0) {
         state->words.fault_bits |= SELD_FAULT_OUTSIDE;
     }
     return known;
@@ -197,7 +202,7 @@ static void clear(seld_node_state *node)
 }
 
 /* A node that touched in the last tick is sampled at once, another only when the cheap distance allows contact. */
-static bool may_touch(const seld_model *model, seld_state *state, uint32_t i)
+static inline bool may_touch(const seld_model *model, seld_state *state, uint32_t i)
 {
     seld_work *work = &state->scratch.nodes[i];
     if (state->words.nodes[i].contact == SELD_CONTACT_NONE) {
@@ -210,22 +215,20 @@ static bool may_touch(const seld_model *model, seld_state *state, uint32_t i)
     return sample(model, state, i);
 }
 
-static void find_node(const seld_model *model, seld_state *state, uint32_t i)
+static inline void find_node(const seld_model *model, seld_state *state, uint32_t i)
 {
     seld_work *work = &state->scratch.nodes[i];
     if (!may_touch(model, state, i)) {
         clear(&state->words.nodes[i]);
         return;
     }
-    approach expected = {work->drift_m_q33, 0, 0}; /* copied, `around` takes its place */
-    expected.inwards = along(&work->drift_m_q33, &work->normal_q30);
-    int32_t predicted = seld_sub_sat(work->depth_m_q30, expected.inwards >> 3);
+    int32_t inwards = along(&work->drift_m_q33, &work->normal_q30);
+    int32_t predicted = seld_sub_sat(work->depth_m_q30, inwards >> 3);
     if (work->depth_m_q30 <= 0 && predicted <= 0) {
         clear(&state->words.nodes[i]);
         return;
     }
-    expected.roll = surface_roll(state, i);
-    touch(model, state, i, predicted, &expected);
+    touch(model, state, i, predicted, &work->drift_m_q33, inwards);
 }
 
 /* The springs of a held tip take the place of a contact. */
@@ -293,11 +296,10 @@ uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t
             !sample(model, state, i)) {
             continue;
         }
-        approach found = {work->solution_m_q33, along(&work->solution_m_q33, &work->normal_q30),
-                          surface_roll(state, i)};
-        int32_t ended = seld_sub_sat(work->depth_m_q30, found.inwards >> 3);
+        int32_t inwards = along(&work->solution_m_q33, &work->normal_q30);
+        int32_t ended = seld_sub_sat(work->depth_m_q30, inwards >> 3);
         if (ended > SELD_MISSED_CONTACT_M_Q30) {
-            touch(model, state, i, ended, &found);
+            touch(model, state, i, ended, &work->solution_m_q33, inwards);
             push_node(model, state, i);
             added++;
         }
@@ -305,18 +307,16 @@ uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t
     return added;
 }
 
-/* z + way limited to mu N / k_t; sticks when it was not limited. `along_m_q33` is the deviation along the normal. */
-static void move_bristle(const seld_model *model, seld_state *state, uint32_t i, int32_t depth_m_q30,
-                         int32_t along_m_q33)
+/* z + way limited to mu N / k_t; sticks when it was not limited. `inwards` is the deviation along the normal. */
+static inline void move_bristle(seld_state *state, uint32_t i, int32_t depth_m_q30, int32_t inwards_m_q33)
 {
     seld_node_state *node = &state->words.nodes[i];
     const seld_work *work = &state->scratch.nodes[i];
-    seld_vec3 way;
+    seld_vec3 way = without(&work->solution_m_q33, &work->normal_q30, inwards_m_q33);
     for (int k = 0; k < 3; k++) {
-        int32_t across = work->solution_m_q33.v[k] - seld_scale_q30(along_m_q33, work->normal_q30.v[k]);
-        way.v[k] = work->held_m_q33.v[k] + across;
+        way.v[k] += work->held_m_q33.v[k];
     }
-    int32_t force = depth_m_q30 > 0 ? normal_force(model, depth_m_q30) : 0;
+    int32_t force = depth_m_q30 > 0 ? normal_force(depth_m_q30) : 0;
     int64_t most = bristle_limit(seld_scale_q30(force, friction_of(state, i)));
     int64_t square = seld_vec3_dot64(way, way);
     node->contact = SELD_CONTACT_STICKS;
@@ -356,7 +356,7 @@ void seld_contact_finish(const seld_model *model, seld_state *state, seld_output
         }
         int32_t deviation = along(&work->solution_m_q33, &work->normal_q30);
         int32_t depth = seld_sub_sat(work->depth_m_q30, deviation >> 3);
-        move_bristle(model, state, i, depth, deviation);
+        move_bristle(state, i, depth, deviation);
         if (model->tool_count > 1) {
             charge_outer_tool(state, i);
         }
@@ -378,7 +378,7 @@ bool seld_state_contact_force(const seld_model *model, const seld_state *state, 
     const seld_node_state *n = &state->words.nodes[node];
     seld_lumen_sample wall = seld_lumen_contact(model->lumen, &n->position_m_q30);
     int32_t depth = seld_add_sat(wall.distance_m_q30, state->line.nodes[node].radius_m_q30);
-    int32_t push = depth > 0 ? normal_force(model, depth) : 0;
+    int32_t push = depth > 0 ? normal_force(depth) : 0;
     for (int k = 0; k < 3; k++) {
         int64_t drag = ((int64_t)n->bristle_m_q33.v[k] * SELD_FRICTION_STIFFNESS_N_m) >> 11;
         force_N_q22->v[k] = seld_sat32(seld_mul_q30(push, wall.normal_q30.v[k]) - drag);

@@ -57,8 +57,11 @@ static seld_vec3 transport(seld_vec3 axis, const seld_vec3 *from, const seld_vec
     int32_t square = seld_scale_q30(lack, lack);
     int32_t inverse = (SELD_ONE_Q30 >> 1) + (lack >> 2) + (square >> 3) + (seld_scale_q30(square, lack) >> 4);
     int32_t amount = -seld_scale_q30(tilt, inverse);
-    add_scaled(&axis, from, amount);
-    add_scaled(&axis, to, amount);
+    for (int k = 0; k < 3; k++) {
+        int32_t middle_q29 =
+            seld_asr32(from->v[k], 1) + seld_asr32(to->v[k], 1); /* half the sum, within one */
+        axis.v[k] += seld_mulh(amount, middle_q29) * 8;
+    }
     return axis;
 }
 
@@ -81,7 +84,11 @@ void seld_frames_carry(const seld_model *model, seld_state *state)
     seld_node_state *nodes = state->words.nodes;
     uint32_t na = state->words.free_count;
     seld_vec3 reference = model->base_axis1_q30;
-    for (uint32_t n = na + 1; n > 0; n--) {
+    uint32_t last = 0; /* nothing beyond it needs an axis */
+    while (last <= na && seld_edge_curved(state, last) == 0) {
+        last++;
+    }
+    for (uint32_t n = na + 1; n > last; n--) {
         uint32_t j = n - 1;
         if (j < na) {
             reference = transport(reference, &nodes[j + 1].tangent_q30, &nodes[j].tangent_q30);

@@ -41,34 +41,49 @@ static int32_t length_of(const seld_vec3 *a)
     return (int32_t)((top * root) >> (30 + (lead >> 1)));
 }
 
-/* Moments of joint i that the tools up to each pair's inner one bear: their share of W b less their rest shapes.
- * Format: b in Q29 so that it fits, W Q26 -> Q30 N m, limited. */
-static void inner_moments(const seld_model *model, const seld_state *state, uint32_t i,
-                          seld_vec3 moments[SELD_PAIR_MAX])
+/* Moment W b of joint i as the unturned line sees it. Format: b in Q29 so that it fits, W Q26 -> Q30 N m, limited. */
+static inline void bending_moment(const seld_work *here, int32_t bend_N_m_q26, seld_vec3 *moment)
+{
+    for (int c = 0; c < 3; c++) {
+        int32_t bend_q29 =
+            seld_asr32(here->u.a.stretch_q30.v[c], 1) - seld_asr32(here[-1].u.a.stretch_q30.v[c], 1);
+        moment->v[c] = limited(((int64_t)bend_q29 * bend_N_m_q26) >> 25, MOMENT_MAX_N_m_Q30);
+    }
+}
+
+/* Less W times a rest turning. */
+static void take_turn(const seld_vec3 *turn_q30, int32_t bend_N_m_q26, seld_vec3 *moment)
+{
+    for (int c = 0; c < 3; c++) {
+        int64_t rest = ((int64_t)turn_q30->v[c] * bend_N_m_q26) >> 26;
+        moment->v[c] = limited(moment->v[c] - rest, MOMENT_MAX_N_m_Q30);
+    }
+}
+
+/* Rest turning of the tools up to `pair` at joint i. */
+static seld_vec3 inner_turn(const seld_state *state, const seld_joint *joint, uint32_t pair, uint32_t i)
+{
+    seld_vec3 turn = {{0, 0, 0}};
+    for (uint32_t k = 0; k <= pair; k++) {
+        if (joint->curved >> k & 1u) {
+            turn = seld_vec3_add(turn, seld_rod_tool_turn(state, joint, k, i));
+        }
+    }
+    return turn;
+}
+
+/* Moment of joint i that the tools up to `pair` bear: their share of W b less their rest shapes. Q30 N m. */
+static inline void inner_moment(const seld_state *state, uint32_t pair, uint32_t i, seld_vec3 *moment)
 {
     const seld_joint *joint = seld_rod_joint(state, i);
-    const int32_t *behind = state->scratch.nodes[i].u.a.stretch_q30.v;
-    const int32_t *ahead = state->scratch.nodes[i - 1].u.a.stretch_q30.v;
-    int32_t whole[3];
+    int32_t share_q30 = joint->inner_share_q15[pair] << 15;
+    bending_moment(&state->scratch.nodes[i], joint->bend_N_m_q26, moment);
     for (int c = 0; c < 3; c++) {
-        int32_t bend_q29 = seld_asr32(behind[c], 1) - seld_asr32(ahead[c], 1);
-        whole[c] = limited(((int64_t)bend_q29 * joint->bend_N_m_q26) >> 25, MOMENT_MAX_N_m_Q30);
+        moment->v[c] = seld_scale_q30(moment->v[c], share_q30);
     }
-    seld_vec3 turn = {{0, 0, 0}};
-    for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
-        int32_t share_q30 = joint->inner_share_q15[pair] << 15;
-        for (int c = 0; c < 3; c++) {
-            moments[pair].v[c] = seld_scale_q30(whole[c], share_q30);
-        }
-        if (joint->curved >> pair & 1u) {
-            turn = seld_vec3_add(turn, seld_rod_tool_turn(state, joint, pair, i));
-        }
-        if ((turn.v[0] | turn.v[1] | turn.v[2]) != 0) {
-            for (int c = 0; c < 3; c++) {
-                int64_t rest = ((int64_t)turn.v[c] * joint->bend_N_m_q26) >> 26;
-                moments[pair].v[c] = limited(moments[pair].v[c] - rest, MOMENT_MAX_N_m_Q30);
-            }
-        }
+    if ((joint->curved & ((2u << pair) - 1u)) != 0) {
+        seld_vec3 turn = inner_turn(state, joint, pair, i);
+        take_turn(&turn, joint->bend_N_m_q26, moment);
     }
 }
 
@@ -85,22 +100,15 @@ static uint32_t first_shared(const seld_model *model, const seld_state *state, u
     return j;
 }
 
-/* One pair on the way from its first shared edge to the base: moments of the last two joints, sum of mu N. */
-typedef struct pressing {
-    seld_vec3 before, here;
-    uint32_t first;
-    int64_t sum_N_q22;
-} pressing;
-
-/* Force of the inner tools' bending on node i from the moments of the joints around it. Q22 N. Overflow: differences of
+/* Force of the inner tools' bending on a node from the moments of the joints around it. Q22 N. Overflow: differences of
  * moments fit 32 bits, 1 / edge is below 2^31. */
-static int32_t pressing_force(const pressing *pair, const seld_vec3 *after, int32_t a_per_m_q18,
-                              int32_t c_per_m_q18)
+static inline int32_t pressing_force(const seld_vec3 *before, const seld_vec3 *here, const seld_vec3 *after,
+                                     int32_t a_per_m_q18, int32_t c_per_m_q18)
 {
     seld_vec3 force;
     for (int k = 0; k < 3; k++) {
-        int64_t sum = (int64_t)(pair->here.v[k] - pair->before.v[k]) * a_per_m_q18;
-        sum += (int64_t)(pair->here.v[k] - after->v[k]) * c_per_m_q18;
+        int64_t sum = (int64_t)(here->v[k] - before->v[k]) * a_per_m_q18;
+        sum += (int64_t)(here->v[k] - after->v[k]) * c_per_m_q18;
         force.v[k] = limited(sum >> 26, FORCE_MAX_N_Q22);
     }
     return length_of(&force);
@@ -109,7 +117,7 @@ static int32_t pressing_force(const pressing *pair, const seld_vec3 *after, int3
 /* A tool bears on the next one over a length that its clearance and stiffness set, about 3 mm for a wire in a catheter
  * (sqrt(2 EI delta / M) with 0.05 mm, docs/rod.md); without it a step of the moment would press the harder the finer the
  * mesh. */
-static void soften(int32_t share_q30, seld_vec3 *moment, const seld_vec3 *ahead)
+static inline void soften(int32_t share_q30, seld_vec3 *moment, const seld_vec3 *ahead)
 {
     for (int c = 0; c < 3; c++) {
         moment->v[c] = ahead->v[c] + seld_scale_q30(moment->v[c] - ahead->v[c], share_q30);
@@ -118,59 +126,57 @@ static void soften(int32_t share_q30, seld_vec3 *moment, const seld_vec3 *ahead)
 
 /* Stiffness of the friction against turning: that of the bristle while its reach is within the limit mu N r, else limit /
  * reach, where the reach is that of the last tick's turns. Overflow: the quotient is then below 4e-4 N m. */
-static uint16_t grip_stiffness(const seld_node_state *node, uint32_t pair, int32_t limit_N_m_q30)
+static inline uint16_t grip_stiffness(const seld_node_state *node, uint32_t pair, int32_t limit_N_m_q30)
 {
     int64_t reach = (int64_t)node->grip_q30[pair] + node->spin_q30[pair] - node->spin_q30[pair + 1];
     reach = reach < 0 ? -reach : reach;
-    if (limit_N_m_q30 == 0) {
-        return 0;
-    }
     if (reach <= (int64_t)limit_N_m_q30 * SELD_GRIP_COMPLIANCE_PER_N_M) {
-        return SELD_GRIP_STIFFNESS_N_M_Q26;
+        return limit_N_m_q30 > 0 ? SELD_GRIP_STIFFNESS_N_M_Q26 : 0;
     }
     return (uint16_t)seld_quotient(limit_N_m_q30, seld_sat32(reach), 26);
 }
 
-/* Edge j of one pair: turning limit mu N r and its stiffness. `after` are the moments of joint j + 1. */
-static void grip_edge(const seld_model *model, seld_state *state, uint32_t pair, uint32_t j,
-                      const seld_vec3 *after, pressing *walk)
+/* Turning limit mu N r of every edge of a pair with its stiffness, and the sum of mu N, which limits sliding. */
+static void grip_pair(const seld_model *model, seld_state *state, uint32_t pair)
 {
-    seld_assembly *work = &state->scratch.nodes[j].u.a;
-    seld_vec3 next = *after;
-    int32_t press = 0;
-    if (j >= walk->first) {
-        soften(model->mesh[j].bearing_share_q30, &next, &walk->here);
-        int32_t a = model->mesh[j > 0 ? j - 1 : 0].inverse_length_per_m_q18;
-        int32_t force = pressing_force(walk, &next, a, model->mesh[j].inverse_length_per_m_q18);
-        int32_t limit = seld_scale_q30(force, model->tools[pair + 1].lumen_friction_q30);
-        walk->sum_N_q22 += limit;
-        /* Q22 N x Q39 m -> Q30 N m: a radius is at most 2 mm */
-        press = seld_mulh(limit, model->tools[pair].shaft_radius_m_q30 << 9) * 2;
+    uint32_t na = state->words.free_count;
+    uint32_t first = first_shared(model, state, pair);
+    int32_t friction_q30 = model->tools[pair + 1].lumen_friction_q30;
+    int32_t radius_m_q39 = model->tools[pair].shaft_radius_m_q30 << 9; /* at most 2 mm */
+    int64_t sum_N_q22 = 0;
+    seld_vec3 before = {{0, 0, 0}}, here = {{0, 0, 0}}, after;
+    for (uint32_t j = 0; j < first; j++) {
+        state->scratch.nodes[j].u.a.press_N_m_q30[pair] = 0;
+        state->scratch.nodes[j].u.a.grip_N_m_q26[pair] = 0;
     }
-    work->press_N_m_q30[pair] = press;
-    work->grip_N_m_q26[pair] = grip_stiffness(&state->words.nodes[j], pair, press);
-    walk->before = walk->here;
-    walk->here = next;
+    if (first > 1) {
+        inner_moment(state, pair, first - 1, &before);
+    }
+    if (first > 0 && first <= na) {
+        inner_moment(state, pair, first, &here);
+    }
+    for (uint32_t j = first; j < na; j++) {
+        const seld_mesh_node *mesh = &model->mesh[j];
+        seld_assembly *work = &state->scratch.nodes[j].u.a;
+        inner_moment(state, pair, j + 1, &after);
+        soften(mesh->bearing_share_q30, &after, &here);
+        int32_t force = pressing_force(&before, &here, &after, mesh[j > 0 ? -1 : 0].inverse_length_per_m_q18,
+                                       mesh->inverse_length_per_m_q18);
+        int32_t limit = seld_scale_q30(force, friction_q30);
+        int32_t press = seld_mulh(limit, radius_m_q39) * 2; /* Q22 N x Q39 m -> Q30 N m */
+        sum_N_q22 += limit;
+        work->press_N_m_q30[pair] = press;
+        work->grip_N_m_q26[pair] = grip_stiffness(&state->words.nodes[j], pair, press);
+        before = here;
+        here = after;
+    }
+    state->scratch.grip_limit_N_q22[pair] = seld_sat32(sum_N_q22);
 }
 
 void seld_tools_grip(const seld_model *model, seld_state *state)
 {
-    pressing walks[SELD_PAIR_MAX] = {{{{0}}, {{0}}, 0, 0}, {{{0}}, {{0}}, 0, 0}};
-    if (model->tool_count < 2) {
-        return;
-    }
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
-        walks[pair].first = first_shared(model, state, pair);
-    }
-    for (uint32_t j = 0; j < state->words.free_count; j++) {
-        seld_vec3 after[SELD_PAIR_MAX];
-        inner_moments(model, state, j + 1, after);
-        for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
-            grip_edge(model, state, pair, j, &after[pair], &walks[pair]);
-        }
-    }
-    for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
-        state->scratch.grip_limit_N_q22[pair] = seld_sat32(walks[pair].sum_N_q22);
+        grip_pair(model, state, pair);
     }
 }
 
@@ -228,17 +234,16 @@ static int32_t potential(const section *s, const seld_vec3 *moment_N_m_q30)
     return seld_sat32((sum - s->stored_N_q22) >> 1);
 }
 
-static seld_vec3 total_moment(const seld_model *model, const seld_state *state, uint32_t i)
+/* Moment of joint i. Q30 N m, limited. */
+static inline void total_moment(const seld_model *model, const seld_state *state, uint32_t i,
+                                seld_vec3 *moment)
 {
     const seld_joint *joint = seld_rod_joint(state, i);
-    const seld_work *here = &state->scratch.nodes[i];
-    seld_vec3 turn = seld_rod_line_turn(model, state, joint, i);
-    seld_vec3 moment;
-    for (int c = 0; c < 3; c++) {
-        int32_t bend = seld_sub_sat(here->u.a.stretch_q30.v[c], here[-1].u.a.stretch_q30.v[c]);
-        moment.v[c] = seld_mul(seld_sub_sat(bend, turn.v[c]), joint->bend_N_m_q26, 26);
+    bending_moment(&state->scratch.nodes[i], joint->bend_N_m_q26, moment);
+    if (joint->curved != 0) {
+        seld_vec3 turn = seld_rod_line_turn(model, state, joint, i);
+        take_turn(&turn, joint->bend_N_m_q26, moment);
     }
-    return moment;
 }
 
 /* Jump of psi over joint i where only the stiffness changes and no tool has a rest shape:
@@ -262,11 +267,11 @@ static int32_t straight_handle(const seld_vec3 *moment_N_m_q30, int32_t before_q
  * through it. Q30 N m. */
 static seld_vec3 moment_around(const seld_model *model, const seld_state *state, uint32_t i)
 {
-    seld_vec3 ahead = total_moment(model, state, i > 1 ? i - 1 : i);
-    seld_vec3 behind = total_moment(model, state, i < state->words.free_count ? i + 1 : i);
-    seld_vec3 moment;
+    seld_vec3 ahead, behind, moment;
+    total_moment(model, state, i > 1 ? i - 1 : i, &ahead);
+    total_moment(model, state, i < state->words.free_count ? i + 1 : i, &behind);
     for (int c = 0; c < 3; c++) {
-        moment.v[c] = (int32_t)(((int64_t)ahead.v[c] + behind.v[c]) >> 1);
+        moment.v[c] = (ahead.v[c] + behind.v[c]) / 2;
     }
     return moment;
 }

@@ -34,13 +34,13 @@ static inline int64_t seld_vec3_dot64(seld_vec3 a, seld_vec3 b)
     return (int64_t)a.v[0] * b.v[0] + (int64_t)a.v[1] * b.v[1] + (int64_t)a.v[2] * b.v[2];
 }
 
-/* Dot product of a vector and a unit vector. Format: Qa . Q30 -> Qa in steps of 4 LSB. Overflow: impossible while the
- * vector's length is below 2^31 (1 - 2^-9). Error: 6 LSB. */
+/* Dot product of a vector and a unit vector, rounded once. Format: Qa . Q30 -> Qa in steps of 4 LSB. Overflow: impossible
+ * while the vector's length is below 2^31 (1 - 2^-9). Error: 2 LSB. */
 static inline int32_t seld_vec3_dot_unit(const seld_vec3 *a, const seld_vec3 *unit_q30)
 {
-    int32_t sum = seld_mulh(a->v[0], unit_q30->v[0]);
-    sum = seld_mulh_add(sum, a->v[1], unit_q30->v[1]);
-    return seld_mulh_add(sum, a->v[2], unit_q30->v[2]) * 4;
+    int64_t sum = (int64_t)a->v[0] * unit_q30->v[0] + (int64_t)a->v[1] * unit_q30->v[1] +
+                  (int64_t)a->v[2] * unit_q30->v[2];
+    return seld_round_high64(sum) * 4;
 }
 
 /* a b - c d, the high words rounded. Format: Qa x Q30 -> Qa in steps of 4 LSB. Error: 4 LSB. */
