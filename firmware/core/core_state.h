@@ -125,7 +125,10 @@ typedef struct seld_work {
         seld_assembly a;
         seld_factor f;
     } u;
-    seld_vec3 solution_m_q33;
+    union {
+        seld_vec3 moment_N_m_q30; /* joint, before the solve: W b, with several tools */
+        seld_vec3 solution_m_q33;
+    };
 } seld_work;
 
 typedef struct seld_scratch {

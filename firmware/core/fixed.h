@@ -107,11 +107,23 @@ static inline int32_t seld_limit64(int64_t a, unsigned n, int32_t most_high, uin
     return (int32_t)(a < 0 ? -most : (most > INT32_MAX ? INT32_MAX : most));
 }
 
+/* a b, exactly. On the Cortex-M7 one SMULL, also where the compiler would take a widened operand for one of 64 bits. */
+static inline int64_t seld_product(int32_t a, int32_t b)
+{
+#if SELD_HIGH_WORDS_BY_DSP
+    int64_t product;
+    __asm__("smull %Q0, %R0, %1, %2" : "=r"(product) : "r"(a), "r"(b));
+    return product;
+#else
+    return (int64_t)a * b;
+#endif
+}
+
 /* Product of two values, rounded and saturated once. Format: Qa x Qb -> Q(a+b-n), 64-bit intermediate, 1 <= n
  * <= 62. Overflow: saturates. Error: 1/2 LSB in range. A 32-bit machine looks at the upper word only. */
 static inline int32_t seld_mul(int32_t a, int32_t b, unsigned n)
 {
-    int64_t sum = (int64_t)a * b + ((int64_t)1 << (n - 1));
+    int64_t sum = seld_product(a, b) + ((int64_t)1 << (n - 1));
     if (sizeof(void *) > 4 || n > 31) {
         return seld_sat32(sum >> n);
     }
@@ -238,7 +250,7 @@ static inline int32_t seld_reciprocal_q30(uint32_t m_q31)
     const seld_line_q30 *line = &seld_reciprocal_lines[(m_q31 >> 23) & 127u];
     int32_t y_q30 = (int32_t)seld_line_at(line, m_q31 & 0x7fffffu, 23);
     /* |miss| < 2^-16 */
-    int32_t miss_q47 = (int32_t)((((int64_t)1 << 61) - (int64_t)m_q31 * y_q30) >> 14);
+    int32_t miss_q47 = (int32_t)((int64_t)(((uint64_t)1 << 61) - (uint64_t)m_q31 * (uint32_t)y_q30) >> 14);
     int32_t step = seld_asr32((int32_t)(((int64_t)y_q30 * miss_q47 + ((int64_t)1 << 46)) >> 32), 15);
     uint32_t better = (uint32_t)y_q30 + (uint32_t)step; /* at most 2^31 */
     return better > INT32_MAX ? INT32_MAX : (int32_t)better;

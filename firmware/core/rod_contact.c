@@ -61,16 +61,16 @@ static inline int32_t friction_of(const seld_state *state, uint32_t i)
     return state->words.nodes[i].contact == SELD_CONTACT_SLIPS ? line->kinetic_q30 : line->static_q30;
 }
 
-/* Bristle at its limit mu N / k_t. Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 / 2^20. */
-static inline int64_t bristle_limit(int32_t limit_N_q22)
+/* Bristle at its limit mu N / k_t. Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 / 2^20. Overflow: impossible, 128 N. */
+static inline int32_t bristle_limit(int32_t limit_N_q22)
 {
-    return limit_N_q22 + (((int64_t)limit_N_q22 * 25166) >> 20);
+    return limit_N_q22 + seld_mulh(limit_N_q22, 25166 << 12);
 }
 
 /* 1 / |a| from |a|^2 > 0 as reciprocal root and shift: 1/|a| = root_q30 2^(half_lead - 62). */
-static inline int64_t inverse_root(int64_t square, unsigned *half_lead)
+static inline int32_t inverse_root(int64_t square, unsigned *half_lead)
 {
-    unsigned lead = seld_clz64((uint64_t)square) & ~1u;
+    unsigned lead = (unsigned)__builtin_clzll((uint64_t)square) & ~1u;
     *half_lead = lead >> 1;
     return seld_rsqrt_q30((uint32_t)(((uint64_t)square << lead) >> 32));
 }
@@ -80,14 +80,15 @@ static inline int64_t inverse_root(int64_t square, unsigned *half_lead)
 static inline int32_t friction_stiffness(const seld_model *model, int32_t limit_N_q22,
                                          const seld_vec3 *reach_m_q33)
 {
-    int64_t most = bristle_limit(limit_N_q22);
+    int32_t most = bristle_limit(limit_N_q22);
     int64_t square = seld_vec3_dot64(*reach_m_q33, *reach_m_q33);
-    if (square <= most * most) {
+    if (square <= seld_product(most, most)) {
         return model->friction;
     }
     unsigned half_lead;
-    int64_t root = inverse_root(square, &half_lead);
-    int64_t stiffness = seld_asr64(limit_N_q22 * root, 51 - model->stiffness_exponent - half_lead);
+    int32_t root = inverse_root(square, &half_lead);
+    int64_t stiffness =
+        seld_asr64(seld_product(limit_N_q22, root), 51 - model->stiffness_exponent - half_lead);
     return stiffness > model->friction ? model->friction : (int32_t)stiffness;
 }
 
@@ -317,13 +318,14 @@ static inline void move_bristle(seld_state *state, uint32_t i, int32_t depth_m_q
         way.v[k] += work->held_m_q33.v[k];
     }
     int32_t force = depth_m_q30 > 0 ? normal_force(depth_m_q30) : 0;
-    int64_t most = bristle_limit(seld_scale_q30(force, friction_of(state, i)));
+    int32_t most = bristle_limit(seld_scale_q30(force, friction_of(state, i)));
     int64_t square = seld_vec3_dot64(way, way);
     node->contact = SELD_CONTACT_STICKS;
-    if (square > most * most) {
+    if (square > seld_product(most, most)) {
         unsigned half_lead;
-        int64_t root = inverse_root(square, &half_lead);
-        int32_t ratio_q30 = (int32_t)seld_asr64(most * root, 32 - half_lead); /* limit / |z|, below 1 */
+        int32_t root = inverse_root(square, &half_lead);
+        int32_t ratio_q30 =
+            (int32_t)seld_asr64(seld_product(most, root), 32 - half_lead); /* limit / |z|, below 1 */
         node->contact = SELD_CONTACT_SLIPS;
         for (int k = 0; k < 3; k++) {
             way.v[k] = seld_scale_q30(way.v[k], ratio_q30);

@@ -41,13 +41,18 @@ static int32_t length_of(const seld_vec3 *a)
     return (int32_t)((top * root) >> (30 + (lead >> 1)));
 }
 
-/* Moment W b of joint i as the unturned line sees it. Format: b in Q29 so that it fits, W Q26 -> Q30 N m, limited. */
-static inline void bending_moment(const seld_work *here, int32_t bend_N_m_q26, seld_vec3 *moment)
+/* Moments W b of all joints as the unturned line sees them, where the solution will be. Format: b in Q29 so that it fits,
+ * W Q26 -> Q30 N m, limited. */
+static void bending_moments(seld_state *state)
 {
-    for (int c = 0; c < 3; c++) {
-        int32_t bend_q29 =
-            seld_asr32(here->u.a.stretch_q30.v[c], 1) - seld_asr32(here[-1].u.a.stretch_q30.v[c], 1);
-        moment->v[c] = limited(((int64_t)bend_q29 * bend_N_m_q26) >> 25, MOMENT_MAX_N_m_Q30);
+    for (uint32_t i = 1; i <= state->words.free_count; i++) {
+        seld_work *here = &state->scratch.nodes[i];
+        int32_t bend_N_m_q26 = seld_rod_joint(state, i)->bend_N_m_q26;
+        for (int c = 0; c < 3; c++) {
+            int32_t bend_q29 =
+                seld_asr32(here->u.a.stretch_q30.v[c], 1) - seld_asr32(here[-1].u.a.stretch_q30.v[c], 1);
+            here->moment_N_m_q30.v[c] = limited(((int64_t)bend_q29 * bend_N_m_q26) >> 25, MOMENT_MAX_N_m_Q30);
+        }
     }
 }
 
@@ -76,10 +81,10 @@ static seld_vec3 inner_turn(const seld_state *state, const seld_joint *joint, ui
 static inline void inner_moment(const seld_state *state, uint32_t pair, uint32_t i, seld_vec3 *moment)
 {
     const seld_joint *joint = seld_rod_joint(state, i);
+    const seld_vec3 *whole = &state->scratch.nodes[i].moment_N_m_q30;
     int32_t share_q30 = joint->inner_share_q15[pair] << 15;
-    bending_moment(&state->scratch.nodes[i], joint->bend_N_m_q26, moment);
     for (int c = 0; c < 3; c++) {
-        moment->v[c] = seld_scale_q30(moment->v[c], share_q30);
+        moment->v[c] = seld_scale_q30(whole->v[c], share_q30);
     }
     if ((joint->curved & ((2u << pair) - 1u)) != 0) {
         seld_vec3 turn = inner_turn(state, joint, pair, i);
@@ -175,6 +180,9 @@ static void grip_pair(const seld_model *model, seld_state *state, uint32_t pair)
 
 void seld_tools_grip(const seld_model *model, seld_state *state)
 {
+    if (model->tool_count > 1) {
+        bending_moments(state);
+    }
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
         grip_pair(model, state, pair);
     }
@@ -239,7 +247,7 @@ static inline void total_moment(const seld_model *model, const seld_state *state
                                 seld_vec3 *moment)
 {
     const seld_joint *joint = seld_rod_joint(state, i);
-    bending_moment(&state->scratch.nodes[i], joint->bend_N_m_q26, moment);
+    *moment = state->scratch.nodes[i].moment_N_m_q30;
     if (joint->curved != 0) {
         seld_vec3 turn = seld_rod_line_turn(model, state, joint, i);
         take_turn(&turn, joint->bend_N_m_q26, moment);
@@ -324,9 +332,10 @@ static bool holds_tip(const seld_model *model, const seld_state *state, uint32_t
 static int32_t smooth_handle(const seld_model *model, const seld_state *state, uint32_t k, uint32_t i,
                              const seld_span *span, int32_t from, int32_t to)
 {
-    int32_t delta = span->delta[SELD_BEND_N_M2_Q35];
-    int32_t change = seld_scale_q30(delta, seld_span_fraction(span, to)) -
-                     seld_scale_q30(delta, seld_span_fraction(span, from));
+    /* the change follows from the way within the span, which only the tool's own end can cut */
+    int32_t way = (to < span->end_m_q30 ? to : span->end_m_q30) - from;
+    int32_t part = way > 0 ? (int32_t)(((int64_t)way * span->inverse_mantissa) >> span->shift) : 0;
+    int32_t change = seld_scale_q30(span->delta[SELD_BEND_N_M2_Q35], part);
     int32_t cell = model->mesh[i].cell_end_m_q30 - model->mesh[i - 1].cell_end_m_q30;
     /* Q26 N m x Q30 m -> Q35 N m^2 */
     int32_t before = seld_mul(state->line.nodes[i].joint.bend_N_m_q26, cell, 21) - change / 2;
@@ -337,7 +346,8 @@ static int32_t smooth_handle(const seld_model *model, const seld_state *state, u
     if (change == 0) {
         return 0;
     }
-    seld_vec3 moment = moment_around(model, state, i);
+    seld_vec3 moment;
+    total_moment(model, state, i, &moment);
     return straight_handle(&moment, before, change);
 }
 

@@ -51,43 +51,36 @@ typedef struct resistance {
 /* The wall's friction on the tool that touches it: the surface moves by r theta along n x t besides its way along the
  * wall, all against one bristle (rod_contact.c). Overflow: impossible; k_f r is below 2000 N/m x 2 mm = 2^24 in Q22, the
  * reach below 2^30.5, so the torque below 2^29. */
-static resistance wall_resistance(const seld_model *model, const seld_state *state, uint32_t j)
+static inline __attribute__((always_inline)) resistance
+wall_resistance(unsigned exponent, const seld_work *work, int32_t radius_m_q30)
 {
-    const seld_work *work = &state->scratch.nodes[j];
-    int32_t radius = state->line.nodes[j].radius_m_q30;
     /* k_f in Q19 N/m, r in Q35 m: k_f r in Q22 N, then Q28; with the reach in Q33 m Q29 N m, with r in Q30 m Q26 N m */
-    int32_t stiffness_q19 = work->wall_friction << (19 - model->stiffness_exponent);
-    int32_t lever_N_q28 = seld_mulh(stiffness_q19, radius << 5) << 6;
-    return (resistance){seld_mulh(lever_N_q28, -work->reach_m_q33) * 2, seld_mulh(lever_N_q28, radius)};
+    int32_t stiffness_q19 = work->wall_friction << (19 - exponent);
+    int32_t lever_N_q28 = seld_mulh(stiffness_q19, radius_m_q30 << 5) << 6;
+    return (resistance){seld_mulh(lever_N_q28, -work->reach_m_q33) * 2, seld_mulh(lever_N_q28, radius_m_q30)};
 }
 
-/* Friction on tool k at edge j: between it and its neighbours (the other's turn is the newest known), and of the wall.
- * Overflow: stiffnesses of pairs are below 2^15 and turns below 2^32, so a pair's torque is below 2^22; the hold's is below
- * 16 N m/rad x 2 rad, which the sum saturates. */
-static resistance edge_resistance(const seld_model *model, const seld_state *state, uint32_t k, uint32_t j)
+/* Friction on tool k at an edge: between it and its neighbours (the other's turn is the newest known), and of the wall.
+ * Overflow: stiffnesses of pairs are below 2^15, so a pair's torque is below 2^20. */
+static inline __attribute__((always_inline)) resistance
+edge_resistance(unsigned exponent, const seld_node_state *node, const seld_work *work,
+                const seld_line_node *line, uint32_t k, bool outermost)
 {
-    const seld_node_state *node = &state->words.nodes[j];
-    const seld_work *work = &state->scratch.nodes[j];
     resistance sum = {0, 0};
-    if (work->touching && state->line.nodes[j].outer == k) {
-        sum = wall_resistance(model, state, j);
+    if (work->touching && line->outer == k) {
+        sum = wall_resistance(exponent, work, line->radius_m_q30);
     }
-    int64_t pairs = 0;
-    if (k + 1 < model->tool_count) {
+    if (!outermost) {
         int32_t stiffness = work->u.a.grip_N_m_q26[k];
-        pairs = stiffness * ((int64_t)node->spin_q30[k + 1] - node->grip_q30[k]);
+        int32_t way = seld_sub_sat(node->spin_q30[k + 1], node->grip_q30[k]);
+        sum.torque_N_m_q30 += seld_mulh(stiffness << 6, way);
         sum.stiffness_q26 += stiffness;
     }
     if (k > 0) {
         int32_t stiffness = work->u.a.grip_N_m_q26[k - 1];
-        pairs += stiffness * ((int64_t)node->spin_q30[k - 1] + node->grip_q30[k - 1]);
+        int32_t way = seld_add_sat(node->spin_q30[k - 1], node->grip_q30[k - 1]);
+        sum.torque_N_m_q30 += seld_mulh(stiffness << 6, way);
         sum.stiffness_q26 += stiffness;
-    }
-    sum.torque_N_m_q30 += seld_narrow64(pairs, 26);
-    if (j == 0 && k == 0 && model->hold.turn) {
-        int32_t miss = seld_mul_q30((int32_t)(model->hold.turn32 - node->angle_turn32[0]), HALF_PI_Q30);
-        sum.torque_N_m_q30 = seld_sat32(sum.torque_N_m_q30 + 16 * (int64_t)miss);
-        sum.stiffness_q26 += 16 << 26;
     }
     return sum;
 }
@@ -102,7 +95,8 @@ typedef struct twist_carry {
 
 /* A 32-bit machine looks at the upper word. right / pivot in Q30 for right in Q30 and pivot = mantissa 2^(1 - lead) in Q26, given the reciprocal 2^61 / mantissa.
  * Overflow: saturates. */
-static inline int32_t over_pivot(int32_t right, int32_t reciprocal, unsigned lead)
+static inline __attribute__((always_inline)) int32_t over_pivot(int32_t right, int32_t reciprocal,
+                                                                unsigned lead)
 {
     int64_t product = (int64_t)right * reciprocal;
     unsigned shift = 36 - lead; /* 7 .. 36 */
@@ -118,36 +112,44 @@ static inline int32_t over_pivot(int32_t right, int32_t reciprocal, unsigned lea
 }
 
 /* Row of edge j of tool k. Pivots and couplings in Q26 N m, right side in Q30 N m, angles in Q30 rad.
- * Overflow: k is below 2^30 (rod_line.c), curvature terms below 2^29 each, friction below 2^30 + 2^20: the pivot fits 32
- * bits without a sign. Moments saturate. */
-static inline void eliminate_edge(const seld_model *model, seld_state *state, uint32_t k, uint32_t j,
-                                  twist_carry *carry)
+ * Overflow: k is below 2^30 (rod_line.c), curvature terms below 2^29 each, friction and the hold below 2^30 + 2^20: the pivot
+ * fits 32 bits without a sign. Moments saturate. */
+static inline __attribute__((always_inline)) void eliminate_edge(const seld_model *model, seld_state *state,
+                                                                 uint32_t k, uint32_t j, bool outermost,
+                                                                 twist_carry *carry)
 {
     const seld_joint *joint = seld_rod_joint(state, j + 1);
     const seld_node_state *node = &state->words.nodes[j];
-    seld_assembly *work = &state->scratch.nodes[j].u.a;
+    seld_work *work = &state->scratch.nodes[j];
     int32_t next = joint->twist_N_m_q26[k];
     int32_t moment = seld_mul(next, joint_angle(node->angle_turn32[k], node[1].angle_turn32[k]), 26);
-    int32_t curve_torque[2] = {0, 0};
-    int32_t curve_q26[2] = {0, 0};
-    if (joint->curved >> k & 1u) {
-        curvature_torque(state, k, j + 1, curve_torque, curve_q26);
-    }
-    resistance friction = edge_resistance(model, state, k, j);
-    uint32_t pivot = (uint32_t)carry->left_q26 + (uint32_t)next + SELD_SPIN_DRAG_N_M_Q26 +
-                     (uint32_t)(carry->curve_q26 + curve_q26[0]) + (uint32_t)friction.stiffness_q26;
+    resistance sum =
+        edge_resistance(model->stiffness_exponent, node, work, &state->line.nodes[j], k, outermost);
     int32_t right = seld_add_sat(seld_sub_sat(moment, carry->moment), carry->reduced_torque);
-    right = seld_add_sat(right, friction.torque_N_m_q30);
-    right = seld_add_sat(right, seld_add_sat(carry->curve_torque, curve_torque[0]));
+    right = seld_add_sat(right, sum.torque_N_m_q30);
+    uint32_t pivot =
+        (uint32_t)carry->left_q26 + (uint32_t)next + SELD_SPIN_DRAG_N_M_Q26 + (uint32_t)sum.stiffness_q26;
+    if (((joint->curved >> k & 1u) | (uint32_t)carry->curve_torque | (uint32_t)carry->curve_q26) != 0) {
+        int32_t curve_torque[2] = {0, 0};
+        int32_t curve_q26[2] = {0, 0};
+        if (joint->curved >> k & 1u) {
+            curvature_torque(state, k, j + 1, curve_torque, curve_q26);
+        }
+        right = seld_add_sat(right, seld_add_sat(carry->curve_torque, curve_torque[0]));
+        pivot += (uint32_t)carry->curve_q26 + (uint32_t)curve_q26[0];
+        carry->curve_torque = curve_torque[1];
+        carry->curve_q26 = curve_q26[1];
+    }
     unsigned lead = (unsigned)__builtin_clz(pivot);
     int32_t reciprocal = seld_reciprocal_q30(pivot << lead >> 1);
     /* k / pivot, at most one since the pivot is k and more; 2^-30 of room for the reciprocal's rounding */
     int32_t ratio = (int32_t)(((uint64_t)((uint32_t)next << lead) * (uint32_t)reciprocal) >> 32);
     ratio = ratio > SELD_ONE_Q30 ? SELD_ONE_Q30 : ratio;
-    work->twist_ratio_q30 = ratio;
-    work->twist_angle_q30 = over_pivot(right, reciprocal, lead);
-    *carry = (twist_carry){next - seld_scale_q30(next, ratio), moment, curve_torque[1], curve_q26[1],
-                           seld_mul_q30(right, ratio)};
+    work->u.a.twist_ratio_q30 = ratio;
+    work->u.a.twist_angle_q30 = over_pivot(right, reciprocal, lead);
+    carry->left_q26 = next - seld_scale_q30(next, ratio);
+    carry->moment = moment;
+    carry->reduced_torque = seld_mul_q30(right, ratio);
 }
 
 /* Turns the material axis of an edge: d1 (1 - a^2/2) + d2 a. */
@@ -162,7 +164,7 @@ static void turn_axis(const seld_vec3 *tangent, int32_t angle_q30, seld_vec3 *ax
 }
 
 /* From the base to tool k's tip; edges that the tip is about to reach take the frame of its last edge. */
-static void substitute(seld_state *state, uint32_t k, uint32_t first)
+static inline __attribute__((always_inline)) void substitute(seld_state *state, uint32_t k, uint32_t first)
 {
     uint32_t na = state->words.free_count;
     int32_t turn = 0; /* of the edge nearer the base */
@@ -201,19 +203,45 @@ static uint32_t tip_edge(const seld_model *model, const seld_state *state, uint3
     return j;
 }
 
+/* A spring of 16 N m/rad that holds the first edge of tool 0, for validation: as if it were a rest shape's. */
+static void hold_turn(const seld_model *model, const seld_state *state, twist_carry *carry)
+{
+    int32_t miss = (int32_t)(model->hold.turn32 - state->words.nodes[0].angle_turn32[0]);
+    carry->curve_torque = seld_sat32(16 * (int64_t)seld_mul_q30(miss, HALF_PI_Q30));
+    carry->curve_q26 = 16 << 26;
+}
+
+/* Inline, so that k and whether a tool is the outermost are constants in the loops. */
+static inline __attribute__((always_inline)) void twist_tool(const seld_model *model, seld_state *state,
+                                                             uint32_t k, bool outermost)
+{
+    twist_carry carry = {0, 0, 0, 0, 0};
+    uint32_t na = state->words.free_count;
+    uint32_t first = tip_edge(model, state, k);
+    state->scratch.torque_N_m_q30[k] = 0;
+    if (k == 0 && first == 0 && model->hold.turn) {
+        hold_turn(model, state, &carry);
+    }
+    for (uint32_t j = first; j < na; j++) {
+        eliminate_edge(model, state, k, j, outermost, &carry);
+    }
+    substitute(state, k, first);
+}
+
 void seld_rod_twist(const seld_model *model, seld_state *state)
 {
-    uint32_t na = state->words.free_count;
-    for (uint32_t i = 0; i <= na; i++) {
+    for (uint32_t i = 0; i <= state->words.free_count; i++) {
         state->scratch.nodes[i].torque_N_m_q30 = 0;
     }
-    for (uint32_t k = 0; k < model->tool_count; k++) {
-        twist_carry carry = {0, 0, 0, 0, 0};
-        uint32_t first = tip_edge(model, state, k);
-        state->scratch.torque_N_m_q30[k] = 0;
-        for (uint32_t j = first; j < na; j++) {
-            eliminate_edge(model, state, k, j, &carry);
-        }
-        substitute(state, k, first);
+    if (model->tool_count == 1) {
+        twist_tool(model, state, 0, true);
+        return;
     }
+    twist_tool(model, state, 0, false);
+    if (model->tool_count == 2) {
+        twist_tool(model, state, 1, true);
+        return;
+    }
+    twist_tool(model, state, 1, false);
+    twist_tool(model, state, 2, true);
 }
