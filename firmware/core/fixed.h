@@ -119,6 +119,17 @@ static inline int64_t seld_product(int32_t a, int32_t b)
 #endif
 }
 
+/* sum + a b: SMLAL. Overflow: the caller states why the sum fits 64 bits. */
+static inline int64_t seld_product_add(int64_t sum, int32_t a, int32_t b)
+{
+#if SELD_HIGH_WORDS_BY_DSP
+    __asm__("smlal %Q0, %R0, %1, %2" : "+r"(sum) : "r"(a), "r"(b));
+    return sum;
+#else
+    return sum + (int64_t)a * b;
+#endif
+}
+
 /* Product of two values, rounded and saturated once. Format: Qa x Qb -> Q(a+b-n), 64-bit intermediate, 1 <= n
  * <= 62. Overflow: saturates. Error: 1/2 LSB in range. A 32-bit machine looks at the upper word only. */
 static inline int32_t seld_mul(int32_t a, int32_t b, unsigned n)

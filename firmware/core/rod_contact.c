@@ -55,10 +55,9 @@ static inline int32_t normal_force(int32_t depth_m_q30)
     return force > 0 ? NORMAL_MAX_N_Q22 : -NORMAL_MAX_N_Q22;
 }
 
-static inline int32_t friction_of(const seld_state *state, uint32_t i)
+static inline int32_t friction_of(const seld_node_state *node, const seld_line_node *line)
 {
-    const seld_line_node *line = &state->line.nodes[i];
-    return state->words.nodes[i].contact == SELD_CONTACT_SLIPS ? line->kinetic_q30 : line->static_q30;
+    return node->contact == SELD_CONTACT_SLIPS ? line->kinetic_q30 : line->static_q30;
 }
 
 /* Bristle at its limit mu N / k_t. Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 / 2^20. Overflow: impossible, 128 N. */
@@ -93,9 +92,8 @@ static inline int32_t friction_stiffness(const seld_model *model, int32_t limit_
 }
 
 /* How far the outer tool slides along the line at node i, Q33 m; towards the tip. */
-static inline int32_t surface_slide(const seld_state *state, uint32_t i)
+static inline int32_t surface_slide(const seld_state *state, const seld_line_node *line)
 {
-    const seld_line_node *line = &state->line.nodes[i];
     int32_t under = state->scratch.slide_m_q33[line->under];
     int64_t more = (int64_t)(state->scratch.slide_m_q33[line->outer] - under) * line->outer_share_q15;
     return under + (int32_t)(more >> 15);
@@ -103,22 +101,21 @@ static inline int32_t surface_slide(const seld_state *state, uint32_t i)
 
 /* Bristle and what the surface does besides the node's deviation and its turn.
  * Overflow: impossible. Bristles stay below 2^29.1 (NORMAL_MAX), slides below 2^24. */
-static inline seld_vec3 surface_way(const seld_model *model, const seld_state *state, uint32_t i)
+static inline seld_vec3 surface_way(const seld_model *model, const seld_state *state,
+                                    const seld_node_state *node, const seld_work *work,
+                                    const seld_line_node *line)
 {
-    const seld_node_state *node = &state->words.nodes[i];
-    const seld_work *work = &state->scratch.nodes[i];
     seld_vec3 way = {{node->bristle_m_q33.v[0] + work->slide_m_q33.v[0],
                       node->bristle_m_q33.v[1] + work->slide_m_q33.v[1],
                       node->bristle_m_q33.v[2] + work->slide_m_q33.v[2]}};
-    int32_t slide = model->tool_count > 1 ? surface_slide(state, i) : 0;
+    int32_t slide = model->tool_count > 1 ? surface_slide(state, line) : 0;
     return slide != 0 ? without(&way, &node->tangent_q30, slide) : way;
 }
 
 /* Way of the surface at node i by the last turn of the outer tool, along normal x tangent. */
-static inline int32_t surface_roll(const seld_state *state, uint32_t i)
+static inline int32_t surface_roll(const seld_node_state *node, const seld_line_node *line)
 {
-    const seld_line_node *line = &state->line.nodes[i];
-    return seld_surface_way(line->radius_m_q30, state->words.nodes[i].spin_q30[line->outer]);
+    return seld_surface_way(line->radius_m_q30, node->spin_q30[line->outer]);
 }
 
 static inline void add_roll(seld_vec3 *way, const seld_vec3 *around_q30, int32_t roll_m_q33)
@@ -131,24 +128,24 @@ static inline void add_roll(seld_vec3 *way, const seld_vec3 *around_q30, int32_t
 /* Contact of node i after the expected motion: its stiffnesses. `expected` is the node's deviation (it may lie where `around`
  * takes its place), `inwards` its part along the normal, `predicted` the depth after it.
  * Overflow: impossible. Held way 2^29.2, deviations 2^29, roll 2^23: reach below 2^30.5 in every component. */
-static inline void touch(const seld_model *model, seld_state *state, uint32_t i, int32_t predicted_m_q30,
+static inline void touch(const seld_model *model, const seld_state *state, const seld_node_state *node,
+                         seld_work *work, const seld_line_node *line, int32_t predicted_m_q30,
                          const seld_vec3 *expected, int32_t inwards)
 {
-    seld_work *work = &state->scratch.nodes[i];
     const seld_vec3 *n = &work->normal_q30;
     int32_t force = predicted_m_q30 > 0 ? normal_force(predicted_m_q30) : 0;
-    int32_t limit = seld_scale_q30(force, friction_of(state, i));
-    seld_vec3 way = surface_way(model, state, i);
+    int32_t limit = seld_scale_q30(force, friction_of(node, line));
+    seld_vec3 way = surface_way(model, state, node, work, line);
     seld_vec3 held = tangential(&way, n);
     seld_vec3 reach = without(expected, n, inwards);
     for (int k = 0; k < 3; k++) {
         reach.v[k] += held.v[k];
     }
-    seld_vec3 around = seld_vec3_cross_unit(n, &state->words.nodes[i].tangent_q30);
+    seld_vec3 around = seld_vec3_cross_unit(n, &node->tangent_q30);
     work->held_m_q33 = held;
     work->around_q30 = around;
     work->reach_m_q33 = seld_vec3_dot_unit(&reach, &around);
-    int32_t roll = surface_roll(state, i);
+    int32_t roll = surface_roll(node, line);
     if (roll != 0) {
         add_roll(&reach, &around, roll);
     }
@@ -164,10 +161,10 @@ static inline void touch(const seld_model *model, seld_state *state, uint32_t i,
 
 /* Right side of contact and friction in newtons Q22, once the turn of the surface is known. Overflow: a bristle's force is
  * below 2000 N/m x 180 mm; the sum saturates. */
-static inline void push_node(const seld_model *model, seld_state *state, uint32_t i)
+static inline void push_node(const seld_model *model, const seld_node_state *node, seld_work *work,
+                             const seld_line_node *line)
 {
-    seld_work *work = &state->scratch.nodes[i];
-    int32_t roll = surface_roll(state, i);
+    int32_t roll = surface_roll(node, line);
     if (roll != 0) {
         add_roll(&work->held_m_q33, &work->around_q30, roll);
     }
@@ -182,13 +179,13 @@ static inline void push_node(const seld_model *model, seld_state *state, uint32_
 }
 
 /* Depth and normal at x*; false when the field has no gradient there. */
-static inline bool sample(const seld_model *model, seld_state *state, uint32_t i)
+static inline bool sample(const seld_model *model, seld_state *state, seld_work *work,
+                          const seld_line_node *line)
 {
-    seld_work *work = &state->scratch.nodes[i];
     seld_lumen_sample wall = seld_lumen_contact(model->lumen, &work->position_m_q30);
     work->distance_m_q30 = wall.distance_m_q30;
     work->normal_q30 = wall.normal_q30;
-    work->depth_m_q30 = seld_add_sat(work->distance_m_q30, state->line.nodes[i].radius_m_q30);
+    work->depth_m_q30 = seld_add_sat(wall.distance_m_q30, line->radius_m_q30);
     bool known = (work->normal_q30.v[0] | work->normal_q30.v[1] | work->normal_q30.v[2]) != 0;
     if (!known && work->distance_m_q30 > 0) {
         state->words.fault_bits |= SELD_FAULT_OUTSIDE;
@@ -203,33 +200,33 @@ static void clear(seld_node_state *node)
 }
 
 /* A node that touched in the last tick is sampled at once, another only when the cheap distance allows contact. */
-static inline bool may_touch(const seld_model *model, seld_state *state, uint32_t i)
+static inline bool may_touch(const seld_model *model, seld_state *state, const seld_node_state *node,
+                             seld_work *work, const seld_line_node *line)
 {
-    seld_work *work = &state->scratch.nodes[i];
-    if (state->words.nodes[i].contact == SELD_CONTACT_NONE) {
+    if (node->contact == SELD_CONTACT_NONE) {
         work->distance_m_q30 = seld_lumen_distance(model->lumen, &work->position_m_q30);
         int32_t reach = (magnitude_sum(&work->drift_m_q33) >> 3) + MARGIN_M_Q30;
-        if (work->distance_m_q30 < -state->line.nodes[i].radius_m_q30 - reach) {
+        if (work->distance_m_q30 < -line->radius_m_q30 - reach) {
             return false;
         }
     }
-    return sample(model, state, i);
+    return sample(model, state, work, line);
 }
 
-static inline void find_node(const seld_model *model, seld_state *state, uint32_t i)
+static inline void find_node(const seld_model *model, seld_state *state, seld_node_state *node,
+                             seld_work *work, const seld_line_node *line)
 {
-    seld_work *work = &state->scratch.nodes[i];
-    if (!may_touch(model, state, i)) {
-        clear(&state->words.nodes[i]);
+    if (!may_touch(model, state, node, work, line)) {
+        clear(node);
         return;
     }
     int32_t inwards = along(&work->drift_m_q33, &work->normal_q30);
     int32_t predicted = seld_sub_sat(work->depth_m_q30, inwards >> 3);
     if (work->depth_m_q30 <= 0 && predicted <= 0) {
-        clear(&state->words.nodes[i]);
+        clear(node);
         return;
     }
-    touch(model, state, i, predicted, &work->drift_m_q33, inwards);
+    touch(model, state, node, work, line, predicted, &work->drift_m_q33, inwards);
 }
 
 /* The springs of a held tip take the place of a contact. */
@@ -255,15 +252,18 @@ static void hold_node(const seld_model *model, seld_state *state, uint32_t i, co
 void seld_contact_find(const seld_model *model, seld_state *state)
 {
     uint32_t na = state->words.free_count;
-    for (uint32_t i = 0; i < na + 2; i++) { /* two held nodes too: the solve reads past the last free one */
-        seld_work *work = &state->scratch.nodes[i];
+    seld_work *work = state->scratch.nodes;
+    seld_node_state *node = state->words.nodes;
+    const seld_line_node *line = state->line.nodes;
+    /* two held nodes too: the solve reads past the last free one */
+    for (uint32_t i = 0; i < na + 2; i++, work++, node++, line++) {
         work->touching = 0;
         work->wall_normal = 0;
         work->wall_friction = 0;
         if (model->lumen != NULL && i < na) {
-            find_node(model, state, i);
+            find_node(model, state, node, work, line);
         } else {
-            clear(&state->words.nodes[i]);
+            clear(node);
         }
     }
     if (model->hold.pinned) {
@@ -276,9 +276,12 @@ void seld_contact_find(const seld_model *model, seld_state *state)
 
 void seld_contact_forces(const seld_model *model, seld_state *state)
 {
-    for (uint32_t i = 0; i < state->words.free_count; i++) {
-        if (state->scratch.nodes[i].touching) {
-            push_node(model, state, i);
+    seld_work *work = state->scratch.nodes;
+    const seld_node_state *node = state->words.nodes;
+    const seld_line_node *line = state->line.nodes;
+    for (uint32_t i = 0; i < state->words.free_count; i++, work++, node++, line++) {
+        if (work->touching) {
+            push_node(model, node, work, line);
         }
     }
 }
@@ -290,18 +293,19 @@ uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t
     }
     uint32_t added = 0;
     int32_t reach = 2 * (largest_m_q33 >> 3) + MARGIN_M_Q30 - SELD_MISSED_CONTACT_M_Q30; /* sqrt(3) < 2 */
-    for (uint32_t i = 0; i < state->words.free_count; i++) {
-        seld_work *work = &state->scratch.nodes[i];
+    seld_work *work = state->scratch.nodes;
+    const seld_node_state *node = state->words.nodes;
+    const seld_line_node *line = state->line.nodes;
+    for (uint32_t i = 0; i < state->words.free_count; i++, work++, node++, line++) {
         bool held = work->touching || work->wall_friction != 0;
-        if (held || work->distance_m_q30 < -state->line.nodes[i].radius_m_q30 - reach ||
-            !sample(model, state, i)) {
+        if (held || work->distance_m_q30 < -line->radius_m_q30 - reach || !sample(model, state, work, line)) {
             continue;
         }
         int32_t inwards = along(&work->solution_m_q33, &work->normal_q30);
         int32_t ended = seld_sub_sat(work->depth_m_q30, inwards >> 3);
         if (ended > SELD_MISSED_CONTACT_M_Q30) {
-            touch(model, state, i, ended, &work->solution_m_q33, inwards);
-            push_node(model, state, i);
+            touch(model, state, node, work, line, ended, &work->solution_m_q33, inwards);
+            push_node(model, node, work, line);
             added++;
         }
     }
@@ -309,16 +313,15 @@ uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t
 }
 
 /* z + way limited to mu N / k_t; sticks when it was not limited. `inwards` is the deviation along the normal. */
-static inline void move_bristle(seld_state *state, uint32_t i, int32_t depth_m_q30, int32_t inwards_m_q33)
+static inline void move_bristle(seld_node_state *node, const seld_work *work, const seld_line_node *line,
+                                int32_t depth_m_q30, int32_t inwards_m_q33)
 {
-    seld_node_state *node = &state->words.nodes[i];
-    const seld_work *work = &state->scratch.nodes[i];
     seld_vec3 way = without(&work->solution_m_q33, &work->normal_q30, inwards_m_q33);
     for (int k = 0; k < 3; k++) {
         way.v[k] += work->held_m_q33.v[k];
     }
     int32_t force = depth_m_q30 > 0 ? normal_force(depth_m_q30) : 0;
-    int32_t most = bristle_limit(seld_scale_q30(force, friction_of(state, i)));
+    int32_t most = bristle_limit(seld_scale_q30(force, friction_of(node, line)));
     int64_t square = seld_vec3_dot64(way, way);
     node->contact = SELD_CONTACT_STICKS;
     if (square > seld_product(most, most)) {
@@ -335,10 +338,8 @@ static inline void move_bristle(seld_state *state, uint32_t i, int32_t depth_m_q
 }
 
 /* Friction along the line falls to the tool that touches: -k_t z along its axis. Format: N/m x Q33 m -> Q22 N. */
-static void charge_outer_tool(seld_state *state, uint32_t i)
+static void charge_outer_tool(seld_state *state, const seld_node_state *node, const seld_line_node *line)
 {
-    const seld_line_node *line = &state->line.nodes[i];
-    const seld_node_state *node = &state->words.nodes[i];
     int32_t way_m_q33 = along(&node->bristle_m_q33, &node->tangent_q30);
     int32_t drag_N_q22 = (int32_t)(((int64_t)way_m_q33 * -SELD_FRICTION_STIFFNESS_N_m) >> 11);
     int32_t outer = (int32_t)(((int64_t)drag_N_q22 * line->outer_share_q15) >> 15);
@@ -351,16 +352,18 @@ void seld_contact_finish(const seld_model *model, seld_state *state, seld_output
 {
     output->contact_count = 0;
     output->penetration_max_m_q30 = 0;
-    for (uint32_t i = 0; i < state->words.free_count; i++) {
-        seld_work *work = &state->scratch.nodes[i];
+    const seld_work *work = state->scratch.nodes;
+    seld_node_state *node = state->words.nodes;
+    const seld_line_node *line = state->line.nodes;
+    for (uint32_t i = 0; i < state->words.free_count; i++, work++, node++, line++) {
         if (!work->touching) {
             continue;
         }
         int32_t deviation = along(&work->solution_m_q33, &work->normal_q30);
         int32_t depth = seld_sub_sat(work->depth_m_q30, deviation >> 3);
-        move_bristle(state, i, depth, deviation);
+        move_bristle(node, work, line, depth, deviation);
         if (model->tool_count > 1) {
-            charge_outer_tool(state, i);
+            charge_outer_tool(state, node, line);
         }
         output->contact_count++;
         if (depth > output->penetration_max_m_q30) {

@@ -31,16 +31,14 @@ static inline seld_vec3 seld_vec3_sub(seld_vec3 a, seld_vec3 b)
  * stay below 2^31 * 0.81 (3 * 0.81^2 < 2) or those of one within +-2^30 (3 * 2^61 < 2^63). Error: exact. */
 static inline int64_t seld_vec3_dot64(seld_vec3 a, seld_vec3 b)
 {
-    return (int64_t)a.v[0] * b.v[0] + (int64_t)a.v[1] * b.v[1] + (int64_t)a.v[2] * b.v[2];
+    return seld_product_add(seld_product_add(seld_product(a.v[0], b.v[0]), a.v[1], b.v[1]), a.v[2], b.v[2]);
 }
 
 /* Dot product of a vector and a unit vector, rounded once. Format: Qa . Q30 -> Qa in steps of 4 LSB. Overflow: impossible
  * while the vector's length is below 2^31 (1 - 2^-9). Error: 2 LSB. */
 static inline int32_t seld_vec3_dot_unit(const seld_vec3 *a, const seld_vec3 *unit_q30)
 {
-    int64_t sum = (int64_t)a->v[0] * unit_q30->v[0] + (int64_t)a->v[1] * unit_q30->v[1] +
-                  (int64_t)a->v[2] * unit_q30->v[2];
-    return seld_round_high64(sum) * 4;
+    return seld_round_high64(seld_vec3_dot64(*a, *unit_q30)) * 4;
 }
 
 /* a b - c d, the high words rounded. Format: Qa x Q30 -> Qa in steps of 4 LSB. Error: 4 LSB. */
