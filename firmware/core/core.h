@@ -65,12 +65,12 @@ typedef struct seld_state seld_state; /* complete type in core_state.h */
 
 typedef enum seld_build_status {
     SELD_BUILD_OK = 0,
-    SELD_BUILD_KNOTS,    /* number or order of knots */
-    SELD_BUILD_RANGE,    /* a property out of its range */
-    SELD_BUILD_LENGTH,   /* shorter than 20 mm, or more than SELD_NODE_MAX nodes */
-    SELD_BUILD_ELEMENTS, /* element lengths out of range */
+    SELD_BUILD_KNOTS, /* number or order of knots */
+    SELD_BUILD_RANGE, /* a property out of its range */
+    SELD_BUILD_LENGTH, /* shorter than 20 mm or than five of the line's elements, or more than SELD_NODE_MAX nodes */
+    SELD_BUILD_ELEMENTS, /* element lengths out of range, or so long that the rest shape turns by more than 1.2 rad in one */
     SELD_BUILD_ENTRY,    /* direction is no unit vector, or position outside +-1.9 m */
-    SELD_BUILD_OVERFLOW, /* stiffness and element length together exceed the number format */
+    SELD_BUILD_OVERFLOW, /* stiffness or mass and element length together exceed the number format */
     SELD_BUILD_TOOLS,    /* number of tools not 1 .. SELD_TOOL_MAX */
     SELD_BUILD_NESTING,  /* a tool does not fit into the lumen of the next one */
 } seld_build_status;

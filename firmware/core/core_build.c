@@ -244,6 +244,80 @@ static seld_build_status choose_exponent(seld_model *model)
     return fits ? SELD_BUILD_OK : SELD_BUILD_OVERFLOW;
 }
 
+/* --- what the mesh can bear of each tool -------------------------------------------------------------------------- */
+
+/* The cell of node i as tool k sees it when it leads: its rest turning and twist stiffness within their formats? */
+static seld_build_status check_cell(const seld_model *model, const seld_span *span, uint32_t i,
+                                    int32_t arc_m_q30)
+{
+    int32_t cell = model->mesh[i].cell_end_m_q30 - (i > 0 ? model->mesh[i - 1].cell_end_m_q30 : 0);
+    int32_t fraction = seld_span_fraction(span, arc_m_q30);
+    int64_t turn1 = seld_mul(seld_span_value(span, SELD_CURVE1_PER_M_Q20, fraction), cell, 20);
+    int64_t turn2 = seld_mul(seld_span_value(span, SELD_CURVE2_PER_M_Q20, fraction), cell, 20);
+    const int64_t most = SELD_TURN_OF_CELL_MAX_Q30;
+    if ((turn1 * turn1 >> 2) + (turn2 * turn2 >> 2) > most * most >> 2) {
+        return SELD_BUILD_ELEMENTS;
+    }
+    int64_t twist = seld_span_value(span, SELD_TWIST_N_M2_Q35, fraction);
+    /* no joint at the tip, whose cell is half as long */
+    bool fits = i == 0 || (twist * model->mesh[i].inverse_cell_per_m_q18) >> 27 < (int64_t)SELD_TWIST_MAX_N_m
+                                                                                      << 26;
+    return fits ? SELD_BUILD_OK : SELD_BUILD_OVERFLOW;
+}
+
+static uint32_t knot_before(const seld_instrument *tool, int32_t arc_m_q30)
+{
+    uint32_t knot = 0;
+    while (knot + 1 < tool->knot_count && micrometres_to_q30(tool->knots[knot + 1].arc_um) <= arc_m_q30) {
+        knot++;
+    }
+    return knot;
+}
+
+/* A tool must reach the shortest line that there is, and its shape and twist must fit its own cells. */
+static seld_build_status check_reach(const seld_model *model, uint32_t k, const seld_instrument *instrument,
+                                     seld_build_place *place)
+{
+    const seld_tool *tool = &model->tools[k];
+    *place = (seld_build_place){k, 0};
+    if (tool->inserted_max_m_q30 < seld_least_inserted(model)) {
+        return SELD_BUILD_LENGTH;
+    }
+    uint32_t span = 0;
+    for (uint32_t i = 0; i < model->node_count && model->mesh[i].arc_m_q30 <= tool->length_m_q30; i++) {
+        int32_t arc = model->mesh[i].arc_m_q30;
+        while (span + 1 < tool->span_count && tool->spans[span].end_m_q30 <= arc) {
+            span++;
+        }
+        seld_build_status status = check_cell(model, &tool->spans[span], i, arc);
+        if (status != SELD_BUILD_OK) {
+            place->knot = knot_before(instrument, arc);
+            return status;
+        }
+    }
+    *place = (seld_build_place){0, 0};
+    return SELD_BUILD_OK;
+}
+
+/* The tools together in the longest cell: below the format's 1.95 g. */
+static seld_build_status check_mass(const seld_model *model)
+{
+    const seld_mesh_node *last = &model->mesh[model->node_count - 1];
+    int64_t sum_q34 = 0;
+    for (uint32_t k = 0; k < model->tool_count; k++) {
+        const seld_tool *tool = &model->tools[k];
+        int32_t most = 0;
+        for (uint32_t i = 0; i < tool->span_count; i++) {
+            int32_t from = tool->spans[i].from[SELD_MASS_KG_PER_M_Q34];
+            int32_t to = from + tool->spans[i].delta[SELD_MASS_KG_PER_M_Q34];
+            most = from > most ? from : most;
+            most = to > most ? to : most;
+        }
+        sum_q34 += most;
+    }
+    return (sum_q34 * last->length_m_q30) >> 24 < INT32_MAX ? SELD_BUILD_OK : SELD_BUILD_OVERFLOW;
+}
+
 /* --- the rest ------------------------------------------------------------------------------------------------ */
 
 /* Two axes across the direction of insertion, from the coordinate axis least aligned with it. */
@@ -291,7 +365,11 @@ seld_build_status seld_model_build(seld_model *model, const seld_instrument *too
     for (uint32_t k = 0; k < tool_count; k++) {
         build_tool(model, k, &tools[k]);
     }
-    status = choose_exponent(model);
+    for (uint32_t k = 0; k < tool_count && status == SELD_BUILD_OK; k++) {
+        status = check_reach(model, k, &tools[k], place);
+    }
+    status = status == SELD_BUILD_OK ? check_mass(model) : status;
+    status = status == SELD_BUILD_OK ? choose_exponent(model) : status;
     if (status != SELD_BUILD_OK) {
         return status;
     }
@@ -313,7 +391,10 @@ void seld_model_set_gravity(seld_model *model, int32_t x_mm_s2, int32_t y_mm_s2,
 
 void seld_model_set_tip_load(seld_model *model, seld_vec3 load_N_q22)
 {
-    model->tip_load_N_q22 = load_N_q22;
+    const int32_t most_N_q22 = 100 << 22;
+    for (int k = 0; k < 3; k++) {
+        model->tip_load_N_q22.v[k] = seld_clamp(load_N_q22.v[k], -most_N_q22, most_N_q22);
+    }
 }
 
 void seld_model_set_tip_hold(seld_model *model, const seld_tip_hold *hold)

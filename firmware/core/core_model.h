@@ -35,10 +35,12 @@ enum {
     SELD_POSITION_MAX_M_Q30 = 2126008811, /* 1.98 m */
     SELD_STEP_CAP_M_Q33 = 4294967,        /* 0.5 mm of motion per tick besides the feed */
     SELD_RELEASE_STEP_Q30 = 1 << 22,      /* a shaped tip leaves the introducer over 256 ticks, not in one */
-    SELD_SPIN_DRAG_N_M_Q26 = 7,   /* 1e-10 N m s / 1 ms per edge: about what blood does to a turning wire */
-    SELD_CLIP_SURE = 10,          /* a cell clipped at the mouth may keep this part of its length, */
-    SELD_CLIP_MAX = 32,           /* or this part, where the number format has room for it */
-    SELD_BEARING_M_Q30 = 3221225, /* 3 mm: length over which a tool bears on the one around it */
+    SELD_SPIN_DRAG_N_M_Q26 = 7, /* 1e-10 N m s / 1 ms per edge: about what blood does to a turning wire */
+    SELD_TWIST_MAX_N_m = 16,    /* twist stiffness of one joint: 0.03 N m^2 in 2 mm */
+    SELD_TURN_OF_CELL_MAX_Q30 = 1288490189, /* 1.2 rad: rest turning of one cell */
+    SELD_CLIP_SURE = 10,                 /* a cell clipped at the mouth may keep this part of its length, */
+    SELD_CLIP_MAX = 32,                  /* or this part, where the number format has room for it */
+    SELD_BEARING_M_Q30 = 3221225,        /* 3 mm: length over which a tool bears on the one around it */
     SELD_GRIP_STIFFNESS_N_M_Q26 = 26844, /* 4e-4 N m: bristle of one tool turning in another */
     SELD_GRIP_COMPLIANCE_PER_N_M = 2500, /* its inverse */
     SELD_WITHDRAWN_M_Q30 =
@@ -116,7 +118,7 @@ struct seld_model {
     seld_mesh_node mesh[SELD_ARRAY_NODES];
 };
 
-/* Dead load on the tip in newtons (Q22), patient frame; for validation cases. */
+/* Dead load on the tip in newtons (Q22), patient frame, at most 100 N in each direction; for validation cases. */
 void seld_model_set_tip_load(seld_model *model, seld_vec3 load_N_q22);
 void seld_model_set_tip_hold(seld_model *model, const seld_tip_hold *hold);
 

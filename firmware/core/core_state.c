@@ -42,7 +42,7 @@ static int32_t inserted_q30(uint32_t um)
 /* Lengths outside the inserter, each within its tool, the longest long enough for a line. */
 static void place_tools(const seld_model *model, seld_state_words *words, const uint32_t *inserted_um)
 {
-    const int32_t least = model->mesh[3].arc_m_q30 + 1024;
+    const int32_t least = seld_least_inserted(model);
     uint32_t longest = 0;
     for (uint32_t k = 0; k < model->tool_count; k++) {
         int32_t inserted = inserted_q30(inserted_um[k]);
@@ -76,7 +76,10 @@ void seld_state_init(const seld_model *model, seld_state *state, const uint32_t 
         int32_t beyond = inserted - model->mesh[i].arc_m_q30;
         for (int k = 0; k < 3; k++) {
             int32_t direction = model->entry.direction_q30.v[k];
-            node->position_m_q30.v[k] = model->entry.position_m_q30.v[k] + seld_mul_q30(beyond, direction);
+            int32_t position =
+                seld_add_sat(model->entry.position_m_q30.v[k], seld_mul_q30(beyond, direction));
+            node->position_m_q30.v[k] =
+                seld_clamp(position, -SELD_POSITION_MAX_M_Q30, SELD_POSITION_MAX_M_Q30);
             node->tangent_q30.v[k] = -direction;
         }
     }
@@ -146,10 +149,28 @@ static bool node_is_valid(const seld_node_state *node)
 /* No edge is longer than twice its rest length: beyond that no tick of ours would leave it. */
 static bool edge_is_valid(const seld_model *model, const seld_node_state *node, uint32_t i)
 {
-    int32_t most = 2 * model->mesh[i].length_m_q30;
+    const int64_t most = 2 * (int64_t)model->mesh[i].length_m_q30; /* below 2^25 */
+    int64_t square = 0;
     for (int k = 0; k < 3; k++) {
         int64_t apart = (int64_t)node[1].position_m_q30.v[k] - node->position_m_q30.v[k];
         if (apart > most || apart < -most) {
+            return false;
+        }
+        square += apart * apart;
+    }
+    return square <= most * most;
+}
+
+/* Nodes in the inserter lie on its axis, as place_inside() of rod_feed.c puts them; the last tick may have pulled at them
+ * by no more than a rounding. */
+static bool held_is_valid(const seld_model *model, const seld_node_state *node, int32_t beyond_m_q30)
+{
+    enum { ROUNDING = 16 };
+    for (int k = 0; k < 3; k++) {
+        int64_t there = (int64_t)model->entry.position_m_q30.v[k] +
+                        seld_mul_q30(beyond_m_q30, model->entry.direction_q30.v[k]);
+        int64_t miss = node->position_m_q30.v[k] - there;
+        if (miss > ROUNDING || miss < -ROUNDING) {
             return false;
         }
     }
@@ -193,6 +214,9 @@ static bool words_are_valid(const seld_model *model, const seld_state_words *wor
             return false;
         }
         if (i + 1 < na + INSIDE_KEPT && !edge_is_valid(model, &words->nodes[i], i)) {
+            return false;
+        }
+        if (i >= na && !held_is_valid(model, &words->nodes[i], inserted - model->mesh[i].arc_m_q30)) {
             return false;
         }
     }

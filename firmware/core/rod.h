@@ -71,6 +71,12 @@ static inline int32_t seld_line_inertia(const seld_model *model, const seld_line
 
 /* --- parts of the tick --------------------------------------------------------------------------------------- */
 
+/* The shortest line: three elements beyond the mouth. */
+static inline int32_t seld_least_inserted(const seld_model *model)
+{
+    return model->mesh[3].arc_m_q30 + 1024;
+}
+
 /* How far the leading tip is beyond the mouth. */
 static inline int32_t seld_lead_inserted(const seld_model *model, const seld_state_words *words)
 {

@@ -245,6 +245,8 @@ static void hold_node(const seld_model *model, seld_state *state, uint32_t i, co
     for (int k = 0; k < 3; k++) {
         /* Q30 m -> Q22 N */
         int64_t pull = ((int64_t)SELD_HOLD_STIFFNESS_N_m * miss.v[k]) >> 8;
+        pull = pull > NORMAL_MAX_N_Q22 ? NORMAL_MAX_N_Q22
+                                       : (pull < -NORMAL_MAX_N_Q22 ? -NORMAL_MAX_N_Q22 : pull);
         work->force_N_q22.v[k] = seld_sat32(work->force_N_q22.v[k] + pull);
     }
 }

@@ -91,7 +91,7 @@ static int32_t choose_feed(const seld_model *model, seld_state *state, uint32_t 
 static void feed_tools(const seld_model *model, seld_state *state, const seld_input *input)
 {
     seld_state_words *words = &state->words;
-    const int32_t least = model->mesh[3].arc_m_q30 + 1024;
+    const int32_t least = seld_least_inserted(model);
     int32_t before = seld_lead_inserted(model, words);
     uint32_t longest = 0;
     int32_t feed[SELD_TOOL_MAX];

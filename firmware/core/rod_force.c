@@ -10,6 +10,7 @@
 
 enum {
     STRAIN_MAX_Q30 = 1 << 27,      /* series used up to 12.5 % strain, clamped beyond */
+    W_MAX_Q30 = 1503238553,        /* 1.4: |w|^2 and the square of a difference of two fit 64 bits */
     TENSION_MAX_N_Q22 = 128 << 22, /* edge force, clamped: twenty times what a hand can do */
     TENSION_STIFF_MAX_N_Q22 = 32 << 22,
     PART_MAX_N_Q22 =
@@ -49,8 +50,7 @@ static seld_vec3 relative(int32_t inverse_per_m_q18, const seld_vec3 *from, cons
     return w;
 }
 
-/* w, t and the strain of the edge between two positions. |w|^2 is taken modulo 2^64: an edge longer than 2.8 times its length
- * has been reported as saturated long before. */
+/* w, t and the strain of the edge between two positions. |w|^2 fits 64 bits without a sign: 3 x 2^62. */
 static int32_t stretch_of(int32_t inverse_per_m_q18, const seld_vec3 *from, const seld_vec3 *to, seld_vec3 *w,
                           seld_vec3 *t, uint32_t *fault_bits)
 {
@@ -61,8 +61,11 @@ static int32_t stretch_of(int32_t inverse_per_m_q18, const seld_vec3 *from, cons
     int32_t high = seld_high64(excess);
     if (high >= STRAIN_MAX_Q30 / 2 || high < -STRAIN_MAX_Q30 / 2) {
         *fault_bits |= SELD_FAULT_SATURATED;
+        for (int k = 0; k < 3; k++) {
+            w->v[k] = seld_clamp(w->v[k], -W_MAX_Q30, W_MAX_Q30);
+        }
         *t = seld_vec3_normalise(*w, *t, NULL);
-        return strain_of(high > 0 ? STRAIN_MAX_Q30 : -STRAIN_MAX_Q30);
+        return strain_of(seld_vec3_dot64(*w, *w) > (int64_t)1 << 60 ? STRAIN_MAX_Q30 : -STRAIN_MAX_Q30);
     }
     int32_t e = seld_narrow64(excess, 31);
     int32_t inverse = inverse_stretch_of(e);
@@ -126,10 +129,12 @@ void seld_rod_rest_turn(const seld_joint *joint, uint32_t tool, int32_t release_
 }
 
 /* F = tau kb / 2 = tau (t x t') / (1 + t.t'). Format: tau Q30 N m -> Q30 N m. For small turning 1/(1+c) is
- * 1/2 + (1-c)/4 + (1-c)^2/8, good to 1e-4 at 40 degrees. */
+ * 1/2 + (1-c)/4 + (1-c)^2/8, good to 1e-4 at 40 degrees; beyond a right angle it stays at that of one.
+ * Overflow: impossible, the factor is 7/8 at most. */
 static seld_vec3 twist_force(int32_t torque_N_m_q30, const seld_vec3 *before, const seld_vec3 *after)
 {
-    int32_t lack = SELD_ONE_Q30 - seld_vec3_dot_unit(before, after);
+    int32_t cosine = seld_vec3_dot_unit(before, after);
+    int32_t lack = cosine > 0 ? SELD_ONE_Q30 - cosine : SELD_ONE_Q30;
     int32_t inverse = (SELD_ONE_Q30 >> 1) + (lack >> 2) + (seld_scale_q30(lack, lack) >> 3);
     int32_t scaled = seld_scale_q30(torque_N_m_q30, inverse);
     seld_vec3 across = seld_vec3_cross_unit(before, after);

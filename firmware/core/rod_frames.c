@@ -49,7 +49,7 @@ static seld_vec3 transport_sharply(seld_vec3 axis, const seld_vec3 *from, const 
 static seld_vec3 transport(seld_vec3 axis, const seld_vec3 *from, const seld_vec3 *to)
 {
     int32_t tilt = seld_vec3_dot_unit(&axis, to);
-    int32_t lack = SELD_ONE_Q30 - seld_vec3_dot_unit(from, to);
+    int32_t lack = seld_sub_sat(SELD_ONE_Q30, seld_vec3_dot_unit(from, to));
     if (lack > LACK_FAST_Q30) {
         return transport_sharply(axis, from, to, tilt, lack);
     }

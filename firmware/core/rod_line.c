@@ -8,8 +8,8 @@
 #include "firmware/core/rod.h"
 
 enum {
-    TWIST_MAX_N_m_Q26 = 1 << 30
-}; /* 16 N m in one joint: 0.03 N m^2 in 2 mm; two of them fit a pivot (rod_twist.c) */
+    TWIST_MAX_N_m_Q26 = SELD_TWIST_MAX_N_m << 26
+}; /* of one joint; two of them fit a pivot (rod_twist.c) */
 
 /* One tick's walk along the line: the span that each tool is in. */
 typedef struct walk {
@@ -44,9 +44,26 @@ static int32_t inverse_of(int64_t value, unsigned q)
     int64_t inverse = seld_reciprocal_q30((uint32_t)(((uint64_t)value << lead) >> 33));
     int shift = 94 - (int)lead - (int)q; /* value = mantissa 2^(33 - lead), inverse = 2^61 / mantissa */
     if (shift <= 0) {
-        return INT32_MAX;
+        return shift == 0 ? seld_sat32(inverse) : INT32_MAX;
     }
     return shift > 62 ? 0 : seld_sat32(seld_rshift_round64(inverse, (unsigned)shift));
+}
+
+/* length / compliance, the series average of a stiffness. Format: Q30 m / Q32 1/(N m) -> Q35 N m^2. Overflow: saturates.
+ * Error: that of the compliance, 1 in `compliance`. */
+static int32_t series_stiffness_q35(int32_t length_m_q30, int64_t compliance)
+{
+    unsigned lead = seld_clz64((uint64_t)compliance);
+    int64_t inverse = seld_reciprocal_q30((uint32_t)(((uint64_t)compliance << lead) >> 33));
+    int shift = 57 - (int)lead; /* 2^37 length / compliance, compliance = mantissa 2^(33 - lead) */
+    return shift <= 0 ? INT32_MAX : seld_sat32(seld_rshift_round64(length_m_q30 * inverse, (unsigned)shift));
+}
+
+/* A cell's rest turning that the format and the joint's own force can bear: 1.2 rad. A tool whose own cells turn farther
+ * is refused (core_build.c); its hook gets there only inside a stiffer tool that leads, in the long cells of the shaft. */
+static int32_t limit_turn(int32_t turn_q30)
+{
+    return seld_clamp(turn_q30, -SELD_TURN_OF_CELL_MAX_Q30, SELD_TURN_OF_CELL_MAX_Q30);
 }
 
 static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
@@ -148,8 +165,7 @@ static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[SELD_TOOL_
             continue;
         }
         part[k] = integrate(&w->model->tools[k], w->span[k], from - offset, to - offset);
-        /* series average: length / compliance; Q30 m / Q32 -> Q35: 2^37 length / sum */
-        stiffness_q35[k] = seld_mul(inverse_of(part[k].bend_q32, 58), to - from, 21);
+        stiffness_q35[k] = series_stiffness_q35(to - from, part[k].bend_q32);
         total_q35 = seld_add_sat(total_q35, stiffness_q35[k]);
     }
     *compliance += compliance_q32(to - from, total_q35 < 1 << 11 ? 1 << 11 : total_q35);
@@ -191,9 +207,12 @@ static void divided_cell(walk *w, cell c, seld_joint *joint)
         if (w->line->offset_m_q30[k] >= c.end) {
             continue;
         }
-        /* At least a tenth of the cell, so that a tip that just enters it is no rigid joint. */
-        const seld_span *tip = &w->model->tools[k].spans[w->span[k]];
-        int64_t least = compliance_q32((c.end - c.begin) / 10, tip->from[SELD_TWIST_N_M2_Q35]);
+        int64_t least = 1;
+        if (w->line->offset_m_q30[k] > c.begin) {
+            /* At least a tenth of the cell, so that a tip that just enters it is no rigid joint. */
+            int32_t tip_q35 = w->model->tools[k].spans[0].from[SELD_TWIST_N_M2_Q35];
+            least = compliance_q32((c.end - c.begin) / 10, tip_q35);
+        }
         joint->twist_N_m_q26[k] = inverse_of(sums[k].twist_q32 > least ? sums[k].twist_q32 : least, 58);
         joint->turn1_q30[k] = seld_sat32(sums[k].turn1_q30);
         joint->turn2_q30[k] = seld_sat32(sums[k].turn2_q30);
@@ -260,8 +279,8 @@ static void build_joint(walk *w, uint32_t i, cell c)
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
         joint->twist_N_m_q26[k] =
             joint->twist_N_m_q26[k] < TWIST_MAX_N_m_Q26 ? joint->twist_N_m_q26[k] : TWIST_MAX_N_m_Q26;
-        joint->turn1_q30[k] = rest_turn_of(joint->turn1_q30[k]);
-        joint->turn2_q30[k] = rest_turn_of(joint->turn2_q30[k]);
+        joint->turn1_q30[k] = rest_turn_of(limit_turn(joint->turn1_q30[k]));
+        joint->turn2_q30[k] = rest_turn_of(limit_turn(joint->turn2_q30[k]));
         joint->curved |= (uint32_t)((joint->turn1_q30[k] | joint->turn2_q30[k]) != 0) << k;
     }
 }
