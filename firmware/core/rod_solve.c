@@ -129,74 +129,49 @@ static inline void second_neighbour(const inverse3 *inverse, int32_t second, sel
     }
 }
 
-/* Row i of the bending matrix and inertia: joints i-1, i and i+1 around it (docs/rod.md, "rows"). */
-typedef struct bend_row {
-    int32_t diagonal, next, second;
-} bend_row;
-
-static inline bend_row bend_row_of(const seld_model *model, const seld_state *state, uint32_t i)
+/* k v v^T added to a block. Overflow: |k| < 2^29. */
+static inline void add_along(const seld_vec3 *v_q30, int32_t stiffness, seld_sym3 *d)
 {
-    static const seld_joint none = {0};
-    const seld_joint *before =
-        i > 0 ? &state->line.nodes[i - 1].joint : &none; /* never a clipped one: i < na */
-    const seld_joint *here = seld_rod_joint(state, i);
-    const seld_joint *after = seld_rod_joint(state, i + 1);
-    int32_t inertia = seld_line_inertia(model, &state->line.nodes[i]);
-    return (bend_row){inertia + before->r + here->p + 2 * here->q + here->r + after->p,
-                      -(here->q + here->r + after->p + after->q), after->q};
+    int32_t x = 4 * seld_mulh(4 * stiffness, v_q30->v[0]);
+    int32_t y = 4 * seld_mulh(4 * stiffness, v_q30->v[1]);
+    int32_t z = 4 * seld_mulh(4 * stiffness, v_q30->v[2]);
+    d->m[XX] = seld_mulh_add(d->m[XX], x, v_q30->v[0]);
+    d->m[XY] = seld_mulh_add(d->m[XY], x, v_q30->v[1]);
+    d->m[XZ] = seld_mulh_add(d->m[XZ], x, v_q30->v[2]);
+    d->m[YY] = seld_mulh_add(d->m[YY], y, v_q30->v[1]);
+    d->m[YZ] = seld_mulh_add(d->m[YZ], y, v_q30->v[2]);
+    d->m[ZZ] = seld_mulh_add(d->m[ZZ], z, v_q30->v[2]);
 }
 
-/* S of the edge behind node i in Q(a). Overflow: |S| <= k_s < 2^29. */
-static inline void edge_matrix(const seld_state *state, uint32_t i, seld_sym3 *s)
+/* S of the edge behind node i in Q(a). Format: (4 k) t keeps the fraction that k t in Q(a) would lose. Overflow: |S| <= k_s
+ * < 2^29. */
+static inline void add_edge(const seld_state *state, uint32_t i, seld_sym3 *d)
 {
     const seld_vec3 *t = &state->words.nodes[i].tangent_q30;
     int32_t geometric = state->scratch.nodes[i].geometric;
-    int32_t along = state->line.nodes[i].spring - geometric;
-    int32_t x = seld_scale_q30(along, t->v[0]);
-    int32_t y = seld_scale_q30(along, t->v[1]);
-    int32_t z = seld_scale_q30(along, t->v[2]);
-    s->m[XX] = seld_scale_q30(x, t->v[0]) + geometric;
-    s->m[XY] = seld_scale_q30(x, t->v[1]);
-    s->m[XZ] = seld_scale_q30(x, t->v[2]);
-    s->m[YY] = seld_scale_q30(y, t->v[1]) + geometric;
-    s->m[YZ] = seld_scale_q30(y, t->v[2]);
-    s->m[ZZ] = seld_scale_q30(z, t->v[2]) + geometric;
-}
-
-/* k v v^T added to a block. */
-static inline void add_along(const seld_vec3 *v_q30, int32_t stiffness, seld_sym3 *d)
-{
-    int32_t x = seld_scale_q30(stiffness, v_q30->v[0]);
-    int32_t y = seld_scale_q30(stiffness, v_q30->v[1]);
-    int32_t z = seld_scale_q30(stiffness, v_q30->v[2]);
-    d->m[XX] += seld_scale_q30(x, v_q30->v[0]);
-    d->m[XY] += seld_scale_q30(x, v_q30->v[1]);
-    d->m[XZ] += seld_scale_q30(x, v_q30->v[2]);
-    d->m[YY] += seld_scale_q30(y, v_q30->v[1]);
-    d->m[YZ] += seld_scale_q30(y, v_q30->v[2]);
-    d->m[ZZ] += seld_scale_q30(z, v_q30->v[2]);
+    d->m[XX] += geometric;
+    d->m[YY] += geometric;
+    d->m[ZZ] += geometric;
+    add_along(t, state->line.nodes[i].spring - geometric, d);
 }
 
 /* Adds k_n n n^T + k_f (I - n n^T) + k_r (I - n n^T - t' t'^T) of a touching node, t' the tangent across n. A step across
  * both turns the normal force with the round wall, which without k_r = N / r swings for ever where nothing rubs
- * (docs/rod.md, "contact"). A tip that meets the wall head on has no t': k_r acts all round. */
+ * (docs/rod.md, "contact"). With b = n x t and c = n.t the last bracket is b b^T + c^2 (I - n n^T): a tip that meets the wall
+ * head on has no t', and k_r acts all round. */
 static inline void add_wall(const seld_work *work, const seld_vec3 *tangent, seld_sym3 *d)
 {
     const seld_vec3 *n = &work->normal_q30;
-    int32_t round = work->touching ? work->wall_round : 0;
-    int32_t across = work->wall_friction + round;
-    add_along(n, work->wall_normal - across, d);
-    if (round != 0) {
+    int32_t across = work->wall_friction;
+    if (work->touching && work->wall_round != 0) {
         int32_t inwards = seld_vec3_dot_unit(tangent, n);
-        seld_vec3 flat;
-        for (int k = 0; k < 3; k++) {
-            flat.v[k] = tangent->v[k] - seld_scale_q30(inwards, n->v[k]);
-        }
-        add_along(&flat, -round, d);
+        add_along(&work->around_q30, work->wall_round, d);
+        across += seld_scale_q30(seld_scale_q30(work->wall_round, inwards), inwards);
     }
     d->m[XX] += across;
     d->m[YY] += across;
     d->m[ZZ] += across;
+    add_along(n, work->wall_normal - across, d);
 }
 
 /* What two rows give to the third, besides their V and P: of the row before T, R + Q + Q^T, kb and r, of the one before that
@@ -208,22 +183,24 @@ typedef struct given {
     int_fast32_t r[3], r_before[3];
 } given;
 
-/* Row i as assembled, without S. */
-typedef struct row3 {
-    seld_sym3 rest; /* R */
-    int32_t next;   /* Q = next I */
-    int32_t second;
-} row3;
+/* Joints i-1, i and i+1 around row i. */
+typedef struct joints3 {
+    const seld_joint *before, *here, *after;
+} joints3;
 
-static inline row3 load_row(const seld_model *model, const seld_state *state, uint32_t i)
+/* R of row i as assembled: joints, inertia and wall. */
+static inline seld_sym3 load_rest(const seld_model *model, const seld_state *state, uint32_t i,
+                                  const joints3 *joint)
 {
     const seld_work *work = &state->scratch.nodes[i];
-    bend_row bend = bend_row_of(model, state, i);
-    row3 row = {{{bend.diagonal, 0, 0, bend.diagonal, 0, bend.diagonal}}, bend.next, bend.second};
+    const seld_joint *here = joint->here;
+    int32_t diagonal = seld_line_inertia(model, &state->line.nodes[i]) + joint->before->r + here->p +
+                       2 * here->q + here->r + joint->after->p;
+    seld_sym3 rest = {{diagonal, 0, 0, diagonal, 0, diagonal}};
     if ((work->wall_normal | work->wall_friction) != 0) {
-        add_wall(work, &state->words.nodes[i].tangent_q30, &row.rest);
+        add_wall(work, &state->words.nodes[i].tangent_q30, &rest);
     }
-    return row;
+    return rest;
 }
 
 /* One entry of T^T V + kb P. Overflow: 3 * 2^29 * 2^31 + 2^27 * 2^31 < 2^62. */
@@ -288,34 +265,32 @@ static inline void give(given *from, const int32_t *q, const int32_t *t, const i
 
 /* Eliminates row i; V' and P'' are those of the rows before. The assembled forces stay as they are, so that a second solve
  * can start from them. Returns true when a force had to be limited. */
-static inline bool eliminate_row(const seld_model *model, seld_state *state, uint32_t i, const int32_t *v_q29,
-                                 const int32_t *p_q29, given *from)
+static inline bool eliminate_row(const seld_model *model, seld_state *state, uint32_t i, const joints3 *joint,
+                                 const int32_t *v_q29, const int32_t *p_q29, given *from)
 {
     seld_work *work = &state->scratch.nodes[i];
     const int32_t *f = work->force_N_q22.v;
     const int32_t *p = p_q29;
     const int_fast32_t *before = from->r;
-    row3 row = load_row(model, state, i);
-    gather_rest(&row.rest, from, v_q29, p_q29);
+    const int32_t next = -(joint->here->q + joint->here->r + joint->after->p + joint->after->q);
+    const int32_t second = joint->after->q;
+    seld_sym3 rest = load_rest(model, state, i, joint);
+    gather_rest(&rest, from, v_q29, p_q29);
     int32_t q[9];
-    gather_upper(q, row.next, from->second, v_q29);
+    gather_upper(q, next, from->second, v_q29);
     const int32_t r[3] = {
         gather_force((int64_t)f[0] + before[0], v_q29, before, p[XX], p[XY], p[XZ], from->r_before),
         gather_force((int64_t)f[1] + before[1], v_q29 + 1, before, p[XY], p[YY], p[YZ], from->r_before),
         gather_force((int64_t)f[2] + before[2], v_q29 + 2, before, p[XZ], p[YZ], p[ZZ], from->r_before)};
-    const int32_t *m = row.rest.m;
+    const int32_t *m = rest.m;
     const int32_t t[9] = {m[XX] + q[0], m[XY] + q[1], m[XZ] + q[2], m[XY] + q[3], m[YY] + q[4],
                           m[YZ] + q[5], m[XZ] + q[6], m[YZ] + q[7], m[ZZ] + q[8]};
-    give(from, q, t, r, row.second);
-    seld_sym3 d;
-    edge_matrix(state, i, &d);
-    for (int k = 0; k < 6; k++) {
-        d.m[k] += m[k];
-    }
+    give(from, q, t, r, second);
+    add_edge(state, i, &rest);
     inverse3 inverse;
-    invert(&d, &inverse);
+    invert(&rest, &inverse);
     times(&inverse, from->t, work->u.f.w_q29);
-    second_neighbour(&inverse, row.second, &work->u.f.p_q29);
+    second_neighbour(&inverse, second, &work->u.f.p_q29);
     apply(&inverse, from->r, model->stiffness_exponent, &work->solution_m_q33);
     int32_t largest = 0;
     for (int k = 0; k < 3; k++) {
@@ -328,11 +303,14 @@ static inline bool eliminate_row(const seld_model *model, seld_state *state, uin
 static void eliminate(const seld_model *model, seld_state *state)
 {
     static const seld_factor none = {{0}, {{0}}};
+    static const seld_joint no_joint = {0};
     const seld_factor *ahead = &none, *ahead2 = &none;
     given from = {{0}, {{0}}, 0, 0, {0}, {0}};
+    joints3 joint = {NULL, &no_joint, seld_rod_joint(state, 0)};
     bool limited = false;
     for (uint32_t i = 0; i < state->words.free_count; i++) {
-        limited |= eliminate_row(model, state, i, ahead->w_q29, ahead2->p_q29.m, &from);
+        joint = (joints3){joint.here, joint.after, seld_rod_joint(state, i + 1)};
+        limited |= eliminate_row(model, state, i, &joint, ahead->w_q29, ahead2->p_q29.m, &from);
         ahead2 = ahead;
         ahead = &state->scratch.nodes[i].u.f;
     }
@@ -377,8 +355,8 @@ int32_t seld_rod_handle_axial(const seld_model *model, const seld_state *state)
 {
     uint32_t na = state->words.free_count;
     const seld_work *work = state->scratch.nodes;
-    seld_sym3 spring;
-    edge_matrix(state, na - 1, &spring);
+    seld_sym3 spring = {{0}};
+    add_edge(state, na - 1, &spring);
     const int32_t *s = spring.m;
     const seld_joint *last = &state->scratch.mouth[0]; /* joints na-1 and na */
     const seld_joint *held = &state->scratch.mouth[1];
