@@ -387,9 +387,11 @@ static void build_plain(walk *w, uint32_t i, cell c)
     int64_t mass_kg_per_m_q34 = 0;
     int32_t bend = 0, outer_fraction = 0;
     uint32_t outer = SELD_TOOL_MAX;
-    node->joint = (seld_joint){0};
+    node->joint.p = node->joint.q = node->joint.r = 0; /* for the tip, which has no joint */
+    node->joint.curved = 0;
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
         int32_t offset = w->line->offset_m_q30[k];
+        node->joint.twist_N_m_q26[k] = node->joint.turn1_q30[k] = node->joint.turn2_q30[k] = 0;
         if (offset >= c.end) {
             continue;
         }

@@ -13,9 +13,8 @@
 /* --- how hard tools press on each other ---------------------------------------------------------------------- */
 
 enum {
-    MOMENT_MAX_N_m_Q30 =
-        (1 << 30) - 1024,      /* 1 N m: differences of two fit 32 bits, with the rounding of soften() */
-    FORCE_MAX_N_Q22 = 1 << 30, /* 256 N: three squares fit 64 bits */
+    MOMENT_MAX_N_m_Q30 = 1 << 29, /* 0.5 N m: differences of two fit 32 bits */
+    FORCE_MAX_N_Q22 = 1 << 30,    /* 256 N: three squares fit 64 bits */
 };
 
 /* Format: same in and out. Overflow: |value| and most below 2^62. */
@@ -25,6 +24,20 @@ static inline int32_t limited(int64_t value, int64_t most)
         return (int32_t)value;
     }
     return (int32_t)(value > 0 ? most : -most);
+}
+
+/* a / 2^n limited to +-2^log2_most, looking at the upper word only on a 32-bit machine. 32 - log2_most < n < 32. */
+static inline int32_t limited_shift(int64_t a, unsigned n, unsigned log2_most)
+{
+    if (sizeof(void *) > 4) {
+        return limited(a >> n, (int64_t)1 << log2_most);
+    }
+    int32_t high = seld_high64(a);
+    uint32_t most_high = (uint32_t)1 << (log2_most + n - 32);
+    if ((uint32_t)high + most_high < 2 * most_high) {
+        return seld_narrow64(a, n);
+    }
+    return high < 0 ? -((int32_t)1 << log2_most) : (int32_t)1 << log2_most;
 }
 
 /* Length of a vector, relative error 2^-16. Format: same in and out. Overflow: impossible for components within 2^30. */
@@ -51,7 +64,7 @@ static void bending_moments(seld_state *state)
         for (int c = 0; c < 3; c++) {
             int32_t bend_q29 =
                 seld_asr32(here->u.a.stretch_q30.v[c], 1) - seld_asr32(here[-1].u.a.stretch_q30.v[c], 1);
-            here->moment_N_m_q30.v[c] = limited(((int64_t)bend_q29 * bend_N_m_q26) >> 25, MOMENT_MAX_N_m_Q30);
+            here->moment_N_m_q30.v[c] = limited_shift(seld_product(bend_q29, bend_N_m_q26), 25, 29);
         }
     }
 }
@@ -112,9 +125,9 @@ static inline int32_t pressing_force(const seld_vec3 *before, const seld_vec3 *h
 {
     seld_vec3 force;
     for (int k = 0; k < 3; k++) {
-        int64_t sum = (int64_t)(here->v[k] - before->v[k]) * a_per_m_q18;
-        sum += (int64_t)(here->v[k] - after->v[k]) * c_per_m_q18;
-        force.v[k] = limited(sum >> 26, FORCE_MAX_N_Q22);
+        int64_t sum = seld_product(here->v[k] - before->v[k], a_per_m_q18);
+        sum = seld_product_add(sum, here->v[k] - after->v[k], c_per_m_q18);
+        force.v[k] = limited_shift(sum, 26, 30);
     }
     return length_of(&force);
 }
@@ -133,12 +146,13 @@ static inline void soften(int32_t share_q30, seld_vec3 *moment, const seld_vec3 
  * reach, where the reach is that of the last tick's turns. Overflow: the quotient is then below 4e-4 N m. */
 static inline uint16_t grip_stiffness(const seld_node_state *node, uint32_t pair, int32_t limit_N_m_q30)
 {
-    int64_t reach = (int64_t)node->grip_q30[pair] + node->spin_q30[pair] - node->spin_q30[pair + 1];
-    reach = reach < 0 ? -reach : reach;
-    if (reach <= (int64_t)limit_N_m_q30 * SELD_GRIP_COMPLIANCE_PER_N_M) {
+    int32_t turned = seld_sub_sat(node->spin_q30[pair], node->spin_q30[pair + 1]);
+    int32_t reach = seld_add_sat(node->grip_q30[pair], turned);
+    reach = reach < 0 ? seld_sub_sat(0, reach) : reach;
+    if (reach <= seld_product(limit_N_m_q30, SELD_GRIP_COMPLIANCE_PER_N_M)) {
         return limit_N_m_q30 > 0 ? SELD_GRIP_STIFFNESS_N_M_Q26 : 0;
     }
-    return (uint16_t)seld_quotient(limit_N_m_q30, seld_sat32(reach), 26);
+    return (uint16_t)seld_quotient(limit_N_m_q30, reach, 26);
 }
 
 /* Turning limit mu N r of every edge of a pair with its stiffness, and the sum of mu N, which limits sliding. */
@@ -424,10 +438,11 @@ void seld_tools_turned(const seld_model *model, seld_state *state)
         for (uint32_t j = 0; j < state->words.free_count; j++) {
             seld_node_state *node = &state->words.nodes[j];
             int32_t press = state->scratch.nodes[j].u.a.press_N_m_q30[pair];
-            int64_t turned = (int64_t)node->grip_q30[pair] + node->spin_q30[pair] - node->spin_q30[pair + 1];
+            int32_t turned = seld_sub_sat(node->spin_q30[pair], node->spin_q30[pair + 1]);
+            int32_t reach = seld_add_sat(node->grip_q30[pair], turned);
             /* Q30 N m / 4e-4 N m: x 2500 */
-            int64_t most = (int64_t)press * SELD_GRIP_COMPLIANCE_PER_N_M;
-            node->grip_q30[pair] = limited(turned, most < INT32_MAX ? most : INT32_MAX);
+            int32_t most = seld_sat32(seld_product(press, SELD_GRIP_COMPLIANCE_PER_N_M));
+            node->grip_q30[pair] = seld_clamp(reach, -most, most);
         }
     }
 }
