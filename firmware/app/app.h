@@ -39,6 +39,12 @@ typedef struct seld_upload {
     bool open;
 } seld_upload;
 
+/* What the hands did, from the rig's sensors or from the host. */
+typedef struct seld_app_encoders {
+    seld_port_hand hands[SELD_TOOL_MAX];
+    uint32_t buttons;
+} seld_app_encoders;
+
 /* Position of one tool's hand from its encoder counts. */
 typedef struct seld_app_hand {
     bool is_known; /* false until the first reading, which only sets the zero */
@@ -72,7 +78,7 @@ typedef struct seld_app {
     uint32_t sequence_gaps, transmit_dropped;
     uint32_t silent_ticks;
     bool has_mailbox; /* the host has sent an `input` since START */
-    seld_port_encoders mailbox;
+    seld_app_encoders mailbox;
 
     /* set-up */
     seld_upload scene_upload;
@@ -89,6 +95,7 @@ typedef struct seld_app {
     /* session */
     seld_app_hand hands[SELD_TOOL_MAX];
     seld_port_motor motors[SELD_TOOL_MAX]; /* asked for; in LOCKSTEP only reported */
+    bool drive_level; /* of the drive line, flipped once per edge while power is wanted */
     uint32_t core_faults_seen;
     seld_upload snapshot_upload;
     uint16_t fault_count;

@@ -36,9 +36,26 @@ void seld_app_motors_reset(seld_app *app)
     for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) app->motors[k] = (seld_port_motor){0, 0};
 }
 
+static uint8_t lamp(uint8_t state)
+{
+    if (state == SELD_WIRE_STATE_FAULT) return SELD_PORT_LAMP_FAULT;
+    if (state == SELD_WIRE_STATE_RUNNING) return SELD_PORT_LAMP_RUNNING;
+    return state == SELD_WIRE_STATE_ARMED ? SELD_PORT_LAMP_ARMED : SELD_PORT_LAMP_IDLE;
+}
+
+/* The forces asked for, and one flip of the drive line: the power stage stays on for another SELD_PORT_DRIVE_HOLD_ms. */
+void seld_app_motors_drive(seld_app *app)
+{
+    seld_port_outputs outputs = {.enable = true, .lamp = lamp(app->state)};
+    for (uint32_t k = 0; k < app->tool_count; k++) outputs.motors[k] = app->motors[k];
+    app->drive_level = !app->drive_level;
+    outputs.drive = app->drive_level;
+    app->port->outputs(app->port->context, &outputs);
+}
+
 /* No power. What LOCKSTEP reports is part of the session, not of the motors, and goes on from where it was. */
 void seld_app_motors_off(seld_app *app)
 {
-    static const seld_port_motor none[SELD_PORT_TOOL_MAX];
-    app->port->motors(app->port->context, none, false);
+    const seld_port_outputs outputs = {.drive = app->drive_level, .lamp = lamp(app->state)};
+    app->port->outputs(app->port->context, &outputs);
 }

@@ -46,7 +46,7 @@ static seld_fault_code hand_moved(const seld_app_hand *hand, const seld_app_trac
 }
 
 /* Take a reading of every tool. After one unbelievable jump all hands stay where they were: false. */
-bool seld_app_hands_update(seld_app *app, const seld_port_encoders *now)
+bool seld_app_hands_update(seld_app *app, const seld_app_encoders *now)
 {
     int32_t moved[SELD_TOOL_MAX][2];
     for (uint32_t k = 0; k < app->tool_count; k++) {

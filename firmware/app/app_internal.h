@@ -50,7 +50,7 @@ void seld_app_command(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_step(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_input(seld_app *app, const uint8_t *payload, size_t length);
 /* `encoders` NULL: nobody says where the hands are, they rest. False: FAULT, no tick was done. */
-bool seld_app_tick(seld_app *app, const seld_port_encoders *encoders);
+bool seld_app_tick(seld_app *app, const seld_app_encoders *encoders);
 
 /* app_snapshot.c */
 void seld_app_snapshot_send(seld_app *app);
@@ -61,7 +61,7 @@ void seld_app_snapshot_end(seld_app *app, const uint8_t *payload, size_t length)
 /* app_hand.c: encoder counts -> hand positions */
 void seld_app_hands_reset(seld_app *app);
 void seld_app_hands_take_reference(seld_app *app); /* the next reading is where the hands are, not a motion */
-bool seld_app_hands_update(seld_app *app, const seld_port_encoders *now);
+bool seld_app_hands_update(seld_app *app, const seld_app_encoders *now);
 void seld_app_hands_input(const seld_app *app, seld_input *input);
 bool seld_app_track_set(seld_app_track *track, const seld_wire_track *wire, uint32_t *field);
 void seld_app_track_default(seld_app_track *track);
@@ -70,6 +70,7 @@ void seld_app_track_default(seld_app_track *track);
 void seld_app_motor_update(seld_port_motor *motor, const seld_app_track *track, const seld_handle *handle,
                            bool fade);
 void seld_app_motors_reset(seld_app *app);
+void seld_app_motors_drive(seld_app *app);
 void seld_app_motors_off(seld_app *app);
 
 /* app_fault.c */

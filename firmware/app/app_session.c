@@ -174,7 +174,7 @@ static void note_tick(seld_app *app, const seld_output *output)
     }
 }
 
-bool seld_app_tick(seld_app *app, const seld_port_encoders *encoders)
+bool seld_app_tick(seld_app *app, const seld_app_encoders *encoders)
 {
     if (encoders != NULL && !seld_app_hands_update(app, encoders)) return false;
     seld_input input;
@@ -186,16 +186,15 @@ bool seld_app_tick(seld_app *app, const seld_port_encoders *encoders)
     for (uint32_t k = 0; k < app->tool_count; k++) {
         seld_app_motor_update(&app->motors[k], &app->tracks[k], &output.tools[k], is_silent);
     }
-    if (app->mode == SELD_WIRE_MODE_FREE_RUN) app->port->motors(app->port->context, app->motors, true);
     log_core_faults(app, output.fault_bits);
     note_tick(app, &output);
     if (output.tick % SELD_APP_HASH64_EVERY_ticks == 0) seld_app_send_hash64(app);
     return app->state == SELD_WIRE_STATE_RUNNING;
 }
 
-static seld_port_encoders encoders_from_wire(const seld_wire_encoders *wire)
+static seld_app_encoders encoders_from_wire(const seld_wire_encoders *wire)
 {
-    seld_port_encoders encoders = {.buttons = wire->buttons};
+    seld_app_encoders encoders = {.buttons = wire->buttons};
     for (uint16_t k = 0; k < wire->hands_count; k++) {
         encoders.hands[k] =
             (seld_port_hand){wire->hands[k].translation_counts, wire->hands[k].rotation_counts};
@@ -222,7 +221,7 @@ void seld_app_step(seld_app *app, const uint8_t *payload, size_t length)
     }
     app->ticks.states_count = 0;
     for (uint16_t i = 0; i < step->inputs_count; i++) {
-        const seld_port_encoders encoders = encoders_from_wire(&step->inputs[i]);
+        const seld_app_encoders encoders = encoders_from_wire(&step->inputs[i]);
         if (!seld_app_tick(app, &encoders)) break;
     }
     if (step->want_nodes != 0) seld_app_send_nodes(app);
@@ -242,8 +241,17 @@ void seld_app_input(seld_app *app, const uint8_t *payload, size_t length)
     app->has_mailbox = true;
 }
 
+static seld_app_encoders encoders_from_rig(const seld_port_inputs *inputs)
+{
+    seld_app_encoders encoders = {.buttons = inputs->buttons};
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) encoders.hands[k] = inputs->hands[k];
+    return encoders;
+}
+
 void seld_app_timer(seld_app *app)
 {
+    seld_port_inputs inputs;
+    bool has_rig = app->port->inputs(app->port->context, &inputs);
     if (app->mode != SELD_WIRE_MODE_FREE_RUN || app->state != SELD_WIRE_STATE_RUNNING) {
         seld_app_motors_off(app);
         return;
@@ -254,9 +262,10 @@ void seld_app_timer(seld_app *app)
         if (app->silent_ticks == SELD_APP_HOST_SILENT_ticks)
             seld_app_fault(app, SELD_FAULT_CODE_HOST_SILENT, SELD_APP_HOST_SILENT_ticks, 0);
     }
-    seld_port_encoders encoders = app->mailbox;
-    bool is_told = app->port->encoders(app->port->context, &encoders) || app->has_mailbox;
-    bool is_running = seld_app_tick(app, is_told ? &encoders : NULL);
+    seld_app_encoders encoders = app->mailbox;
+    if (has_rig) encoders = encoders_from_rig(&inputs);
+    bool is_running = seld_app_tick(app, has_rig || app->has_mailbox ? &encoders : NULL);
+    if (is_running && has_rig) seld_app_motors_drive(app);
     bool is_batch_full = app->ticks.states_count >= SELD_APP_FREE_RUN_BATCH_ticks;
     if (is_batch_full || (!is_running && app->ticks.states_count > 0)) seld_app_send_ticks(app);
     if (!is_running) seld_app_send_status(app, 0);

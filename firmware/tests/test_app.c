@@ -341,6 +341,8 @@ static void motor_commands_stay_within_limit_and_slew(void **state)
 
 static bool start_free_run(void)
 {
+    const seld_port_inputs rig = seld_sim_healthy_inputs();
+    seld_sim_set_inputs(host.sim, &rig);
     if (!client_start_session(&host)) return false;
     client_command(&host, SELD_WIRE_ACTION_STOP);
     client_expect_status(&host, &status);

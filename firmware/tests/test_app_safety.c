@@ -330,6 +330,8 @@ static void forces_fade_when_the_host_is_silent_and_come_back(void **state)
 {
     (void)state;
     const int32_t still[TOOLS] = {0};
+    const seld_port_inputs rig = seld_sim_healthy_inputs();
+    seld_sim_set_inputs(host.sim, &rig);
     start_upright(1);
     command(SELD_WIRE_ACTION_STOP);
     command(SELD_WIRE_ACTION_FREE_RUN);

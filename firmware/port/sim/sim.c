@@ -7,44 +7,81 @@
 
 struct seld_sim {
     seld_port port;
-    seld_sim_motors motors;
-    size_t pipe_begin, pipe_end;
+    bool has_rig;
+    seld_port_inputs inputs;
+    seld_port_outputs outputs;
+    uint32_t stage_hold_ms; /* 0: the power stage is off */
+    uint32_t time_us, edge_us, tick_us;
+    size_t pipe_begin, pipe_end, pipe_bytes;
     uint8_t pipe[SELD_SIM_PIPE_BYTES];
     seld_app app;
 };
 
+/* --- the pipe --- */
+static size_t sim_transmit_room(void *context)
+{
+    const seld_sim *sim = context;
+    size_t used = sim->pipe_end - sim->pipe_begin;
+    return used < sim->pipe_bytes ? sim->pipe_bytes - used : 0;
+}
+
 static bool sim_transmit(void *context, const uint8_t *frame, size_t frame_bytes)
 {
     seld_sim *sim = context;
-    if (frame_bytes > sizeof sim->pipe - sim->pipe_end && sim->pipe_begin > 0) {
+    if (frame_bytes > sim_transmit_room(sim)) return false;
+    if (frame_bytes > sizeof sim->pipe - sim->pipe_end) {
         memmove(sim->pipe, sim->pipe + sim->pipe_begin, sim->pipe_end - sim->pipe_begin);
         sim->pipe_end -= sim->pipe_begin;
         sim->pipe_begin = 0;
     }
-    if (frame_bytes > sizeof sim->pipe - sim->pipe_end) return false;
     memcpy(sim->pipe + sim->pipe_end, frame, frame_bytes);
     sim->pipe_end += frame_bytes;
     return true;
 }
 
-/* No rig is attached: the app uses the host's `input` messages. */
-static bool sim_encoders(void *context, seld_port_encoders *encoders)
-{
-    (void)context;
-    (void)encoders;
-    return false;
-}
+/* --- the rig --- */
 
-static void sim_motors(void *context, const seld_port_motor motors[SELD_PORT_TOOL_MAX], bool drive)
+/* Sampling begins a tick's work, so that is where its time passes. */
+static bool sim_inputs(void *context, seld_port_inputs *inputs)
 {
     seld_sim *sim = context;
-    for (int k = 0; k < SELD_SIM_TOOL_MAX; k++) {
-        sim->motors.axial_mN[k] = motors[k].axial_mN;
-        sim->motors.torque_uN_m[k] = motors[k].torque_uN_m;
-    }
-    sim->motors.drive = drive;
+    sim->time_us += sim->tick_us;
+    if (!sim->has_rig) return false;
+    *inputs = sim->inputs;
+    inputs->stage_on = inputs->stage_on && sim->stage_hold_ms > 0;
+    return true;
 }
 
+static bool stage_may_drive(const seld_sim *sim)
+{
+    return sim->has_rig && sim->inputs.supply_good && !sim->inputs.emergency_stop;
+}
+
+static void sim_outputs(void *context, const seld_port_outputs *outputs)
+{
+    seld_sim *sim = context;
+    bool is_flipped = outputs->drive != sim->outputs.drive;
+    sim->outputs = *outputs;
+    if (is_flipped) sim->stage_hold_ms = SELD_PORT_DRIVE_HOLD_ms;
+    if (!outputs->enable || !stage_may_drive(sim)) sim->stage_hold_ms = 0;
+}
+
+static uint32_t sim_now_us(void *context)
+{
+    const seld_sim *sim = context;
+    return sim->time_us;
+}
+
+static void pass_millisecond(seld_sim *sim)
+{
+    sim->edge_us += 1000;
+    bool is_late = (int32_t)(sim->time_us - sim->edge_us) > 0;
+    if (!is_late) sim->time_us = sim->edge_us;
+    if (sim->stage_hold_ms > 0) sim->stage_hold_ms--;
+    if (!stage_may_drive(sim)) sim->stage_hold_ms = 0;
+}
+
+/* --- life --- */
 seld_sim *seld_sim_create(uint32_t scene_slot_bytes)
 {
     seld_sim *sim = calloc(1, sizeof *sim);
@@ -56,11 +93,15 @@ seld_sim *seld_sim_create(uint32_t scene_slot_bytes)
         free(sim);
         return NULL;
     }
+    sim->pipe_bytes = sizeof sim->pipe;
     sim->port = (seld_port){
         .context = sim,
         .transmit = sim_transmit,
-        .encoders = sim_encoders,
-        .motors = sim_motors,
+        .transmit_room = sim_transmit_room,
+        .inputs = sim_inputs,
+        .outputs = sim_outputs,
+        .now_us = sim_now_us,
+        .serial = "sim",
         .scene_slots = {slots[0], slots[1]},
         .scene_slot_bytes = scene_slot_bytes,
         .capabilities = 0,
@@ -92,12 +133,58 @@ size_t seld_sim_read(seld_sim *sim, uint8_t *bytes, size_t capacity)
     return count;
 }
 
+void seld_sim_set_pipe(seld_sim *sim, size_t bytes)
+{
+    sim->pipe_bytes = bytes < sizeof sim->pipe ? bytes : sizeof sim->pipe;
+}
+
 void seld_sim_timer(seld_sim *sim, uint32_t count)
 {
-    for (uint32_t i = 0; i < count; i++) seld_app_timer(&sim->app);
+    for (uint32_t i = 0; i < count; i++) {
+        pass_millisecond(sim);
+        seld_app_timer(&sim->app);
+    }
+}
+
+void seld_sim_freeze(seld_sim *sim, uint32_t milliseconds)
+{
+    for (uint32_t i = 0; i < milliseconds; i++) pass_millisecond(sim);
+}
+
+void seld_sim_set_tick_us(seld_sim *sim, uint32_t tick_us)
+{
+    sim->tick_us = tick_us;
+}
+
+void seld_sim_reset(seld_sim *sim)
+{
+    sim->pipe_begin = sim->pipe_end = 0;
+    seld_app_init(&sim->app, &sim->port);
+}
+
+void seld_sim_set_inputs(seld_sim *sim, const seld_port_inputs *inputs)
+{
+    sim->has_rig = inputs != NULL;
+    sim->port.capabilities = sim->has_rig ? SELD_WIRE_CAPABILITY_ENCODERS | SELD_WIRE_CAPABILITY_MOTORS : 0;
+    if (inputs != NULL) sim->inputs = *inputs;
+}
+
+seld_port_inputs seld_sim_healthy_inputs(void)
+{
+    return (seld_port_inputs){.supply_good = true, .stage_on = true};
+}
+
+seld_port_outputs seld_sim_read_outputs(const seld_sim *sim)
+{
+    return sim->outputs;
 }
 
 seld_sim_motors seld_sim_read_motors(const seld_sim *sim)
 {
-    return sim->motors;
+    seld_sim_motors motors = {.drive = sim->stage_hold_ms > 0};
+    for (int k = 0; k < SELD_SIM_TOOL_MAX && motors.drive; k++) {
+        motors.axial_mN[k] = sim->outputs.motors[k].axial_mN;
+        motors.torque_uN_m[k] = sim->outputs.motors[k].torque_uN_m;
+    }
+    return motors;
 }

@@ -1,13 +1,13 @@
-/* The sim port: the firmware app as a library in the host's process, reached by bytes only.
+/* The sim port: the firmware app as a library in the host's process, reached by bytes only, with a bench for the rig: what
+ * its sensors say is set from outside, and a power stage behaves like a real one.
  *
  * Thread rules: one thread at a time per sim. Any number of sims may exist.
- * May include: nothing. Called by: host/link, hil_tests, fuzzers. C11 and C++20.
+ * May include: port.h. Called by: host/link, hil_tests, fuzzers. C11 and C++20.
  */
 #ifndef SELD_SIM_H
 #define SELD_SIM_H
 
-#include <stddef.h>
-#include <stdint.h>
+#include "firmware/port/port.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -19,21 +19,43 @@ typedef struct seld_sim seld_sim;
 seld_sim *seld_sim_create(uint32_t scene_slot_bytes);
 void seld_sim_destroy(seld_sim *sim);
 
+/* Brown-out: the processor starts anew. Scene slots keep what they held, and the pipe is empty. */
+void seld_sim_reset(seld_sim *sim);
+
 /* Bytes to the device; all are taken, and replies are ready when it returns. */
 void seld_sim_write(seld_sim *sim, const uint8_t *bytes, size_t count);
 
-/* Bytes from the device: up to `capacity`; returns how many. The pipe holds SELD_SIM_PIPE_BYTES; frames that do not fit
- * are dropped by the device and counted in its status. */
+/* Bytes from the device: up to `capacity`; returns how many. The pipe holds `seld_sim_set_pipe` bytes, at first
+ * SELD_SIM_PIPE_BYTES; what does not fit stays in the device or is dropped there and counted. */
 enum { SELD_SIM_PIPE_BYTES = 1 << 20 };
 size_t seld_sim_read(seld_sim *sim, uint8_t *bytes, size_t capacity);
+void seld_sim_set_pipe(seld_sim *sim, size_t bytes); /* at most SELD_SIM_PIPE_BYTES */
 
 /* Let `count` milliseconds pass on the device's timer; in FREE_RUN each is one tick. */
 void seld_sim_timer(seld_sim *sim, uint32_t count);
 
-/* What the actuators were last asked for: a meter clamped to the motor leads, for tests. */
-enum { SELD_SIM_TOOL_MAX = 3 };
+/* Let time pass while the processor stands still, as under a debugger: the power stage goes on alone. */
+void seld_sim_freeze(seld_sim *sim, uint32_t milliseconds);
+
+/* How long the device works on one tick from now on, at first 0. */
+void seld_sim_set_tick_us(seld_sim *sim, uint32_t tick_us);
+
+/* --- the rig ------------------------------------------------------------------------------------------------------ */
+
+/* A rig whose sensors say this from now on; NULL takes the rig away, as at first. `stage_on` true: the sim's own power stage
+ * answers. */
+void seld_sim_set_inputs(seld_sim *sim, const seld_port_inputs *inputs);
+
+/* Sensors present and healthy, hands at 0, supply good, stop released, no unlock. */
+seld_port_inputs seld_sim_healthy_inputs(void);
+
+/* What the app wrote last. */
+seld_port_outputs seld_sim_read_outputs(const seld_sim *sim);
+
+/* What the motors do: a meter clamped to their leads, behind the power stage. */
+enum { SELD_SIM_TOOL_MAX = SELD_PORT_TOOL_MAX };
 typedef struct seld_sim_motors {
-    int32_t axial_mN[SELD_SIM_TOOL_MAX]; /* from the innermost tool */
+    int32_t axial_mN[SELD_SIM_TOOL_MAX]; /* from the innermost tool; 0 without power */
     int32_t torque_uN_m[SELD_SIM_TOOL_MAX];
     int32_t drive; /* 1: powered */
 } seld_sim_motors;
