@@ -14,6 +14,7 @@ SAN      ?=
 PACKAGES ?= install
 JOBS     ?= $(shell nproc)
 SECONDS  ?= 60
+USB_ID   ?= 1209:0001
 
 WARN     := -Wall -Wextra -Wshadow -Werror
 SANFLAGS := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer)
@@ -24,14 +25,15 @@ CXXFLAGS := -std=c++20 -g $(WARN) $(CXXWARN) -I. -isystem /usr/include/eigen3 -M
 LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
-LIBS       := tools/vcsim3 host/app host/xray host/link host/model tools/anatomy tools/bake tools/validate firmware/port/sim firmware/app \
-              firmware/core shared/scene shared/wire
+LIBS       := tools/vcsim3 host/app host/xray host/link host/model tools/anatomy tools/bake tools/validate hil_tests/usb firmware/port/sim firmware/app \
+              firmware/port/mailbox firmware/app/usb firmware/core shared/scene shared/wire
 lib_file    = $(BUILD)/lib/lib$(subst /,_,$(1)).a
 lib_sources = $(filter-out %/main.cpp,$(wildcard $(1)/*.c $(1)/*.cpp))
 objects     = $(patsubst %,$(BUILD)/obj/%.o,$(1))
 
 # What each program and test folder links, in link order.
 FIRMWARE_LIBS := firmware/port/sim firmware/app firmware/core shared/scene shared/wire
+USB_LIBS      := hil_tests/usb firmware/port/mailbox firmware/app/usb shared/wire
 HOST_LIBS     := host/app host/xray host/link host/model $(FIRMWARE_LIBS)
 BAKE_LIBS     := tools/bake host/model firmware/core shared/scene shared/wire
 ANATOMY_LIBS  := tools/anatomy
@@ -63,6 +65,8 @@ Q = @$(if $(V),,echo "  $(@:$(BUILD)/%=%)";)$(if $(V),set -x;)
 # --- rules ------------------------------------------------------------------------------------------------------
 $(BUILD)/obj/firmware/core/%.c.o: OPT := $(CORE_OPT)
 $(BUILD)/obj/firmware/core/%.c.o: CFLAGS += -ffreestanding $(if $(findstring clang,$(CC)),,-fno-schedule-insns -fno-tree-pre)
+# The number a rig shows on the bus, vendor:product in hexadecimal: docs/usb.md.
+$(BUILD)/obj/firmware/app/usb/%.c.o: CFLAGS += -DSELD_USB_VENDOR_ID=0x$(word 1,$(subst :, ,$(USB_ID))) -DSELD_USB_PRODUCT_ID=0x$(word 2,$(subst :, ,$(USB_ID)))
 # Loops over pixels become vector code; neither flag changes a value.
 $(BUILD)/obj/host/xray/%.cpp.o: OPT := -O3
 $(BUILD)/obj/host/xray/%.cpp.o: CXXFLAGS += -fno-math-errno -fno-trapping-math
@@ -142,7 +146,7 @@ $(call test_program,$(1)): $(call objects,$(1) $(4)) $(foreach lib,$(2),$(call l
 	@mkdir -p $$(@D)
 	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) -lcmocka -lm $(3)
 endef
-$(foreach t,$(FIRMWARE_TESTS),$(eval $(call test_rule,$(t),$(FIRMWARE_LIBS),,$(REFERENCE))))
+$(foreach t,$(FIRMWARE_TESTS),$(eval $(call test_rule,$(t),$(USB_LIBS) $(FIRMWARE_LIBS),,$(REFERENCE))))
 $(foreach t,$(HOST_TESTS),$(eval $(call test_rule,$(t),$(HOST_LIBS),$(HOST_LINK),)))
 $(foreach t,$(TOOL_TESTS),$(eval $(call test_rule,$(t),$(BAKE_LIBS),$(BAKE_LINK),)))
 $(foreach t,$(THESIS_TESTS),$(eval $(call test_rule,$(t),tools/vcsim3 host/app $(FIRMWARE_LIBS),-lpng,$(REFERENCE))))
@@ -155,12 +159,12 @@ tests-build: $(ALL_TEST_PROGRAMS) ## build the test programs
 tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS),$(call test_program,$(t))) ## build those without OpenVDB
 
 # A fuzz target (fuzz_*.c) is one libFuzzer program and one that writes its first inputs: docs/testing.md.
-FUZZ_TARGETS := $(wildcard firmware/tests/fuzz_*.c shared/*/tests/fuzz_*.c)
+FUZZ_TARGETS := $(wildcard firmware/tests/fuzz_*.c shared/*/tests/fuzz_*.c hil_tests/fuzz_*.c)
 define fuzz_rule
-$(call test_program,$(1)): $(call objects,$(1) $(REFERENCE)) $(foreach lib,$(FIRMWARE_LIBS),$(call lib_file,$(lib)))
+$(call test_program,$(1)): $(call objects,$(1) $(REFERENCE)) $(foreach lib,$(USB_LIBS) $(FIRMWARE_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $$(@D)
 	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) -lm -fsanitize=fuzzer
-$(call test_program,$(1))_seeds: $(call objects,$(1) tools/check/fuzz_seeds.c $(REFERENCE)) $(foreach lib,$(FIRMWARE_LIBS),$(call lib_file,$(lib)))
+$(call test_program,$(1))_seeds: $(call objects,$(1) tools/check/fuzz_seeds.c $(REFERENCE)) $(foreach lib,$(USB_LIBS) $(FIRMWARE_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $$(@D)
 	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) -lm
 endef
@@ -255,7 +259,7 @@ thesis: packages-build packages-bench ## Figures 5.11 to 5.14 of the thesis by i
 	@$(QUIET_MAKE) $(BUILD)/bin/vcsim3 $(PHANTOM_SCENE)
 	@$(BUILD)/bin/vcsim3 figures --scene $(PHANTOM_SCENE) -o out/thesis --threads $(JOBS) --instructions
 
-docs: packages-build ## write the generated tables of docs/wire.md, docs/faults.md and docs/instruments.md, and its picture
+docs: packages-build ## write the generated tables of docs/wire.md, usb.md, faults.md and instruments.md, and its picture
 	@$(QUIET_MAKE) $(BUILD)/bin/docs $(BUILD)/bin/seldinger
 	@$(BUILD)/bin/docs --write
 	@$(BUILD)/bin/seldinger instruments --table docs/instruments.md --png docs/images/instruments.png > /dev/null

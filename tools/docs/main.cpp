@@ -1,7 +1,8 @@
-// Writes the generated tables of docs/wire.md and docs/faults.md from the one definition in shared/wire.
+// Writes the generated tables of docs/wire.md, docs/usb.md and docs/faults.md from the one definition of each.
 //   docs --write    puts the tables between the marks in the documents
 //   docs --check    exit 1 when a document is not current
 // May include: shared/wire. Called by: make docs, tools/docs/tests.
+#include "shared/wire/hid.h"
 #include "shared/wire/wire.h"
 #include <cstdio>
 #include <fstream>
@@ -46,6 +47,41 @@ std::string message_tables()
     out += row({"`" #name "`", "u16 count, then count × " #type ", at most " #max, unit, bar_safe(text)});
 #define END(owner) out += "\n";
 #include "shared/wire/wire_messages.def"
+    return out;
+}
+
+std::string report_tables()
+{
+    char hash[40];
+    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(seld_hid_report_hash()));
+    std::string out = "Report hash `" + std::string(hash) + "`.\n\n";
+    const char *const head = "\n| field | type | unit | meaning |\n|---|---|---|---|\n";
+#define HID_RECORD(name, text)                                                                               \
+    out += "### Record `" #name "` (" + std::to_string(SELD_HID_BYTES_##name) + " bytes)\n" text ".\n" + head;
+#define HID_REPORT(name, id, kind, text)                                                                     \
+    out += "### Report " #id " `" #name "` (" #kind ", " + std::to_string(SELD_HID_BYTES_##name) +           \
+           " bytes behind the id)\n" text ".\n" + head;
+#define HID_FIELD(owner, type, name, unit, text) out += row({"`" #name "`", #type, unit, bar_safe(text)});
+#define HID_ARRAY(owner, type, name, count, unit, text)                                                      \
+    out += row({"`" #name "`", #count " × " #type, unit, bar_safe(text)});
+#define HID_END(owner) out += "\n";
+#include "shared/wire/hid_reports.def"
+    return out;
+}
+
+std::string endpoint_table()
+{
+    std::string out = "| interface | endpoint | type | packet, full speed | bInterval | packet, high speed | "
+                      "bInterval | for |\n"
+                      "|---|---|---|---|---|---|---|---|\n";
+    const std::string SELD_UDC_INTERRUPT = "interrupt", SELD_UDC_BULK = "bulk";
+#define USB_INTERFACE(NAME, class, text)                                                                     \
+    out += row({"`" #NAME "`", "", "class " #class, "", "", "", "", bar_safe(text)});
+#define USB_ENDPOINT(INTERFACE, NAME, address, type, full_bytes, full_interval, high_bytes, high_interval,   \
+                     text)                                                                                   \
+    out +=                                                                                                   \
+        row({"", #address, type, #full_bytes, #full_interval, #high_bytes, #high_interval, bar_safe(text)});
+#include "firmware/app/usb/usb_table.def"
     return out;
 }
 
@@ -109,6 +145,8 @@ int main(int argc, char **argv)
     }
     const bool write = mode == "--write";
     bool ok = handle("docs/wire.md", "messages", message_tables(), write);
+    ok = handle("docs/usb.md", "endpoints", endpoint_table(), write) && ok;
+    ok = handle("docs/usb.md", "reports", report_tables(), write) && ok;
     ok = handle("docs/faults.md", "faults", fault_table(), write) && ok;
     ok = handle("docs/faults.md", "refusals", reject_table(), write) && ok;
     return ok ? 0 : 1;

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The tables of docs/wire.md and docs/faults.md are those of the definition in shared/wire.
+# The tables of docs/wire.md, docs/usb.md and docs/faults.md are those of their definitions.
 cd "$(dirname "$0")/../../.." || exit 1
 program="${BUILD:-build}/bin/docs"
 if message=$("$program" --check 2>&1); then

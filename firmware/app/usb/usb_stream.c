@@ -1,0 +1,90 @@
+/* The bulk pair: frames to the host through a ring, bytes from the host frame by frame. */
+#include "firmware/app/usb/usb_internal.h"
+
+/* The ring is sent in place: [queue_begin, queue_begin + sending) belongs to the controller. */
+static void queue_byte(seld_usb *usb, uint8_t byte)
+{
+    uint32_t place = usb->queue_begin + usb->queue_count;
+    if (place >= usb->config.queue_bytes) place -= usb->config.queue_bytes;
+    usb->config.queue[place] = byte;
+    usb->queue_count++;
+}
+
+/* A stream starts afresh: what was cut ends with a zero, what waited for another conversation is dropped. The zero for the
+ * app is held like a byte from the host, and the first packet is awaited behind it. */
+void seld_usb_stream_begin(seld_usb *usb, bool to_host)
+{
+    if (to_host) {
+        usb->queue_begin = usb->queue_count = usb->sending = 0;
+        usb->ends_full = false;
+        queue_byte(usb, 0);
+        return;
+    }
+    usb->stream_out[0] = 0;
+    usb->held_begin = 0;
+    usb->held_end = 1;
+}
+
+/* --- to the host --- */
+uint32_t seld_usb_queue_room(const seld_usb *usb)
+{
+    return usb->configuration == 0 ? 0 : usb->config.queue_bytes - usb->queue_count;
+}
+
+bool seld_usb_transmit(seld_usb *usb, const uint8_t *frame, size_t frame_bytes)
+{
+    if (frame_bytes > seld_usb_queue_room(usb)) {
+        usb->frames_refused++;
+        return false;
+    }
+    for (size_t i = 0; i < frame_bytes; i++) queue_byte(usb, frame[i]);
+    return true;
+}
+
+/* As much as lies in one piece; a piece that ends at the ring's end may end with a short packet, which means nothing. */
+void seld_usb_stream_send(seld_usb *usb)
+{
+    if (!seld_usb_pipe_is_free(usb, SELD_USB_STREAM_IN)) return;
+    uint32_t count = usb->queue_count;
+    if (count > usb->config.queue_bytes - usb->queue_begin)
+        count = usb->config.queue_bytes - usb->queue_begin;
+    if (count > SELD_USB_STREAM_BURST) count = SELD_USB_STREAM_BURST;
+    if (count == 0 && !usb->ends_full) return;
+    usb->sending = count;
+    usb->ends_full =
+        count != 0 && count % seld_usb_endpoints[SELD_USB_STREAM_IN].packet_bytes[usb->speed] == 0;
+    seld_usb_pipe_arm(usb, SELD_USB_STREAM_IN, usb->config.queue + usb->queue_begin, count);
+}
+
+void seld_usb_stream_sent(seld_usb *usb, uint32_t bytes)
+{
+    if (bytes > usb->sending) bytes = usb->sending;
+    usb->queue_begin += bytes;
+    if (usb->queue_begin >= usb->config.queue_bytes) usb->queue_begin -= usb->config.queue_bytes;
+    usb->queue_count -= bytes;
+    usb->sending = 0;
+}
+
+/* --- to the device --- */
+void seld_usb_stream_received(seld_usb *usb, uint32_t bytes)
+{
+    usb->held_begin = 0;
+    usb->held_end = bytes < sizeof usb->stream_out ? bytes : (uint32_t)sizeof usb->stream_out;
+}
+
+/* Up to the end of the next frame, so that one request meets room for its reply; then await the next packet. */
+bool seld_usb_stream_deliver(seld_usb *usb)
+{
+    if (usb->configuration == 0 || usb->is_halted[SELD_USB_STREAM_OUT]) return false;
+    if (usb->held_begin < usb->held_end) {
+        if (seld_usb_queue_room(usb) < SELD_WIRE_FRAME_MAX) return false;
+        uint32_t begin = usb->held_begin, end = begin + 1;
+        while (end < usb->held_end && usb->stream_out[end - 1] != 0) end++;
+        usb->held_begin = end;
+        usb->config.app->receive(usb->config.app->context, usb->stream_out + begin, end - begin);
+    }
+    if (usb->held_begin < usb->held_end) return true;
+    seld_usb_pipe_arm(usb, SELD_USB_STREAM_OUT, usb->stream_out,
+                      seld_usb_endpoints[SELD_USB_STREAM_OUT].packet_bytes[usb->speed]);
+    return false;
+}

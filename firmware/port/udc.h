@@ -1,0 +1,82 @@
+/* The USB device controller as the device stack sees it: what a port gives, what firmware/app/usb asks for.
+ *
+ * The port powers its controller up itself and hands the stack a filled seld_udc. From then on the stack calls, always
+ * from the main loop and never from an interrupt. Nothing here waits, and no call takes longer than handling a packet.
+ *
+ * Buffers belong to the stack; the controller reads and writes them in place (no copy). Buffers of OUT transfers are
+ * aligned to 32 bytes and fill whole lines of 32, so that a cache may be invalidated; those of IN transfers are not.
+ *
+ * Endpoints are named by their address: number 0 .. 15, bit 7 set for IN. Endpoint 0 is always open, both ways, with
+ * packets of 64 bytes.
+ *
+ * May include: nothing. Called by: firmware/app/usb, firmware/port/<port>.
+ */
+#ifndef SELD_UDC_H
+#define SELD_UDC_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { SELD_UDC_IN = 0x80, SELD_UDC_SETUP_BYTES = 8, SELD_UDC_CONTROL_PACKET_BYTES = 64 };
+
+typedef enum seld_udc_type { /* transfer types as descriptors number them */
+                             SELD_UDC_BULK = 2,
+                             SELD_UDC_INTERRUPT = 3,
+} seld_udc_type;
+
+typedef enum seld_udc_speed {
+    SELD_UDC_FULL_SPEED = 0, /* 12 Mbit/s */
+    SELD_UDC_HIGH_SPEED = 1, /* 480 Mbit/s */
+} seld_udc_speed;
+
+typedef enum seld_udc_event_kind {
+    SELD_UDC_NOTHING = 0,
+    SELD_UDC_RESET, /* the bus was reset, `speed` is known. Address 0, only endpoint 0 open, nothing armed */
+    SELD_UDC_SUSPEND, /* no traffic for 3 ms */
+    SELD_UDC_RESUME,
+    SELD_UDC_UNPLUG, /* the cable is out; everything as after a reset */
+    SELD_UDC_SETUP, /* a setup packet came: what was armed on endpoint 0 is void and gives no SELD_UDC_DONE */
+    SELD_UDC_DONE,  /* the transfer armed on `endpoint` is over after `bytes` */
+} seld_udc_event_kind;
+
+typedef struct seld_udc_event {
+    uint8_t kind;     /* seld_udc_event_kind */
+    uint8_t speed;    /* seld_udc_speed, of SELD_UDC_RESET */
+    uint8_t endpoint; /* of SELD_UDC_DONE */
+    uint32_t bytes;   /* of SELD_UDC_DONE */
+    uint8_t setup[SELD_UDC_SETUP_BYTES];
+} seld_udc_event;
+
+typedef struct seld_udc {
+    void *context; /* handed back in every call */
+    bool can_high_speed;
+
+    /* Pull-up on or off: with it off the host sees an empty socket. */
+    void (*connect)(void *context, bool connected);
+
+    /* The address to answer from now on; called when the status stage of SET_ADDRESS is over. */
+    void (*set_address)(void *context, uint8_t address);
+
+    /* Start an endpoint afresh: next packet DATA0, not stalled, nothing armed. Opening an open one does the same.
+     * False: the controller cannot have such an endpoint. */
+    bool (*open)(void *context, uint8_t endpoint, seld_udc_type type, uint16_t packet_bytes);
+    void (*close)(void *context, uint8_t endpoint);
+
+    /* Begin one transfer; the stack never begins a second one on an endpoint before the first is done or void.
+     * IN: send `count` bytes in packets, the last one short or full; `count` 0 sends one empty packet.
+     * OUT: receive until `count` bytes are full or a short packet came; `count` 0 awaits one empty packet. */
+    void (*arm)(void *context, uint8_t endpoint, uint8_t *bytes, uint32_t count);
+
+    /* Answer STALL and drop what is armed. Ends by open, a bus reset or, on endpoint 0 (both ways), the next setup
+     * packet. */
+    void (*stall)(void *context, uint8_t endpoint);
+
+    /* Electrical test mode `selector` (USB 2.0, 9.4.9) until power-down. NULL: the controller has none. */
+    void (*test)(void *context, uint8_t selector);
+
+    /* The next event. False: nothing new. */
+    bool (*poll)(void *context, seld_udc_event *event);
+} seld_udc;
+
+#endif

@@ -1,0 +1,514 @@
+/* Claims about what runs over the pipes: bytes of the stream arrive whole and in order whatever packets they are cut into and
+ * whatever gets lost; a host that does not read is waited for; resets, halts, suspend and unplug in the middle cost the
+ * frames under way and nothing else. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "firmware/tests/reference/random.h"
+#include "hil_tests/usb/usb_rig.h"
+
+enum { STREAM = 2, STATUS = 1, PACKET = 512 };
+
+static usb_rig rig;
+static uint8_t bytes[1 << 16];
+static uint32_t count;
+
+static void open_stream(void)
+{
+    usb_rig_open(&rig, true);
+    assert_int_equal(usb_rig_configure(&rig, true), USB_OK);
+    assert_int_equal(usb_host_packet_in(&rig.host, STREAM, bytes, PACKET, &count), USB_OK);
+    assert_int_equal(count, 1); /* the zero that begins a stream */
+    assert_int_equal(bytes[0], 0);
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    open_stream();
+    return 0;
+}
+
+/* `length` bytes without a zero, then the zero: what a frame looks like from outside. */
+static void make_frame(reference_random *random, uint8_t *frame, uint32_t length)
+{
+    for (uint32_t i = 0; i + 1 < length; i++) frame[i] = (uint8_t)(1 + reference_random_below(random, 255));
+    frame[length - 1] = 0;
+}
+
+static void echo(const uint8_t *frame, uint32_t length)
+{
+    static uint8_t back[1 << 14];
+    assert_int_equal(usb_host_out(&rig.host, STREAM, PACKET, frame, length), USB_OK);
+    uint32_t got = 0;
+    while (got < length) { /* in one read, or two where the queue's ring closes */
+        assert_int_equal(
+            usb_host_in(&rig.host, STREAM, PACKET, back + got, (uint32_t)sizeof back - got, &count), USB_OK);
+        got += count;
+    }
+    assert_int_equal(got, length);
+    assert_memory_equal(back, frame, length);
+}
+
+/* Around every multiple of a packet: full last packets end with an empty one, or the host's read would not end. */
+static void frames_of_any_length_come_back(void **state)
+{
+    (void)state;
+    static uint8_t frame[SELD_WIRE_FRAME_MAX];
+    reference_random random = reference_random_seed(1);
+    for (uint32_t length = 2; length < 20; length++) {
+        make_frame(&random, frame, length);
+        echo(frame, length);
+    }
+    for (uint32_t packets = 1; packets * PACKET + 2 < SELD_WIRE_FRAME_MAX; packets++) {
+        for (uint32_t length = packets * PACKET - 2; length <= packets * PACKET + 2; length++) {
+            make_frame(&random, frame, length);
+            echo(frame, length);
+        }
+    }
+    make_frame(&random, frame, SELD_WIRE_FRAME_MAX);
+    echo(frame, SELD_WIRE_FRAME_MAX);
+    assert_int_equal(rig.frames_lost, 0);
+}
+
+static uint32_t fill_stream(reference_random *random, uint8_t *sent, uint32_t capacity)
+{
+    uint32_t length = 0;
+    for (;;) {
+        uint32_t frame =
+            2 + reference_random_below(random, reference_random_below(random, 4) == 0 ? 5000 : 60);
+        if (length + frame > capacity) return length;
+        make_frame(random, sent + length, frame);
+        length += frame;
+    }
+}
+
+/* 64 KiB of frames in packets of random length (also empty ones), reads at random times, acknowledgements lost. */
+static void random_packets(uint64_t seed)
+{
+    reference_random random = reference_random_seed(seed);
+    static uint8_t sent[1 << 16], back[1 << 16];
+    const uint32_t length = fill_stream(&random, sent, sizeof sent);
+    uint32_t written = 0, read = 0, idle = 0;
+    rig.host.naks_max = 1; /* a packet that is held is tried again later */
+    rig.host.lose_in = 2 + reference_random_below(&random, 9);
+    rig.host.lose_out = 2 + reference_random_below(&random, 9);
+    while (read < length && idle < 100000) {
+        if (written < length && reference_random_below(&random, 2)) {
+            uint32_t packet =
+                reference_random_below(&random, 8) == 0 ? 0 : 1 + reference_random_below(&random, PACKET);
+            if (packet > length - written) packet = length - written;
+            usb_result result = usb_host_packet_out(&rig.host, STREAM, sent + written, packet);
+            assert_true(result == USB_OK || result == USB_NAKED);
+            if (result == USB_OK) written += packet;
+        } else {
+            usb_result result = usb_host_packet_in(&rig.host, STREAM, bytes, PACKET, &count);
+            assert_true(result == USB_OK || result == USB_NAKED);
+            if (result == USB_OK) {
+                assert_true(count <= length - read);
+                memcpy(back + read, bytes, count);
+                read += count;
+            }
+        }
+        idle++;
+    }
+    assert_int_equal(read, length);
+    assert_memory_equal(back, sent, length);
+    assert_int_equal(rig.frames_lost, 0);
+}
+
+static void random_packets_arrive_whole_and_in_order(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 1; seed <= 40; seed++) {
+        open_stream();
+        print_message("random_packets(%u)\n", (unsigned)seed);
+        random_packets(seed);
+    }
+}
+
+/* A host that writes and never reads: the device holds its packets when a reply might not fit, and loses none. */
+static void a_host_that_does_not_read_is_held(void **state)
+{
+    (void)state;
+    static uint8_t frame[4000];
+    reference_random random = reference_random_seed(3);
+    uint32_t written = 0;
+    usb_result result = USB_OK;
+    make_frame(&random, frame, sizeof frame);
+    for (int i = 0; i < 20 && result == USB_OK; i++) {
+        result = usb_host_out(&rig.host, STREAM, PACKET, frame, sizeof frame);
+        if (result == USB_OK) written++;
+    }
+    assert_int_equal(result, USB_NAKED);
+    assert_int_equal(rig.frames_lost, 0);
+    assert_in_range(written, 2, 5);
+    /* Every frame that was taken comes back; the one that was cut by the NAK stays open. */
+    uint32_t got = 0;
+    while (got < written * sizeof frame) {
+        assert_int_equal(usb_host_packet_in(&rig.host, STREAM, bytes + got, PACKET, &count), USB_OK);
+        got += count;
+    }
+    assert_int_equal(got, written * sizeof frame);
+    for (uint32_t i = 0; i < written; i++) assert_memory_equal(bytes + i * sizeof frame, frame, sizeof frame);
+    assert_int_equal(rig.frames_lost, 0);
+}
+
+/* A refused frame leaves nothing behind; room is told before. */
+static void a_full_queue_refuses_whole_frames(void **state)
+{
+    (void)state;
+    static const uint8_t filler[1000] = {1};
+    uint32_t taken = 0;
+    while (seld_usb_transmit(&rig.usb, filler, sizeof filler)) taken++;
+    assert_int_equal(taken, USB_RIG_QUEUE_BYTES / sizeof filler);
+    assert_int_equal(seld_usb_queue_room(&rig.usb), USB_RIG_QUEUE_BYTES - taken * sizeof filler);
+    assert_int_equal(rig.usb.frames_refused, 1);
+    assert_true(seld_usb_transmit(&rig.usb, filler, seld_usb_queue_room(&rig.usb)));
+    uint32_t got = 0;
+    while (got < USB_RIG_QUEUE_BYTES) {
+        assert_int_equal(usb_host_in(&rig.host, STREAM, PACKET, bytes, sizeof bytes, &count), USB_OK);
+        got += count;
+    }
+    assert_int_equal(got, USB_RIG_QUEUE_BYTES);
+    assert_int_equal(seld_usb_queue_room(&rig.usb), USB_RIG_QUEUE_BYTES);
+}
+
+static void nobody_is_configured_so_nothing_is_queued(void **state)
+{
+    (void)state;
+    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_RESET_HIGH), USB_OK);
+    assert_int_equal(rig.link, SELD_USB_DETACHED);
+    assert_int_equal(seld_usb_queue_room(&rig.usb), 0);
+    assert_false(seld_usb_transmit(&rig.usb, (const uint8_t *)"\1", 2));
+}
+
+/* What interrupts a conversation; each leaves the device as a host needs it to begin again. */
+typedef enum interruption {
+    RESET,
+    HALT_IN,
+    HALT_OUT,
+    CONFIGURE,
+    INTERFACE,
+    UNPLUG,
+    REBOOT,
+    INTERRUPTIONS
+} interruption;
+
+static void interrupt(interruption kind)
+{
+    rig.host.lose_in = rig.host.lose_out = 0;
+    switch (kind) {
+    case HALT_IN:
+        usb_rig_control(&rig, 0x02, 3, 0, 0x82, 0, NULL, NULL);
+        assert_int_equal(usb_host_clear_halt(&rig.host, 0x82), USB_OK);
+        assert_int_equal(usb_host_clear_halt(&rig.host, 0x02), USB_OK);
+        return;
+    case HALT_OUT:
+        usb_rig_control(&rig, 0x02, 3, 0, 0x02, 0, NULL, NULL);
+        assert_int_equal(usb_host_clear_halt(&rig.host, 0x02), USB_OK);
+        assert_int_equal(usb_host_clear_halt(&rig.host, 0x82), USB_OK);
+        return;
+    case CONFIGURE:
+        assert_int_equal(usb_rig_control(&rig, 0x00, 9, 1, 0, 0, NULL, NULL), USB_OK);
+        break;
+    case INTERFACE:
+        assert_int_equal(usb_rig_control(&rig, 0x01, 11, 0, 1, 0, NULL, NULL), USB_OK);
+        break;
+    case UNPLUG:
+        assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_UNPLUGGED), USB_OK);
+        assert_int_equal(rig.link, SELD_USB_DETACHED);
+        assert_int_equal(usb_rig_configure(&rig, true), USB_OK);
+        return;
+    case REBOOT:
+        usb_rig_reboot(&rig, true);
+        assert_int_not_equal(rig.mailbox.device.boot_count, rig.host.boot_count);
+        assert_int_equal(usb_rig_configure(&rig, true), USB_OK);
+        return;
+    default:
+        assert_int_equal(usb_rig_configure(&rig, true), USB_OK);
+        return;
+    }
+    memset(rig.host.toggle_in, 0, sizeof rig.host.toggle_in);
+    memset(rig.host.toggle_out, 0, sizeof rig.host.toggle_out);
+}
+
+/* Everything that waits for the host; the first byte of it must be the zero that begins a stream. */
+static void drain_new_stream(void)
+{
+    uint32_t total = 0;
+    rig.host.naks_max = 3;
+    while (usb_host_packet_in(&rig.host, STREAM, bytes + total, PACKET, &count) == USB_OK) total += count;
+    rig.host.naks_max = USB_RIG_NAKS_MAX;
+    assert_true(total > 0);
+    assert_int_equal(bytes[0], 0);
+}
+
+/* After so many packets each way the conversation is interrupted; a new stream begins, and the next frame comes back. */
+static void interruptions_cost_only_what_was_under_way(void **state)
+{
+    (void)state;
+    static uint8_t frame[3000];
+    reference_random random = reference_random_seed(11);
+    make_frame(&random, frame, sizeof frame);
+    for (int kind = 0; kind < INTERRUPTIONS; kind++) {
+        for (int packets_out = 0; packets_out <= 6; packets_out++) {
+            for (int packets_in = 0; packets_in <= (packets_out == 6 ? 5 : 0); packets_in++) {
+                uint32_t sent = 0;
+                open_stream();
+                for (int i = 0; i < packets_out; i++) {
+                    uint32_t packet =
+                        (uint32_t)sizeof frame - sent < PACKET ? (uint32_t)sizeof frame - sent : PACKET;
+                    assert_int_equal(usb_host_packet_out(&rig.host, STREAM, frame + sent, packet), USB_OK);
+                    sent += packet;
+                }
+                for (int i = 0; i < packets_in; i++)
+                    assert_int_equal(usb_host_packet_in(&rig.host, STREAM, bytes, PACKET, &count), USB_OK);
+                interrupt((interruption)kind);
+                drain_new_stream();
+                echo(frame, sizeof frame);
+                assert_int_equal(rig.link, SELD_USB_CONFIGURED);
+            }
+        }
+    }
+}
+
+/* --- HID ------------------------------------------------------------------------------------------------------------- */
+/* One report a tick, none twice; ticks that nobody fetched are left out, and the newest comes. */
+static void state_reports_follow_the_ticks(void **state)
+{
+    (void)state;
+    seld_hid_state report;
+    rig.host.naks_max = 3;
+    assert_int_equal(usb_host_packet_in(&rig.host, STATUS, bytes, 64, &count), USB_NAKED);
+    for (uint32_t tick = 1; tick <= 100; tick++) {
+        usb_rig_tick(&rig);
+        assert_int_equal(usb_host_packet_in(&rig.host, STATUS, bytes, 64, &count), USB_OK);
+        assert_int_equal(count, 64);
+        assert_int_equal(bytes[0], SELD_HID_ID_state);
+        assert_true(seld_hid_decode_state(bytes + 1, count - 1, &report));
+        assert_int_equal(report.tick, tick);
+        assert_int_equal(usb_host_packet_in(&rig.host, STATUS, bytes, 64, &count), USB_NAKED);
+    }
+    for (uint32_t tick = 101; tick <= 110; tick++) {
+        usb_rig_tick(&rig);
+        usb_rig_settle(&rig);
+    }
+    /* One was under way since tick 101; behind it the newest. */
+    assert_int_equal(usb_host_packet_in(&rig.host, STATUS, bytes, 64, &count), USB_OK);
+    assert_true(seld_hid_decode_state(bytes + 1, count - 1, &report));
+    assert_int_equal(report.tick, 101);
+    assert_int_equal(usb_host_packet_in(&rig.host, STATUS, bytes, 64, &count), USB_OK);
+    assert_true(seld_hid_decode_state(bytes + 1, count - 1, &report));
+    assert_int_equal(report.tick, 110);
+}
+
+/* Every field of the state comes out of the bytes as it went in, at both ends of its range. */
+static void state_reports_carry_every_field(void **state)
+{
+    (void)state;
+    seld_hid_state sent = {.tick = UINT32_MAX, .state = 4, .mode = 1, .fault_code = 0xabcd, .buttons = 0x81};
+    seld_hid_state report;
+    sent.command_number = 255;
+    sent.command_result = 7;
+    sent.syringe_ul = INT16_MIN;
+    sent.inflator_kPa = UINT16_MAX;
+    for (int k = 0; k < 3; k++)
+        sent.tracks[k] = (seld_hid_track){INT32_MIN + k, INT32_MAX - k, (int16_t)(-8000 - k),
+                                          INT16_MAX,     INT16_MIN,     (int16_t)(k - 1)};
+    seld_usb_timer(&rig.usb, &sent);
+    assert_int_equal(usb_host_packet_in(&rig.host, STATUS, bytes, 64, &count), USB_OK);
+    assert_true(seld_hid_decode_state(bytes + 1, count - 1, &report));
+    assert_int_equal(report.tick, sent.tick);
+    assert_int_equal(report.state, sent.state);
+    assert_int_equal(report.mode, sent.mode);
+    assert_int_equal(report.fault_code, sent.fault_code);
+    assert_int_equal(report.command_number, sent.command_number);
+    assert_int_equal(report.command_result, sent.command_result);
+    assert_int_equal(report.buttons, sent.buttons);
+    assert_memory_equal(report.tracks, sent.tracks, sizeof sent.tracks);
+    assert_int_equal(report.syringe_ul, sent.syringe_ul);
+    assert_int_equal(report.inflator_kPa, sent.inflator_kPa);
+}
+
+static void commands_come_by_pipe_and_by_control(void **state)
+{
+    (void)state;
+    static const uint8_t command[12] = {
+        SELD_HID_ID_command, 5, 3, 1, 0xff, 0xff, 0xff, 0xff, 0x10, 0x27, 0, 0};
+    assert_int_equal(usb_host_out(&rig.host, STATUS, 64, command, sizeof command), USB_OK);
+    usb_rig_settle(&rig);
+    assert_int_equal(rig.commands, 1);
+    assert_int_equal(rig.command.number, 5);
+    assert_int_equal(rig.command.action, 3);
+    assert_int_equal(rig.command.track, 1);
+    assert_int_equal(rig.command.value1, -1);
+    assert_int_equal(rig.command.value2, 10000);
+    memcpy(bytes, command, sizeof command);
+    bytes[1] = 6;
+    assert_int_equal(usb_rig_control(&rig, 0x21, 9, 0x0200 | SELD_HID_ID_command, 0, 12, bytes, NULL),
+                     USB_OK);
+    assert_int_equal(rig.commands, 2);
+    assert_int_equal(rig.command.number, 6);
+}
+
+/* Reports that are none are counted; the pipe stays open for the next one. A padded one is taken. */
+static void broken_commands_are_counted_and_the_pipe_stays_open(void **state)
+{
+    (void)state;
+    uint8_t command[64] = {SELD_HID_ID_command, 1};
+    assert_int_equal(usb_host_packet_out(&rig.host, STATUS, command, 0), USB_OK);
+    assert_int_equal(usb_host_packet_out(&rig.host, STATUS, command, 11), USB_OK);
+    command[0] = SELD_HID_ID_state;
+    assert_int_equal(usb_host_packet_out(&rig.host, STATUS, command, 12), USB_OK);
+    usb_rig_settle(&rig);
+    assert_int_equal(rig.usb.reports_refused, 3);
+    assert_int_equal(rig.commands, 0);
+    command[0] = SELD_HID_ID_command;
+    assert_int_equal(usb_host_packet_out(&rig.host, STATUS, command, 64), USB_OK);
+    usb_rig_settle(&rig);
+    assert_int_equal(rig.commands, 1);
+}
+
+/* Limits go down and not up; what is refused is not half taken. */
+static void settings_are_read_back_and_refused(void **state)
+{
+    (void)state;
+    seld_hid_limits limits, back;
+    const uint16_t value = 0x0300 | SELD_HID_ID_limits;
+    assert_int_equal(usb_rig_control(&rig, 0xa1, 1, value, 0, 64, bytes, &count), USB_OK);
+    assert_true(seld_hid_decode_limits(bytes + 1, count - 1, &limits));
+    limits.tracks[1].force_limit_mN = 3000;
+    seld_wire_writer writer = seld_wire_writer_make(bytes + 1, 63);
+    seld_hid_put_limits(&writer, &limits);
+    assert_int_equal(usb_rig_control(&rig, 0x21, 9, value, 0, 25, bytes, NULL), USB_OK);
+    limits.tracks[0].force_limit_mN = 1000;
+    limits.tracks[1].force_limit_mN = 3001;
+    writer = seld_wire_writer_make(bytes + 1, 63);
+    seld_hid_put_limits(&writer, &limits);
+    assert_int_equal(usb_rig_control(&rig, 0x21, 9, value, 0, 25, bytes, NULL), USB_STALLED);
+    assert_int_equal(usb_rig_control(&rig, 0xa1, 1, value, 0, 64, bytes, &count), USB_OK);
+    assert_true(seld_hid_decode_limits(bytes + 1, count - 1, &back));
+    assert_int_equal(back.tracks[0].force_limit_mN, 8000);
+    assert_int_equal(back.tracks[1].force_limit_mN, 3000);
+}
+
+/* --- the bus --------------------------------------------------------------------------------------------------------- */
+/* Asleep the device sends no new report; awake it goes on where it was, with frames and toggles intact. */
+static void suspend_keeps_everything(void **state)
+{
+    (void)state;
+    static const uint8_t frame[] = {7, 7, 7, 0};
+    assert_int_equal(usb_host_out(&rig.host, STREAM, PACKET, frame, sizeof frame), USB_OK);
+    usb_rig_settle(&rig);
+    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_SUSPENDED), USB_OK);
+    assert_int_equal(rig.link, SELD_USB_SUSPENDED);
+    assert_true(seld_usb_transmit(&rig.usb, frame, sizeof frame));
+    usb_rig_tick(&rig);
+    usb_rig_settle(&rig);
+    assert_false(rig.usb.is_armed[SELD_USB_STATUS_IN]);
+    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_RESUMED), USB_OK);
+    assert_int_equal(rig.link, SELD_USB_CONFIGURED);
+    assert_int_equal(usb_host_in(&rig.host, STREAM, PACKET, bytes, 4, &count), USB_OK);
+    assert_memory_equal(bytes, frame, sizeof frame);
+    assert_int_equal(usb_host_in(&rig.host, STREAM, PACKET, bytes, 4, &count), USB_OK);
+    assert_memory_equal(bytes, frame, sizeof frame);
+    assert_int_equal(usb_host_in(&rig.host, STATUS, 64, bytes, 64, &count), USB_OK);
+    /* A reset wakes it too. */
+    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_SUSPENDED), USB_OK);
+    assert_int_equal(usb_rig_configure(&rig, true), USB_OK);
+    assert_int_equal(rig.link, SELD_USB_CONFIGURED);
+}
+
+/* The device pulls its own plug when it is asked to, and comes back after so many milliseconds. */
+static void the_device_unplugs_itself_on_request(void **state)
+{
+    (void)state;
+    assert_int_equal(usb_rig_control(&rig, 0x40, SELD_USB_REQUEST_UNPLUG, 250, 0, 0, NULL, NULL), USB_OK);
+    usb_rig_settle(&rig);
+    assert_false(usb_host_sees_device(&rig.host));
+    assert_int_equal(rig.link, SELD_USB_DETACHED);
+    assert_int_equal(usb_host_packet_in(&rig.host, STATUS, bytes, 64, &count), USB_SILENT);
+    for (int i = 0; i < 249; i++) usb_rig_tick(&rig);
+    assert_false(usb_host_sees_device(&rig.host));
+    usb_rig_tick(&rig);
+    assert_true(usb_host_sees_device(&rig.host));
+    assert_int_equal(usb_rig_control(&rig, 0x80, 8, 0, 0, 1, bytes, &count), USB_SILENT); /* before a reset */
+    assert_int_equal(usb_rig_configure(&rig, true), USB_OK);
+    drain_new_stream();
+    echo((const uint8_t *)"\1\2\3", 4);
+}
+
+/* Suspend and resume of an unplugged device, tokens without a reset: nothing answers, nothing breaks. */
+static void a_bus_out_of_order_is_survived(void **state)
+{
+    (void)state;
+    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_UNPLUGGED), USB_OK);
+    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_RESUMED), USB_OK);
+    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_SUSPENDED), USB_OK);
+    assert_int_equal(usb_host_bus(&rig.host, (seld_mailbox_bus)99), USB_OK);
+    assert_int_equal(usb_host_packet_out(&rig.host, STREAM, bytes, 10), USB_SILENT);
+    assert_int_equal(rig.link, SELD_USB_DETACHED);
+    assert_int_equal(usb_rig_configure(&rig, true), USB_OK);
+    drain_new_stream();
+    echo((const uint8_t *)"\1\2\3", 4);
+}
+
+/* Tokens that no host sends: too long, to endpoints that are not there, of no kind. Silence, and the device goes on. */
+static void malformed_tokens_are_not_answered(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t kind, endpoint, flags, count;
+    } tokens[] = {{SELD_MAILBOX_OUT, STREAM, 0, PACKET + 1},
+                  {SELD_MAILBOX_OUT, STREAM, 0, UINT32_MAX},
+                  {SELD_MAILBOX_OUT, 16, 0, 1},
+                  {SELD_MAILBOX_IN, 0xffffffff, 0, 0},
+                  {SELD_MAILBOX_SETUP, 0, 0, 7},
+                  {SELD_MAILBOX_SETUP, 0, SELD_MAILBOX_DATA1, 8},
+                  {SELD_MAILBOX_SETUP, 1, 0, 8},
+                  {0, 0, 0, 0},
+                  {0xdeadbeef, 0, 0, 0}};
+    for (size_t i = 0; i < sizeof tokens / sizeof tokens[0]; i++) {
+        seld_mailbox_host_half *half = &rig.mailbox.host;
+        seld_mailbox_write(&half->token_kind, tokens[i].kind);
+        seld_mailbox_write(&half->token_endpoint, tokens[i].endpoint);
+        seld_mailbox_write(&half->token_flags, tokens[i].flags);
+        seld_mailbox_write(&half->token_bytes, tokens[i].count);
+        seld_mailbox_write(&half->token_address, 5);
+        seld_mailbox_write(&half->token, seld_mailbox_read(&half->token) + 1);
+        usb_rig_settle(&rig);
+        assert_int_equal(seld_mailbox_read(&rig.mailbox.device.token_done), seld_mailbox_read(&half->token));
+        assert_int_equal(seld_mailbox_read(&rig.mailbox.device.reply), SELD_MAILBOX_SILENCE);
+    }
+    echo((const uint8_t *)"\1\2\3", 4);
+}
+
+#define TEST(name) cmocka_unit_test_setup(name, set_up)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(frames_of_any_length_come_back),
+        TEST(random_packets_arrive_whole_and_in_order),
+        TEST(a_host_that_does_not_read_is_held),
+        TEST(a_full_queue_refuses_whole_frames),
+        TEST(nobody_is_configured_so_nothing_is_queued),
+        TEST(interruptions_cost_only_what_was_under_way),
+        TEST(state_reports_follow_the_ticks),
+        TEST(state_reports_carry_every_field),
+        TEST(commands_come_by_pipe_and_by_control),
+        TEST(broken_commands_are_counted_and_the_pipe_stays_open),
+        TEST(settings_are_read_back_and_refused),
+        TEST(suspend_keeps_everything),
+        TEST(the_device_unplugs_itself_on_request),
+        TEST(a_bus_out_of_order_is_survived),
+        TEST(malformed_tokens_are_not_answered),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

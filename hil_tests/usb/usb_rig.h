@@ -1,0 +1,61 @@
+/* A rig that is nothing but its USB side, in this process: stack, controller in memory, and an app that sends back every
+ * frame it gets and remembers what it was asked for.
+ *
+ * May include: firmware/app/usb, firmware/port. Called by: hil_tests.
+ */
+#ifndef SELD_USB_RIG_H
+#define SELD_USB_RIG_H
+
+#include "firmware/app/usb/usb.h"
+#include "firmware/port/mailbox/mailbox_udc.h"
+#include "hil_tests/usb/usb_host.h"
+
+enum {
+    USB_RIG_QUEUE_BYTES = 3 * SELD_WIRE_FRAME_MAX,
+    USB_RIG_WAITS_MAX = 100, /* polls of the device before the host calls it dead */
+    USB_RIG_NAKS_MAX = 500,
+};
+
+typedef struct usb_rig {
+    seld_mailbox mailbox;
+    seld_mailbox_udc controller;
+    seld_usb usb;
+    seld_usb_app app;
+    uint8_t queue[USB_RIG_QUEUE_BYTES];
+    usb_host host;
+
+    /* the app */
+    bool is_deaf; /* takes bytes and sends nothing back */
+    uint8_t frame[SELD_WIRE_FRAME_MAX];
+    uint32_t frame_bytes;
+    uint32_t frames_back, frames_lost, bytes_in;
+    seld_usb_link link;
+    uint32_t link_changes;
+    seld_hid_command command; /* the last one */
+    uint32_t commands;
+    seld_hid_calibration calibration;
+    seld_hid_limits limits;
+
+    uint32_t waits; /* left until the host gives up */
+} usb_rig;
+
+/* Power up, on the bus; the host is there and has not reset it yet. */
+void usb_rig_open(usb_rig *rig, bool can_high_speed);
+
+/* Device power-up again, with the host's half as it is: a brown-out. */
+void usb_rig_reboot(usb_rig *rig, bool can_high_speed);
+
+/* One millisecond on the device: the next state report. */
+void usb_rig_tick(usb_rig *rig);
+
+/* Let the device do everything it can do without the host. */
+void usb_rig_settle(usb_rig *rig);
+
+/* Reset, address 5, configuration 1. */
+usb_result usb_rig_configure(usb_rig *rig, bool high_speed);
+
+/* A control transfer in one line. */
+usb_result usb_rig_control(usb_rig *rig, uint8_t type, uint8_t request, uint16_t value, uint16_t index,
+                           uint16_t length, uint8_t *bytes, uint32_t *count);
+
+#endif

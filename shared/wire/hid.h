@@ -1,0 +1,85 @@
+/* The HID reports as structs and codecs, made from hid_reports.def.
+ *
+ *   seld_hid_<name>          the struct of a record or report
+ *   SELD_HID_ID_<name>       the report's id
+ *   SELD_HID_BYTES_<name>    its size without the id
+ *   seld_hid_put_<name>      append to a writer, without the id; false when it does not fit
+ *   seld_hid_decode_<name>   read the bytes behind the id; false when some are missing. More are allowed and ignored: some
+ *                            hosts pad a report to the longest of its kind
+ *
+ * May include: shared/wire. Called by: firmware/app/usb, host/link. C11 and C++20.
+ */
+#ifndef SELD_HID_H
+#define SELD_HID_H
+
+#include "shared/wire/wire_bytes.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* clang-format off */
+typedef uint8_t seld_hid_u8;
+typedef uint16_t seld_hid_u16;
+typedef uint32_t seld_hid_u32;
+typedef uint64_t seld_hid_u64;
+typedef int16_t seld_hid_i16;
+typedef int32_t seld_hid_i32;
+
+enum {
+    SELD_HID_BYTES_u8 = 1,
+    SELD_HID_BYTES_u16 = 2,
+    SELD_HID_BYTES_u32 = 4,
+    SELD_HID_BYTES_u64 = 8,
+    SELD_HID_BYTES_i16 = 2,
+    SELD_HID_BYTES_i32 = 4,
+};
+
+/* The structs. */
+#define HID_RECORD(name, text) typedef struct seld_hid_##name {
+#define HID_REPORT(name, id, kind, text) typedef struct seld_hid_##name {
+#define HID_FIELD(owner, type, name, unit, text) seld_hid_##type name;
+#define HID_ARRAY(owner, type, name, count, unit, text) seld_hid_##type name[count];
+#define HID_END(owner) } seld_hid_##owner;
+#include "shared/wire/hid_reports.def"
+
+/* Sizes in bytes. */
+#define HID_RECORD(name, text) enum { SELD_HID_BYTES_##name = 0
+#define HID_REPORT(name, id, kind, text) enum { SELD_HID_BYTES_##name = 0
+#define HID_FIELD(owner, type, name, unit, text) + (int)SELD_HID_BYTES_##type
+#define HID_ARRAY(owner, type, name, count, unit, text) + (count) * (int)SELD_HID_BYTES_##type
+#define HID_END(owner) };
+#include "shared/wire/hid_reports.def"
+
+/* Ids. */
+#define HID_REPORT(name, id, kind, text) SELD_HID_ID_##name = id,
+enum {
+#include "shared/wire/hid_reports.def"
+};
+
+/* Codecs. */
+#define HID_REPORT(name, id, kind, text) \
+    bool seld_hid_put_##name(seld_wire_writer *writer, const seld_hid_##name *value); \
+    bool seld_hid_decode_##name(const uint8_t *bytes, size_t length, seld_hid_##name *value);
+#include "shared/wire/hid_reports.def"
+
+/* The report descriptor: one vendor-defined collection, every report an array of bytes. */
+enum {
+    SELD_HID_REPORT_BYTES_MAX = 64, /* with the id: one packet at both speeds */
+    SELD_HID_DESCRIPTOR_HEAD_BYTES = 14,
+    SELD_HID_DESCRIPTOR_ITEM_BYTES = 8, /* of each report */
+    SELD_HID_DESCRIPTOR_BYTES = SELD_HID_DESCRIPTOR_HEAD_BYTES + 1
+#define HID_REPORT(name, id, kind, text) + SELD_HID_DESCRIPTOR_ITEM_BYTES
+#include "shared/wire/hid_reports.def"
+};
+/* clang-format on */
+extern const uint8_t seld_hid_descriptor[SELD_HID_DESCRIPTOR_BYTES];
+
+/* Hash over every name, id, type and unit of hid_reports.def. */
+uint64_t seld_hid_report_hash(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
