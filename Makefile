@@ -45,7 +45,7 @@ HOST_LINK     := -lpng -lglfw -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs
+.PHONY: all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-guest
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -157,6 +157,23 @@ ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(TOOL_
 
 tests-build: $(ALL_TEST_PROGRAMS) ## build the test programs
 tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS),$(call test_program,$(t))) ## build those without OpenVDB
+
+# --- the USB side against the host's libraries: docs/usb.md --------------------------------------------------------------
+HIL_FOLDER := $(BUILD)/hil
+USB_CHECKS := $(HIL_FOLDER)/usb_check $(HIL_FOLDER)/hid_check_hidraw $(HIL_FOLDER)/hid_check_libusb
+define hil_rule
+$(HIL_FOLDER)/$(1): $(call objects,$(2)) $(foreach lib,$(USB_LIBS),$(call lib_file,$(lib)))
+	@mkdir -p $$(@D)
+	$$(Q) $(CC) $$^ -o $$@ $(LDFLAGS) $(3)
+endef
+$(eval $(call hil_rule,bridge,hil_tests/l3/bridge.c,-lusbredirparser))
+$(eval $(call hil_rule,usb_check,hil_tests/library/usb_check.c hil_tests/library/check.c,-lusb-1.0))
+$(eval $(call hil_rule,hid_check_hidraw,hil_tests/library/hid_check.c hil_tests/library/check.c,-lhidapi-hidraw))
+$(eval $(call hil_rule,hid_check_libusb,hil_tests/library/hid_check.c hil_tests/library/check.c,-lhidapi-libusb))
+
+hil-guest: packages-usb ## the loop-back device behind a real Linux: Debian's kernel in QEMU, xHCI, libusb, hidapi
+	@$(QUIET_MAKE) $(HIL_FOLDER)/bridge $(USB_CHECKS)
+	@hil_tests/l3/run_guest.py --bridge $(HIL_FOLDER)/bridge --kernel $(HIL_FOLDER)/kernel --here hil_tests/l3/checks.sh
 
 # A fuzz target (fuzz_*.c) is one libFuzzer program and one that writes its first inputs: docs/testing.md.
 FUZZ_TARGETS := $(wildcard firmware/tests/fuzz_*.c shared/*/tests/fuzz_*.c hil_tests/fuzz_*.c)

@@ -27,6 +27,7 @@ void seld_usb_pipe_open(seld_usb *usb, seld_usb_pipe pipe)
     /* A controller that cannot have the endpoint leaves it halted: the host is told. */
     usb->is_halted[pipe] =
         !udc->open(udc->context, row->address, (seld_udc_type)row->type, row->packet_bytes[usb->speed]);
+    if (pipe == SELD_USB_STATUS_IN) seld_usb_hid_begin(usb);
     if (pipe == SELD_USB_STREAM_IN) seld_usb_stream_begin(usb, true);
     if (pipe == SELD_USB_STREAM_OUT) seld_usb_stream_begin(usb, false);
     if (pipe == SELD_USB_STATUS_OUT) seld_usb_pipe_arm(usb, pipe, usb->report_out, sizeof usb->report_out);
@@ -154,8 +155,7 @@ bool seld_usb_poll(seld_usb *usb)
 
 void seld_usb_timer(seld_usb *usb, const seld_hid_state *state)
 {
-    usb->state = *state;
-    usb->state_is_new = true;
+    seld_usb_hid_queue(usb, state);
     if (usb->off_ms == 0) return;
     usb->off_ms--;
     if (usb->off_ms == 0) seld_usb_connect(usb, true);

@@ -35,6 +35,7 @@ enum {
     SELD_USB_STREAM_PACKET = 512,    /* of the bulk pair at high speed */
     SELD_USB_STREAM_BURST = 1 << 14, /* longest IN transfer given to the controller at once */
     SELD_USB_SERIAL_MAX = 32,        /* characters */
+    SELD_USB_REPORT_QUEUE = 32,      /* state reports that wait for a late host: 32 ms */
     SELD_USB_EVENTS_PER_POLL = 8,
     SELD_USB_OFF_MAX_ms = 10000,
 
@@ -111,8 +112,9 @@ typedef struct seld_usb {
 
     /* HID */
     seld_hid_state state;
-    bool state_is_new;
-    uint32_t reports_refused; /* came on the interrupt pipe and were none */
+    uint32_t report_first, report_count; /* ring of reports that wait */
+    uint32_t reports_dropped;            /* the host was later than the queue is long */
+    uint32_t reports_refused;            /* came on the interrupt pipe and were none */
 
     /* the stream: the queue is a ring */
     uint32_t queue_begin, queue_count;
@@ -122,7 +124,8 @@ typedef struct seld_usb {
     uint32_t frames_refused;
 
     _Alignas(32) uint8_t control[SELD_USB_CONTROL_BYTES];
-    _Alignas(32) uint8_t report_in[SELD_HID_REPORT_BYTES_MAX];
+    _Alignas(32) uint8_t report_in[SELD_HID_REPORT_BYTES_MAX]; /* under way */
+    uint8_t reports[SELD_USB_REPORT_QUEUE][SELD_HID_REPORT_BYTES_MAX];
     _Alignas(32) uint8_t report_out[SELD_HID_REPORT_BYTES_MAX];
     _Alignas(32) uint8_t stream_out[SELD_USB_STREAM_PACKET];
 } seld_usb;
@@ -137,7 +140,8 @@ void seld_usb_connect(seld_usb *usb, bool connected);
 /* Bounded work: at most SELD_USB_EVENTS_PER_POLL events and one frame for the app. True: there may be more to do. */
 bool seld_usb_poll(seld_usb *usb);
 
-/* One millisecond has passed. `state` goes out with the next state report; one that was not fetched yet is replaced. */
+/* One millisecond has passed. `state` becomes a state report behind those that wait; when the queue is full the oldest one is
+ * left out. Nothing waits while no host has configured the device, or the bus sleeps. */
 void seld_usb_timer(seld_usb *usb, const seld_hid_state *state);
 
 /* Queue a whole frame for the host. False: not configured, or no room; nothing was queued. */

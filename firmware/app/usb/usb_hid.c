@@ -70,13 +70,34 @@ bool seld_usb_hid_request(seld_usb *usb, const seld_usb_setup *setup, seld_wire_
     return true;
 }
 
+/* What waited for another host, or before a halt, is old. */
+void seld_usb_hid_begin(seld_usb *usb)
+{
+    usb->report_first = usb->report_count = 0;
+}
+
+void seld_usb_hid_queue(seld_usb *usb, const seld_hid_state *state)
+{
+    usb->state = *state;
+    if (usb->link != SELD_USB_CONFIGURED) return;
+    if (usb->report_count == SELD_USB_REPORT_QUEUE) {
+        usb->report_first = (usb->report_first + 1) % SELD_USB_REPORT_QUEUE;
+        usb->report_count--;
+        usb->reports_dropped++;
+    }
+    const uint32_t place = (usb->report_first + usb->report_count++) % SELD_USB_REPORT_QUEUE;
+    seld_wire_writer writer = seld_wire_writer_make(usb->reports[place], SELD_HID_REPORT_BYTES_MAX);
+    put_state(usb, &writer);
+}
+
 void seld_usb_hid_send(seld_usb *usb)
 {
-    if (!usb->state_is_new || usb->is_suspended || !seld_usb_pipe_is_free(usb, SELD_USB_STATUS_IN)) return;
-    seld_wire_writer writer = seld_wire_writer_make(usb->report_in, sizeof usb->report_in);
-    put_state(usb, &writer);
-    usb->state_is_new = false;
-    seld_usb_pipe_arm(usb, SELD_USB_STATUS_IN, usb->report_in, (uint32_t)writer.length);
+    if (usb->report_count == 0 || !seld_usb_pipe_is_free(usb, SELD_USB_STATUS_IN)) return;
+    for (uint32_t i = 0; i < SELD_HID_REPORT_BYTES_MAX; i++)
+        usb->report_in[i] = usb->reports[usb->report_first][i];
+    usb->report_first = (usb->report_first + 1) % SELD_USB_REPORT_QUEUE;
+    usb->report_count--;
+    seld_usb_pipe_arm(usb, SELD_USB_STATUS_IN, usb->report_in, 1 + SELD_HID_BYTES_state);
 }
 
 /* --- reports from the host: `bytes` begin with the id --- */

@@ -86,6 +86,8 @@ bool seld_usb_hid_takes(const seld_usb *usb, const seld_usb_setup *setup);
 bool seld_usb_hid_data(seld_usb *usb, const seld_usb_setup *setup, const uint8_t *bytes, size_t count);
 
 /* usb_hid.c: the interrupt pair */
+void seld_usb_hid_begin(seld_usb *usb);
+void seld_usb_hid_queue(seld_usb *usb, const seld_hid_state *state);
 void seld_usb_hid_send(seld_usb *usb);
 void seld_usb_hid_received(seld_usb *usb, uint32_t bytes);
 

@@ -1,0 +1,25 @@
+/* What the programs of this folder share: TAP lines, a clock, and the option that names the device.
+ * May include: shared/wire. Called by: this folder only. */
+#ifndef SELD_LIBRARY_CHECK_H
+#define SELD_LIBRARY_CHECK_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { CHECK_VENDOR_ID = 0x1209, CHECK_PRODUCT_ID = 0x0001 };
+
+/* Prints "ok N - name" or "not ok N - name"; returns `good`. */
+bool check(bool good, const char *name);
+
+/* A line "# ..." as printf. */
+void check_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* Prints the plan; the program's exit code. */
+int check_end(void);
+
+int64_t check_now_us(void);
+
+/* The serial number in `--serial NUMBER`, NULL without; ends the program with 2 when the arguments are others. */
+const char *check_serial(int argc, char **argv);
+
+#endif

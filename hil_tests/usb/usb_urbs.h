@@ -1,0 +1,52 @@
+/* Transfers that wait: what a host controller driver keeps per endpoint. Each step tries one packet of the first transfer of
+ * every endpoint and never waits for a device that has nothing, so that one slow endpoint holds up no other.
+ *
+ * May include: usb_host.h. Called by: bridges.
+ */
+#ifndef SELD_USB_URBS_H
+#define SELD_USB_URBS_H
+
+#include "hil_tests/usb/usb_host.h"
+
+enum {
+    USB_URBS_PER_ENDPOINT = 64,
+    USB_URBS_PIPES = 32, /* 0 .. 15 OUT, 16 .. 31 IN */
+    USB_URB_BYTES_MAX = 1 << 20,
+};
+
+typedef struct usb_urb {
+    uint64_t id; /* the submitter's */
+    uint8_t endpoint;
+    uint8_t *bytes; /* the submitter's, until the transfer is done */
+    uint32_t length, done;
+    bool ends_empty; /* OUT: an empty packet behind a full last one */
+    usb_result result;
+} usb_urb;
+
+typedef struct usb_urbs {
+    usb_host *host;
+    void (*complete)(void *context, const usb_urb *urb); /* may submit */
+    void *context;
+    uint16_t packet_bytes[USB_URBS_PIPES]; /* 0: no such endpoint */
+    uint32_t first[USB_URBS_PIPES], count[USB_URBS_PIPES];
+    usb_urb urbs[USB_URBS_PIPES][USB_URBS_PER_ENDPOINT];
+} usb_urbs;
+
+static inline unsigned usb_urbs_pipe(uint8_t endpoint)
+{
+    return (endpoint & 0x0fu) | (endpoint & 0x80 ? 0x10u : 0);
+}
+
+/* False: no such endpoint, or too many wait. */
+bool usb_urbs_submit(usb_urbs *urbs, const usb_urb *urb);
+
+/* Take a transfer back; its buffer is the submitter's again, and `complete` is not called. False: it is not there. */
+bool usb_urbs_cancel(usb_urbs *urbs, uint64_t id, usb_urb *urb);
+
+/* The first one of an endpoint, or none. */
+bool usb_urbs_cancel_any(usb_urbs *urbs, usb_urb *urb);
+
+/* One packet per endpoint. True: something moved. USB_DEAD ends up as the result of the transfer. */
+bool usb_urbs_step(usb_urbs *urbs);
+
+#endif
