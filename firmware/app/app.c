@@ -15,6 +15,7 @@ void seld_app_init(seld_app *app, const seld_port *port)
     seld_wire_decoder_init(&app->decoder);
     for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) seld_app_track_default(&app->tracks[k]);
     seld_app_hands_reset(app);
+    seld_app_coupling_reset(app);
     seld_app_motors_off(app);
 }
 
@@ -26,10 +27,9 @@ static void hello(seld_app *app, const uint8_t *payload, size_t length)
                    SELD_REJECT_MALFORMED, length, SELD_WIRE_BYTES_hello);
     app->is_greeted =
         hello.protocol_major == SELD_WIRE_PROTOCOL_MAJOR && hello.schema_hash == seld_wire_schema_hash();
-    if (app->is_greeted && app->state == SELD_WIRE_STATE_INIT) app->state = SELD_WIRE_STATE_READY;
+    if (app->is_greeted && app->state == SELD_WIRE_STATE_INIT) seld_app_set_state(app, SELD_WIRE_STATE_READY);
     if (!app->is_greeted && app->state == SELD_WIRE_STATE_RUNNING) {
-        app->state = SELD_WIRE_STATE_ARMED; /* nobody is left who could stop the motors */
-        seld_app_motors_off(app);
+        seld_app_stop(app); /* nobody is left who could stop the motors */
     }
     seld_app_send_hello_reply(app, app->is_greeted);
 }
@@ -71,6 +71,15 @@ static void get(seld_app *app, const uint8_t *payload, size_t length)
     case SELD_WIRE_GET_CONTACTS:
         seld_app_send_contacts(app);
         break;
+    case SELD_WIRE_GET_RIG:
+        seld_app_send_rig(app);
+        break;
+    case SELD_WIRE_GET_SET_UP:
+        seld_app_send_set_up(app);
+        break;
+    case SELD_WIRE_GET_SENSORS:
+        seld_app_send_sensors(app);
+        break;
     default:
         seld_app_reject(app, type, SELD_REJECT_ACTION_UNKNOWN, request.what, 0);
     }
@@ -108,6 +117,9 @@ static void dispatch(seld_app *app, uint16_t type, const uint8_t *payload, size_
     case SELD_WIRE_TYPE_step:
         seld_app_step(app, payload, length);
         break;
+    case SELD_WIRE_TYPE_stream:
+        seld_app_stream(app, payload, length);
+        break;
     case SELD_WIRE_TYPE_input:
         seld_app_input(app, payload, length);
         break;
@@ -128,6 +140,12 @@ static void dispatch(seld_app *app, uint16_t type, const uint8_t *payload, size_
     }
 }
 
+static void host_spoke(seld_app *app)
+{
+    if (app->silent_ticks >= SELD_APP_HOST_SILENT_ticks) seld_app_notice(app, SELD_WIRE_EVENT_HOST, 0, 0, 0);
+    app->silent_ticks = 0;
+}
+
 static void take_frame(seld_app *app)
 {
     uint16_t sequence = app->decoder.header.sequence;
@@ -136,7 +154,7 @@ static void take_frame(seld_app *app)
     if (app->sequence_is_known && !follows) app->sequence_gaps++;
     app->sequence_in = sequence;
     app->sequence_is_known = true;
-    if (app->is_greeted) app->silent_ticks = 0;
+    if (app->is_greeted) host_spoke(app);
     app->answers = sequence;
     dispatch(app, app->decoder.header.type, app->decoder.payload, app->decoder.payload_bytes);
     app->answers = 0;

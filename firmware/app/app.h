@@ -1,11 +1,12 @@
-/* The firmware app: the core inside a device. Tick modes, encoders, force output, faults and the wire; the same code on
- * every port. Everything that comes over the wire is hostile until checked, and a refused request changes nothing.
+/* The firmware app: the core inside a device. Tick modes, encoders, virtual coupling, force output, safety, faults and the
+ * wire; the same code on every port. Everything that comes over the wire is hostile until checked, and a refused request
+ * changes nothing.
  *
  *          accepted HELLO        ARM             START
  *   INIT ----------------> READY ----> ARMED ----------> RUNNING
- *                            ^           ^ <---- STOP ------+
- *                            |           |                  |
- *                            +-- RESET --+---- FAULT <------+  (encoder jump, own error: motors off)
+ *                            ^          | ^ <---- STOP ------+      in FREE_RUN with a rig START powers the motors, and is
+ *                            |          v |                  |      refused unless ARM_MOTORS was answered by CONFIRM
+ *                            +-- RESET --+----- FAULT <------+      every stopping fault: motors off, latched
  *
  * May include: firmware/core, firmware/port/port.h, shared. Called by: firmware/port.
  */
@@ -23,11 +24,18 @@ enum {
     SELD_APP_FORCE_SLEW_mN_per_tick = 50, /* 50 N/s: full scale in 160 ms */
     SELD_APP_TORQUE_SLEW_uN_m_per_tick = 125,
     SELD_APP_JUMP_um = 5000, /* 5 m/s: no hand does that */
-    SELD_APP_HOST_SILENT_ticks = 250,
-    SELD_APP_FREE_RUN_BATCH_ticks = 16, /* one `ticks` frame per 16 ms */
+    SELD_APP_HOST_SILENT_ticks =
+        30, /* a frame is due within this; then SELD_APP_FADE_ticks until no force is left */
+    SELD_APP_FADE_ticks = 20,
+    SELD_APP_CODE_ticks = 2000,     /* between ARM_MOTORS and CONFIRM */
+    SELD_APP_LIVE_BATCH_ticks = 16, /* one `live` frame per 16 ms */
+    SELD_APP_LIVE_QUEUE_ticks = 256,
+    SELD_APP_EVENT_QUEUE = 32,
     SELD_APP_HASH64_EVERY_ticks = 100,
+    SELD_APP_ASKED_ticks = 8, /* how long ago a force may have been asked for that is measured now */
     SELD_APP_FAULT_MAX = 32,
-    SELD_APP_SNAPSHOT_HEAD_BYTES = 12 + 36 * SELD_TOOL_MAX,
+    SELD_APP_SNAPSHOT_TOOL_BYTES = 108,
+    SELD_APP_SNAPSHOT_HEAD_BYTES = 12 + SELD_APP_SNAPSHOT_TOOL_BYTES * SELD_TOOL_MAX,
     SELD_APP_SNAPSHOT_BYTES = SELD_APP_SNAPSHOT_HEAD_BYTES + (int)sizeof(seld_state_words),
 };
 
@@ -43,6 +51,7 @@ typedef struct seld_upload {
 typedef struct seld_app_encoders {
     seld_port_hand hands[SELD_TOOL_MAX];
     uint32_t buttons;
+    int32_t syringe_counts, inflator_raw;
 } seld_app_encoders;
 
 /* Position of one tool's hand from its encoder counts. */
@@ -53,16 +62,80 @@ typedef struct seld_app_hand {
     int64_t rotation_counts;
 } seld_app_hand;
 
+/* Spring, damper and friction of one axis in its own units: way in Q30 m and force in Q22 N, or way in 2^-32 turn and
+ * torque in Q24 N m. Force per way is stiffness / 2^shift. */
+typedef struct seld_app_axis {
+    int64_t stiffness; /* 0: no coupling */
+    int64_t damping;   /* the same format, per way of one tick */
+    int64_t estimate_max;
+    int64_t lead_max; /* way at the force limit: beyond it the hand slips */
+    int32_t seal;     /* friction of sheath and valve */
+    int32_t force_max;
+    int32_t step_max;   /* way of the tool in one tick */
+    int32_t sense_step; /* ways below this tell nothing about stiffness */
+    uint32_t shift;
+    uint32_t relax_shift; /* stiffness shown is forgotten within 2^this of way */
+} seld_app_axis;
+
+/* State of one axis of the coupling; part of the snapshot. */
+typedef struct seld_app_spring {
+    bool is_set;       /* false: the first tick takes hand and tool as they are */
+    int32_t reference; /* hand less tool without force; modulo 2^32 */
+    int32_t lead;      /* way of the hand beyond the tool after the last tick */
+    int32_t lead_before;
+    int32_t force;    /* of the tool on the hand, last tick */
+    int32_t way;      /* of the tool, last tick's end; modulo 2^32 */
+    int64_t estimate; /* stiffness that the tool has shown */
+    int32_t output;   /* what the coupling asks the motor for */
+} seld_app_spring;
+
+/* Energy between motor and hand; part of the snapshot. */
+typedef struct seld_app_energy {
+    int64_t taken_pJ;   /* put in by the hand less given back, at most what may be stored */
+    int32_t hand_m_q30; /* where the hand was */
+    uint32_t hand_turn32;
+    uint32_t scale_q16; /* share of the force, 65 536 while passive */
+    bool is_set;
+} seld_app_energy;
+
+/* What the checks of one track remember; only while a rig is attached. */
+typedef struct seld_app_watch {
+    int32_t asked_mN[SELD_APP_ASKED_ticks]; /* ring of what was asked for */
+    uint32_t over_ticks, current_ticks, mismatch_ticks;
+    uint32_t unbalance_ticks; /* of a force on the carriage that nobody holds, and what came of it */
+    int32_t unbalance_mN, speed_counts;
+    int64_t moved_counts, speed_nm, way_nm;
+    bool stands;
+    bool had_force_sensor;
+    seld_port_hand last;
+} seld_app_watch;
+
 /* One tool's encoders and actuators, set by the `rig` message. */
 typedef struct seld_app_track {
+    seld_wire_track wire; /* as read back */
     uint64_t translation_m_q46_per_count;
     uint64_t rotation_turn48_per_count; /* one turn = 2^48 */
     uint32_t translation_jump_counts;   /* largest believable change in one tick */
     uint32_t rotation_jump_counts;
-    uint32_t force_gain_milli;
     int32_t force_limit_mN;
     int32_t torque_limit_uN_m;
+    seld_app_axis axes[2]; /* along and about the line */
 } seld_app_track;
+
+enum { SELD_APP_ALONG, SELD_APP_ABOUT };
+
+/* Messages that wait for room on the way to the host. */
+typedef struct seld_app_queue {
+    uint32_t first, count; /* ring of live ticks */
+    uint32_t ticks_lost;
+    uint32_t event_first, event_count, event_number, events_lost;
+    uint16_t nodes_every_ticks;
+    uint32_t nodes_due_in;
+    bool wants_events, is_picture_due;
+    uint32_t pictures_dropped;
+    seld_wire_notice events[SELD_APP_EVENT_QUEUE];
+    seld_wire_live_tick ticks[SELD_APP_LIVE_QUEUE_ticks];
+} seld_app_queue;
 
 typedef struct seld_app {
     const seld_port *port;
@@ -76,8 +149,8 @@ typedef struct seld_app {
     uint16_t sequence_in, sequence_out, answers;
     bool sequence_is_known;
     uint32_t sequence_gaps, transmit_dropped;
-    uint32_t silent_ticks;
-    bool has_mailbox; /* the host has sent an `input` since START */
+    uint32_t silent_ticks; /* since the last valid frame, in FREE_RUN */
+    bool has_mailbox;      /* the host has sent an `input` since START */
     seld_app_encoders mailbox;
 
     /* set-up */
@@ -90,12 +163,34 @@ typedef struct seld_app {
     seld_entry entry;
     uint32_t inserted_um[SELD_TOOL_MAX];
     uint32_t inserted_count; /* lengths that came with the entry */
+    uint32_t scene_bytes, scene_crc32, tools_crc32, entry_crc32;
     seld_app_track tracks[SELD_TOOL_MAX];
 
     /* session */
     seld_app_hand hands[SELD_TOOL_MAX];
     seld_port_motor motors[SELD_TOOL_MAX]; /* asked for; in LOCKSTEP only reported */
+    seld_app_spring springs[SELD_TOOL_MAX][2];
+    seld_app_energy energies[SELD_TOOL_MAX];
+    bool has_stop;
+    uint32_t stop_tick; /* a STOP that is to come */
+
+    /* safety */
+    bool has_rig;
+    seld_port_inputs rig; /* this edge's sample */
+    bool motors_armed;    /* CONFIRM came: the next START powers the motors */
+    bool is_driving;
     bool drive_level; /* of the drive line, flipped once per edge while power is wanted */
+    bool stage_was_on;
+    uint32_t drive_ticks, idle_ticks;                /* since the power was asked for, or no longer */
+    uint32_t arm_code, arm_code_age, arm_code_count; /* code 0: none is valid */
+    int32_t fade_from[SELD_TOOL_MAX][2];             /* forces when the host fell silent */
+    seld_app_watch watches[SELD_TOOL_MAX];
+    uint32_t asked_at; /* place in the rings of what was asked for */
+    uint32_t buttons;  /* of the last tick */
+    uint32_t edge_us, backlog_us, tick_us_max, tick_overruns, passivity_ticks;
+    bool has_edge, was_late;
+
+    seld_app_queue queue;
     uint32_t core_faults_seen;
     seld_upload snapshot_upload;
     uint16_t fault_count;
@@ -114,6 +209,7 @@ typedef struct seld_app {
         seld_wire_contacts contacts;
         seld_wire_fault_log fault_log;
         seld_wire_snapshot_chunk snapshot_chunk;
+        seld_wire_live live;
         seld_instrument tools[SELD_TOOL_MAX]; /* being checked, before anything is answered */
     } reply;
     seld_wire_ticks ticks; /* filled tick by tick while other replies go out */
@@ -130,7 +226,7 @@ void seld_app_init(seld_app *app, const seld_port *port);
 /* Bytes from the host, in pieces of any size. Replies leave through port->transmit before it returns. */
 void seld_app_receive(seld_app *app, const uint8_t *bytes, size_t count);
 
-/* One millisecond has passed. Does a tick in FREE_RUN and RUNNING, keeps the motors off otherwise. */
+/* One millisecond has passed: samples the rig, checks it, does a tick in FREE_RUN and RUNNING, writes the outputs. */
 void seld_app_timer(seld_app *app);
 
 #endif

@@ -1,10 +1,20 @@
-/* From the rod's reaction to what the actuators are asked for: gain -> slew limit -> force limit. Called by: app_session.c. */
+/* From the coupling (or the rod itself, where a track has none) to what the actuators are asked for: gain -> passivity ->
+ * slew limit -> force limit -> fade. Called by: app_session.c. */
 #include "firmware/app/app_internal.h"
 
-static int32_t limited(int64_t value, int32_t low, int32_t high)
+enum {
+    STORED_MAX_pJ_HIGH =
+        50, /* in 10^9 pJ = mJ: what wires and coupling may store and give back: 8 N on 1 N/mm is 32 mJ */
+    GIVEN_MAX_pJ_HIGH = 10, /* what they may give that they held before START */
+    SCALE_ONE = 1 << 16,
+    SCALE_DOWN = SCALE_ONE / 32, /* per tick: gone in 32 ms */
+    SCALE_UP = SCALE_ONE / 1024, /* back in a second */
+};
+
+static int32_t limited(int64_t value, int64_t low, int64_t high)
 {
-    if (value < low) return low;
-    if (value > high) return high;
+    if (value < low) return (int32_t)low;
+    if (value > high) return (int32_t)high;
     return (int32_t)value;
 }
 
@@ -12,22 +22,98 @@ static int32_t limited(int64_t value, int32_t low, int32_t high)
  * far out of range; both limits hold whatever it is. */
 static int32_t approach(int32_t present, int64_t target, int32_t slew, int32_t limit)
 {
-    int32_t slewed = limited(target, present - slew, present + slew);
+    int32_t slewed = limited(target, (int64_t)present - slew, (int64_t)present + slew);
     return limited(slewed, -limit, limit);
 }
 
+/* --- passivity --- */
+
+/* Energy that the hand puts in, from the force held since the last tick and the hand's way since then.
+ * Format: mN x nm = pJ; Q30 m x 0.9313 nm, 2^-32 turn x 1.4629e-3 (uN m x 2 pi / 2^32 in pJ).
+ * Overflow: 2^14 mN x 2^31 and 2^15 uN m x 2^30, times 2^20 and 2^11, below 2^63 after the first shift. */
+static int64_t work_pJ(const seld_port_motor *motor, int32_t way_m_q30, int32_t turn_turn32)
+{
+    int64_t along = (((int64_t)way_m_q30 * 976562) >> 20) * motor->axial_mN;
+    int64_t about = ((int64_t)motor->torque_uN_m * turn_turn32 * 1534) >> 20;
+    return along + about;
+}
+
+/* Share of the force that keeps the track passive. What was put in long ago is not credited without bound, and what was
+ * given without reason is forgiven slowly, so that a track never stays dead. */
+static void observe_energy(seld_app *app, uint32_t k, const seld_hand_pose *hand)
+{
+    const int64_t stored_max = STORED_MAX_pJ_HIGH * (int64_t)1000000000,
+                  given_max = GIVEN_MAX_pJ_HIGH * (int64_t)1000000000;
+    seld_app_energy *energy = &app->energies[k];
+    int32_t way = seld_wire_i32_from_u32((uint32_t)hand->feed_m_q30 - (uint32_t)energy->hand_m_q30);
+    int32_t turn = seld_wire_i32_from_u32(hand->turn32 - energy->hand_turn32);
+    int64_t work = energy->is_set ? work_pJ(&app->motors[k], way, turn) : 0;
+    energy->is_set = true;
+    energy->hand_m_q30 = hand->feed_m_q30;
+    energy->hand_turn32 = hand->turn32;
+    energy->taken_pJ += work;
+    if (energy->taken_pJ > stored_max) energy->taken_pJ = stored_max;
+    if (energy->taken_pJ < 0) energy->taken_pJ -= energy->taken_pJ / 4096;
+    if (energy->taken_pJ >= -given_max) {
+        energy->scale_q16 =
+            energy->scale_q16 + SCALE_UP > SCALE_ONE ? SCALE_ONE : energy->scale_q16 + SCALE_UP;
+        return;
+    }
+    if (energy->taken_pJ < -2 * given_max) energy->taken_pJ = -2 * given_max;
+    if (work < 0) energy->scale_q16 = energy->scale_q16 > SCALE_DOWN ? energy->scale_q16 - SCALE_DOWN : 0;
+    app->passivity_ticks++;
+    seld_app_fault(app, SELD_FAULT_CODE_PASSIVITY, (int32_t)k, (int32_t)(energy->taken_pJ / 1000000));
+}
+
+/* --- what is asked for --- */
+
 /* Format: Q22 N x 1/1000 -> mN: N x 1000 x gain/1000 = value x gain / 2^22; torque Q24 N m -> uN m likewise with
  * another factor 1000. Overflow: |value| < 2^31, gain <= 4000: below 2^53. */
-void seld_app_motor_update(seld_port_motor *motor, const seld_app_track *track, const seld_handle *handle,
-                           bool fade)
+static void ask(seld_app *app, uint32_t k, const seld_handle *handle)
 {
-    int64_t gain = fade ? 0 : (int64_t)track->force_gain_milli;
-    int64_t axial_mN = seld_rshift_round64((int64_t)handle->axial_N_q22 * gain, 22);
-    int64_t torque_uN_m = seld_rshift_round64((int64_t)handle->torque_N_m_q24 * gain * 1000, 24);
-    motor->axial_mN =
-        approach(motor->axial_mN, axial_mN, SELD_APP_FORCE_SLEW_mN_per_tick, track->force_limit_mN);
-    motor->torque_uN_m = approach(motor->torque_uN_m, torque_uN_m, SELD_APP_TORQUE_SLEW_uN_m_per_tick,
-                                  track->torque_limit_uN_m);
+    const seld_app_track *track = &app->tracks[k];
+    const seld_app_spring *springs = app->springs[k];
+    seld_port_motor *motor = &app->motors[k];
+    bool has_along = track->axes[SELD_APP_ALONG].stiffness > 0,
+         has_about = track->axes[SELD_APP_ABOUT].stiffness > 0;
+    const int64_t gain = track->wire.force_gain_milli, scale = app->energies[k].scale_q16;
+    int32_t axial = has_along ? springs[SELD_APP_ALONG].output : handle->axial_N_q22;
+    int32_t torque = has_about ? springs[SELD_APP_ABOUT].output : handle->torque_N_m_q24;
+    int64_t axial_mN = seld_rshift_round64(axial * gain, 22);
+    int64_t torque_uN_m = seld_rshift_round64(torque * gain * 1000, 24);
+    if (has_along) axial_mN = axial_mN * scale / SCALE_ONE;
+    if (has_about) torque_uN_m = torque_uN_m * scale / SCALE_ONE;
+    motor->axial_mN = approach(motor->axial_mN, axial_mN, (int32_t)track->wire.force_slew_mN_per_tick,
+                               track->force_limit_mN);
+    motor->torque_uN_m = approach(motor->torque_uN_m, torque_uN_m,
+                                  (int32_t)track->wire.torque_slew_uN_m_per_tick, track->torque_limit_uN_m);
+}
+
+/* A silent host: from what was asked for when it fell silent to nothing, in a straight line, faster than any slew limit. */
+static int32_t faded(int32_t value, int32_t from, uint32_t left_ticks)
+{
+    int64_t bound = (from < 0 ? -(int64_t)from : from) * left_ticks / SELD_APP_FADE_ticks;
+    return limited(value, -bound, bound);
+}
+
+/* `hands` are where the hands are, before the coupling. */
+void seld_app_motors_update(seld_app *app, const seld_input *hands, const seld_output *output)
+{
+    bool is_fading = app->mode == SELD_WIRE_MODE_FREE_RUN && app->silent_ticks >= SELD_APP_HOST_SILENT_ticks;
+    uint32_t left = SELD_APP_HOST_SILENT_ticks + SELD_APP_FADE_ticks - app->silent_ticks;
+    for (uint32_t k = 0; k < app->tool_count; k++) {
+        bool has_coupling = app->tracks[k].axes[SELD_APP_ALONG].stiffness > 0 ||
+                            app->tracks[k].axes[SELD_APP_ABOUT].stiffness > 0;
+        if (has_coupling) observe_energy(app, k, &hands->hands[k]);
+        ask(app, k, &output->tools[k]);
+        if (!is_fading) {
+            app->fade_from[k][0] = app->motors[k].axial_mN;
+            app->fade_from[k][1] = app->motors[k].torque_uN_m;
+            continue;
+        }
+        app->motors[k].axial_mN = faded(app->motors[k].axial_mN, app->fade_from[k][0], left);
+        app->motors[k].torque_uN_m = faded(app->motors[k].torque_uN_m, app->fade_from[k][1], left);
+    }
 }
 
 /* What is asked for begins at nothing again. */
@@ -36,6 +122,8 @@ void seld_app_motors_reset(seld_app *app)
     for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) app->motors[k] = (seld_port_motor){0, 0};
 }
 
+/* --- outputs --- */
+
 static uint8_t lamp(uint8_t state)
 {
     if (state == SELD_WIRE_STATE_FAULT) return SELD_PORT_LAMP_FAULT;
@@ -43,19 +131,36 @@ static uint8_t lamp(uint8_t state)
     return state == SELD_WIRE_STATE_ARMED ? SELD_PORT_LAMP_ARMED : SELD_PORT_LAMP_IDLE;
 }
 
-/* The forces asked for, and one flip of the drive line: the power stage stays on for another SELD_PORT_DRIVE_HOLD_ms. */
-void seld_app_motors_drive(seld_app *app)
+/* A track is driven along or about its line only through a coupling: the rod itself is stiffer than any rig renders. */
+seld_port_motor seld_app_motor_driven(const seld_app *app, uint32_t k)
 {
-    seld_port_outputs outputs = {.enable = true, .lamp = lamp(app->state)};
-    for (uint32_t k = 0; k < app->tool_count; k++) outputs.motors[k] = app->motors[k];
-    app->drive_level = !app->drive_level;
+    const seld_app_axis *axes = app->tracks[k].axes;
+    if (!app->is_driving || k >= app->tool_count) return (seld_port_motor){0, 0};
+    return (seld_port_motor){axes[SELD_APP_ALONG].stiffness > 0 ? app->motors[k].axial_mN : 0,
+                             axes[SELD_APP_ABOUT].stiffness > 0 ? app->motors[k].torque_uN_m : 0};
+}
+
+/* Once per edge. While driving: the forces, and one flip of the drive line, which keeps the power stage on for another
+ * SELD_PORT_DRIVE_HOLD_ms. */
+void seld_app_outputs_write(seld_app *app)
+{
+    seld_port_outputs outputs = {.enable = app->is_driving, .lamp = lamp(app->state)};
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        outputs.motors[k] = seld_app_motor_driven(app, k);
+        app->watches[k].asked_mN[app->asked_at] = outputs.motors[k].axial_mN;
+    }
+    app->asked_at = (app->asked_at + 1) % SELD_APP_ASKED_ticks;
+    if (app->is_driving) app->drive_level = !app->drive_level;
     outputs.drive = app->drive_level;
     app->port->outputs(app->port->context, &outputs);
 }
 
-/* No power. What LOCKSTEP reports is part of the session, not of the motors, and goes on from where it was. */
+/* No power, now. What LOCKSTEP reports is part of the session, not of the motors, and goes on from where it was. */
 void seld_app_motors_off(seld_app *app)
 {
     const seld_port_outputs outputs = {.drive = app->drive_level, .lamp = lamp(app->state)};
+    if (app->is_driving) app->idle_ticks = 0;
+    app->is_driving = app->motors_armed = false;
+    app->arm_code = 0;
     app->port->outputs(app->port->context, &outputs);
 }

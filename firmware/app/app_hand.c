@@ -2,14 +2,6 @@
  * position is scaled from the sum, never summed itself, so that rounding does not drift. Called by: app_session.c. */
 #include "firmware/app/app_internal.h"
 
-enum {
-    TRANSLATION_MIN_pm = 1000,
-    TRANSLATION_MAX_pm = 500000000,
-    ROTATION_MIN_counts = 16,
-    ROTATION_MAX_counts = 16777216,
-    GAIN_MAX_milli = 4000,
-};
-
 void seld_app_hands_reset(seld_app *app)
 {
     for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) app->hands[k] = (seld_app_hand){false, {0, 0}, 0, 0};
@@ -42,6 +34,8 @@ static seld_fault_code hand_moved(const seld_app_hand *hand, const seld_app_trac
     moved[1] = count_difference(now->rotation_counts, hand->last.rotation_counts);
     if (exceeds(moved[0], track->translation_jump_counts)) return SELD_FAULT_CODE_ENCODER_JUMP_TRANSLATION;
     if (exceeds(moved[1], track->rotation_jump_counts)) return SELD_FAULT_CODE_ENCODER_JUMP_ROTATION;
+    if (track->wire.options & SELD_WIRE_OPTION_TRANSLATION_REVERSED) moved[0] = -moved[0];
+    if (track->wire.options & SELD_WIRE_OPTION_ROTATION_REVERSED) moved[1] = -moved[1];
     return SELD_FAULT_CODE_NONE;
 }
 
@@ -97,46 +91,4 @@ void seld_app_hands_input(const seld_app *app, seld_input *input)
         input->hands[k].feed_m_q30 = feed_m_q30(hand->translation_counts, track->translation_m_q46_per_count);
         input->hands[k].turn32 = turn32(hand->rotation_counts, track->rotation_turn48_per_count);
     }
-}
-
-static bool in_range(uint32_t value, uint32_t low, uint32_t high)
-{
-    return value >= low && value <= high;
-}
-
-/* Check everything, then take it over. Limits are lowered, never raised. False: *field names the offender. */
-bool seld_app_track_set(seld_app_track *track, const seld_wire_track *wire, uint32_t *field)
-{
-    const bool ok[] = {
-        in_range(wire->translation_pm_per_count, TRANSLATION_MIN_pm, TRANSLATION_MAX_pm),
-        in_range(wire->rotation_counts_per_turn, ROTATION_MIN_counts, ROTATION_MAX_counts),
-        wire->force_gain_milli <= GAIN_MAX_milli,
-        wire->force_limit_mN <= (uint32_t)track->force_limit_mN,
-        wire->torque_limit_uN_m <= (uint32_t)track->torque_limit_uN_m,
-    };
-    for (*field = 0; *field < sizeof ok / sizeof ok[0]; ++*field) {
-        if (!ok[*field]) return false;
-    }
-    /* 2^46 m / 10^12 = 2^34 / 5^12 per picometre; 5e8 x 2^34 < 2^63. */
-    track->translation_m_q46_per_count =
-        seld_divide_u64(((uint64_t)wire->translation_pm_per_count << 34) + 122070312u, 244140625u);
-    track->rotation_turn48_per_count = seld_divide_u64(
-        ((uint64_t)1 << 48) + wire->rotation_counts_per_turn / 2, wire->rotation_counts_per_turn);
-    track->translation_jump_counts =
-        (uint32_t)seld_divide_u64((uint64_t)SELD_APP_JUMP_um * 1000000u, wire->translation_pm_per_count);
-    track->rotation_jump_counts = wire->rotation_counts_per_turn / 4;
-    track->force_gain_milli = wire->force_gain_milli;
-    track->force_limit_mN = (int32_t)wire->force_limit_mN;
-    track->torque_limit_uN_m = (int32_t)wire->torque_limit_uN_m;
-    return true;
-}
-
-/* 1 um and 1/65 536 turn per count, true force. */
-void seld_app_track_default(seld_app_track *track)
-{
-    const seld_wire_track wire = {1000000, 65536, 1000, SELD_APP_FORCE_LIMIT_mN, SELD_APP_TORQUE_LIMIT_uN_m};
-    uint32_t field;
-    track->force_limit_mN = SELD_APP_FORCE_LIMIT_mN;
-    track->torque_limit_uN_m = SELD_APP_TORQUE_LIMIT_uN_m;
-    seld_app_track_set(track, &wire, &field);
 }

@@ -1,4 +1,5 @@
-/* What the files of the app share. Top to bottom: wire -> requests -> session -> hand, motors, faults.
+/* What the files of the app share. Top to bottom: wire -> requests -> session -> hand, coupling, force, safety, stream,
+ * faults.
  * May include: app.h. Called by: this folder only. */
 #ifndef SELD_APP_INTERNAL_H
 #define SELD_APP_INTERNAL_H
@@ -31,26 +32,45 @@ void seld_app_send_contacts(seld_app *app);
 void seld_app_send_hash64(seld_app *app);
 void seld_app_send_fault_log(seld_app *app);
 void seld_app_send_ticks(seld_app *app);
+void seld_app_send_rig(seld_app *app);
+void seld_app_send_set_up(seld_app *app);
+void seld_app_send_sensors(seld_app *app);
+bool seld_app_offer(seld_app *app, uint16_t type, size_t payload_bytes);
 
-/* app_setup.c: scene, tools, entry, rig; only in READY */
+/* app_setup.c: scene, tools, entry; only in READY */
 void seld_app_scene_begin(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_scene_chunk(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_scene_end(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_tools(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_entry(seld_app *app, const uint8_t *payload, size_t length);
-void seld_app_rig(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_reject_build(seld_app *app, uint16_t type, seld_build_status status,
                            const seld_build_place *place);
 
 /* app_lumen.c: scene bytes -> the core's view of them. 0, or the scene status that says what is wrong. */
 uint32_t seld_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, seld_lumen *lumen);
 
-/* app_session.c: states, modes and ticks */
+/* app_rig.c: configuration of the tracks */
+void seld_app_rig(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_track_default(seld_app_track *track);
+
+/* app_command.c: states and modes */
 void seld_app_command(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_stop(seld_app *app);
+void seld_app_set_state(seld_app *app, uint8_t state);
+
+/* app_session.c: ticks */
 void seld_app_step(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_input(seld_app *app, const uint8_t *payload, size_t length);
-/* `encoders` NULL: nobody says where the hands are, they rest. False: FAULT, no tick was done. */
-bool seld_app_tick(seld_app *app, const seld_app_encoders *encoders);
+void seld_app_log_core_faults(seld_app *app, uint32_t bits);
+
+/* app_stream.c: what goes out by itself, with back-pressure */
+void seld_app_stream(seld_app *app, const uint8_t *payload, size_t length);
+seld_wire_live_tick *seld_app_stream_next(seld_app *app);
+void seld_app_stream_tick(seld_app *app);
+void seld_app_stream_hash64(seld_app *app);
+void seld_app_stream_flush(seld_app *app);
+void seld_app_stream_clear(seld_app *app);
+void seld_app_notice(seld_app *app, uint16_t kind, uint16_t code, int32_t value1, int32_t value2);
 
 /* app_snapshot.c */
 void seld_app_snapshot_send(seld_app *app);
@@ -63,17 +83,30 @@ void seld_app_hands_reset(seld_app *app);
 void seld_app_hands_take_reference(seld_app *app); /* the next reading is where the hands are, not a motion */
 bool seld_app_hands_update(seld_app *app, const seld_app_encoders *now);
 void seld_app_hands_input(const seld_app *app, seld_input *input);
-bool seld_app_track_set(seld_app_track *track, const seld_wire_track *wire, uint32_t *field);
-void seld_app_track_default(seld_app_track *track);
 
-/* app_force.c: rod reaction -> gain -> slew limit -> force limit */
-void seld_app_motor_update(seld_port_motor *motor, const seld_app_track *track, const seld_handle *handle,
-                           bool fade);
+/* app_coupling.c: between hands and tools */
+void seld_app_axis_set(seld_app_axis *axis, int which, const seld_wire_track *wire);
+void seld_app_coupling_before(seld_app *app, seld_input *input);
+void seld_app_coupling_after(seld_app *app, const seld_output *output);
+void seld_app_coupling_reset(seld_app *app);
+
+/* app_force.c: gain -> passivity -> slew limit -> force limit -> fade, and the outputs */
+void seld_app_motors_update(seld_app *app, const seld_input *hands, const seld_output *output);
 void seld_app_motors_reset(seld_app *app);
-void seld_app_motors_drive(seld_app *app);
 void seld_app_motors_off(seld_app *app);
+void seld_app_outputs_write(seld_app *app);
+seld_port_motor seld_app_motor_driven(const seld_app *app, uint32_t track);
+
+/* app_safety.c: what can hurt a finger */
+void seld_app_safety_check(seld_app *app);
+seld_fault_code seld_app_safety_ready(const seld_app *app);
+void seld_app_safety_begin(seld_app *app);
+void seld_app_clock_begin(seld_app *app);
+void seld_app_clock_end(seld_app *app);
+int32_t seld_app_force_measured(const seld_app *app, uint32_t track);
 
 /* app_fault.c */
+void seld_app_fault_log(seld_app *app, seld_fault_code code, int32_t value1, int32_t value2);
 void seld_app_fault(seld_app *app, seld_fault_code code, int32_t value1, int32_t value2);
 void seld_app_internal_error(seld_app *app, int line, int32_t value);
 

@@ -12,6 +12,18 @@ void seld_app_send(seld_app *app, uint16_t type, size_t payload_bytes)
     if (bytes == 0 || !app->port->transmit(app->port->context, app->frame, bytes)) app->transmit_dropped++;
 }
 
+/* As seld_app_send, but what found no way out may be offered again: the number of the frame is not used up. */
+bool seld_app_offer(seld_app *app, uint16_t type, size_t payload_bytes)
+{
+    uint16_t before = app->sequence_out;
+    uint32_t dropped = app->transmit_dropped;
+    seld_app_send(app, type, payload_bytes);
+    if (app->transmit_dropped == dropped) return true;
+    app->transmit_dropped = dropped;
+    app->sequence_out = before;
+    return false;
+}
+
 /* Encode `value` as message `name` and send it. */
 #define SEND(app, name, value)                                                                               \
     do {                                                                                                     \
@@ -40,13 +52,21 @@ void seld_app_send_status(seld_app *app, uint16_t request_type)
                       counts[SELD_WIRE_BAD_LENGTH],
         .sequence_gaps = app->sequence_gaps,
         .transmit_dropped = app->transmit_dropped,
+        .motors_armed = app->motors_armed || app->is_driving,
+        .arm_code = app->arm_code,
+        .tick_overruns = app->tick_overruns,
+        .tick_us_max = app->tick_us_max,
+        .ticks_lost = app->queue.ticks_lost,
+        .pictures_dropped = app->queue.pictures_dropped,
+        .events_lost = app->queue.events_lost,
+        .passivity_ticks = app->passivity_ticks,
     };
     SEND(app, status, &status);
 }
 
 void seld_app_send_hello_reply(seld_app *app, bool accepted)
 {
-    const seld_wire_hello_reply reply = {
+    seld_wire_hello_reply reply = {
         .accepted = accepted,
         .protocol_major = SELD_WIRE_PROTOCOL_MAJOR,
         .protocol_minor = SELD_WIRE_PROTOCOL_MINOR,
@@ -58,6 +78,11 @@ void seld_app_send_hello_reply(seld_app *app, bool accepted)
         .scene_bytes_max = app->port->scene_slot_bytes,
         .snapshot_bytes = SELD_APP_SNAPSHOT_BYTES,
     };
+    const char *serial = app->port->serial;
+    while (reply.serial_count < SELD_WIRE_MAX_hello_reply_serial && serial[reply.serial_count] != 0) {
+        reply.serial[reply.serial_count] = (uint8_t)serial[reply.serial_count];
+        reply.serial_count++;
+    }
     SEND(app, hello_reply, &reply);
 }
 
@@ -126,4 +151,68 @@ void seld_app_send_ticks(seld_app *app)
 {
     SEND(app, ticks, &app->ticks);
     app->ticks.states_count = 0;
+}
+
+/* The configuration in force. */
+void seld_app_send_rig(seld_app *app)
+{
+    seld_wire_rig rig = {.tracks_count = SELD_TOOL_MAX};
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) rig.tracks[k] = app->tracks[k].wire;
+    SEND(app, rig, &rig);
+}
+
+void seld_app_send_set_up(seld_app *app)
+{
+    const seld_upload *upload = &app->scene_upload;
+    const seld_wire_set_up set_up = {
+        .scene_bytes = app->has_scene ? app->scene_bytes : 0,
+        .scene_crc32 = app->has_scene ? app->scene_crc32 : 0,
+        .upload_bytes = upload->open ? upload->expected_bytes : 0,
+        .upload_crc32 = upload->open ? upload->crc32 : 0,
+        .upload_received = upload->open ? upload->received_bytes : 0,
+        .tool_count = (uint16_t)app->tool_count,
+        .tools_crc32 = app->tools_crc32,
+        .has_entry = app->has_entry,
+        .entry_crc32 = app->entry_crc32,
+    };
+    SEND(app, set_up, &set_up);
+}
+
+static seld_wire_track_sensors track_sensors(const seld_app *app, uint32_t k)
+{
+    const seld_port_track *track = &app->rig.tracks[k];
+    const seld_port_motor motor = seld_app_motor_driven(app, k);
+    return (seld_wire_track_sensors){
+        .translation_counts = app->rig.hands[k].translation_counts,
+        .rotation_counts = app->rig.hands[k].rotation_counts,
+        .force_raw = track->force_raw,
+        .force_mN = seld_app_force_measured(app, k),
+        .translation_sensor = track->translation_sensor,
+        .rotation_sensor = track->rotation_sensor,
+        .force_sensor = track->force_sensor,
+        .over_current = track->over_current,
+        .motor_axial_mN = motor.axial_mN,
+        .motor_torque_uN_m = motor.torque_uN_m,
+    };
+}
+
+void seld_app_send_sensors(seld_app *app)
+{
+    const seld_port_inputs *rig = &app->rig;
+    seld_wire_sensors sensors = {
+        .tick = app->core.words.tick,
+        .has_rig = app->has_rig,
+        .tracks_count = SELD_TOOL_MAX,
+        .syringe_counts = rig->syringe_counts,
+        .inflator_raw = rig->inflator_raw,
+        .syringe_sensor = rig->syringe_sensor,
+        .inflator_sensor = rig->inflator_sensor,
+        .buttons = rig->buttons,
+        .lines = (uint8_t)((rig->emergency_stop ? SELD_WIRE_LINE_STOP : 0) |
+                           (rig->supply_good ? SELD_WIRE_LINE_SUPPLY : 0) |
+                           (rig->stage_on ? SELD_WIRE_LINE_STAGE : 0) |
+                           (rig->local_unlock ? SELD_WIRE_LINE_UNLOCK : 0)),
+    };
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) sensors.tracks[k] = track_sensors(app, k);
+    SEND(app, sensors, &sensors);
 }

@@ -1,4 +1,4 @@
-/* Set-up requests: scene, tools, entry, rig. Only in READY; what is refused leaves the old one in place.
+/* Set-up requests: scene, tools, entry. Only in READY; what is refused leaves the old one in place.
  * Called by: app.c. */
 #include "firmware/app/app_internal.h"
 
@@ -13,8 +13,11 @@ void seld_app_scene_begin(seld_app *app, const uint8_t *payload, size_t length)
     SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_READY, SELD_REJECT_WRONG_STATE, app->state, 0);
     SELD_REJECT_IF(app, type, begin.scene_bytes > app->port->scene_slot_bytes, SELD_REJECT_SCENE_SIZE,
                    begin.scene_bytes, app->port->scene_slot_bytes);
+    seld_upload *upload = &app->scene_upload;
+    bool is_same =
+        upload->open && upload->expected_bytes == begin.scene_bytes && upload->crc32 == begin.crc32;
     if (begin.scene_bytes == 0) app->has_scene = false;
-    app->scene_upload = (seld_upload){begin.scene_bytes, 0, begin.crc32, begin.scene_bytes > 0};
+    if (!is_same) *upload = (seld_upload){begin.scene_bytes, 0, begin.crc32, begin.scene_bytes > 0};
     seld_app_send_status(app, type);
 }
 
@@ -58,6 +61,8 @@ void seld_app_scene_end(seld_app *app, const uint8_t *payload, size_t length)
     app->lumen = lumen;
     app->scene_slot = (uint8_t)(1 - app->scene_slot);
     app->has_scene = true;
+    app->scene_bytes = upload.expected_bytes;
+    app->scene_crc32 = crc;
     seld_app_send_status(app, type);
 }
 
@@ -129,6 +134,7 @@ void seld_app_tools(seld_app *app, const uint8_t *payload, size_t length)
     }
     for (uint16_t k = 0; k < wire->tools_count; k++) app->tools[k] = candidates[k];
     app->tool_count = wire->tools_count;
+    app->tools_crc32 = seld_wire_crc32(0, payload, length);
     if (app->inserted_count != app->tool_count) app->has_entry = false; /* its lengths were for other tools */
     seld_app_send_status(app, type);
 }
@@ -158,27 +164,6 @@ void seld_app_entry(seld_app *app, const uint8_t *payload, size_t length)
     for (uint16_t k = 0; k < wire.inserted_um_count; k++) app->inserted_um[k] = wire.inserted_um[k];
     app->inserted_count = wire.inserted_um_count;
     app->has_entry = true;
-    seld_app_send_status(app, type);
-}
-
-/* --- rig --- */
-
-/* Checked as a whole before a single track changes. */
-void seld_app_rig(seld_app *app, const uint8_t *payload, size_t length)
-{
-    const uint16_t type = SELD_WIRE_TYPE_rig;
-    seld_wire_rig wire;
-    seld_app_track candidates[SELD_TOOL_MAX];
-    SELD_REJECT_IF(app, type, !seld_wire_decode_rig(payload, length, &wire), SELD_REJECT_MALFORMED, length,
-                   SELD_WIRE_BYTES_rig);
-    SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_READY, SELD_REJECT_WRONG_STATE, app->state, 0);
-    SELD_REJECT_IF(app, type, wire.tracks_count == 0, SELD_REJECT_TOOL_COUNT, 0, SELD_TOOL_MAX);
-    for (uint16_t k = 0; k < wire.tracks_count; k++) {
-        uint32_t field = 0;
-        candidates[k] = app->tracks[k];
-        bool ok = seld_app_track_set(&candidates[k], &wire.tracks[k], &field);
-        SELD_REJECT_IF(app, type, !ok, SELD_REJECT_RIG_RANGE, k, field);
-    }
-    for (uint16_t k = 0; k < wire.tracks_count; k++) app->tracks[k] = candidates[k];
+    app->entry_crc32 = seld_wire_crc32(0, payload, length);
     seld_app_send_status(app, type);
 }

@@ -3,11 +3,13 @@
  *   version u32 | tick u32 | tool count u32                                                     = 12 bytes
  *   per tool, always three: hand known u32 | last translation, rotation i32 |
  *       summed translation, rotation i64 | motor axial mN, torque uN m i32                       = 36 bytes
+ *       coupling along, then about: set u32 | reference, lead, force i32 | stiffness shown i64    = 24 bytes each
+ *       energy: set u32 | taken pJ i64 | hand Q30 m i32, turn u32 | scale u32                     = 24 bytes
  *
  * Called by: app.c. */
 #include "firmware/app/app_internal.h"
 
-enum { SNAPSHOT_VERSION = 2 };
+enum { SNAPSHOT_VERSION = 3 };
 
 /* --- to bytes --- */
 static void save_tool(seld_wire_writer *writer, const seld_app_hand *hand, const seld_port_motor *motor)
@@ -21,13 +23,33 @@ static void save_tool(seld_wire_writer *writer, const seld_app_hand *hand, const
     seld_wire_write(writer, (uint32_t)motor->torque_uN_m, 4);
 }
 
+static void save_coupling(seld_wire_writer *writer, const seld_app_spring springs[2],
+                          const seld_app_energy *energy)
+{
+    for (int i = 0; i < 2; i++) {
+        seld_wire_write(writer, springs[i].is_set, 4);
+        seld_wire_write(writer, (uint32_t)springs[i].reference, 4);
+        seld_wire_write(writer, (uint32_t)springs[i].lead, 4);
+        seld_wire_write(writer, (uint32_t)springs[i].force, 4);
+        seld_wire_write(writer, (uint64_t)springs[i].estimate, 8);
+    }
+    seld_wire_write(writer, energy->is_set, 4);
+    seld_wire_write(writer, (uint64_t)energy->taken_pJ, 8);
+    seld_wire_write(writer, (uint32_t)energy->hand_m_q30, 4);
+    seld_wire_write(writer, energy->hand_turn32, 4);
+    seld_wire_write(writer, energy->scale_q16, 4);
+}
+
 static void save(seld_app *app)
 {
     seld_wire_writer writer = seld_wire_writer_make(app->snapshot, SELD_APP_SNAPSHOT_HEAD_BYTES);
     seld_wire_write(&writer, SNAPSHOT_VERSION, 4);
     seld_wire_write(&writer, seld_state_tick(&app->core), 4);
     seld_wire_write(&writer, app->tool_count, 4);
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) save_tool(&writer, &app->hands[k], &app->motors[k]);
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        save_tool(&writer, &app->hands[k], &app->motors[k]);
+        save_coupling(&writer, app->springs[k], &app->energies[k]);
+    }
     SELD_REQUIRE(app, !writer.overflowed && writer.length == SELD_APP_SNAPSHOT_HEAD_BYTES, writer.length);
     SELD_REQUIRE(app, seld_state_bytes() == sizeof(seld_state_words), seld_state_bytes());
     seld_state_save(&app->core, app->snapshot + SELD_APP_SNAPSHOT_HEAD_BYTES);
@@ -113,6 +135,8 @@ typedef struct snapshot_head {
     uint32_t tick;
     seld_app_hand hands[SELD_TOOL_MAX];
     seld_port_motor motors[SELD_TOOL_MAX];
+    seld_app_spring springs[SELD_TOOL_MAX][2];
+    seld_app_energy energies[SELD_TOOL_MAX];
 } snapshot_head;
 
 static bool is_within(int64_t value, int64_t limit)
@@ -138,6 +162,30 @@ static bool read_tool(seld_wire_reader *reader, const seld_app_track *track, sel
            is_within(motor->torque_uN_m, track->torque_limit_uN_m);
 }
 
+/* Leads are held to what an axis allows, estimates to its largest: no product of a later tick can overflow. */
+static bool read_spring(seld_wire_reader *reader, const seld_app_axis *axis, seld_app_spring *spring)
+{
+    uint32_t is_set = (uint32_t)seld_wire_read(reader, 4);
+    *spring = (seld_app_spring){.is_set = is_set == 1};
+    spring->reference = read_i32(reader);
+    spring->lead = read_i32(reader);
+    spring->force = read_i32(reader);
+    spring->estimate = i64_from_u64(seld_wire_read(reader, 8));
+    return is_set <= 1 && is_within(spring->lead, 2 * axis->lead_max) && spring->estimate >= 0 &&
+           spring->estimate <= axis->estimate_max;
+}
+
+static bool read_energy(seld_wire_reader *reader, seld_app_energy *energy)
+{
+    uint32_t is_set = (uint32_t)seld_wire_read(reader, 4);
+    energy->is_set = is_set == 1;
+    energy->taken_pJ = i64_from_u64(seld_wire_read(reader, 8));
+    energy->hand_m_q30 = read_i32(reader);
+    energy->hand_turn32 = (uint32_t)seld_wire_read(reader, 4);
+    energy->scale_q16 = (uint32_t)seld_wire_read(reader, 4);
+    return is_set <= 1 && is_within(energy->taken_pJ, (int64_t)1 << 40) && energy->scale_q16 <= 1 << 16;
+}
+
 static bool read_head(const seld_app *app, snapshot_head *head)
 {
     seld_wire_reader reader = seld_wire_reader_make(app->snapshot, SELD_APP_SNAPSHOT_HEAD_BYTES);
@@ -145,7 +193,10 @@ static bool read_head(const seld_app *app, snapshot_head *head)
     head->tick = (uint32_t)seld_wire_read(&reader, 4);
     ok = ok && seld_wire_read(&reader, 4) == app->tool_count;
     for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
-        ok = read_tool(&reader, &app->tracks[k], &head->hands[k], &head->motors[k]) && ok;
+        const seld_app_track *track = &app->tracks[k];
+        ok = read_tool(&reader, track, &head->hands[k], &head->motors[k]) && ok;
+        for (int i = 0; i < 2; i++) ok = read_spring(&reader, &track->axes[i], &head->springs[k][i]) && ok;
+        ok = read_energy(&reader, &head->energies[k]) && ok;
     }
     return ok;
 }
@@ -173,6 +224,9 @@ void seld_app_snapshot_end(seld_app *app, const uint8_t *payload, size_t length)
     for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
         app->hands[k] = head.hands[k];
         app->motors[k] = head.motors[k];
+        app->springs[k][0] = head.springs[k][0];
+        app->springs[k][1] = head.springs[k][1];
+        app->energies[k] = head.energies[k];
     }
     app->core_faults_seen = app->core.words.fault_bits;
     seld_app_send_status(app, type);

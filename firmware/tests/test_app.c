@@ -290,11 +290,12 @@ static void an_encoder_jump_stops_the_session(void **state)
 
 static void send_rig(uint32_t gain_milli, uint32_t limit_mN)
 {
-    uint8_t payload[64];
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    const seld_wire_rig rig = {.tracks_count = 1, .tracks = {{1000000, 65536, gain_milli, limit_mN, 1000}}};
-    seld_wire_put_rig(&writer, &rig);
-    client_send(&host, SELD_WIRE_TYPE_rig, payload, writer.length);
+    const seld_wire_track track = {.translation_pm_per_count = 1000000,
+                                   .rotation_counts_per_turn = 65536,
+                                   .force_gain_milli = gain_milli,
+                                   .force_limit_mN = limit_mN,
+                                   .torque_limit_uN_m = 1000};
+    client_rig(&host, &track, 1);
 }
 
 static void force_limits_can_be_lowered_but_not_raised(void **state)
@@ -339,15 +340,26 @@ static void motor_commands_stay_within_limit_and_slew(void **state)
 
 /* --- FREE_RUN --- */
 
+static bool start_coupled(void)
+{
+    const seld_wire_track track = client_plain_track();
+    client_hello(&host, seld_wire_schema_hash());
+    client_receive(&host);
+    client_rig(&host, &track, 1);
+    return client_expect_status(&host, &status) && client_start_session(&host);
+}
+
 static bool start_free_run(void)
 {
     const seld_port_inputs rig = seld_sim_healthy_inputs();
     seld_sim_set_inputs(host.sim, &rig);
-    if (!client_start_session(&host)) return false;
+    if (!start_coupled()) return false;
     client_command(&host, SELD_WIRE_ACTION_STOP);
     client_expect_status(&host, &status);
     client_command(&host, SELD_WIRE_ACTION_FREE_RUN);
     client_expect_status(&host, &status);
+    seld_sim_timer(host.sim, 1);
+    if (!client_arm_motors(&host)) return false;
     client_command(&host, SELD_WIRE_ACTION_START);
     return client_expect_status(&host, &status) && status.mode == SELD_WIRE_MODE_FREE_RUN;
 }
@@ -373,7 +385,7 @@ static void in_free_run_the_timer_owns_the_tick(void **state)
 static void both_modes_give_the_same_hashes(void **state)
 {
     (void)state;
-    assert_true(client_start_session(&host));
+    assert_true(start_coupled());
     client_step(&host, 0, 64, 0, 0);
     assert_true(client_expect_ticks(&host, &ticks));
     uint32_t lanes[2] = {ticks.states[63].hash_lane0, ticks.states[63].hash_lane1};
@@ -391,7 +403,7 @@ static void a_silent_host_is_logged_and_the_simulation_goes_on(void **state)
     (void)state;
     static seld_wire_fault_log log;
     assert_true(start_free_run());
-    seld_sim_timer(host.sim, 249);
+    seld_sim_timer(host.sim, 29);
     client_get(&host, SELD_WIRE_GET_FAULT_LOG);
     while (client_receive(&host) != SELD_WIRE_TYPE_fault_log) {
     }
@@ -405,7 +417,7 @@ static void a_silent_host_is_logged_and_the_simulation_goes_on(void **state)
     assert_int_equal(log.entries_count, 1);
     assert_int_equal(log.entries[0].code, SELD_FAULT_CODE_HOST_SILENT);
     expect_state(SELD_WIRE_STATE_RUNNING);
-    assert_int_equal(status.tick, 549);
+    assert_int_equal(status.tick, 329);
 }
 
 /* --- snapshots --- */
@@ -448,7 +460,7 @@ static void a_snapshot_with_impossible_contents_leaves_the_state(void **state)
     const struct {
         size_t byte;
         uint8_t value;
-    } damage[] = {{0, 9}, {4, 77}, {8, 2}, {12, 2}, {43, 0x7f}, {47, 0x80}, {120 + 8, 0xff}};
+    } damage[] = {{0, 9}, {4, 77}, {8, 2}, {12, 2}, {43, 0x7f}, {47, 0x80}, {336 + 8, 0xff}};
     assert_true(client_start_session(&host));
     client_step(&host, 0, 20, 0, 30);
     assert_true(client_expect_ticks(&host, &ticks));

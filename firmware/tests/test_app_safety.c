@@ -118,16 +118,18 @@ static void a_jump_of_one_hand_stops_all_and_names_it(void **state)
     assert_int_equal(log.entries[0].value2, 6010);
 }
 
+static bool is_coupled;
 static void send_rig(const uint32_t *limits_mN, uint16_t count)
 {
-    uint8_t payload[128];
-    seld_wire_rig rig = {.tracks_count = count};
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    seld_wire_track tracks[TOOLS];
     for (uint16_t k = 0; k < count; k++) {
-        rig.tracks[k] = (seld_wire_track){1000000, 65536, 4000, limits_mN[k], 20000};
+        tracks[k] = client_plain_track();
+        tracks[k].force_gain_milli = 4000;
+        tracks[k].force_limit_mN = limits_mN[k];
+        if (!is_coupled) tracks[k].coupling_N_per_m = tracks[k].coupling_mN_s_per_m = 0;
+        if (!is_coupled) tracks[k].coupling_uN_m_per_rad = tracks[k].coupling_nN_m_s_per_rad = 0;
     }
-    seld_wire_put_rig(&writer, &rig);
-    client_send(&host, SELD_WIRE_TYPE_rig, payload, writer.length);
+    client_rig(&host, tracks, count);
 }
 
 /* The third track asks for more than it has: the first two, which ask for less, keep what they had. */
@@ -260,7 +262,7 @@ static void a_damaged_or_foreign_snapshot_leaves_the_state(void **state)
     assert_true(client_read_snapshot(&host));
     command(SELD_WIRE_ACTION_STOP);
     for (int k = 0; k < TOOLS; k++) {
-        const size_t known = 12 + 36 * (size_t)k, sum = known + 19, motor = known + 31;
+        const size_t known = 12 + 108 * (size_t)k, sum = known + 19, motor = known + 31;
         for (size_t i = 0; i < 3; i++) {
             size_t byte = i == 0 ? known : i == 1 ? sum : motor;
             uint8_t kept = host.snapshot[byte];
@@ -324,31 +326,35 @@ static void what_hands_do_while_stopped_is_no_motion(void **state)
     expect_inserted(CATHETER, 50, 0.05);
 }
 
-/* The motor holds the weight of an upright wire. When the host says no more, it fades within the slew limit to nothing
- * (20 ticks for 1 N), stays there though the weight stays, and comes back with the next frame. */
+/* The motor holds the weight of an upright wire. When the host says no more, it fades to nothing (30 ticks of patience, 20 of
+ * fading), stays there though the weight stays, and comes back with the next frame. */
 static void forces_fade_when_the_host_is_silent_and_come_back(void **state)
 {
     (void)state;
     const int32_t still[TOOLS] = {0};
     const seld_port_inputs rig = seld_sim_healthy_inputs();
     seld_sim_set_inputs(host.sim, &rig);
+    is_coupled = true;
     start_upright(1);
+    is_coupled = false;
     command(SELD_WIRE_ACTION_STOP);
     command(SELD_WIRE_ACTION_FREE_RUN);
+    seld_sim_timer(host.sim, 1);
+    assert_true(client_arm_motors(&host));
     command(SELD_WIRE_ACTION_START);
     for (int i = 0; i < 1000; i++) {
         client_input(&host, still, still);
         seld_sim_timer(host.sim, 1);
     }
     expect_weight(seld_sim_read_motors(host.sim).axial_mN[WIRE]);
-    seld_sim_timer(host.sim, 248);
+    seld_sim_timer(host.sim, 28);
     expect_weight(seld_sim_read_motors(host.sim).axial_mN[WIRE]);
-    for (int i = 0; i < 30; i++) {
+    for (int i = 0; i < 21; i++) {
         int32_t last = seld_sim_read_motors(host.sim).axial_mN[WIRE];
         seld_sim_timer(host.sim, 1);
-        int32_t now = seld_sim_read_motors(host.sim).axial_mN[WIRE];
-        assert_true(now <= last && last - now <= 50);
+        assert_true(seld_sim_read_motors(host.sim).axial_mN[WIRE] <= last);
     }
+    assert_int_equal(seld_sim_read_motors(host.sim).axial_mN[WIRE], 0);
     seld_sim_timer(host.sim, 1000);
     seld_sim_motors faded = seld_sim_read_motors(host.sim);
     assert_int_equal(faded.axial_mN[WIRE], 0);

@@ -1,6 +1,7 @@
 #include "host/link/link.hpp"
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 namespace seld
 {
@@ -86,11 +87,16 @@ void Link::file_frame()
         break;
     case SELD_WIRE_TYPE_ticks:
         if (!seld_wire_decode_ticks(payload, length, &ticks_)) broken("ticks");
-        if (decoder_.header.answers == 0) {
-            free_run_states_.insert(free_run_states_.end(), ticks_.states,
-                                    ticks_.states + ticks_.states_count);
-        }
         if (ticks_.states_count > 0) tick_ = ticks_.states[ticks_.states_count - 1].tick;
+        break;
+    case SELD_WIRE_TYPE_rig:
+        if (!seld_wire_decode_rig(payload, length, &rig_)) broken("rig");
+        break;
+    case SELD_WIRE_TYPE_set_up:
+        if (!seld_wire_decode_set_up(payload, length, &set_up_)) broken("set_up");
+        break;
+    case SELD_WIRE_TYPE_sensors:
+        if (!seld_wire_decode_sensors(payload, length, &sensors_)) broken("sensors");
         break;
     case SELD_WIRE_TYPE_nodes:
         if (!seld_wire_decode_nodes(payload, length, &nodes_)) broken("nodes");
@@ -108,6 +114,36 @@ void Link::file_frame()
         seld_wire_hash64 hash;
         if (!seld_wire_decode_hash64(payload, length, &hash)) broken("hash64");
         hash64_ = Hash64{hash.tick, hash.hash};
+        break;
+    }
+    case SELD_WIRE_TYPE_reject: {
+        seld_wire_reject reject;
+        if (!seld_wire_decode_reject(payload, length, &reject)) broken("reject");
+        throw LinkError(describe(reject), reject);
+    }
+    default:
+        file_stream();
+    }
+}
+
+// What a device says by itself or in several frames.
+void Link::file_stream()
+{
+    const std::uint8_t *payload = decoder_.payload;
+    const std::size_t length = decoder_.payload_bytes;
+    switch (decoder_.header.type) {
+    case SELD_WIRE_TYPE_live:
+        if (!seld_wire_decode_live(payload, length, &live_)) broken("live");
+        for (std::uint16_t i = 0; i < live_.ticks_count; i++) {
+            live_ticks_.push_back(live_.ticks[i]);
+            free_run_states_.push_back(live_.ticks[i].state);
+            tick_ = live_.ticks[i].state.tick;
+        }
+        break;
+    case SELD_WIRE_TYPE_notice: {
+        seld_wire_notice notice;
+        if (!seld_wire_decode_notice(payload, length, &notice)) broken("notice");
+        notices_.push_back(notice);
         break;
     }
     case SELD_WIRE_TYPE_snapshot_begin:
@@ -128,11 +164,6 @@ void Link::file_frame()
             broken("snapshot_end");
         }
         break;
-    case SELD_WIRE_TYPE_reject: {
-        seld_wire_reject reject;
-        if (!seld_wire_decode_reject(payload, length, &reject)) broken("reject");
-        throw LinkError(describe(reject), reject);
-    }
     default:
         throw LinkError(
             format("the device sent a message of unknown type %u; use the same version on both sides",
@@ -171,16 +202,21 @@ seld_wire_hello_reply Link::hello()
     return hello_reply_;
 }
 
+// An upload of the same scene that was cut goes on where it stopped; a scene that is there already is not sent again.
 void Link::load_scene(std::span<const std::uint8_t> scene)
 {
     if (scene.size() > UINT32_MAX) throw LinkError("the scene is larger than 4 GiB");
     const auto bytes = static_cast<std::uint32_t>(scene.size());
     const seld_wire_scene_begin begin = {bytes, seld_wire_crc32(0, scene.data(), scene.size())};
+    const seld_wire_set_up there = read_set_up();
+    if (bytes > 0 && there.scene_bytes == bytes && there.scene_crc32 == begin.crc32) return;
+    const bool goes_on = there.upload_bytes == bytes && there.upload_crc32 == begin.crc32;
     send_message(SELD_WIRE_TYPE_scene_begin, begin, seld_wire_put_scene_begin);
     receive_answer(SELD_WIRE_TYPE_status);
     if (bytes == 0) return;
     seld_wire_scene_chunk chunk;
-    for (std::uint32_t offset = 0; offset < bytes; offset += chunk.data_count) {
+    for (std::uint32_t offset = goes_on ? there.upload_received : 0; offset < bytes;
+         offset += chunk.data_count) {
         chunk.offset = offset;
         chunk.data_count =
             static_cast<std::uint16_t>(std::min<std::size_t>(sizeof chunk.data, bytes - offset));
@@ -218,7 +254,7 @@ void Link::set_rig(const seld_wire_rig &rig)
 
 seld_wire_status Link::command(std::uint8_t action)
 {
-    const seld_wire_command command = {action};
+    const seld_wire_command command = {action, 0, 0};
     send_message(SELD_WIRE_TYPE_command, command, seld_wire_put_command);
     receive_answer(SELD_WIRE_TYPE_status);
     tick_ = status_.tick;
@@ -258,6 +294,30 @@ seld_wire_status Link::use_free_run()
     return command(SELD_WIRE_ACTION_FREE_RUN);
 }
 
+// Two steps, so that no stray frame powers a motor: the device's code comes back in CONFIRM.
+seld_wire_status Link::arm_motors()
+{
+    const seld_wire_status asked = command(SELD_WIRE_ACTION_ARM_MOTORS);
+    const seld_wire_command confirm = {SELD_WIRE_ACTION_CONFIRM, asked.arm_code, 0};
+    send_message(SELD_WIRE_TYPE_command, confirm, seld_wire_put_command);
+    receive_answer(SELD_WIRE_TYPE_status);
+    return status_;
+}
+
+seld_wire_status Link::stop_at(std::uint32_t tick)
+{
+    const seld_wire_command stop = {SELD_WIRE_ACTION_STOP, 0, tick};
+    send_message(SELD_WIRE_TYPE_command, stop, seld_wire_put_command);
+    receive_answer(SELD_WIRE_TYPE_status);
+    return status_;
+}
+
+void Link::set_stream(const seld_wire_stream &stream)
+{
+    send_message(SELD_WIRE_TYPE_stream, stream, seld_wire_put_stream);
+    receive_answer(SELD_WIRE_TYPE_status);
+}
+
 // --- ticks ---
 
 std::span<const seld_wire_tick_state> Link::step(std::span<const seld_wire_encoders> inputs, bool want_nodes)
@@ -291,6 +351,7 @@ std::vector<seld_wire_tick_state> Link::free_run(std::uint32_t milliseconds)
 {
     transport_.pass_time_ms(milliseconds);
     free_run_states_.clear();
+    live_ticks_.clear();
     while (receive()) file_frame();
     return free_run_states_;
 }
@@ -332,6 +393,29 @@ seld_wire_fault_log Link::read_fault_log()
 {
     get(SELD_WIRE_GET_FAULT_LOG, SELD_WIRE_TYPE_fault_log);
     return fault_log_;
+}
+
+seld_wire_rig Link::read_rig()
+{
+    get(SELD_WIRE_GET_RIG, SELD_WIRE_TYPE_rig);
+    return rig_;
+}
+
+seld_wire_set_up Link::read_set_up()
+{
+    get(SELD_WIRE_GET_SET_UP, SELD_WIRE_TYPE_set_up);
+    return set_up_;
+}
+
+seld_wire_sensors Link::read_sensors()
+{
+    get(SELD_WIRE_GET_SENSORS, SELD_WIRE_TYPE_sensors);
+    return sensors_;
+}
+
+std::vector<seld_wire_notice> Link::take_notices()
+{
+    return std::exchange(notices_, {});
 }
 
 std::vector<std::uint8_t> Link::read_snapshot()

@@ -51,10 +51,13 @@ class Link
     void load_tools(std::span<const seld_wire_instrument> tools);
     void set_entry(const seld_wire_entry &entry);
     void set_rig(const seld_wire_rig &rig);
-    seld_wire_status arm(); // also reads the node table
+    seld_wire_status arm();        // also reads the node table
+    seld_wire_status arm_motors(); // FREE_RUN with a rig: the next start() powers the motors
     seld_wire_status start();
     seld_wire_status stop();
+    seld_wire_status stop_at(std::uint32_t tick); // once that many ticks are done
     seld_wire_status reset();
+    void set_stream(const seld_wire_stream &stream); // events and pictures that come by themselves
     seld_wire_status use_lockstep();
     seld_wire_status use_free_run();
 
@@ -66,6 +69,10 @@ class Link
     // FREE_RUN: send the newest input; let time pass (sim port) and take what the device sent meanwhile.
     void send_input(const seld_wire_encoders &encoders);
     std::vector<seld_wire_tick_state> free_run(std::uint32_t milliseconds);
+    // The same ticks with their inputs, sensors and flags; and what happened since it was last asked.
+    const std::vector<seld_wire_live_tick> &live_ticks() const { return live_ticks_; }
+    std::uint32_t ticks_lost() const { return live_.ticks_lost; }
+    std::vector<seld_wire_notice> take_notices();
 
     const seld_wire_nodes &nodes() const { return nodes_; } // last received
     const seld_wire_nodes &read_nodes();
@@ -75,6 +82,9 @@ class Link
     std::optional<Hash64> last_hash64() const { return hash64_; } // last that came by, every 100 ticks
     seld_wire_status read_status();
     seld_wire_fault_log read_fault_log();
+    seld_wire_rig read_rig();         // the configuration in force
+    seld_wire_set_up read_set_up();   // what the device holds already
+    seld_wire_sensors read_sensors(); // the rig's last sample
     std::vector<std::uint8_t> read_snapshot();
     void write_snapshot(std::span<const std::uint8_t> snapshot); // LOCKSTEP, armed
 
@@ -85,6 +95,7 @@ class Link
     bool receive();                     // next frame into decoder_; false when the device is silent
     void receive_answer(std::uint16_t); // until this type came; others are filed, refusals throw
     void file_frame();
+    void file_stream();
     seld_wire_status command(std::uint8_t action);
     void get(std::uint8_t what, std::uint16_t answer);
 
@@ -95,6 +106,12 @@ class Link
     std::uint16_t sequence_ = 0;
     std::uint32_t tick_ = 0;
     std::vector<seld_wire_tick_state> free_run_states_;
+    std::vector<seld_wire_live_tick> live_ticks_;
+    std::vector<seld_wire_notice> notices_;
+    seld_wire_live live_{};
+    seld_wire_rig rig_{};
+    seld_wire_set_up set_up_{};
+    seld_wire_sensors sensors_{};
     seld_wire_hello_reply hello_reply_{};
     seld_wire_status status_{};
     seld_wire_ticks ticks_{};

@@ -20,7 +20,7 @@ extern "C" {
 
 /* clang-format off */
 enum {
-    SELD_WIRE_PROTOCOL_MAJOR = 2, /* changes when old and new cannot talk */
+    SELD_WIRE_PROTOCOL_MAJOR = 3, /* changes when old and new cannot talk */
     SELD_WIRE_PROTOCOL_MINOR = 0,
 };
 
@@ -75,7 +75,7 @@ enum {
 #include "shared/wire/wire_messages.def"
 
 /* Codes of faults and refusals. */
-#define FAULT(NAME, code, effect, text, remedy) SELD_FAULT_CODE_##NAME = code,
+#define FAULT(NAME, code, effect, safe_ms, test, text, detection, remedy) SELD_FAULT_CODE_##NAME = code,
 typedef enum seld_fault_code {
     SELD_FAULT_CODE_NONE = 0,
 #include "shared/wire/wire_faults.def"
@@ -105,6 +105,8 @@ enum {
     SELD_WIRE_ACTION_RESET = 4,
     SELD_WIRE_ACTION_LOCKSTEP = 5,
     SELD_WIRE_ACTION_FREE_RUN = 6,
+    SELD_WIRE_ACTION_ARM_MOTORS = 7,
+    SELD_WIRE_ACTION_CONFIRM = 8,
 
     SELD_WIRE_GET_STATUS = 1,
     SELD_WIRE_GET_NODES = 2,
@@ -113,6 +115,27 @@ enum {
     SELD_WIRE_GET_SNAPSHOT = 5,
     SELD_WIRE_GET_FAULT_LOG = 6,
     SELD_WIRE_GET_CONTACTS = 7,
+    SELD_WIRE_GET_RIG = 8,
+    SELD_WIRE_GET_SET_UP = 9,
+    SELD_WIRE_GET_SENSORS = 10,
+
+    SELD_WIRE_EVENT_STATE = 1,
+    SELD_WIRE_EVENT_FAULT = 2,
+    SELD_WIRE_EVENT_BUTTONS = 3,
+    SELD_WIRE_EVENT_COMMAND = 4,
+    SELD_WIRE_EVENT_HOST = 5,
+
+    SELD_WIRE_LIVE_HANDS = 1,
+    SELD_WIRE_LIVE_POWERED = 2,
+    SELD_WIRE_LIVE_LATE = 4,
+
+    SELD_WIRE_OPTION_TRANSLATION_REVERSED = 1,
+    SELD_WIRE_OPTION_ROTATION_REVERSED = 2,
+
+    SELD_WIRE_LINE_STOP = 1,
+    SELD_WIRE_LINE_SUPPLY = 2,
+    SELD_WIRE_LINE_STAGE = 4,
+    SELD_WIRE_LINE_UNLOCK = 8,
 
     SELD_WIRE_CAPABILITY_LOCKSTEP = 1,
     SELD_WIRE_CAPABILITY_FREE_RUN = 2,
@@ -121,6 +144,7 @@ enum {
     SELD_WIRE_CAPABILITY_MOTORS = 16,
 
     SELD_WIRE_BUTTON_XRAY = 1,
+    SELD_WIRE_BUTTON_CINE = 2,
 
     SELD_WIRE_TOOL_MAX = SELD_WIRE_MAX_tools_tools,
 
@@ -136,6 +160,7 @@ const char *seld_wire_message_name(uint16_t type);
 const char *seld_wire_fault_name(uint16_t code);
 const char *seld_wire_fault_text(uint16_t code);
 const char *seld_wire_fault_remedy(uint16_t code);
+uint32_t seld_wire_fault_safe_ms(uint16_t code); /* from its onset until no force is left; 0: nothing to do */
 const char *seld_wire_reject_name(uint16_t code);
 const char *seld_wire_reject_text(uint16_t code);
 const char *seld_wire_reject_remedy(uint16_t code);

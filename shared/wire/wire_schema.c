@@ -42,7 +42,7 @@ const char *seld_wire_message_name(uint16_t type)
 const char *seld_wire_fault_name(uint16_t code)
 {
     switch (code) {
-#define FAULT(NAME, number, effect, text, remedy)                                                            \
+#define FAULT(NAME, number, effect, safe_ms, test, text, detection, remedy)                                  \
     case number:                                                                                             \
         return #NAME;
 #include "shared/wire/wire_faults.def"
@@ -54,7 +54,7 @@ const char *seld_wire_fault_name(uint16_t code)
 const char *seld_wire_fault_text(uint16_t code)
 {
     switch (code) {
-#define FAULT(NAME, number, effect, text, remedy)                                                            \
+#define FAULT(NAME, number, effect, safe_ms, test, text, detection, remedy)                                  \
     case number:                                                                                             \
         return text;
 #include "shared/wire/wire_faults.def"
@@ -66,12 +66,24 @@ const char *seld_wire_fault_text(uint16_t code)
 const char *seld_wire_fault_remedy(uint16_t code)
 {
     switch (code) {
-#define FAULT(NAME, number, effect, text, remedy)                                                            \
+#define FAULT(NAME, number, effect, safe_ms, test, text, detection, remedy)                                  \
     case number:                                                                                             \
         return remedy;
 #include "shared/wire/wire_faults.def"
     default:
         return "use the same version on both sides";
+    }
+}
+
+uint32_t seld_wire_fault_safe_ms(uint16_t code)
+{
+    switch (code) {
+#define FAULT(NAME, number, effect, safe_ms, test, text, detection, remedy)                                  \
+    case number:                                                                                             \
+        return safe_ms;
+#include "shared/wire/wire_faults.def"
+    default:
+        return 0;
     }
 }
 

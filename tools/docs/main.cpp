@@ -87,9 +87,12 @@ std::string endpoint_table()
 
 std::string fault_table()
 {
-    std::string out = "| code | name | effect | what happened | what to do |\n|---|---|---|---|---|\n";
-#define FAULT(NAME, code, effect, text, remedy)                                                              \
-    out += row({#code, "`" #NAME "`", effect, bar_safe(text), bar_safe(remedy)});
+    std::string out =
+        "| code | fault | effect | what happened | detection | time to safe | test | what to do |\n"
+        "|---|---|---|---|---|---|---|---|\n";
+#define FAULT(NAME, code, effect, safe_ms, test, text, detection, remedy)                                    \
+    out += row({#code, "`" #NAME "`", effect, bar_safe(text), bar_safe(detection),                           \
+                (safe_ms) > 0 ? #safe_ms " ms" : "no force at stake", "`" test "`", bar_safe(remedy)});
 #include "shared/wire/wire_faults.def"
     return out;
 }

@@ -7,7 +7,7 @@
 
 struct seld_sim {
     seld_port port;
-    bool has_rig;
+    bool has_rig, is_welded;
     seld_port_inputs inputs;
     seld_port_outputs outputs;
     uint32_t stage_hold_ms; /* 0: the power stage is off */
@@ -48,7 +48,9 @@ static bool sim_inputs(void *context, seld_port_inputs *inputs)
     sim->time_us += sim->tick_us;
     if (!sim->has_rig) return false;
     *inputs = sim->inputs;
-    inputs->stage_on = inputs->stage_on && sim->stage_hold_ms > 0;
+    inputs->stage_on = inputs->stage_on && (sim->stage_hold_ms > 0 || sim->is_welded);
+    seld_sim_motors motors = seld_sim_read_motors(sim);
+    for (int k = 0; k < SELD_PORT_TOOL_MAX; k++) inputs->tracks[k].force_raw += motors.axial_mN[k];
     return true;
 }
 
@@ -169,6 +171,11 @@ void seld_sim_set_inputs(seld_sim *sim, const seld_port_inputs *inputs)
     if (inputs != NULL) sim->inputs = *inputs;
 }
 
+void seld_sim_weld_stage(seld_sim *sim, bool is_welded)
+{
+    sim->is_welded = is_welded;
+}
+
 seld_port_inputs seld_sim_healthy_inputs(void)
 {
     return (seld_port_inputs){.supply_good = true, .stage_on = true};
@@ -181,7 +188,7 @@ seld_port_outputs seld_sim_read_outputs(const seld_sim *sim)
 
 seld_sim_motors seld_sim_read_motors(const seld_sim *sim)
 {
-    seld_sim_motors motors = {.drive = sim->stage_hold_ms > 0};
+    seld_sim_motors motors = {.drive = sim->stage_hold_ms > 0 || sim->is_welded};
     for (int k = 0; k < SELD_SIM_TOOL_MAX && motors.drive; k++) {
         motors.axial_mN[k] = sim->outputs.motors[k].axial_mN;
         motors.torque_uN_m[k] = sim->outputs.motors[k].torque_uN_m;

@@ -43,8 +43,11 @@ void seld_sim_set_tick_us(seld_sim *sim, uint32_t tick_us);
 /* --- the rig ------------------------------------------------------------------------------------------------------ */
 
 /* A rig whose sensors say this from now on; NULL takes the rig away, as at first. `stage_on` true: the sim's own power stage
- * answers. */
+ * answers. The hands hold still against the motors: what those give is added to every `force_raw`, 1 mN per count. */
 void seld_sim_set_inputs(seld_sim *sim, const seld_port_inputs *inputs);
+
+/* A power stage that does not go off any more: its transistors are molten. */
+void seld_sim_weld_stage(seld_sim *sim, bool is_welded);
 
 /* Sensors present and healthy, hands at 0, supply good, stop released, no unlock. */
 seld_port_inputs seld_sim_healthy_inputs(void);

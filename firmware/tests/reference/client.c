@@ -47,8 +47,57 @@ void client_hello(client *c, uint64_t schema_hash)
 
 void client_command(client *c, uint8_t action)
 {
-    const seld_wire_command command = {action};
+    const seld_wire_command command = {.action = action};
     SEND(c, command, &command);
+}
+
+void client_stop_at(client *c, uint32_t tick)
+{
+    const seld_wire_command command = {.action = SELD_WIRE_ACTION_STOP, .tick = tick};
+    SEND(c, command, &command);
+}
+
+void client_confirm(client *c, uint32_t code)
+{
+    const seld_wire_command command = {.action = SELD_WIRE_ACTION_CONFIRM, .code = code};
+    SEND(c, command, &command);
+}
+
+bool client_arm_motors(client *c)
+{
+    seld_wire_status status;
+    client_command(c, SELD_WIRE_ACTION_ARM_MOTORS);
+    if (!client_expect_status(c, &status) || status.arm_code == 0) return false;
+    client_confirm(c, status.arm_code);
+    return client_expect_status(c, &status) && status.motors_armed == 1;
+}
+
+void client_rig(client *c, const seld_wire_track *tracks, uint16_t count)
+{
+    seld_wire_rig rig = {.tracks_count = count};
+    for (uint16_t k = 0; k < count; k++) rig.tracks[k] = tracks[k];
+    SEND(c, rig, &rig);
+}
+
+seld_wire_track client_plain_track(void)
+{
+    return (seld_wire_track){.translation_pm_per_count = 1000000,
+                             .rotation_counts_per_turn = 65536,
+                             .force_gain_milli = 1000,
+                             .force_limit_mN = 8000,
+                             .torque_limit_uN_m = 20000,
+                             .damping_mN_s_per_m = 1000,
+                             .damping_nN_m_s_per_rad = 2000,
+                             .coupling_N_per_m = 1000,
+                             .coupling_uN_m_per_rad = 2000,
+                             .coupling_mN_s_per_m = 200,
+                             .coupling_nN_m_s_per_rad = 400};
+}
+
+void client_stream(client *c, uint8_t events, uint16_t nodes_every_ticks)
+{
+    const seld_wire_stream stream = {events, nodes_every_ticks};
+    SEND(c, stream, &stream);
 }
 
 void client_get(client *c, uint8_t what)
@@ -191,10 +240,25 @@ bool client_expect_reject(client *c, seld_wire_reject *reject)
 
 bool client_expect_ticks(client *c, seld_wire_ticks *ticks)
 {
+    static seld_wire_live live;
     uint16_t type = client_receive(c);
     while (type == SELD_WIRE_TYPE_hash64) type = client_receive(c);
-    return type == SELD_WIRE_TYPE_ticks &&
-           seld_wire_decode_ticks(c->decoder.payload, c->decoder.payload_bytes, ticks);
+    if (type == SELD_WIRE_TYPE_ticks)
+        return seld_wire_decode_ticks(c->decoder.payload, c->decoder.payload_bytes, ticks);
+    if (type != SELD_WIRE_TYPE_live ||
+        !seld_wire_decode_live(c->decoder.payload, c->decoder.payload_bytes, &live))
+        return false;
+    ticks->states_count = live.ticks_count;
+    for (uint16_t i = 0; i < live.ticks_count; i++) ticks->states[i] = live.ticks[i].state;
+    return true;
+}
+
+bool client_expect_live(client *c, seld_wire_live *live)
+{
+    uint16_t type = client_receive(c);
+    while (type == SELD_WIRE_TYPE_hash64) type = client_receive(c);
+    return type == SELD_WIRE_TYPE_live &&
+           seld_wire_decode_live(c->decoder.payload, c->decoder.payload_bytes, live);
 }
 
 void client_plain_tools(seld_wire_tools *tools, uint16_t count)

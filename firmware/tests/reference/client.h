@@ -30,7 +30,15 @@ uint16_t client_receive(client *c);
 /* Typed senders for the messages tests need. */
 void client_hello(client *c, uint64_t schema_hash);
 void client_command(client *c, uint8_t action);
+void client_stop_at(client *c, uint32_t tick);
+void client_confirm(client *c, uint32_t code);
+bool client_arm_motors(client *c); /* both steps; false when the device refused one */
 void client_get(client *c, uint8_t what);
+void client_stream(client *c, uint8_t events, uint16_t nodes_every_ticks);
+void client_rig(client *c, const seld_wire_track *tracks, uint16_t count);
+
+/* 1 um and 1/65 536 turn per count, true force, highest limits, a coupling of 1 N/mm on a rig with damping enough. */
+seld_wire_track client_plain_track(void);
 void client_tools(client *c, const seld_wire_tools *tools);
 void client_entry(client *c, uint32_t inserted_um); /* the same for every tool */
 void client_entry_each(client *c, const uint32_t *inserted_um, uint16_t count);
@@ -52,7 +60,8 @@ void client_write_snapshot(client *c);
 /* What the device answered last, of that kind. False when the next frame is something else. */
 bool client_expect_status(client *c, seld_wire_status *status);
 bool client_expect_reject(client *c, seld_wire_reject *reject);
-bool client_expect_ticks(client *c, seld_wire_ticks *ticks); /* skips hash64 */
+bool client_expect_ticks(client *c, seld_wire_ticks *ticks); /* of either mode; skips hash64 */
+bool client_expect_live(client *c, seld_wire_live *live);    /* skips hash64 */
 
 /* Straight tools of 300 mm that every check accepts: a wire, a catheter around it, a guide around both. */
 void client_plain_tools(seld_wire_tools *tools, uint16_t count);

@@ -139,9 +139,10 @@ static void a_step_is_laid_out_as_documented(void **state)
         .tick = 0x01020304,
         .want_nodes = 1,
         .inputs_count = 1,
-        .inputs = {{.hands_count = 2, .hands = {{-2, 5}, {7, -1}}, .buttons = 0x80}}};
-    const uint8_t expected[] = {4, 3, 2, 1, 1, 1, 0,    2,    0,    0xfe, 0xff, 0xff, 0xff, 5, 0,
-                                0, 0, 7, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 0x80, 0,    0,    0};
+        .inputs = {{.hands_count = 2, .hands = {{-2, 5}, {7, -1}}, .buttons = 0x80, .inflator_raw = 3}}};
+    const uint8_t expected[] = {4, 3, 2, 1, 1, 1, 0, 2, 0,    0xfe, 0xff, 0xff, 0xff,
+                                5, 0, 0, 0, 7, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 0x80,
+                                0, 0, 0, 0, 0, 0, 0, 3, 0,    0,    0};
     seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
     assert_true(seld_wire_put_step(&writer, &step));
     assert_int_equal(writer.length, sizeof expected);
@@ -243,9 +244,11 @@ static void the_schema_hash_covers_names_types_and_units(void **state)
 static void every_fault_and_refusal_has_a_text_and_a_remedy(void **state)
 {
     (void)state;
-#define FAULT(NAME, code, effect, text, remedy)                                                              \
+#define FAULT(NAME, code, effect, safe_ms, test, text, detection, remedy)                                    \
     assert_string_equal(seld_wire_fault_name(code), #NAME);                                                  \
-    assert_true(strlen(text) > 10 && strlen(remedy) > 5 && (effect[0] == 's' || effect[0] == 'l'));
+    assert_int_equal(seld_wire_fault_safe_ms(code), safe_ms);                                                \
+    assert_true(strlen(text) > 10 && strlen(remedy) > 5 && strlen(detection) > 5 && strlen(test) > 10);      \
+    assert_true((effect[0] == 'l') == ((safe_ms) == 0) && (safe_ms) <= (effect[0] == 'f' ? 50 : 9));
 #define REJECT(NAME, code, text, remedy)                                                                     \
     assert_string_equal(seld_wire_reject_name(code), #NAME);                                                 \
     assert_true(strlen(text) > 10 && strlen(remedy) > 5);

@@ -1,0 +1,239 @@
+/* Claims about the virtual coupling (docs/haptics.md), shown on the sim port: in free motion the tool follows without lag and
+ * nothing is felt; a seal is felt as the friction it is and holds without chatter; a blocked tool is felt as a spring; the
+ * hand slips at the force limit; gain, limit and slew hold; the state is in the snapshot; energy that comes from nowhere
+ * takes the force away. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "firmware/tests/reference/bench.h"
+
+static bench b;
+static client *const host = &b.host;
+static seld_wire_ticks ticks;
+
+static int set_up(void **state)
+{
+    (void)state;
+    return bench_open(&b) ? 0 : 1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    bench_close(&b);
+    return 0;
+}
+
+static void command(uint8_t action)
+{
+    seld_wire_status status;
+    bench_drain(&b);
+    client_command(host, action);
+    assert_true(client_expect_status(host, &status));
+}
+
+static uint32_t tick_now;
+static void start_lockstep(const seld_wire_track *track)
+{
+    seld_wire_status status;
+    bench_drain(&b);
+    client_rig(host, track, 1);
+    assert_true(client_expect_status(host, &status));
+    command(SELD_WIRE_ACTION_LOCKSTEP);
+    command(SELD_WIRE_ACTION_ARM);
+    command(SELD_WIRE_ACTION_START);
+    tick_now = 0;
+}
+
+/* One tick with the hand at (um, 2^-16 turn); the result of the tool. */
+static const seld_wire_tool_state *step_to(int32_t translation, int32_t rotation)
+{
+    uint8_t payload[64];
+    static seld_wire_step step;
+    step = (seld_wire_step){.tick = tick_now++, .inputs_count = 1};
+    step.inputs[0] = (seld_wire_encoders){.hands_count = 1, .hands = {{translation, rotation}}};
+    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    assert_true(seld_wire_put_step(&writer, &step));
+    client_send(host, SELD_WIRE_TYPE_step, payload, writer.length);
+    assert_true(client_expect_ticks(host, &ticks));
+    assert_int_equal(ticks.states_count, 1);
+    return &ticks.states[0].tools[0];
+}
+
+static double inserted_um(const seld_wire_tool_state *tool)
+{
+    return tool->inserted_m_q30 / 1073741824.0 * 1e6;
+}
+
+/* 0.1 m/s through free space: behind by the few um that the wire's own weight and inertia ask for. */
+static void a_free_tool_follows_without_lag_or_drag(void **state)
+{
+    (void)state;
+    const seld_wire_track track = client_plain_track();
+    start_lockstep(&track);
+    double begin = 50000, worst_um = 0;
+    int32_t worst_mN = 0;
+    for (int32_t i = 0; i < 1000; i++) {
+        const int32_t hand = i < 500 ? 100 * i : 100 * (1000 - i);
+        const seld_wire_tool_state *tool = step_to(hand, 0);
+        if (i < 50) continue;
+        double lag = inserted_um(tool) - begin - hand;
+        if (lag < 0) lag = -lag;
+        if (lag > worst_um) worst_um = lag;
+        if (abs(tool->motor_axial_mN) > worst_mN) worst_mN = abs(tool->motor_axial_mN);
+    }
+    print_message("# at 0.1 m/s: lag up to %.0f um, force up to %d mN\n", worst_um, worst_mN);
+    assert_true(worst_um < 120 && worst_mN < 120);
+}
+
+/* The seal alone: the hand feels its friction against the motion, forth and back, and stands without chatter. */
+static void a_seal_is_felt_as_its_friction_and_does_not_chatter(void **state)
+{
+    (void)state;
+    seld_wire_track track = client_plain_track();
+    track.seal_mN = 300;
+    start_lockstep(&track);
+    const seld_wire_tool_state *tool = NULL;
+    for (int32_t i = 0; i < 400; i++) tool = step_to(20 * i, 0);
+    print_message("# seal of 300 mN: %d mN forth", tool->motor_axial_mN);
+    assert_in_range(tool->motor_axial_mN, 250, 350);
+    double before = 0;
+    for (int32_t i = 0; i < 300; i++) {
+        tool = step_to(7980, 0);
+        if (i > 200) assert_true(before == inserted_um(tool));
+        before = inserted_um(tool);
+    }
+    for (int32_t i = 0; i < 400; i++) tool = step_to(7980 - 20 * i, 0);
+    print_message(", %d mN back\n", tool->motor_axial_mN);
+    assert_in_range(-tool->motor_axial_mN, 250, 350);
+}
+
+static void a_seal_resists_turning_too(void **state)
+{
+    (void)state;
+    seld_wire_track track = client_plain_track();
+    track.seal_uN_m = 400;
+    start_lockstep(&track);
+    const seld_wire_tool_state *tool = NULL;
+    for (int32_t i = 0; i < 500; i++) tool = step_to(0, 100 * i);
+    print_message("# seal of 400 uN m: %d uN m\n", tool->motor_torque_uN_m);
+    assert_in_range(tool->motor_torque_uN_m, 350, 450);
+}
+
+/* Held by a seal of 2 N, 1 mm of lead is 1 N at 1 N/mm; 20 mm are the 2 N at which it slides, and no more. */
+static void a_held_tool_is_felt_as_the_coupling_s_spring(void **state)
+{
+    (void)state;
+    seld_wire_track track = client_plain_track();
+    track.seal_mN = 2000;
+    start_lockstep(&track);
+    const seld_wire_tool_state *tool = NULL;
+    for (int32_t i = 0; i <= 100; i++) tool = step_to(10 * i, 0);
+    for (int32_t i = 0; i < 50; i++) tool = step_to(1000, 0);
+    print_message("# 1 mm at 1 N/mm: %d mN\n", tool->motor_axial_mN);
+    assert_in_range(tool->motor_axial_mN, 980, 1020);
+    for (int32_t i = 0; i <= 1000; i++) tool = step_to(1000 + 20 * i, 0);
+    assert_in_range(tool->motor_axial_mN, 1900, 2100);
+}
+
+/* Pulled far out of the patient, the tool ends; the hand goes on and slips at the force limit of 8 N. */
+static void the_hand_slips_at_the_force_limit(void **state)
+{
+    (void)state;
+    const seld_wire_track track = client_plain_track();
+    start_lockstep(&track);
+    const seld_wire_tool_state *tool = NULL;
+    for (int32_t i = 0; i < 1000; i++) tool = step_to(-200 * i, 0);
+    const double end_um = inserted_um(tool);
+    print_message("# withdrawn to %.0f um: %d mN\n", end_um, tool->motor_axial_mN);
+    assert_in_range(-tool->motor_axial_mN, 7900, 8000);
+    for (int32_t i = 0; i < 400; i++) tool = step_to(-199800 + 25 * i, 0);
+    assert_in_range(abs(tool->motor_axial_mN), 0,
+                    300); /* back by 10 mm: what slipped has not to be made up for */
+    assert_true(inserted_um(tool) > end_um + 500);
+}
+
+/* Pressing against the seal, in the midst of it a snapshot: the session that goes on from it gives the same ticks. */
+static void the_coupling_is_part_of_the_snapshot(void **state)
+{
+    (void)state;
+    static seld_wire_tick_state expected[200];
+    seld_wire_status status;
+    seld_wire_track track = client_plain_track();
+    track.seal_mN = 500;
+    track.seal_uN_m = 100;
+    start_lockstep(&track);
+    for (int32_t i = 0; i < 150; i++) step_to(13 * i, 40 * i);
+    assert_true(client_read_snapshot(host));
+    for (int32_t i = 0; i < 200; i++) {
+        step_to(13 * 149 - 9 * i, 40 * 149 + 7 * i);
+        expected[i] = ticks.states[0];
+    }
+    assert_true(abs(expected[0].tools[0].motor_axial_mN) > 300);
+    command(SELD_WIRE_ACTION_STOP);
+    client_write_snapshot(host);
+    assert_true(client_expect_status(host, &status));
+    command(SELD_WIRE_ACTION_START);
+    tick_now = status.tick;
+    for (int32_t i = 0; i < 200; i++) {
+        step_to(13 * 149 - 9 * i, 40 * 149 + 7 * i);
+        assert_memory_equal(&expected[i], &ticks.states[0], sizeof expected[0]);
+    }
+}
+
+/* A hand that shakes by 0.5 mm from tick to tick gains from every sampled spring. The observer sees it, takes the force away
+ * and says so; the session goes on, and the force comes back when the hand rests. */
+static void forces_that_give_energy_are_reduced(void **state)
+{
+    (void)state;
+    seld_wire_status status;
+    seld_wire_fault_entry entry;
+    seld_wire_track track = client_plain_track();
+    track.seal_mN = 2000;
+    bench_drain(&b);
+    client_rig(host, &track, 1);
+    assert_true(client_expect_status(host, &status));
+    assert_true(bench_power(&b));
+    for (int i = 0; i < 100; i++) {
+        b.rig.hands[0].translation_counts += 10;
+        bench_tick(&b);
+    }
+    const int32_t begin_mN = seld_sim_read_motors(host->sim).axial_mN[0];
+    assert_in_range(begin_mN, 900, 1100);
+    int32_t least_mN = begin_mN;
+    for (int i = 0; i < 6000; i++) {
+        b.rig.hands[0].translation_counts += i % 2 ? 500 : -500;
+        bench_tick(&b);
+        int32_t now = abs(seld_sim_read_motors(host->sim).axial_mN[0]);
+        least_mN = now < least_mN ? now : least_mN;
+    }
+    status = bench_status(&b);
+    assert_int_equal(status.state, SELD_WIRE_STATE_RUNNING);
+    assert_true(status.passivity_ticks > 0);
+    assert_int_equal(bench_fault(&b, SELD_FAULT_CODE_PASSIVITY, &entry), status.passivity_ticks);
+    print_message("# shaking: from %d to %d mN, %d uJ given\n", begin_mN, least_mN, -entry.value2);
+    assert_in_range(-entry.value2, 9999, 21000);
+    assert_true(least_mN < begin_mN / 4);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(a_free_tool_follows_without_lag_or_drag),
+        TEST(a_seal_is_felt_as_its_friction_and_does_not_chatter),
+        TEST(a_seal_resists_turning_too),
+        TEST(a_held_tool_is_felt_as_the_coupling_s_spring),
+        TEST(the_hand_slips_at_the_force_limit),
+        TEST(the_coupling_is_part_of_the_snapshot),
+        TEST(forces_that_give_energy_are_reduced),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,394 @@
+/* Claims about commands and set-up: motors need two steps that no stray frame can make, an upload that was cut goes on, what
+ * is set is read back, and what is refused changes nothing. Shown through bytes on the sim port. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "firmware/app/app.h"
+#include "firmware/tests/reference/bench.h"
+
+static bench b;
+static client *const host = &b.host;
+static seld_wire_status status;
+static seld_wire_reject reject;
+
+static int set_up(void **state)
+{
+    (void)state;
+    return bench_open(&b) ? 0 : 1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    bench_close(&b);
+    return 0;
+}
+
+static void command(uint8_t action)
+{
+    bench_drain(&b);
+    client_command(host, action);
+    assert_true(client_expect_status(host, &status));
+}
+
+static void expect_reject(uint16_t code)
+{
+    assert_true(client_expect_reject(host, &reject));
+    if (reject.code != code) {
+        fail_msg("refused with %s, expected %s", seld_wire_reject_name(reject.code),
+                 seld_wire_reject_name(code));
+    }
+}
+
+static void refuse(uint8_t action, uint16_t code)
+{
+    bench_drain(&b);
+    client_command(host, action);
+    expect_reject(code);
+}
+
+#define TAKE(name, value)                                                                                    \
+    do {                                                                                                     \
+        assert_int_equal(client_receive(host), SELD_WIRE_TYPE_##name);                                       \
+        assert_true(seld_wire_decode_##name(host->decoder.payload, host->decoder.payload_bytes, value));     \
+    } while (0)
+
+/* --- two steps --- */
+
+static void motors_need_both_steps_in_their_order_and_time(void **state)
+{
+    (void)state;
+    refuse(SELD_WIRE_ACTION_ARM_MOTORS, SELD_REJECT_WRONG_STATE);
+    command(SELD_WIRE_ACTION_ARM);
+    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_CONFIRMED);
+    client_confirm(host, 0);
+    expect_reject(SELD_REJECT_CODE_WRONG);
+    command(SELD_WIRE_ACTION_ARM_MOTORS);
+    const uint32_t first = status.arm_code;
+    assert_true(first != 0);
+    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_CONFIRMED);
+    client_confirm(host, first ^ 1);
+    expect_reject(SELD_REJECT_CODE_WRONG);
+    client_confirm(host, first); /* spent by the wrong answer */
+    expect_reject(SELD_REJECT_CODE_WRONG);
+    command(SELD_WIRE_ACTION_ARM_MOTORS);
+    assert_true(status.arm_code != first);
+    const uint32_t second = status.arm_code;
+    for (int i = 0; i < SELD_APP_CODE_ticks + 1; i++) bench_tick(&b);
+    bench_drain(&b);
+    client_confirm(host, second); /* too late */
+    expect_reject(SELD_REJECT_CODE_WRONG);
+    assert_int_equal(seld_sim_read_motors(host->sim).drive, 0);
+    assert_true(client_arm_motors(host));
+    command(SELD_WIRE_ACTION_START);
+    bench_tick(&b);
+    assert_int_equal(seld_sim_read_motors(host->sim).drive, 1);
+}
+
+/* What powers is one START; STOP, RESET, another mode and a fault all ask for both steps again. */
+static void a_permission_is_good_for_one_start(void **state)
+{
+    (void)state;
+    assert_true(bench_power(&b));
+    command(SELD_WIRE_ACTION_STOP);
+    assert_int_equal(status.motors_armed, 0);
+    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_CONFIRMED);
+    assert_true(client_arm_motors(host));
+    command(SELD_WIRE_ACTION_LOCKSTEP);
+    command(SELD_WIRE_ACTION_FREE_RUN);
+    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_CONFIRMED);
+    assert_true(client_arm_motors(host));
+    command(SELD_WIRE_ACTION_RESET);
+    command(SELD_WIRE_ACTION_ARM);
+    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_CONFIRMED);
+}
+
+/* Every frame of a conversation that powers the motors, alone and twice, at a device that is armed: none of them does. */
+static void no_single_frame_powers_a_motor(void **state)
+{
+    (void)state;
+    command(SELD_WIRE_ACTION_ARM);
+    for (uint32_t action = 0; action < 256; action++) {
+        for (int twice = 0; twice < 2; twice++) {
+            bench_drain(&b);
+            client_command(host, (uint8_t)action);
+            bench_tick(&b);
+            assert_int_equal(seld_sim_read_motors(host->sim).drive, 0);
+        }
+        if (bench_status(&b).state == SELD_WIRE_STATE_READY) command(SELD_WIRE_ACTION_ARM);
+        if (bench_status(&b).mode == SELD_WIRE_MODE_LOCKSTEP) {
+            if (status.state == SELD_WIRE_STATE_RUNNING) command(SELD_WIRE_ACTION_STOP);
+            bench_drain(&b);
+            client_command(host, SELD_WIRE_ACTION_FREE_RUN);
+        }
+    }
+}
+
+static void an_unsafe_rig_is_not_armed_and_the_cause_is_named(void **state)
+{
+    (void)state;
+    const seld_port_inputs healthy = seld_sim_healthy_inputs();
+    command(SELD_WIRE_ACTION_ARM);
+    for (int i = 0; i < 6; i++) {
+        b.rig = healthy;
+        if (i == 0) b.rig.emergency_stop = true;
+        if (i == 1) b.rig.supply_good = false;
+        if (i == 2) b.rig.tracks[0].translation_sensor = SELD_PORT_SENSOR_ERROR;
+        if (i == 3) b.rig.tracks[0].force_sensor = SELD_PORT_SENSOR_RANGE;
+        if (i == 4) b.rig.tracks[0].over_current = true;
+        if (i == 5) b.rig.tracks[0].force_raw = 1001;
+        static const uint16_t causes[] = {SELD_FAULT_CODE_EMERGENCY_STOP, SELD_FAULT_CODE_SUPPLY_LOST,
+                                          SELD_FAULT_CODE_ENCODER_LOST,   SELD_FAULT_CODE_FORCE_SENSOR_LOST,
+                                          SELD_FAULT_CODE_OVER_CURRENT,   SELD_FAULT_CODE_ACTUATOR_STUCK_ON};
+        bench_tick(&b);
+        refuse(SELD_WIRE_ACTION_ARM_MOTORS, SELD_REJECT_NOT_SAFE);
+        assert_int_equal(reject.detail1, causes[i]);
+    }
+    b.rig = healthy;
+    bench_tick(&b);
+    assert_true(client_arm_motors(host));
+    b.rig.emergency_stop = true; /* between CONFIRM and START */
+    bench_tick(&b);
+    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_SAFE);
+    seld_sim_set_inputs(host->sim, NULL);
+    seld_sim_timer(host->sim, 1);
+    refuse(SELD_WIRE_ACTION_ARM_MOTORS, SELD_REJECT_NO_RIG);
+}
+
+static void lockstep_holds_the_motors_off(void **state)
+{
+    (void)state;
+    command(SELD_WIRE_ACTION_LOCKSTEP);
+    command(SELD_WIRE_ACTION_ARM);
+    refuse(SELD_WIRE_ACTION_ARM_MOTORS, SELD_REJECT_WRONG_MODE);
+    command(SELD_WIRE_ACTION_START);
+    for (uint32_t tick = 0; tick < 100; tick++) {
+        static seld_wire_ticks ticks;
+        client_step(host, tick, 1, (int32_t)tick * 900, 0);
+        assert_true(client_expect_ticks(host, &ticks));
+        seld_sim_timer(host->sim, 1);
+        assert_int_equal(seld_sim_read_motors(host->sim).drive, 0);
+        assert_false(seld_sim_read_outputs(host->sim).enable);
+    }
+}
+
+/* --- set-up --- */
+
+static seld_wire_set_up read_set_up(void)
+{
+    seld_wire_set_up set_up;
+    bench_drain(&b);
+    client_get(host, SELD_WIRE_GET_SET_UP);
+    TAKE(set_up, &set_up);
+    return set_up;
+}
+
+static void send_chunk(const uint8_t *bytes, uint32_t offset, uint16_t count)
+{
+    static seld_wire_scene_chunk chunk;
+    static uint8_t payload[SELD_WIRE_BYTES_scene_chunk];
+    chunk.offset = offset;
+    chunk.data_count = count;
+    memcpy(chunk.data, bytes + offset, count);
+    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    assert_true(seld_wire_put_scene_chunk(&writer, &chunk));
+    client_send(host, SELD_WIRE_TYPE_scene_chunk, payload, writer.length);
+}
+
+static void begin_upload(uint32_t bytes, uint32_t crc32)
+{
+    uint8_t payload[SELD_WIRE_BYTES_scene_begin];
+    const seld_wire_scene_begin begin = {bytes, crc32};
+    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    seld_wire_put_scene_begin(&writer, &begin);
+    client_send(host, SELD_WIRE_TYPE_scene_begin, payload, writer.length);
+    assert_true(client_expect_status(host, &status));
+}
+
+/* Cut after 1,000 of 3,000 bytes; the host comes back, asks what is there, and sends the rest. What decides at the end is
+ * the CRC over everything (here it fails on purpose in the scene's own check, after the CRC was found good). */
+static void an_upload_that_was_cut_goes_on_where_it_stopped(void **state)
+{
+    (void)state;
+    static uint8_t scene[3000];
+    for (size_t i = 0; i < sizeof scene; i++) scene[i] = (uint8_t)(i * 7);
+    const uint32_t crc = seld_wire_crc32(0, scene, sizeof scene);
+    bench_drain(&b);
+    begin_upload(sizeof scene, crc);
+    send_chunk(scene, 0, 1000);
+    client_hello(host, seld_wire_schema_hash()); /* the host is back */
+    bench_drain(&b);
+    seld_wire_set_up there = read_set_up();
+    assert_int_equal(there.upload_bytes, sizeof scene);
+    assert_int_equal(there.upload_crc32, crc);
+    assert_int_equal(there.upload_received, 1000);
+    begin_upload(sizeof scene, crc);
+    assert_int_equal(read_set_up().upload_received, 1000);
+    send_chunk(scene, 1000, 2000);
+    const uint8_t end[4] = {sizeof scene & 255, sizeof scene >> 8};
+    client_send(host, SELD_WIRE_TYPE_scene_end, end, sizeof end);
+    expect_reject(SELD_REJECT_SCENE_INVALID);
+    assert_int_equal(read_set_up().upload_bytes, 0);
+    begin_upload(sizeof scene, crc);
+    send_chunk(scene, 0, 1000);
+    begin_upload(sizeof scene, crc ^ 1); /* another scene begins anew */
+    assert_int_equal(read_set_up().upload_received, 0);
+}
+
+static void what_was_set_up_is_known_by_its_crc(void **state)
+{
+    (void)state;
+    static seld_wire_tools tools;
+    static uint8_t payload[SELD_WIRE_BYTES_tools];
+    client_plain_tools(&tools, 1);
+    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    seld_wire_put_tools(&writer, &tools);
+    seld_wire_set_up there = read_set_up();
+    assert_int_equal(there.tool_count, 1);
+    assert_int_equal(there.tools_crc32, seld_wire_crc32(0, payload, writer.length));
+    assert_int_equal(there.has_entry, 1);
+    assert_int_equal(there.scene_bytes, 0);
+}
+
+static void the_rig_is_read_back_as_it_is_in_force(void **state)
+{
+    (void)state;
+    seld_wire_rig rig;
+    seld_wire_track track = client_plain_track();
+    track.force_limit_mN = 700;
+    track.force_slew_mN_per_tick = 7;
+    track.force_zero_counts = -12;
+    track.force_uN_per_count = 250;
+    track.seal_mN = 30;
+    bench_drain(&b);
+    client_rig(host, &track, 1);
+    assert_true(client_expect_status(host, &status));
+    client_get(host, SELD_WIRE_GET_RIG);
+    TAKE(rig, &rig);
+    track.torque_slew_uN_m_per_tick = SELD_APP_TORQUE_SLEW_uN_m_per_tick; /* 0 kept it */
+    assert_int_equal(rig.tracks_count, SELD_WIRE_TOOL_MAX);
+    assert_memory_equal(&rig.tracks[0], &track, sizeof track);
+    assert_int_equal(rig.tracks[2].force_limit_mN, SELD_APP_FORCE_LIMIT_mN);
+}
+
+/* Each field out of its range, alone: refused with the field's number, and nothing changed. */
+static void a_rig_that_cannot_be_is_refused_by_field(void **state)
+{
+    (void)state;
+    seld_wire_rig before, after;
+    for (uint32_t i = 0; i < 12; i++) {
+        static const uint32_t fields[] = {0, 1, 2, 3, 4, 5, 6, 7, 9, 14, 15, 16};
+        seld_wire_track track = client_plain_track();
+        uint32_t *const places[] = {&track.translation_pm_per_count,  &track.rotation_counts_per_turn,
+                                    &track.force_gain_milli,          &track.force_limit_mN,
+                                    &track.torque_limit_uN_m,         &track.force_slew_mN_per_tick,
+                                    &track.torque_slew_uN_m_per_tick, &track.options,
+                                    &track.force_uN_per_count,        &track.coupling_N_per_m,
+                                    &track.coupling_uN_m_per_rad,     &track.seal_mN};
+        static const uint32_t values[] = {999, 15, 4001, 8001, 20001, 51, 126, 4, 1000001, 1601, 3201, 2001};
+        bench_drain(&b);
+        client_get(host, SELD_WIRE_GET_RIG);
+        TAKE(rig, &before);
+        *places[i] = values[i];
+        client_rig(host, &track, 1);
+        expect_reject(SELD_REJECT_RIG_RANGE);
+        assert_int_equal(reject.detail2, fields[i]);
+        client_get(host, SELD_WIRE_GET_RIG);
+        TAKE(rig, &after);
+        assert_memory_equal(&before, &after, sizeof before);
+        *places[i] = i < 2 || i == 7 ? *places[i] : values[i] - 1;
+    }
+}
+
+/* b > K T / 2 + B: 1 N s/m less 0.2 of damping bear 1,600 N/m, not 1,601. */
+static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
+{
+    (void)state;
+    seld_wire_track track = client_plain_track();
+    track.coupling_N_per_m = 1600;
+    client_rig(host, &track, 1);
+    bench_drain(&b);
+    track.coupling_mN_s_per_m = 201;
+    client_rig(host, &track, 1);
+    expect_reject(SELD_REJECT_RIG_RANGE);
+}
+
+static void limits_rise_only_with_the_local_unlock(void **state)
+{
+    (void)state;
+    seld_wire_track track = client_plain_track();
+    bench_drain(&b);
+    track.force_limit_mN = 500;
+    client_rig(host, &track, 1);
+    assert_true(client_expect_status(host, &status));
+    track.force_limit_mN = 501;
+    client_rig(host, &track, 1);
+    expect_reject(SELD_REJECT_RIG_RANGE);
+    b.rig.local_unlock = true;
+    bench_tick(&b);
+    bench_drain(&b);
+    track.force_limit_mN = 8001; /* no unlock goes beyond what is built in */
+    client_rig(host, &track, 1);
+    expect_reject(SELD_REJECT_RIG_RANGE);
+    track.force_limit_mN = 8000;
+    client_rig(host, &track, 1);
+    assert_true(client_expect_status(host, &status));
+    b.rig.local_unlock = false;
+    bench_tick(&b);
+    bench_drain(&b);
+    track.force_limit_mN = 501;
+    client_rig(host, &track, 1);
+    assert_true(client_expect_status(host, &status));
+    track.force_limit_mN = 502;
+    client_rig(host, &track, 1);
+    expect_reject(SELD_REJECT_RIG_RANGE);
+}
+
+static void the_sensors_are_read_as_they_are(void **state)
+{
+    (void)state;
+    seld_wire_sensors sensors;
+    b.rig.hands[1].rotation_counts = -77;
+    b.rig.tracks[2].force_raw = 123;
+    b.rig.inflator_raw = 4567;
+    b.rig.syringe_counts = -3;
+    b.rig.buttons = 5;
+    bench_tick(&b);
+    bench_drain(&b);
+    client_get(host, SELD_WIRE_GET_SENSORS);
+    TAKE(sensors, &sensors);
+    assert_int_equal(sensors.has_rig, 1);
+    assert_int_equal(sensors.tracks[1].rotation_counts, -77);
+    assert_int_equal(sensors.tracks[2].force_mN, 123);
+    assert_int_equal(sensors.inflator_raw, 4567);
+    assert_int_equal(sensors.syringe_counts, -3);
+    assert_int_equal(sensors.buttons, 5);
+    assert_int_equal(sensors.lines, SELD_WIRE_LINE_SUPPLY);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(motors_need_both_steps_in_their_order_and_time),
+        TEST(a_permission_is_good_for_one_start),
+        TEST(no_single_frame_powers_a_motor),
+        TEST(an_unsafe_rig_is_not_armed_and_the_cause_is_named),
+        TEST(lockstep_holds_the_motors_off),
+        TEST(an_upload_that_was_cut_goes_on_where_it_stopped),
+        TEST(what_was_set_up_is_known_by_its_crc),
+        TEST(the_rig_is_read_back_as_it_is_in_force),
+        TEST(a_rig_that_cannot_be_is_refused_by_field),
+        TEST(a_coupling_stiffer_than_the_rig_can_render_is_refused),
+        TEST(limits_rise_only_with_the_local_unlock),
+        TEST(the_sensors_are_read_as_they_are),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
