@@ -18,7 +18,7 @@ def tests_of(sources):
     names = set()
     for text in sources:
         defined = set(re.findall(r"^static void (\w+)\(void \*\*state\)", text, re.M))
-        names |= {name for name in re.findall(r"^\s+(?:TEST|cmocka_unit_test)\((\w+)\),", text, re.M) if name in defined}
+        names |= {name for name in re.findall(r"\b(?:TEST|cmocka_unit_test)\((\w+)\),", text, re.M) if name in defined}
     return names
 
 
