@@ -45,7 +45,7 @@ HOST_LINK     := -lpng -lglfw -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-guest
+.PHONY: all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -137,7 +137,7 @@ TOOL_TESTS     := $(wildcard tools/bake/tests/test_*.cpp)
 VALIDATE_TESTS := $(wildcard tools/validate/tests/test_*.cpp)
 THESIS_TESTS   := $(wildcard tools/vcsim3/tests/test_*.cpp)
 SYSTEM_TESTS   := $(wildcard hil_tests/test_*.cpp) # the whole program against real anatomy
-SCRIPT_TESTS   := $(wildcard tools/check/test_*.sh tools/check/test_*.py host/tests/test_*.sh tools/*/tests/test_*.sh)
+SCRIPT_TESTS   := $(wildcard tools/check/test_*.sh tools/check/test_*.py host/tests/test_*.sh tools/*/tests/test_*.sh hil_tests/*/test_*.sh)
 test_program    = $(patsubst %,$(BUILD)/test/%,$(basename $(1)))
 REFERENCE       := $(wildcard firmware/tests/reference/*.c)
 
@@ -171,8 +171,16 @@ $(eval $(call hil_rule,usb_check,hil_tests/library/usb_check.c hil_tests/library
 $(eval $(call hil_rule,hid_check_hidraw,hil_tests/library/hid_check.c hil_tests/library/check.c,-lhidapi-hidraw))
 $(eval $(call hil_rule,hid_check_libusb,hil_tests/library/hid_check.c hil_tests/library/check.c,-lhidapi-libusb))
 
+$(BUILD)/obj/hil_tests/l2/%.c.o: CFLAGS += $(patsubst -I%,-isystem %,$(shell pkg-config --cflags umockdev-1.0 2>/dev/null))
+$(eval $(call hil_rule,mock_bus,$(wildcard hil_tests/l2/*.c),-lumockdev -lgobject-2.0 -lglib-2.0))
+hil-programs: $(HIL_FOLDER)/bridge $(HIL_FOLDER)/mock_bus $(USB_CHECKS) ## build the programs of hil-mock and hil-guest
+
+hil-mock: packages-usb ## libusb and hidapi see the loop-back device by umockdev, on a machine without USB
+	@$(QUIET_MAKE) hil-programs
+	@HIL=$(HIL_FOLDER) hil_tests/l2/test_l2.sh
+
 hil-guest: packages-usb ## the loop-back device behind a real Linux: Debian's kernel in QEMU, xHCI, libusb, hidapi
-	@$(QUIET_MAKE) $(HIL_FOLDER)/bridge $(USB_CHECKS)
+	@$(QUIET_MAKE) hil-programs
 	@hil_tests/l3/run_guest.py --bridge $(HIL_FOLDER)/bridge --kernel $(HIL_FOLDER)/kernel --here hil_tests/l3/checks.sh
 
 # A fuzz target (fuzz_*.c) is one libFuzzer program and one that writes its first inputs: docs/testing.md.
@@ -193,10 +201,10 @@ SAN_MAKE   = $(QUIET_MAKE) BUILD=$(BUILD)/san SAN=address,undefined OPT=-O1 CORE
 FUZZ_MAKE  = $(QUIET_MAKE) BUILD=$(BUILD)/fuzz CC=clang CXX=clang++ SAN=fuzzer-no-link,address,undefined OPT=-O1 CORE_OPT=-O1
 
 # What does not build is reported by run_tests.py as failed, with everything else run all the same.
-test: packages-build packages-test packages-matrix ## build and run every test, also under the sanitizers, and a short fuzz run
+test: packages-build packages-test packages-matrix packages-usb ## build and run every test, also under the sanitizers, and a short fuzz run
 	@status=0; \
 	$(QUIET_MAKE) -k $(PROGRAMS) tests-build || status=1; \
-	$(SAN_MAKE) -k tests-build-san || status=1; \
+	$(SAN_MAKE) -k tests-build-san hil-programs || status=1; \
 	$(FUZZ_MAKE) -k fuzz-programs || status=1; \
 	tools/check/run_tests.py --build $(BUILD) --jobs $(JOBS) --scripts $(SCRIPT_TESTS) --programs $(ALL_TEST_PROGRAMS:$(BUILD)/test/%=%) \
 	    --sanitized $(basename $(FIRMWARE_TESTS) $(HOST_TESTS)) --fuzz $(basename $(FUZZ_TARGETS)) || status=1; \

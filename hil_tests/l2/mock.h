@@ -1,0 +1,66 @@
+/* What the files of level L2 share: the device, its transfers, and the nodes under which programs see it. One lock guards it
+ * all; programs' calls are answered by umockdev's thread, the bus moves in another.
+ *
+ * Programs poll their nodes, and a plain file is always ready: then libusb would spin. So a node is a FIFO: /dev/bus/usb/...
+ * is ready for writing (that is how usbfs says it) while a transfer is done and not reaped, and full otherwise; /dev/hidraw0
+ * holds one byte per report that waits.
+ *
+ * May include: hil_tests/usb, umockdev. Called by: this folder only.
+ */
+#ifndef SELD_MOCK_H
+#define SELD_MOCK_H
+
+#include <pthread.h>
+
+#include <umockdev.h>
+
+#include "hil_tests/usb/usb_peer.h"
+#include "hil_tests/usb/usb_urbs.h"
+
+enum { MOCK_REPORTS = 64, MOCK_PIPE_BYTES = 4096 };
+
+typedef struct mock_urb { /* a transfer of a program */
+    struct mock_urb *next;
+    UMockdevIoctlClient *client; /* who sent it; only compared */
+    UMockdevIoctlData *urb, *buffer;
+    bool is_done;
+} mock_urb;
+
+typedef struct mock {
+    pthread_mutex_t lock;
+    usb_peer peer;
+    usb_urbs urbs;
+    UMockdevTestbed *testbed;
+    UMockdevIoctlBase *usbfs, *hidraw;
+    char *root;
+    bool is_plugged, is_over;
+
+    mock_urb *first; /* in the order they were sent */
+    int usbfs_fifo, hidraw_fifo;
+    bool usbfs_is_full;
+
+    unsigned hidraw_clients;
+    bool hidraw_is_reading;
+    uint8_t hidraw_packet[SELD_MAILBOX_DATA_MAX];
+    uint8_t reports[MOCK_REPORTS][SELD_HID_REPORT_BYTES_MAX];
+    uint32_t report_first, report_count, reports_lost;
+    uint8_t report_bytes[MOCK_REPORTS];
+} mock;
+
+/* mock_usbfs.c: /dev/bus/usb/001/002 */
+gboolean mock_usbfs_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, mock *m);
+void mock_usbfs_vanished(UMockdevIoctlBase *base, UMockdevIoctlClient *client, mock *m);
+void mock_usbfs_complete(mock *m, const usb_urb *urb);
+void mock_usbfs_unplugged(mock *m);
+int mock_errno(usb_result result);
+
+/* mock_hidraw.c: /dev/hidraw0 */
+gboolean mock_hidraw_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, mock *m);
+gboolean mock_hidraw_read(UMockdevIoctlBase *base, UMockdevIoctlClient *client, mock *m);
+gboolean mock_hidraw_write(UMockdevIoctlBase *base, UMockdevIoctlClient *client, mock *m);
+void mock_hidraw_connected(UMockdevIoctlBase *base, UMockdevIoctlClient *client, mock *m);
+void mock_hidraw_vanished(UMockdevIoctlBase *base, UMockdevIoctlClient *client, mock *m);
+void mock_hidraw_complete(mock *m, const usb_urb *urb);
+void mock_hidraw_step(mock *m);
+
+#endif
