@@ -25,7 +25,7 @@ CXXFLAGS := -std=c++20 -g $(WARN) $(CXXWARN) -I. -isystem /usr/include/eigen3 -M
 LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
-LIBS       := tools/vcsim3 host/app host/xray host/link host/model tools/anatomy tools/bake tools/validate hil_tests/usb firmware/port/sim firmware/app \
+LIBS       := tools/vcsim3 host/app host/xray host/link host/model tools/anatomy tools/bake tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
               firmware/port/mailbox firmware/app/usb firmware/core shared/scene shared/wire
 lib_file    = $(BUILD)/lib/lib$(subst /,_,$(1)).a
 lib_sources = $(filter-out %/main.cpp,$(wildcard $(1)/*.c $(1)/*.cpp))
@@ -33,7 +33,8 @@ objects     = $(patsubst %,$(BUILD)/obj/%.o,$(1))
 
 # What each program and test folder links, in link order.
 FIRMWARE_LIBS := firmware/port/sim firmware/app firmware/core shared/scene shared/wire
-USB_LIBS      := hil_tests/usb firmware/port/mailbox firmware/app/usb shared/wire
+USB_LIBS      := hil_tests/usb firmware/port/usb firmware/port/mailbox firmware/app/usb firmware/app firmware/core shared/scene shared/wire
+DEVICE_LIBS   := hil_tests/usb firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
 HOST_LIBS     := host/app host/xray host/link host/model $(FIRMWARE_LIBS)
 BAKE_LIBS     := tools/bake host/model firmware/core shared/scene shared/wire
 ANATOMY_LIBS  := tools/anatomy
@@ -146,7 +147,7 @@ $(call test_program,$(1)): $(call objects,$(1) $(4)) $(foreach lib,$(2),$(call l
 	@mkdir -p $$(@D)
 	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) -lcmocka -lm $(3)
 endef
-$(foreach t,$(FIRMWARE_TESTS),$(eval $(call test_rule,$(t),$(USB_LIBS) $(FIRMWARE_LIBS),,$(REFERENCE))))
+$(foreach t,$(FIRMWARE_TESTS),$(eval $(call test_rule,$(t),$(DEVICE_LIBS),,$(REFERENCE))))
 $(foreach t,$(HOST_TESTS),$(eval $(call test_rule,$(t),$(HOST_LIBS),$(HOST_LINK),)))
 $(foreach t,$(TOOL_TESTS),$(eval $(call test_rule,$(t),$(BAKE_LIBS),$(BAKE_LINK),)))
 $(foreach t,$(THESIS_TESTS),$(eval $(call test_rule,$(t),tools/vcsim3 host/app $(FIRMWARE_LIBS),-lpng,$(REFERENCE))))
@@ -186,10 +187,10 @@ hil-guest: packages-usb ## the loop-back device behind a real Linux: Debian's ke
 # A fuzz target (fuzz_*.c) is one libFuzzer program and one that writes its first inputs: docs/testing.md.
 FUZZ_TARGETS := $(wildcard firmware/tests/fuzz_*.c shared/*/tests/fuzz_*.c hil_tests/fuzz_*.c)
 define fuzz_rule
-$(call test_program,$(1)): $(call objects,$(1) $(REFERENCE)) $(foreach lib,$(USB_LIBS) $(FIRMWARE_LIBS),$(call lib_file,$(lib)))
+$(call test_program,$(1)): $(call objects,$(1) $(REFERENCE)) $(foreach lib,$(DEVICE_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $$(@D)
 	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) -lm -fsanitize=fuzzer
-$(call test_program,$(1))_seeds: $(call objects,$(1) tools/check/fuzz_seeds.c $(REFERENCE)) $(foreach lib,$(USB_LIBS) $(FIRMWARE_LIBS),$(call lib_file,$(lib)))
+$(call test_program,$(1))_seeds: $(call objects,$(1) tools/check/fuzz_seeds.c $(REFERENCE)) $(foreach lib,$(DEVICE_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $$(@D)
 	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) -lm
 endef

@@ -244,6 +244,9 @@ static void a_bad_configuration_is_refused_at_power_up(void **state)
     assert_true(seld_usb_init(&rig.usb, &config));
     config.queue_bytes = 2 * SELD_WIRE_FRAME_MAX - 1;
     assert_false(seld_usb_init(&rig.usb, &config));
+    config.queue_bytes = 2 * SELD_WIRE_FRAME_MAX;
+    config.reply_bytes = SELD_WIRE_FRAME_MAX - 1;
+    assert_false(seld_usb_init(&rig.usb, &config));
 }
 
 #define TEST(name) cmocka_unit_test_setup(name, set_up)

@@ -319,11 +319,13 @@ static void state_reports_carry_every_field(void **state)
     seld_hid_state report;
     sent.command_number = 255;
     sent.command_result = 7;
-    sent.syringe_ul = INT16_MIN;
-    sent.inflator_kPa = UINT16_MAX;
+    sent.syringe_counts = INT32_MIN;
+    sent.inflator_raw = INT32_MAX;
+    sent.lines = 0x1f;
+    sent.fault_count = 200;
     for (int k = 0; k < 3; k++)
-        sent.tracks[k] = (seld_hid_track){INT32_MIN + k, INT32_MAX - k, (int16_t)(-8000 - k),
-                                          INT16_MAX,     INT16_MIN,     (int16_t)(k - 1)};
+        sent.tracks[k] = (seld_hid_track){INT32_MIN + k, INT32_MAX - k, (int16_t)(-8000 - k), INT16_MAX,
+                                          (int16_t)(INT16_MIN + k)};
     seld_usb_timer(&rig.usb, &sent);
     assert_int_equal(usb_host_packet_in(&rig.host, STATUS, bytes, 64, &count), USB_OK);
     assert_true(seld_hid_decode_state(bytes + 1, count - 1, &report));
@@ -334,9 +336,17 @@ static void state_reports_carry_every_field(void **state)
     assert_int_equal(report.command_number, sent.command_number);
     assert_int_equal(report.command_result, sent.command_result);
     assert_int_equal(report.buttons, sent.buttons);
-    assert_memory_equal(report.tracks, sent.tracks, sizeof sent.tracks);
-    assert_int_equal(report.syringe_ul, sent.syringe_ul);
-    assert_int_equal(report.inflator_kPa, sent.inflator_kPa);
+    for (int k = 0; k < 3; k++) {
+        assert_int_equal(report.tracks[k].translation_counts, sent.tracks[k].translation_counts);
+        assert_int_equal(report.tracks[k].rotation_counts, sent.tracks[k].rotation_counts);
+        assert_int_equal(report.tracks[k].motor_axial_mN, sent.tracks[k].motor_axial_mN);
+        assert_int_equal(report.tracks[k].motor_torque_uN_m, sent.tracks[k].motor_torque_uN_m);
+        assert_int_equal(report.tracks[k].sensor_axial_mN, sent.tracks[k].sensor_axial_mN);
+    }
+    assert_int_equal(report.syringe_counts, sent.syringe_counts);
+    assert_int_equal(report.inflator_raw, sent.inflator_raw);
+    assert_int_equal(report.lines, sent.lines);
+    assert_int_equal(report.fault_count, sent.fault_count);
 }
 
 static void commands_come_by_pipe_and_by_control(void **state)

@@ -105,6 +105,7 @@ void usb_rig_reboot(usb_rig *rig, bool can_high_speed)
         .serial = "RIG-0001",
         .queue = rig->queue,
         .queue_bytes = sizeof rig->queue,
+        .reply_bytes = SELD_WIRE_FRAME_MAX,
     };
     seld_mailbox_udc_init(&rig->controller, &rig->mailbox, can_high_speed);
     seld_usb_init(&rig->usb, &config);

@@ -13,7 +13,9 @@ bool seld_usb_init(seld_usb *usb, const seld_usb_config *config)
 {
     unsigned char *bytes = (unsigned char *)usb;
     for (size_t i = 0; i < sizeof *usb; i++) bytes[i] = 0;
-    if (config->queue_bytes < 2 * SELD_WIRE_FRAME_MAX || !serial_is_good(config->serial)) return false;
+    if (config->reply_bytes < SELD_WIRE_FRAME_MAX || config->reply_bytes > config->queue_bytes / 2)
+        return false;
+    if (!serial_is_good(config->serial)) return false;
     usb->config = *config;
     return true;
 }

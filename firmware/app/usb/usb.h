@@ -9,7 +9,7 @@
  *  - To the host: a frame is queued whole or refused. When the queue runs empty behind a full packet, an empty packet
  *    follows, so that a host's longer read ends.
  *  - To the device: an empty packet means nothing. Bytes are handed to the app frame by frame, and only while the queue
- *    has room for the longest reply; otherwise the packet is held and the host sees NAK.
+ *    has room for the longest answer (`reply_bytes`); otherwise the packet is held and the host sees NAK.
  *  - A stream begins (SET_CONFIGURATION, SET_INTERFACE, CLEAR_FEATURE of a halt) with an empty queue and a zero byte, both
  *    ways, which ends a frame that was cut.
  *
@@ -68,9 +68,11 @@ typedef struct seld_usb_app {
 typedef struct seld_usb_config {
     const seld_udc *udc;
     const seld_usb_app *app;
-    const char *serial;   /* ASCII, 1 .. SELD_USB_SERIAL_MAX characters; what tells two rigs apart */
-    uint8_t *queue;       /* frames on their way to the host */
-    uint32_t queue_bytes; /* at least 2 x SELD_WIRE_FRAME_MAX */
+    const char *serial; /* ASCII, 1 .. SELD_USB_SERIAL_MAX characters; what tells two rigs apart */
+    uint8_t *queue;     /* frames on their way to the host */
+    uint32_t queue_bytes;
+    uint32_t reply_bytes; /* room that a request must find: all the frames that may answer one. At least
+                             SELD_WIRE_FRAME_MAX, at most half of the queue */
 } seld_usb_config;
 
 /* Endpoints in the order of usb_table.def. */
@@ -130,7 +132,7 @@ typedef struct seld_usb {
     _Alignas(32) uint8_t stream_out[SELD_USB_STREAM_PACKET];
 } seld_usb;
 
-/* `config` is copied; what it points to must outlive the stack. False: the queue is too short, or the serial number is
+/* `config` is copied; what it points to must outlive the stack. False: the queue or the room for replies is too short, or the serial is
  * empty, too long or not printable ASCII. */
 bool seld_usb_init(seld_usb *usb, const seld_usb_config *config);
 

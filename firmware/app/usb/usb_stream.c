@@ -77,7 +77,7 @@ bool seld_usb_stream_deliver(seld_usb *usb)
 {
     if (usb->configuration == 0 || usb->is_halted[SELD_USB_STREAM_OUT]) return false;
     if (usb->held_begin < usb->held_end) {
-        if (seld_usb_queue_room(usb) < SELD_WIRE_FRAME_MAX) return false;
+        if (seld_usb_queue_room(usb) < usb->config.reply_bytes) return false;
         uint32_t begin = usb->held_begin, end = begin + 1;
         while (end < usb->held_end && usb->stream_out[end - 1] != 0) end++;
         usb->held_begin = end;

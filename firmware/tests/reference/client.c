@@ -9,6 +9,13 @@ void client_open(client *c, uint32_t scene_slot_bytes)
     seld_wire_decoder_init(&c->decoder);
 }
 
+void client_open_pipe(client *c, const client_pipe *pipe)
+{
+    memset(c, 0, sizeof *c);
+    c->pipe = *pipe;
+    seld_wire_decoder_init(&c->decoder);
+}
+
 void client_close(client *c)
 {
     seld_sim_destroy(c->sim);
@@ -20,13 +27,21 @@ void client_send(client *c, uint16_t type, const uint8_t *payload, size_t length
     c->sequence = c->sequence == UINT16_MAX ? 1 : (uint16_t)(c->sequence + 1);
     const seld_wire_header header = {c->sequence, 0, type};
     size_t bytes = seld_wire_frame_encode(&header, payload, length, c->frame, sizeof c->frame);
-    seld_sim_write(c->sim, c->frame, bytes);
+    if (c->sim != NULL)
+        seld_sim_write(c->sim, c->frame, bytes);
+    else
+        c->pipe.write(c->pipe.context, c->frame, bytes);
+}
+
+static size_t read_byte(client *c, uint8_t *byte)
+{
+    return c->sim != NULL ? seld_sim_read(c->sim, byte, 1) : c->pipe.read(c->pipe.context, byte, 1);
 }
 
 uint16_t client_receive(client *c)
 {
     uint8_t byte;
-    while (seld_sim_read(c->sim, &byte, 1) == 1) {
+    while (read_byte(c, &byte) == 1) {
         if (seld_wire_decoder_push(&c->decoder, byte) == SELD_WIRE_FRAME) return c->decoder.header.type;
     }
     return 0;

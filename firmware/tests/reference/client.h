@@ -6,8 +6,16 @@
 #include "firmware/port/sim/sim.h"
 #include "shared/wire/wire_frame.h"
 
+/* Another way to a device than a sim's: `read` returns 0 when the device has said everything. */
+typedef struct client_pipe {
+    void *context;
+    void (*write)(void *context, const uint8_t *bytes, size_t count);
+    size_t (*read)(void *context, uint8_t *bytes, size_t capacity);
+} client_pipe;
+
 typedef struct client {
-    seld_sim *sim;
+    seld_sim *sim; /* NULL: the pipe leads to the device */
+    client_pipe pipe;
     seld_wire_decoder decoder;
     uint16_t sequence;
     uint16_t tool_count; /* of the last client_tools or client_start_tools */
@@ -19,6 +27,7 @@ typedef struct client {
 
 /* A sim that has been powered up; client_close ends it. */
 void client_open(client *c, uint32_t scene_slot_bytes);
+void client_open_pipe(client *c, const client_pipe *pipe);
 void client_close(client *c);
 
 /* Frame `length` payload bytes as a message and hand it to the device. */

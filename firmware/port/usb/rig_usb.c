@@ -1,0 +1,252 @@
+/* The app on USB. */
+#include "firmware/port/usb/rig_usb.h"
+
+_Static_assert((int)SELD_TOOL_MAX == (int)(sizeof((seld_hid_state *)0)->tracks / sizeof(seld_hid_track)),
+               "app and reports agree about the number of tracks");
+
+enum { LINE_DRIVEN = 16 };
+
+/* --- stream --- */
+bool seld_rig_usb_transmit(void *context, const uint8_t *frame, size_t frame_bytes)
+{
+    seld_rig_usb *rig = context;
+    return seld_usb_transmit(&rig->usb, frame, frame_bytes);
+}
+
+size_t seld_rig_usb_room(void *context)
+{
+    const seld_rig_usb *rig = context;
+    return seld_usb_queue_room(&rig->usb);
+}
+
+static void receive(void *context, const uint8_t *bytes, size_t count)
+{
+    seld_rig_usb *rig = context;
+    rig->is_mid_frame = bytes[count - 1] != 0;
+    seld_app_receive(rig->app, bytes, count);
+}
+
+/* A message as if the host had sent it between two frames. A frame that is half there is cut, so that STOP never waits.
+ * Sequence number 0: the answer belongs to nobody's request. */
+static void say(seld_rig_usb *rig, uint16_t type, size_t payload_bytes)
+{
+    static const uint8_t zero = 0;
+    const seld_wire_header header = {0, 0, type};
+    const size_t bytes =
+        seld_wire_frame_encode(&header, rig->payload, payload_bytes, rig->frame, sizeof rig->frame);
+    if (rig->is_mid_frame) seld_app_receive(rig->app, &zero, 1);
+    rig->is_mid_frame = false;
+    seld_app_receive(rig->app, rig->frame, bytes);
+}
+
+/* --- reports --- */
+static int16_t clamp16(int32_t value)
+{
+    return (int16_t)(value > INT16_MAX ? INT16_MAX : value < INT16_MIN ? INT16_MIN : value);
+}
+
+/* Format: counts x uN / 1000 -> mN. Overflow: 2^33 x 2^20. */
+static int16_t measured_mN(const seld_app *app, uint32_t k)
+{
+    const seld_wire_track *wire = &app->tracks[k].wire;
+    if (!app->has_rig || app->rig.tracks[k].force_sensor != SELD_PORT_SENSOR_OK) return 0;
+    int64_t force =
+        ((int64_t)app->rig.tracks[k].force_raw - wire->force_zero_counts) * wire->force_uN_per_count / 1000;
+    return (int16_t)(force > INT16_MAX ? INT16_MAX : force < INT16_MIN ? INT16_MIN : force);
+}
+
+static uint8_t lines(const seld_app *app)
+{
+    unsigned bits = 0;
+    if (app->rig.emergency_stop) bits |= SELD_WIRE_LINE_STOP;
+    if (app->rig.supply_good) bits |= SELD_WIRE_LINE_SUPPLY;
+    if (app->rig.stage_on) bits |= SELD_WIRE_LINE_STAGE;
+    if (app->rig.local_unlock) bits |= SELD_WIRE_LINE_UNLOCK;
+    if (app->is_driving) bits |= LINE_DRIVEN;
+    return (uint8_t)bits;
+}
+
+void seld_rig_usb_timer(seld_rig_usb *rig)
+{
+    const seld_app *app = rig->app;
+    seld_hid_state state = {
+        .tick = app->state >= SELD_WIRE_STATE_ARMED ? app->core.words.tick : 0,
+        .state = app->state,
+        .mode = app->mode,
+        .fault_code = app->fault_code,
+        .command_number = rig->command_number,
+        .command_result = rig->command_result,
+        .buttons = (uint8_t)(app->has_rig ? app->rig.buttons : app->mailbox.buttons),
+        .lines = lines(app),
+        .fault_count = (uint8_t)(app->fault_count > UINT8_MAX ? UINT8_MAX : app->fault_count),
+        .syringe_counts = app->has_rig ? app->rig.syringe_counts : app->mailbox.syringe_counts,
+        .inflator_raw = app->has_rig ? app->rig.inflator_raw : app->mailbox.inflator_raw,
+    };
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        const seld_port_hand *hand = app->has_rig ? &app->rig.hands[k] : &app->mailbox.hands[k];
+        state.tracks[k] = (seld_hid_track){
+            .translation_counts = hand->translation_counts,
+            .rotation_counts = hand->rotation_counts,
+            .motor_axial_mN = clamp16(app->motors[k].axial_mN),
+            .motor_torque_uN_m = clamp16(app->motors[k].torque_uN_m),
+            .sensor_axial_mN = measured_mN(app, k),
+        };
+    }
+    seld_usb_timer(&rig->usb, &state);
+}
+
+static void identity(void *context, seld_hid_identity *report)
+{
+    (void)context;
+    report->protocol_major = SELD_WIRE_PROTOCOL_MAJOR;
+    report->protocol_minor = SELD_WIRE_PROTOCOL_MINOR;
+    report->schema_hash = seld_wire_schema_hash();
+    report->report_hash = seld_hid_report_hash();
+    report->core_version = SELD_CORE_VERSION;
+}
+
+static void capabilities(void *context, seld_hid_capabilities *report)
+{
+    const seld_port *port = ((const seld_rig_usb *)context)->app->port;
+    report->capabilities = SELD_WIRE_CAPABILITY_LOCKSTEP | SELD_WIRE_CAPABILITY_FREE_RUN |
+                           SELD_WIRE_CAPABILITY_SNAPSHOTS | port->capabilities;
+    report->tick_us = SELD_TICK_us;
+    report->scene_bytes_max = port->scene_slot_bytes;
+    report->track_count = port->capabilities & SELD_WIRE_CAPABILITY_ENCODERS ? SELD_PORT_TOOL_MAX : 0;
+}
+
+/* --- commands: only those that take power away --- */
+static void command(void *context, const seld_hid_command *report)
+{
+    seld_rig_usb *rig = context;
+    const bool is_stop = report->action == SELD_WIRE_ACTION_STOP;
+    const bool is_reset = report->action == SELD_WIRE_ACTION_RESET;
+    rig->command_number = report->number;
+    rig->command_result = SELD_REJECT_ACTION_UNKNOWN;
+    if (!is_stop && !is_reset) return;
+    const seld_wire_command message = {.action = report->action};
+    seld_wire_writer writer = seld_wire_writer_make(rig->payload, sizeof rig->payload);
+    seld_wire_put_command(&writer, &message);
+    say(rig, SELD_WIRE_TYPE_command, writer.length);
+    const bool is_done =
+        is_stop ? rig->app->state != SELD_WIRE_STATE_RUNNING : rig->app->state == SELD_WIRE_STATE_READY;
+    rig->command_result = is_done ? 0 : SELD_REJECT_WRONG_STATE;
+}
+
+/* --- settings: the wire's `rig` with some fields changed, read back to see whether the app took it --- */
+static void calibration(void *context, seld_hid_calibration *report)
+{
+    const seld_app *app = ((const seld_rig_usb *)context)->app;
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        const seld_wire_track *wire = &app->tracks[k].wire;
+        report->tracks[k] = (seld_hid_track_calibration){
+            wire->translation_pm_per_count, wire->rotation_counts_per_turn, wire->force_gain_milli};
+    }
+}
+
+static void limits(void *context, seld_hid_limits *report)
+{
+    const seld_app *app = ((const seld_rig_usb *)context)->app;
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        const seld_wire_track *wire = &app->tracks[k].wire;
+        report->tracks[k] = (seld_hid_track_limits){wire->force_limit_mN, wire->torque_limit_uN_m};
+    }
+}
+
+static seld_wire_rig present(const seld_app *app)
+{
+    seld_wire_rig wire = {.tracks_count = SELD_TOOL_MAX};
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) wire.tracks[k] = app->tracks[k].wire;
+    return wire;
+}
+
+static void set(seld_rig_usb *rig, const seld_wire_rig *wire)
+{
+    seld_wire_writer writer = seld_wire_writer_make(rig->payload, sizeof rig->payload);
+    if (seld_wire_put_rig(&writer, wire)) say(rig, SELD_WIRE_TYPE_rig, writer.length);
+}
+
+static bool set_calibration(void *context, const seld_hid_calibration *report)
+{
+    seld_rig_usb *rig = context;
+    seld_wire_rig wire = present(rig->app);
+    bool is_taken = true;
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        wire.tracks[k].translation_pm_per_count = report->tracks[k].translation_pm_per_count;
+        wire.tracks[k].rotation_counts_per_turn = report->tracks[k].rotation_counts_per_turn;
+        wire.tracks[k].force_gain_milli = report->tracks[k].force_gain_milli;
+    }
+    set(rig, &wire);
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        const seld_wire_track *now = &rig->app->tracks[k].wire;
+        is_taken = is_taken && now->translation_pm_per_count == wire.tracks[k].translation_pm_per_count &&
+                   now->rotation_counts_per_turn == wire.tracks[k].rotation_counts_per_turn &&
+                   now->force_gain_milli == wire.tracks[k].force_gain_milli;
+    }
+    return is_taken;
+}
+
+static bool set_limits(void *context, const seld_hid_limits *report)
+{
+    seld_rig_usb *rig = context;
+    seld_wire_rig wire = present(rig->app);
+    bool is_taken = true;
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        wire.tracks[k].force_limit_mN = report->tracks[k].force_limit_mN;
+        wire.tracks[k].torque_limit_uN_m = report->tracks[k].torque_limit_uN_m;
+    }
+    set(rig, &wire);
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+        const seld_wire_track *now = &rig->app->tracks[k].wire;
+        is_taken = is_taken && now->force_limit_mN == wire.tracks[k].force_limit_mN &&
+                   now->torque_limit_uN_m == wire.tracks[k].torque_limit_uN_m;
+    }
+    return is_taken;
+}
+
+/* --- the loop --- */
+
+/* Nothing to do here: the app notices a host that is gone by its silence, whatever the cause. */
+static void link(void *context, seld_usb_link link)
+{
+    (void)context;
+    (void)link;
+}
+
+bool seld_rig_usb_init(seld_rig_usb *rig, seld_app *app, const seld_udc *udc)
+{
+    rig->app = app;
+    rig->is_mid_frame = false;
+    rig->command_number = rig->command_result = 0;
+    rig->callbacks = (seld_usb_app){
+        .context = rig,
+        .receive = receive,
+        .link = link,
+        .command = command,
+        .identity = identity,
+        .capabilities = capabilities,
+        .calibration = calibration,
+        .limits = limits,
+        .set_calibration = set_calibration,
+        .set_limits = set_limits,
+    };
+    const seld_usb_config config = {
+        .udc = udc,
+        .app = &rig->callbacks,
+        .serial = app->port->serial,
+        .queue = rig->queue,
+        .queue_bytes = sizeof rig->queue,
+        .reply_bytes = SELD_RIG_USB_REPLY_BYTES,
+    };
+    return seld_usb_init(&rig->usb, &config);
+}
+
+void seld_rig_usb_connect(seld_rig_usb *rig, bool connected)
+{
+    seld_usb_connect(&rig->usb, connected);
+}
+
+bool seld_rig_usb_poll(seld_rig_usb *rig)
+{
+    return seld_usb_poll(&rig->usb);
+}

@@ -1,0 +1,44 @@
+/* The whole device in this process behind the token mailbox: the app, the USB stack, the controller in memory. It has no rig; the
+ * host says where the hands are.
+ *
+ * May include: firmware/port, hil_tests/usb. Called by: hil_tests.
+ */
+#ifndef SELD_USB_DEVICE_H
+#define SELD_USB_DEVICE_H
+
+#include "firmware/port/mailbox/mailbox_udc.h"
+#include "firmware/port/usb/rig_usb.h"
+#include "hil_tests/usb/usb_host.h"
+
+enum { USB_DEVICE_SLOT_BYTES = 1 << 16, USB_DEVICE_READ_BYTES = 1 << 14 };
+
+typedef struct usb_device {
+    seld_mailbox mailbox;
+    seld_mailbox_udc controller;
+    seld_rig_usb rig_usb;
+    seld_port port;
+    seld_app app;
+    seld_port_outputs outputs;
+    uint32_t us;
+    usb_host host;
+    uint32_t waits;
+    usb_result last; /* of the pipe below */
+    uint32_t read_begin, read_end;
+    uint8_t read_bytes[USB_DEVICE_READ_BYTES];
+    _Alignas(8) uint8_t slots[2][USB_DEVICE_SLOT_BYTES];
+} usb_device;
+
+/* Power up, reset, address, configuration; the zero that begins the stream is read. False: something was refused. */
+bool usb_device_open(usb_device *device);
+
+/* One millisecond. */
+void usb_device_tick(usb_device *device);
+
+/* Everything that the device can do without the host. */
+void usb_device_settle(usb_device *device);
+
+/* The stream as a pipe of bytes; `context` is the usb_device. */
+void usb_device_write(void *context, const uint8_t *bytes, size_t count);
+size_t usb_device_read(void *context, uint8_t *bytes, size_t capacity);
+
+#endif
