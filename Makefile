@@ -33,7 +33,6 @@ objects     = $(patsubst %,$(BUILD)/obj/%.o,$(1))
 
 # What each program and test folder links, in link order.
 FIRMWARE_LIBS := firmware/port/sim firmware/app firmware/core shared/scene shared/wire
-USB_LIBS      := hil_tests/usb firmware/port/usb firmware/port/mailbox firmware/app/usb firmware/app firmware/core shared/scene shared/wire
 DEVICE_LIBS   := hil_tests/usb firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
 HOST_LIBS     := host/app host/xray host/link host/model $(FIRMWARE_LIBS)
 BAKE_LIBS     := tools/bake host/model firmware/core shared/scene shared/wire
@@ -161,14 +160,15 @@ tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS),$(call test
 
 # --- the USB side against the host's libraries: docs/usb.md --------------------------------------------------------------
 HIL_FOLDER := $(BUILD)/hil
-USB_CHECKS := $(HIL_FOLDER)/usb_check $(HIL_FOLDER)/hid_check_hidraw $(HIL_FOLDER)/hid_check_libusb
+USB_CHECKS := $(HIL_FOLDER)/app_check $(HIL_FOLDER)/usb_check $(HIL_FOLDER)/hid_check_hidraw $(HIL_FOLDER)/hid_check_libusb
 define hil_rule
-$(HIL_FOLDER)/$(1): $(call objects,$(2)) $(foreach lib,$(USB_LIBS),$(call lib_file,$(lib)))
+$(HIL_FOLDER)/$(1): $(call objects,$(2)) $(foreach lib,$(DEVICE_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $$(@D)
 	$$(Q) $(CC) $$^ -o $$@ $(LDFLAGS) $(3)
 endef
 $(eval $(call hil_rule,bridge,hil_tests/l3/bridge.c,-lusbredirparser))
 $(eval $(call hil_rule,usb_check,hil_tests/library/usb_check.c hil_tests/library/check.c,-lusb-1.0))
+$(eval $(call hil_rule,app_check,hil_tests/library/app_check.c hil_tests/library/check.c $(REFERENCE),-lusb-1.0 -lm))
 $(eval $(call hil_rule,hid_check_hidraw,hil_tests/library/hid_check.c hil_tests/library/check.c,-lhidapi-hidraw))
 $(eval $(call hil_rule,hid_check_libusb,hil_tests/library/hid_check.c hil_tests/library/check.c,-lhidapi-libusb))
 
@@ -176,13 +176,14 @@ $(BUILD)/obj/hil_tests/l2/%.c.o: CFLAGS += $(patsubst -I%,-isystem %,$(shell pkg
 $(eval $(call hil_rule,mock_bus,$(wildcard hil_tests/l2/*.c),-lumockdev -lgobject-2.0 -lglib-2.0))
 hil-programs: $(HIL_FOLDER)/bridge $(HIL_FOLDER)/mock_bus $(USB_CHECKS) ## build the programs of hil-mock and hil-guest
 
-hil-mock: packages-usb ## libusb and hidapi see the loop-back device by umockdev, on a machine without USB
+hil-mock: packages-usb ## libusb and hidapi see the device by umockdev, on a machine without USB
 	@$(QUIET_MAKE) hil-programs
 	@HIL=$(HIL_FOLDER) hil_tests/l2/test_l2.sh
 
-hil-guest: packages-usb ## the loop-back device behind a real Linux: Debian's kernel in QEMU, xHCI, libusb, hidapi
+hil-guest: packages-usb ## the device behind a real Linux: Debian's kernel in QEMU, xHCI, libusb, hidapi
 	@$(QUIET_MAKE) hil-programs
 	@hil_tests/l3/run_guest.py --bridge $(HIL_FOLDER)/bridge --kernel $(HIL_FOLDER)/kernel --here hil_tests/l3/checks.sh
+	@hil_tests/l3/run_guest.py --bridge $(HIL_FOLDER)/bridge --kernel $(HIL_FOLDER)/kernel --app hil_tests/l3/checks_app.sh
 
 # A fuzz target (fuzz_*.c) is one libFuzzer program and one that writes its first inputs: docs/testing.md.
 FUZZ_TARGETS := $(wildcard firmware/tests/fuzz_*.c shared/*/tests/fuzz_*.c hil_tests/fuzz_*.c)

@@ -2,7 +2,8 @@
  * to /dev/bus/usb and /dev/hidraw0 here; here they become tokens for the device on the mailbox. The program and its libraries
  * are the ones that ship.
  *
- *   umockdev-wrapper mock_bus --here -- PROGRAM ARGUMENT...
+ *   umockdev-wrapper mock_bus --here -- PROGRAM ARGUMENT...     the loop-back rig
+ *   umockdev-wrapper mock_bus --app -- PROGRAM ARGUMENT...      the whole app
  *   umockdev-wrapper mock_bus --mailbox FILE:OFFSET -- PROGRAM ARGUMENT...
  *
  * The exit code is the program's; 1 when the device does not come up, 2 for bad arguments.
@@ -207,27 +208,18 @@ static int run_program(char **arguments)
     return 1;
 }
 
-static const char *open_peer(mock *m, const char *option, char *place)
-{
-    if (strcmp(option, "--here") == 0) {
-        usb_peer_open_here(&m->peer);
-        return NULL;
-    }
-    char *colon = strrchr(place, ':');
-    if (colon != NULL) *colon = '\0';
-    return usb_peer_open_file(&m->peer, place, colon != NULL ? strtoull(colon + 1, NULL, 0) : 0);
-}
-
 int main(int argc, char **argv)
 {
     static mock m;
     pthread_t bus;
-    const bool is_here = argc > 3 && strcmp(argv[1], "--here") == 0 && strcmp(argv[2], "--") == 0;
-    const bool is_far = argc > 4 && strcmp(argv[1], "--mailbox") == 0 && strcmp(argv[3], "--") == 0;
-    const char *wrong = is_here || is_far ? open_peer(&m, argv[1], argv[2])
-                                          : "usage: mock_bus (--here | --mailbox FILE:OFFSET) -- PROGRAM";
+    int used = 0;
+    const char *wrong = usb_peer_open(&m.peer, argc - 1, argv + 1, &used);
+    if (wrong == NULL && (argc < used + 3 || strcmp(argv[used + 1], "--") != 0))
+        wrong = "a program comes behind --";
     if (wrong != NULL) {
-        fprintf(stderr, "mock_bus: %s\n", wrong);
+        fprintf(stderr,
+                "mock_bus: %s\nusage: mock_bus (--here | --app | --mailbox FILE[:OFFSET]) -- PROGRAM\n",
+                wrong);
         return 2;
     }
     pthread_mutex_init(&m.lock, NULL);
@@ -252,7 +244,7 @@ int main(int argc, char **argv)
         return 1;
     }
     pthread_create(&bus, NULL, run_bus, &m);
-    const int result = run_program(argv + (is_here ? 3 : 4));
+    const int result = run_program(argv + used + 2);
     pthread_mutex_lock(&m.lock);
     m.is_over = true;
     pthread_mutex_unlock(&m.lock);

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Level L2: libusb and hidapi, unmodified, see the loop-back device on a machine without USB. Prints TAP. The programs come from
+# Level L2: libusb and hidapi, unmodified, see the loop-back rig, then the whole app, on a machine without USB. Prints TAP. The programs come from
 # $HIL, by default the sanitized ones: every call of theirs and all of the stack run under the address and undefined-behaviour
 # sanitizers. (Leaks are umockdev's own until it ends, so they are not looked for.)
 folder="${HIL:-${BUILD:-build}/san/hil}"
@@ -7,10 +7,15 @@ preload="libumockdev-preload.so.0"
 case "$folder" in */san/*) preload="$(gcc -print-file-name=libasan.so) $preload" ;; esac
 count=0
 status=0
-for program in usb_check hid_check_hidraw hid_check_libusb; do
+
+# one DEVICE PROGRAM ARGUMENT...: the program's own verdict, its figures as notes
+one() {
+    device="$1"
+    program="$2"
+    shift 2
     count=$((count + 1))
-    if output=$(ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$folder/mock_bus" --here -- "$folder/$program" \
-        --serial RIG-0001 2>&1); then
+    if output=$(ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$folder/mock_bus" "$device" -- "$folder/$program" \
+        "$@" 2>&1); then
         echo "ok $count - ${program}_passes_on_a_mocked_bus"
         echo "$output" | grep '^# link'
     else
@@ -18,6 +23,9 @@ for program in usb_check hid_check_hidraw hid_check_libusb; do
         echo "not ok $count - ${program}_passes_on_a_mocked_bus"
         echo "$output" | sed 's/^/# /'
     fi
-done
+}
+
+for program in usb_check hid_check_hidraw hid_check_libusb; do one --here $program --serial RIG-0001; done
+one --app app_check
 echo "1..$count"
 exit $status

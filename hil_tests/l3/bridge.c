@@ -1,7 +1,8 @@
 /* Shows a device on the token mailbox to a machine in QEMU, by usbredir over a unix socket.
  *
  *   bridge SOCKET --here                     the loop-back rig, in this process
- *   bridge SOCKET --mailbox FILE [OFFSET]    whatever serves the mailbox in FILE
+ *   bridge SOCKET --app                      the whole app, in this process
+ *   bridge SOCKET --mailbox FILE[:OFFSET]    whatever serves the mailbox in FILE
  *
  * Waits for QEMU to connect (`-chardev socket,path=SOCKET -device usb-redir`), ends when it disconnects. The device may
  * unplug itself, start again and come back at any time. Exit code 0; 1 when the device hangs; 2 for bad arguments.
@@ -374,17 +375,12 @@ static int wait_for_qemu(const char *path)
 int main(int argc, char **argv)
 {
     static bridge b;
-    const bool is_here = argc == 3 && strcmp(argv[2], "--here") == 0;
-    const bool is_far = (argc == 4 || argc == 5) && strcmp(argv[2], "--mailbox") == 0;
-    if (!is_here && !is_far) {
-        fprintf(stderr, "usage: bridge SOCKET --here | bridge SOCKET --mailbox FILE [OFFSET]\n");
-        return 2;
-    }
-    if (is_here) usb_peer_open_here(&b.peer);
-    const char *wrong = NULL;
-    if (is_far) wrong = usb_peer_open_file(&b.peer, argv[3], argc == 5 ? strtoull(argv[4], NULL, 0) : 0);
+    int used = 0;
+    const char *wrong = usb_peer_open(&b.peer, argc - 2, argv + 2, &used);
+    if (wrong == NULL && argc != 2 + used) wrong = "there are words that mean nothing";
     if (wrong != NULL) {
-        fprintf(stderr, "bridge: %s: %s\n", argv[3], wrong);
+        fprintf(stderr, "bridge: %s\nusage: bridge SOCKET (--here | --app | --mailbox FILE[:OFFSET])\n",
+                wrong);
         return 2;
     }
     b.urbs = (usb_urbs){.host = b.peer.host, .complete = on_complete, .context = &b};

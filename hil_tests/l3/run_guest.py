@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Level L3: runs shell commands in a virtual machine with Debian's kernel that has the device on its USB.
 
-  run_guest.py [--bridge PROGRAM] [--kernel FOLDER] [--seconds N] (--here | --mailbox FILE[:OFFSET]) -- SCRIPT
+  run_guest.py [--bridge PROGRAM] [--kernel FOLDER] [--seconds N] (--here | --app | --mailbox FILE[:OFFSET]) SCRIPT
 
 QEMU emulates an x86-64 PC with an xHCI controller; the bridge hands it the device by usbredir. SCRIPT, a file below the
 current folder, is run by sh in the guest, with the host's file tree mounted read-only, so it runs the very programs of the
@@ -52,7 +52,7 @@ def stop(process):
 def run_guest(options, script):
     """(exit code, output) of the script; a reason instead of output when the guest did not come that far."""
     vmlinux, initrd = kernel.prepare(options.kernel)
-    device = ["--here"] if options.here else ["--mailbox"] + options.mailbox.split(":")
+    device = ["--mailbox", options.mailbox] if options.mailbox else ["--app" if options.app else "--here"]
     with tempfile.TemporaryDirectory() as folder:
         socket = os.path.join(folder, "usb")
         bridge = subprocess.Popen([options.bridge, socket] + device)
@@ -84,6 +84,7 @@ def main():
     parser.add_argument("--seconds", type=int, default=60, help="deadline (default: 60)")
     device = parser.add_mutually_exclusive_group(required=True)
     device.add_argument("--here", action="store_true", help="the loop-back rig inside the bridge")
+    device.add_argument("--app", action="store_true", help="the whole app inside the bridge")
     device.add_argument("--mailbox", metavar="FILE[:OFFSET]", help="a mailbox in shared memory")
     parser.add_argument("script")
     options = parser.parse_args()

@@ -58,8 +58,9 @@ static usb_result control(usb_device *device, uint8_t request, uint16_t value)
     return usb_host_control(&device->host, &setup, NULL, &none);
 }
 
-bool usb_device_open(usb_device *device)
+bool usb_device_start(usb_device *device)
 {
+    static _Alignas(8) uint8_t slots[2][USB_DEVICE_SLOT_BYTES];
     memset(device, 0, sizeof *device);
     device->port = (seld_port){
         .context = device,
@@ -69,7 +70,7 @@ bool usb_device_open(usb_device *device)
         .outputs = take_outputs,
         .now_us = now_us,
         .serial = "USB-0001",
-        .scene_slots = {device->slots[0], device->slots[1]},
+        .scene_slots = {slots[0], slots[1]},
         .scene_slot_bytes = USB_DEVICE_SLOT_BYTES,
     };
     device->host = (usb_host){
@@ -84,6 +85,12 @@ bool usb_device_open(usb_device *device)
     seld_app_init(&device->app, &device->port);
     if (!seld_rig_usb_init(&device->rig_usb, &device->app, &device->controller.udc)) return false;
     seld_rig_usb_connect(&device->rig_usb, true);
+    return true;
+}
+
+bool usb_device_open(usb_device *device)
+{
+    if (!usb_device_start(device)) return false;
     if (usb_host_bus(&device->host, SELD_MAILBOX_RESET_HIGH) != USB_OK || control(device, 5, 1) != USB_OK)
         return false;
     device->host.address = 1;

@@ -1,5 +1,5 @@
 /* The whole device in this process behind the token mailbox: the app, the USB stack, the controller in memory. It has no rig; the
- * host says where the hands are.
+ * host says where the hands are. One per process: the scene slots are static.
  *
  * May include: firmware/port, hil_tests/usb. Called by: hil_tests.
  */
@@ -10,7 +10,7 @@
 #include "firmware/port/usb/rig_usb.h"
 #include "hil_tests/usb/usb_host.h"
 
-enum { USB_DEVICE_SLOT_BYTES = 1 << 16, USB_DEVICE_READ_BYTES = 1 << 14 };
+enum { USB_DEVICE_SLOT_BYTES = 1 << 23, USB_DEVICE_READ_BYTES = 1 << 14 };
 
 typedef struct usb_device {
     seld_mailbox mailbox;
@@ -25,10 +25,12 @@ typedef struct usb_device {
     usb_result last; /* of the pipe below */
     uint32_t read_begin, read_end;
     uint8_t read_bytes[USB_DEVICE_READ_BYTES];
-    _Alignas(8) uint8_t slots[2][USB_DEVICE_SLOT_BYTES];
 } usb_device;
 
-/* Power up, reset, address, configuration; the zero that begins the stream is read. False: something was refused. */
+/* Power up, on the bus; the host is there and has not reset it yet. False: the stack refused its configuration. */
+bool usb_device_start(usb_device *device);
+
+/* The same, then reset, address, configuration; the zero that begins the stream is read. False: something was refused. */
 bool usb_device_open(usb_device *device);
 
 /* One millisecond. */

@@ -3,6 +3,7 @@
 #include "hil_tests/usb/usb_peer.h"
 
 #include <fcntl.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -22,7 +23,7 @@ int64_t usb_peer_now_ns(void)
 void usb_peer_open_here(usb_peer *peer)
 {
     memset(peer, 0, sizeof *peer);
-    peer->is_here = true;
+    peer->kind = USB_PEER_RIG;
     usb_rig_open(&peer->rig, true);
     peer->host = &peer->rig.host;
     peer->next_tick_ns = usb_peer_now_ns() + MS_ns;
@@ -39,18 +40,36 @@ static void burst(usb_rig *rig)
     }
 }
 
+void usb_peer_open_app(usb_peer *peer)
+{
+    memset(peer, 0, sizeof *peer);
+    peer->kind = USB_PEER_APP;
+    usb_device_start(&peer->app);
+    peer->host = &peer->app.host;
+    peer->next_tick_ns = usb_peer_now_ns() + MS_ns;
+}
+
+static void run_one(usb_peer *peer, bool tick)
+{
+    if (peer->kind == USB_PEER_RIG) {
+        if (tick) usb_rig_tick(&peer->rig);
+        usb_rig_settle(&peer->rig);
+    } else {
+        if (tick) usb_device_tick(&peer->app);
+        usb_device_settle(&peer->app);
+    }
+}
+
 void usb_peer_run(usb_peer *peer)
 {
-    if (!peer->is_here) return;
+    if (peer->kind == USB_PEER_FILE) return;
     usb_rig *rig = &peer->rig;
     const int64_t now = usb_peer_now_ns();
     if (now - peer->next_tick_ns > 100 * (int64_t)MS_ns)
         peer->next_tick_ns = now; /* this machine was asleep */
-    for (; peer->next_tick_ns <= now; peer->next_tick_ns += MS_ns) {
-        usb_rig_tick(rig);
-        usb_rig_settle(rig);
-    }
-    usb_rig_settle(rig);
+    for (; peer->next_tick_ns <= now; peer->next_tick_ns += MS_ns) run_one(peer, true);
+    run_one(peer, false);
+    if (peer->kind != USB_PEER_RIG) return;
     if (peer->last_command == rig->commands) return;
     peer->last_command = rig->commands;
     if (rig->command.action == COMMAND_BURST) burst(rig);
@@ -79,6 +98,7 @@ const char *usb_peer_open_file(usb_peer *peer, const char *path, uint64_t offset
 {
     struct stat status;
     memset(peer, 0, sizeof *peer);
+    peer->kind = USB_PEER_FILE;
     const int file = open(path, O_RDWR | O_CLOEXEC);
     if (file < 0) return "the file cannot be opened for reading and writing";
     if (fstat(file, &status) != 0 || (uint64_t)status.st_size < offset + SELD_MAILBOX_BYTES) {
@@ -98,4 +118,27 @@ const char *usb_peer_open_file(usb_peer *peer, const char *path, uint64_t offset
     };
     peer->host = &peer->far;
     return NULL;
+}
+
+const char *usb_peer_open(usb_peer *peer, int count, char **words, int *used)
+{
+    *used = 1;
+    if (count >= 1 && strcmp(words[0], "--here") == 0) {
+        usb_peer_open_here(peer);
+        return NULL;
+    }
+    if (count >= 1 && strcmp(words[0], "--app") == 0) {
+        usb_peer_open_app(peer);
+        return NULL;
+    }
+    *used = 2;
+    if (count < 2 || strcmp(words[0], "--mailbox") != 0)
+        return "name the device: --here, --app, or --mailbox FILE[:OFFSET]";
+    char *colon = strrchr(words[1], ':');
+    uint64_t offset = 0;
+    if (colon != NULL) {
+        offset = strtoull(colon + 1, NULL, 0);
+        *colon = '\0';
+    }
+    return usb_peer_open_file(peer, words[1], offset);
 }

@@ -1,17 +1,21 @@
-/* The device that a bridge shows to a host: the loop-back rig in this process, or whatever serves a mailbox in a file that
- * another process has mapped too (an emulator's memory).
+/* The device that a bridge shows to a host: the loop-back rig or the whole app in this process, or whatever serves a mailbox in
+ * a file that another process has mapped too (an emulator's memory).
  *
  * May include: hil_tests/usb. Called by: bridges.
  */
 #ifndef SELD_USB_PEER_H
 #define SELD_USB_PEER_H
 
+#include "hil_tests/usb/usb_device.h"
 #include "hil_tests/usb/usb_rig.h"
 
+typedef enum usb_peer_kind { USB_PEER_RIG, USB_PEER_APP, USB_PEER_FILE } usb_peer_kind;
+
 typedef struct usb_peer {
+    usb_peer_kind kind;
     usb_host *host;
-    bool is_here; /* in this process */
-    usb_rig rig;  /* if so */
+    usb_rig rig; /* one of these three */
+    usb_device app;
     usb_host far;
     int64_t next_tick_ns, deadline_ns;
     uint32_t looks;
@@ -26,8 +30,15 @@ int64_t usb_peer_now_ns(void);
  * value2 bytes. */
 void usb_peer_open_here(usb_peer *peer);
 
+/* The app in this process, with milliseconds by the clock. */
+void usb_peer_open_app(usb_peer *peer);
+
 /* A mailbox at `offset` of a file that is large enough. NULL, or what is wrong. */
 const char *usb_peer_open_file(usb_peer *peer, const char *path, uint64_t offset);
+
+/* By the words of a command line: "--here", "--app", or "--mailbox" and FILE[:OFFSET]. Counts the words that were used. NULL, or
+ * what is wrong. */
+const char *usb_peer_open(usb_peer *peer, int count, char **words, int *used);
 
 /* Let a device in this process do its work up to now. */
 void usb_peer_run(usb_peer *peer);

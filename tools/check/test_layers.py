@@ -44,7 +44,7 @@ ALLOWED = {
     "hil_tests": ["shared", "hil_tests/usb", "firmware/tests/reference", "host/app", "host/model", "tools/bake"],
     "hil_tests/l2": ["hil_tests/usb"],
     "hil_tests/l3": ["hil_tests/usb"],
-    "hil_tests/library": ["shared/wire"],
+    "hil_tests/library": ["shared/wire", "firmware/tests/reference"],
     "hil_tests/usb": ["shared", "firmware/app", "firmware/port"],
 }
 
