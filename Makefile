@@ -45,7 +45,7 @@ HOST_LINK     := -lpng -lglfw -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest
+.PHONY: all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -271,6 +271,25 @@ budget: packages-build packages-matrix packages-budget ## count the Cortex-M7's 
 	@$(QUIET_MAKE) $(M7_IMAGE) $(BUDGET_MAKE)
 	@tools/bench/budget.py --build $(BUILD) $(if $(ACCEPT),--accept)
 
+# --- the device's image: docs/hil.md ---------------------------------------------------------------------------------
+IMAGE         := $(BUILD)/firmware/seldinger-mps2_an500.elf
+IMAGE_FOLDER  := firmware/port/mps2_an500/device
+IMAGE_SOURCES := $(wildcard firmware/core/*.c firmware/app/*.c shared/wire/*.c shared/scene/*.c $(IMAGE_FOLDER)/*.c) firmware/port/mps2_an500/memory.c
+# What only hosts need of the shared libraries is left out by the linker.
+IMAGE_FLAGS   := -isystem firmware/port/libc -ffunction-sections -fdata-sections
+
+$(BUILD)/firmware/obj/firmware/core/%.c.o: IMAGE_OPT := $(CORE_OPT) -fno-schedule-insns -fno-tree-pre
+$(BUILD)/firmware/obj/%.c.o: IMAGE_OPT ?= -O2
+$(BUILD)/firmware/obj/%.c.o: %.c
+	@mkdir -p $(@D)
+	$(Q) $(M7_CC) $(M7_FLAGS) $(IMAGE_FLAGS) $(IMAGE_OPT) -c $< -o $@
+$(IMAGE): $(IMAGE_SOURCES:%=$(BUILD)/firmware/obj/%.o) $(IMAGE_FOLDER)/device.ld
+	$(Q) $(M7_CC) -mcpu=cortex-m7 -mthumb -mfloat-abi=soft -nostdlib -Wl,--gc-sections -T $(IMAGE_FOLDER)/device.ld $(filter %.o,$^) -o $@ -lgcc
+
+firmware: packages-build packages-matrix ## build the device's image for the emulated Cortex-M7 and check it: build/firmware
+	@$(QUIET_MAKE) $(IMAGE)
+	@tools/bench/image_report.py --objects $(BUILD)/firmware/obj $(IMAGE)
+
 # --- the thesis' rod beside ours: docs/thesis.md ---------------------------------------------------------------------
 PHANTOM_TEXT  := $(BUILD)/anatomy/phantom/scene.toml
 PHANTOM_SCENE := out/phantom.scene
@@ -297,4 +316,4 @@ clean: ## remove build/ and out/
 format: ## lay out every C and C++ file by .clang-format
 	git ls-files '*.c' '*.h' '*.cpp' '*.hpp' | xargs clang-format -i
 
--include $(shell [ -d $(BUILD)/obj ] && find $(BUILD)/obj $(wildcard $(BUILD)/m7) -name '*.d')
+-include $(shell [ -d $(BUILD)/obj ] && find $(BUILD)/obj $(wildcard $(BUILD)/m7 $(BUILD)/firmware) -name '*.d')

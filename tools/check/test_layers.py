@@ -18,6 +18,8 @@ ALLOWED = {
     "firmware/port/mailbox": ["firmware/port/udc.h", "shared/mailbox"],
     "firmware/port/sim": ["firmware/app", "firmware/port/port.h"],
     "firmware/port/mps2_an500": [],
+    "firmware/port/mps2_an500/device": ["firmware/app", "firmware/port/port.h", "firmware/port/mps2_an500"],
+    "firmware/port/libc": [],
     "firmware/tests": ["firmware", "shared"],
     "firmware/tests/reference": ["firmware/core", "firmware/port/sim/sim.h", "firmware/port/port.h", "shared"],
     "firmware/bench": ["firmware", "shared"],
@@ -60,6 +62,7 @@ SYSTEM = {
     "firmware/port": FREESTANDING,
     "firmware/port/sim": FREESTANDING | {"string.h", "stdlib.h"},
     "firmware/port/mps2_an500": FREESTANDING,
+    "firmware/port/libc": FREESTANDING,
     "shared/wire": FREESTANDING | {"string.h"},
     "shared/scene": FREESTANDING | {"string.h"},
 }

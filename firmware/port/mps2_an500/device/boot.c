@@ -1,0 +1,52 @@
+/* From reset to main(), and what is left when an exception ends the program: power off, a line on the console, a record that
+ * outlives the reset by the watchdog. */
+#include "firmware/port/mps2_an500/device/board.h"
+#include "firmware/port/mps2_an500/device/device.h"
+
+extern uint32_t data_start[], data_end[], data_load[], bss_start[], bss_end[], stack_top[];
+void reset(void);
+
+enum { EXCEPTION_NMI = 2, EXCEPTION_SYSTICK = 15, EXCEPTIONS = 16, FRAME_LR = 5, FRAME_PC = 6 };
+
+void reset(void)
+{
+    const uint32_t *from = data_load;
+    for (uint32_t *word = data_start; word < data_end; word++) *word = *from++;
+    for (uint32_t *word = bss_start; word < bss_end; word++) *word = 0;
+    main();
+}
+
+/* `frame` is what the processor pushed when the exception came. */
+__attribute__((used)) static void crashed(const uint32_t *frame)
+{
+    rig_outputs_off();
+    uint32_t number;
+    __asm__ volatile("mrs %0, ipsr" : "=r"(number));
+    number &= 0x1ff;
+    rig_crash *crash = &rig->device.crash;
+    if (number != EXCEPTION_NMI || crash->exception == 0) { /* the first cause counts */
+        *crash = (rig_crash){number, frame[FRAME_PC], frame[FRAME_LR], board_faults0->configurable,
+                             board_faults0->bus_address};
+    }
+    console_number(number == EXCEPTION_NMI ? "watchdog: exception " : "fault: exception ", number);
+    console_hex(" at pc 0x", frame[FRAME_PC], 8);
+    console_hex(" lr 0x", frame[FRAME_LR], 8);
+    console_hex(" status 0x", board_faults0->configurable, 8);
+    console_text("; power off, waiting for the watchdog's reset\n");
+    for (;;) {
+    }
+}
+
+/* The stack pointer at entry is what `crashed` needs, before a prologue moves it. */
+__attribute__((naked)) static void unexpected(void)
+{
+    __asm__ volatile("mrs r0, msp\n b crashed");
+}
+
+typedef void vector(void);
+__attribute__((section(".vectors"), used)) static const struct {
+    const uint32_t *stack;
+    vector *exceptions[EXCEPTIONS - 1];
+} vectors = {stack_top,
+             {reset, unexpected, unexpected, unexpected, unexpected, unexpected, unexpected, unexpected,
+              unexpected, unexpected, unexpected, unexpected, unexpected, unexpected, clock_tick}};

@@ -1,0 +1,80 @@
+/* Time: a free-running counter for durations, the edge of every millisecond, and the watchdog. */
+#include "firmware/port/mps2_an500/device/board.h"
+#include "firmware/port/mps2_an500/device/device.h"
+
+enum {
+    COUNTS_PER_us = BOARD_CLOCK_HZ / 1000000,
+    COUNTS_PER_ms = BOARD_CLOCK_HZ / 1000,
+    /* Longer than the longest request (a scene's validation: 0.2 s at 1,000 instructions per us; 26 s when an instruction is
+     * made to take 128 ns for counting). The power stage does not wait for this: it drops power after 5 ms. */
+    WATCHDOG_s = 60,
+};
+
+static struct {
+    uint32_t counts_last, counts_rest, us;
+    volatile uint32_t edges; /* of the board's timer */
+    uint32_t edges_done;
+} clock;
+
+void clock_start(void)
+{
+    board_timer0->reload = UINT32_MAX;
+    board_timer0->value = UINT32_MAX;
+    board_timer0->control = BOARD_TIMER_ON;
+    clock.counts_last = clock_counts();
+    board_systick0->reload = COUNTS_PER_ms - 1;
+    board_systick0->value = 0;
+    board_systick0->control = BOARD_SYSTICK_ON_INTERRUPT_PROCESSOR_CLOCK;
+    board_watchdog0->load = (uint32_t)WATCHDOG_s * BOARD_CLOCK_HZ;
+    board_watchdog0->control = BOARD_WATCHDOG_INTERRUPT_AND_RESET;
+    rig_write(&rig->device.edge_done, rig_read(&rig->host.edge)); /* what passed before power-up is past */
+}
+
+uint32_t clock_counts(void)
+{
+    return UINT32_MAX - board_timer0->value;
+}
+
+/* Right as long as it is asked every 171 s. */
+uint32_t clock_us(void)
+{
+    uint32_t now = clock_counts();
+    clock.counts_rest += now - clock.counts_last;
+    clock.counts_last = now;
+    clock.us += clock.counts_rest / COUNTS_PER_us;
+    clock.counts_rest %= COUNTS_PER_us;
+    return clock.us;
+}
+
+void clock_tick(void)
+{
+    clock.edges++;
+}
+
+static bool is_plants(void)
+{
+    return rig_is_there() && rig_read(&rig->host.tick_source) == RIG_TICK_PLANT;
+}
+
+uint32_t clock_edges_due(void)
+{
+    if (is_plants()) {
+        clock.edges_done = clock.edges; /* the timer takes over from here when the plant goes */
+        return rig_read(&rig->host.edge) - rig->device.edge_done;
+    }
+    return clock.edges - clock.edges_done;
+}
+
+void clock_edge_done(void)
+{
+    if (is_plants()) {
+        rig_write(&rig->device.edge_done, rig->device.edge_done + 1);
+    } else {
+        clock.edges_done++;
+    }
+}
+
+void clock_feed_watchdog(void)
+{
+    board_watchdog0->load = (uint32_t)WATCHDOG_s * BOARD_CLOCK_HZ;
+}

@@ -1,0 +1,46 @@
+/* What the files of the image share.
+ *
+ *   boot.c     reset, vectors, exceptions            clock.c    time, the 1 ms edge, the watchdog
+ *   console.c  text on UART 0                        rig.c      port inputs and outputs <-> rig_page.h
+ *   pipe.c     bytes from and to the host            main.c     memory, the port's table, the loop
+ *
+ * May include: firmware/port, firmware/app/app.h. Called by: this folder. */
+#ifndef SELD_AN500_DEVICE_H
+#define SELD_AN500_DEVICE_H
+
+#include "firmware/port/mps2_an500/rig_page.h"
+#include "firmware/port/port.h"
+
+static rig_page *const rig = (rig_page *)(RIG_MEMORY_ADDRESS + RIG_PAGE_OFFSET);
+
+int main(void);
+
+/* console.c */
+void console_start(void);
+void console_text(const char *text);
+void console_number(const char *name, uint32_t value);
+void console_hex(const char *name, uint64_t value, int digits);
+
+/* clock.c */
+void clock_start(void);
+uint32_t clock_counts(void); /* of RIG_CLOCK_HZ; wraps */
+uint32_t clock_us(void);
+uint32_t clock_edges_due(void); /* milliseconds that have begun and are not done */
+void clock_edge_done(void);
+void clock_feed_watchdog(void);
+void clock_tick(void); /* the interrupt */
+
+/* rig.c */
+bool rig_is_there(void);
+bool rig_inputs_read(void *context, seld_port_inputs *inputs);
+void rig_outputs_write(void *context, const seld_port_outputs *outputs);
+void rig_outputs_off(void); /* from any state of the processor */
+
+/* pipe.c */
+void pipe_start(void);
+size_t pipe_received(const uint8_t **bytes); /* what has come, in one piece; 0: nothing */
+void pipe_release(size_t count);
+size_t pipe_room(void *context);
+bool pipe_transmit(void *context, const uint8_t *frame, size_t frame_bytes);
+
+#endif

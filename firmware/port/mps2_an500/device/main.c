@@ -1,0 +1,112 @@
+/* The device on ARM's MPS2 board (AN500, Cortex-M7) with an emulated rig: memory, the port's table, and the loop that hands
+ * bytes and milliseconds to the app. Nothing here allocates; interrupts only count.
+ *
+ *   loop:  bytes came -> seld_app_receive     an edge is due -> seld_app_timer (reads inputs, writes outputs)
+ *
+ * One piece of bytes and one edge per round, so that neither starves the other. */
+#include "firmware/app/app.h"
+#include "firmware/port/mps2_an500/device/device.h"
+
+static seld_app app __attribute__((section(".hot"), aligned(8)));
+static uint8_t slots[2][RIG_SLOT_BYTES] __attribute__((section(".scenes"), aligned(8)));
+static char serial[SELD_PORT_SERIAL_BYTES + 1] = "AN500-0001";
+
+static uint32_t now_us(void *context)
+{
+    (void)context;
+    return clock_us();
+}
+
+static seld_port port = {
+    .transmit = pipe_transmit,
+    .transmit_room = pipe_room,
+    .inputs = rig_inputs_read,
+    .outputs = rig_outputs_write,
+    .now_us = now_us,
+    .serial = serial,
+    .scene_slots = {slots[0], slots[1]},
+    .scene_slot_bytes = RIG_SLOT_BYTES,
+};
+
+_Static_assert((int)RIG_TRACK_COUNT == (int)SELD_PORT_TOOL_MAX &&
+                   (int)RIG_SERIAL_BYTES == (int)SELD_PORT_SERIAL_BYTES,
+               "page and port agree");
+
+/* The serial of the emulated device, when whoever started it gave one. */
+static void take_serial(void)
+{
+    if (!rig_is_there() || rig->host.serial[0] == '\0') return;
+    for (int i = 0; i < RIG_SERIAL_BYTES; i++) {
+        char letter = rig->host.serial[i];
+        serial[i] = letter == '\0' || (letter > ' ' && letter <= '~') ? letter : '?';
+    }
+}
+
+static void tell_crash(void)
+{
+    rig_crash *crash = &rig->device.crash;
+    if (crash->exception == 0) return;
+    console_number("the last start ended by exception ", crash->exception);
+    console_hex(" at pc 0x", crash->pc, 8);
+    console_text(crash->exception == 2 ? ": watchdog\n" : "\n");
+}
+
+static void greet(void)
+{
+    console_number("seldinger on mps2_an500: core ", SELD_CORE_VERSION);
+    console_number(", protocol ", SELD_WIRE_PROTOCOL_MAJOR);
+    console_number(".", SELD_WIRE_PROTOCOL_MINOR);
+    console_hex(", schema ", seld_wire_schema_hash(), 16);
+    console_text(", serial ");
+    console_text(serial);
+    console_number("\napp ", sizeof app);
+    console_number(" bytes, two scene slots of ", RIG_SLOT_BYTES);
+    console_number(" bytes, start ", rig->device.boot_count);
+    console_text(rig_is_there() ? ", with a rig\n" : ", without a rig\n");
+    tell_crash();
+}
+
+static void receive(void)
+{
+    const uint8_t *bytes;
+    size_t count = pipe_received(&bytes);
+    if (count == 0) return;
+    uint32_t begin = clock_counts();
+    seld_app_receive(&app, bytes, count);
+    rig_write(&rig->device.receive_counts, rig->device.receive_counts + (clock_counts() - begin));
+    pipe_release(count);
+}
+
+static void tick(void)
+{
+    if (clock_edges_due() == 0) return;
+    uint32_t begin = clock_counts();
+    seld_app_timer(&app);
+    uint32_t counts = clock_counts() - begin;
+    rig_write(&rig->device.edge_counts, counts);
+    if (counts > rig->device.edge_counts_max) rig_write(&rig->device.edge_counts_max, counts);
+    clock_edge_done();
+}
+
+int main(void)
+{
+    rig_outputs_off();
+    console_start();
+    rig_write(&rig->device.magic, 0);
+    take_serial();
+    if (rig_is_there()) port.capabilities = SELD_WIRE_CAPABILITY_ENCODERS | SELD_WIRE_CAPABILITY_MOTORS;
+    rig->device.version = RIG_VERSION;
+    rig->device.app_bytes = sizeof app;
+    rig->device.edge_counts = rig->device.edge_counts_max = 0;
+    rig_write(&rig->device.boot_count, rig->device.boot_count + 1);
+    greet();
+    pipe_start();
+    seld_app_init(&app, &port);
+    clock_start();
+    rig_write(&rig->device.magic, RIG_MAGIC);
+    for (;;) {
+        receive();
+        tick();
+        clock_feed_watchdog();
+    }
+}

@@ -1,0 +1,54 @@
+/* Bytes from and to the host through the page's two rings. Heads and tails count bytes and wrap; a head further away than
+ * the ring is long is the other side's error and empties the ring. */
+#include "firmware/port/mps2_an500/device/device.h"
+
+enum { RING_MASK = RIG_RING_BYTES - 1 };
+
+/* What the host sent to an earlier life is not for this one; what that one had to say is gone. */
+void pipe_start(void)
+{
+    rig_write(&rig->device.to_device_tail, rig_read(&rig->host.to_device_head));
+    rig_write(&rig->device.to_host_head, rig_read(&rig->host.to_host_tail));
+}
+
+size_t pipe_received(const uint8_t **bytes)
+{
+    uint32_t tail = rig->device.to_device_tail;
+    uint32_t count = rig_read(&rig->host.to_device_head) - tail;
+    if (count > RIG_RING_BYTES) {
+        pipe_release(count);
+        return 0;
+    }
+    uint32_t at = tail & RING_MASK;
+    *bytes = &rig->to_device[at];
+    return count <= RIG_RING_BYTES - at ? count : RIG_RING_BYTES - at;
+}
+
+void pipe_release(size_t count)
+{
+    rig_write(&rig->device.to_device_tail, rig->device.to_device_tail + (uint32_t)count);
+}
+
+size_t pipe_room(void *context)
+{
+    (void)context;
+    uint32_t used = rig->device.to_host_head - rig_read(&rig->host.to_host_tail);
+    return used <= RIG_RING_BYTES ? RIG_RING_BYTES - used : 0;
+}
+
+static void copy(uint8_t *to, const uint8_t *from, size_t count)
+{
+    for (size_t i = 0; i < count; i++) to[i] = from[i];
+}
+
+bool pipe_transmit(void *context, const uint8_t *frame, size_t frame_bytes)
+{
+    if (frame_bytes > pipe_room(context)) return false;
+    uint32_t at = rig->device.to_host_head & RING_MASK;
+    size_t first = RIG_RING_BYTES - at;
+    if (first > frame_bytes) first = frame_bytes;
+    copy(&rig->to_host[at], frame, first);
+    copy(rig->to_host, frame + first, frame_bytes - first);
+    rig_write(&rig->device.to_host_head, rig->device.to_host_head + (uint32_t)frame_bytes);
+    return true;
+}

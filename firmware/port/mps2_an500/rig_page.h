@@ -1,0 +1,140 @@
+/* The emulated rig: encoders, sensors, switches, motors and the pipe of bytes as one page of shared memory. The image sees
+ * it as registers; outside the emulator a plant model fills and reads it.
+ *
+ *   0x60000000  64 KiB   USB tokens (shared/mailbox)
+ *   0x60010000   4 KiB   rig_device_half, written by the device only
+ *   0x60011000   4 KiB   rig_host_half, written by the plant only
+ *   0x60020000  64 KiB   bytes to the device    0x60030000  64 KiB  bytes to the host
+ *   0x60040000  two scene slots
+ *
+ * All fields are little-endian 32-bit words. A word that announces others (`edge`, `edge_done`, heads and tails of the rings,
+ * magics) is written with release and read with acquire, by rig_write() and rig_read(). The other half is never trusted:
+ * a number out of its range is treated as a broken sensor.
+ *
+ * The plant makes milliseconds: it fills its inputs, then counts `edge` up; the device does the tick, writes its outputs and
+ * repeats the number in `edge_done`. Whoever drives both in turn has a simulation without any real time in it.
+ *
+ * May include: nothing. Called by: firmware/port/mps2_an500/device, hil_tests. C11 and C++20 (gcc, clang).
+ */
+#ifndef SELD_RIG_PAGE_H
+#define SELD_RIG_PAGE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define RIG_MEMORY_ADDRESS 0x60000000u /* of the memory that a file backs */
+
+enum {
+    RIG_MEMORY_BYTES = 16 << 20,
+    RIG_PAGE_OFFSET = 0x10000,
+    RIG_PAGE_BYTES = 0x30000,
+    RIG_HOST_OFFSET = 0x1000, /* in the page */
+    RIG_RING_BYTES = 0x10000, /* a power of 2 */
+    RIG_SLOTS_OFFSET = RIG_PAGE_OFFSET + RIG_PAGE_BYTES,
+    RIG_SLOT_BYTES = (RIG_MEMORY_BYTES - RIG_SLOTS_OFFSET) / 2,
+
+    RIG_MAGIC = 0x31474952, /* "RIG1" */
+    RIG_VERSION = 1,
+    RIG_TRACK_COUNT = 3,
+    RIG_SERIAL_BYTES = 24,
+    RIG_INPUT_TRIES = 8, /* a sample that is being written is read again */
+    RIG_CLOCK_HZ = 25000000,
+};
+
+/* Who makes milliseconds. */
+typedef enum rig_tick_source {
+    RIG_TICK_TIMER = 0, /* the board's own timer */
+    RIG_TICK_PLANT = 1, /* `edge` */
+} rig_tick_source;
+
+/* Bits of rig_inputs.switches. */
+enum {
+    RIG_EMERGENCY_STOP = 1,
+    RIG_SUPPLY_GOOD = 2,
+    RIG_STAGE_ON = 4,
+    RIG_LOCAL_UNLOCK = 8,
+};
+
+typedef struct rig_track_inputs {
+    uint32_t translation_counts, rotation_counts;               /* two's complement, may wrap */
+    uint32_t force_raw;                                         /* two's complement */
+    uint32_t translation_sensor, rotation_sensor, force_sensor; /* SELD_PORT_SENSOR_* */
+    uint32_t over_current;
+} rig_track_inputs;
+
+typedef struct rig_inputs {
+    rig_track_inputs tracks[RIG_TRACK_COUNT];
+    uint32_t syringe_counts, syringe_sensor;
+    uint32_t inflator_raw, inflator_sensor;
+    uint32_t buttons;
+    uint32_t switches;
+} rig_inputs;
+
+typedef struct rig_outputs {
+    uint32_t axial_mN[RIG_TRACK_COUNT], torque_uN_m[RIG_TRACK_COUNT]; /* two's complement */
+    uint32_t drive;                                                   /* level of the drive line */
+    uint32_t enable;
+    uint32_t lamp;
+} rig_outputs;
+
+/* What an exception left behind; kept over a reset, told on the console after it. */
+typedef struct rig_crash {
+    uint32_t exception; /* number, 2: watchdog, 3: hard fault; 0: none */
+    uint32_t pc, lr, status, address;
+} rig_crash;
+
+typedef struct rig_device_half {
+    uint32_t magic; /* written last at power-up */
+    uint32_t version;
+    uint32_t boot_count; /* a new number: the device started again and knows nothing of before */
+    uint32_t app_bytes;
+    uint32_t edge_done;
+    uint32_t to_device_tail, to_host_head; /* counts of bytes; wrap */
+    /* Processor time of work, in counts of RIG_CLOCK_HZ; with -icount shift=7 an instruction is 3.2 counts. */
+    uint32_t receive_counts; /* sum over all bytes received, with what they caused */
+    uint32_t edge_counts;    /* of the last edge */
+    uint32_t edge_counts_max;
+    rig_outputs outputs;
+    rig_crash crash;
+} rig_device_half;
+
+typedef struct rig_host_half {
+    uint32_t magic; /* 0: no rig at the other end */
+    uint32_t version;
+    uint32_t tick_source; /* rig_tick_source */
+    uint32_t edge;
+    uint32_t to_device_head, to_host_tail;
+    uint32_t inputs_begin, inputs_end; /* equal, and equal again after reading: a whole sample */
+    rig_inputs inputs;
+    char serial[RIG_SERIAL_BYTES]; /* of the device; empty: its own */
+} rig_host_half;
+
+typedef struct rig_page {
+    rig_device_half device;
+    uint8_t gap1[RIG_HOST_OFFSET - sizeof(rig_device_half)];
+    rig_host_half host;
+    uint8_t gap2[0x10000 - RIG_HOST_OFFSET - sizeof(rig_host_half)];
+    uint8_t to_device[RIG_RING_BYTES];
+    uint8_t to_host[RIG_RING_BYTES];
+} rig_page;
+
+#ifdef __cplusplus
+static_assert(sizeof(rig_page) == RIG_PAGE_BYTES, "the page fills its place");
+#else
+_Static_assert(sizeof(rig_page) == RIG_PAGE_BYTES, "the page fills its place");
+#endif
+
+/* The word of the other half, read before anything that is read after it. */
+static inline uint32_t rig_read(const uint32_t *word)
+{
+    return __atomic_load_n(word, __ATOMIC_ACQUIRE);
+}
+
+/* A word of the own half, written after everything that was written before it. */
+static inline void rig_write(uint32_t *word, uint32_t value)
+{
+    __atomic_store_n(word, value, __ATOMIC_RELEASE);
+}
+
+#endif

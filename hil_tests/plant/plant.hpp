@@ -1,0 +1,112 @@
+// A rig made of numbers: three tracks with two axes each, syringe, inflator, switches and the power stage, advanced by one
+// millisecond at a time. It reads what a port writes (seld_port_outputs) and gives what a port samples (seld_port_inputs).
+//
+//   outputs of the device --> power stage --> motors --> axes --> encoders, force sensors --> inputs of the device
+//
+// The power stage is on while the supply is good, the stop released, `enable` set, and the last flip of the drive line at most
+// SELD_PORT_DRIVE_HOLD_ms ago. It watches by itself: a device that stands still loses power, whoever stopped it.
+// Deterministic: the same seed and the same outputs give the same inputs.
+// May include: firmware/port/port.h. Called by: hil_tests.
+#pragma once
+#include "firmware/port/port.h"
+#include "hil_tests/plant/axis.hpp"
+#include "hil_tests/plant/random.hpp"
+#include <array>
+#include <cstdint>
+
+namespace hil
+{
+
+struct EncoderSettings {
+    double per_count = 1e-6;  // m or rad
+    double jitter_counts = 0; // uniform, +-
+};
+
+enum class SensorFault {
+    none,
+    stuck,    // the reading stays where it is, and nothing tells so
+    jump,     // one step, then right again relative to it
+    reversed, // counts the other way from here on
+    range,    // the electronics say so
+    silent,   // no new sample: the electronics say so
+};
+
+// A counter behind an encoder, with its faults.
+class Encoder
+{
+  public:
+    explicit Encoder(const EncoderSettings &settings) : settings_(settings) {}
+    void sample(double place, Random &random);
+    void set_fault(SensorFault fault, std::int64_t jump_counts = 0);
+    std::int32_t counts() const;
+    std::uint8_t health() const; // SELD_PORT_SENSOR_*
+
+  private:
+    EncoderSettings settings_;
+    SensorFault fault_ = SensorFault::none;
+    std::int64_t counts_ = 0, offset_counts_ = 0, mirror_counts_ = 0;
+};
+
+struct PlantSettings {
+    std::uint64_t seed = 1;
+    AxisSettings translation{}, rotation = rotation_axis_settings;
+    EncoderSettings translation_encoder{1e-6, 0.0}, rotation_encoder{6.283185307179586 / 65536.0, 0.0};
+    double force_per_count_N = 1e-3; // of the force sensor
+    double force_noise_N = 0.002;    // standard deviation
+    double force_range_N = 20.0;     // beyond it the sensor saturates and says so
+    bool has_force_sensor = true;
+};
+
+class Plant
+{
+  public:
+    struct Track {
+        explicit Track(const PlantSettings &s)
+            : translation(s.translation), rotation(s.rotation), translation_encoder(s.translation_encoder),
+              rotation_encoder(s.rotation_encoder)
+        {
+        }
+        Axis translation, rotation;
+        Encoder translation_encoder, rotation_encoder;
+        SensorFault force_fault = SensorFault::none;
+        double force_jump_N = 0.0; // added by SensorFault::jump
+        std::int32_t force_raw = 0;
+        bool is_force_saturated = false;
+        bool is_over_current = false; // set from outside; a driver at its limit sets it too
+    };
+
+    explicit Plant(const PlantSettings &settings);
+
+    // One millisecond with these outputs; `inputs()` is the sample at its end.
+    void step(const seld_port_outputs &outputs);
+    const seld_port_inputs &inputs() const { return inputs_; }
+
+    Track &track(int k) { return tracks_[static_cast<std::size_t>(k)]; }
+    std::uint64_t milliseconds() const { return milliseconds_; }
+    bool is_stage_on() const { return is_stage_on_; }
+    // Largest force of any motor within the last millisecond: what a meter at the actuator shows.
+    double motor_peak_N() const;
+    double motor_torque_peak_N_m() const;
+
+    // Set from outside; seen in the next sample.
+    bool emergency_stop = false, supply_good = true, local_unlock = false;
+    std::uint32_t buttons = 0;
+    std::int32_t syringe_counts = 0, inflator_raw = 0;
+    std::uint8_t syringe_sensor = SELD_PORT_SENSOR_OK, inflator_sensor = SELD_PORT_SENSOR_OK;
+
+  private:
+    void run_stage(const seld_port_outputs &outputs);
+    void sample_force(Track &track);
+    std::uint8_t force_health(const Track &track) const;
+    void sample();
+
+    PlantSettings settings_;
+    Random random_;
+    std::array<Track, SELD_PORT_TOOL_MAX> tracks_;
+    seld_port_inputs inputs_{};
+    std::uint64_t milliseconds_ = 0;
+    bool is_stage_on_ = false, last_drive_ = false;
+    int hold_ms_ = 0;
+};
+
+} // namespace hil

@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+"""What a device's image needs and must not have: code, RAM, worst stack; no soft-float, divide helper or heap.
+
+  image_report.py --objects build/firmware/obj build/firmware/seldinger-mps2_an500.elf
+
+The stack is the longest path through the compiler's call graph from main(), plus one exception with its handler. Calls by
+address are the port's functions, which are named here. Ends with 1 when RAM or stack are over their limits, or when a
+forbidden name is in the image.
+"""
+import argparse
+import sys
+
+import budget
+
+RAM_MAX_BYTES = 512 * 1024  # without scenes
+STACK_MAX_BYTES = 16 * 1024
+# The functions in the table of firmware/port/mps2_an500/device/main.c.
+BY_ADDRESS = ("pipe_transmit", "pipe_room", "rig_inputs_read", "rig_outputs_write", "now_us")
+EXCEPTION_BYTES = 32 + 4  # eight registers, aligned to 8
+
+
+def symbols(image):
+    """name -> (address, size or None)"""
+    table = {}
+    for line in budget.run(["arm-none-eabi-nm", "-S", image]).splitlines():
+        words = line.split()
+        table[words[-1]] = (int(words[0], 16), int(words[1], 16) if len(words) == 4 else None)
+    return table
+
+
+def sections(image):
+    """name -> bytes"""
+    rows = [line.split() for line in budget.run(["arm-none-eabi-size", "-A", image]).splitlines()]
+    return {row[0]: int(row[1]) for row in rows if len(row) == 3 and row[1].isdigit()}
+
+
+def stack_bytes(objects):
+    loop, path = budget.worst_stack(objects, "main", BY_ADDRESS)
+    crash, _ = budget.worst_stack(objects, "crashed", BY_ADDRESS)
+    return loop + EXCEPTION_BYTES + crash, path
+
+
+def report(image, objects):
+    """Prints; returns what is wrong."""
+    size, names = sections(image), symbols(image)
+    code = size.get(".text", 0) + size.get(".ARM.exidx", 0) + size.get(".data", 0)
+    static = size.get(".data", 0) + size.get(".bss", 0)
+    stack, path = stack_bytes(objects)
+    left = names["stack_bytes"][0]
+    print("%s" % image)
+    print("  code and constants  %7d bytes" % code)
+    print("  RAM without scenes  %7d bytes: %d static (app %d) + %d stack at most" % (static + stack, static, names["app"][1], stack))
+    print("  scene slots         %7d bytes" % size.get(".scenes", 0))
+    print("  deepest calls       %s" % " > ".join(path))
+    wrong = []
+    if static + stack > RAM_MAX_BYTES:
+        wrong.append("RAM is over %d bytes" % RAM_MAX_BYTES)
+    if stack > min(STACK_MAX_BYTES, left):
+        wrong.append("the stack may need %d bytes; %d are left, %d allowed" % (stack, left, STACK_MAX_BYTES))
+    forbidden = budget.forbidden_symbols(image)
+    if forbidden:
+        wrong.append("the image holds " + ", ".join(forbidden))
+    return wrong
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--objects", required=True, help="folder with the compiler's call graphs (.ci)")
+    parser.add_argument("image")
+    options = parser.parse_args()
+    try:
+        wrong = report(options.image, options.objects)
+    except budget.CannotMeasure as problem:
+        wrong = [str(problem)]
+    for text in wrong:
+        print("  FAILED: %s" % text)
+    if not wrong:
+        print("  no soft-float, no divide helper, no heap")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
