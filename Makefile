@@ -26,6 +26,7 @@ LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
 LIBS       := tools/vcsim3 host/app host/xray host/link host/model tools/anatomy tools/bake tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
+LIBS       := hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/xray host/link host/model tools/anatomy tools/bake tools/validate hil_tests/usb firmware/port/sim firmware/app \
               firmware/port/mailbox firmware/app/usb firmware/core shared/scene shared/wire
 lib_file    = $(BUILD)/lib/lib$(subst /,_,$(1)).a
 lib_sources = $(filter-out %/main.cpp,$(wildcard $(1)/*.c $(1)/*.cpp))
@@ -39,6 +40,7 @@ BAKE_LIBS     := tools/bake host/model firmware/core shared/scene shared/wire
 ANATOMY_LIBS  := tools/anatomy
 VALIDATE_LIBS := tools/validate firmware/core
 VCSIM3_LIBS   := tools/vcsim3 host/app firmware/core shared/scene shared/wire
+HIL_LIBS      := hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant $(HOST_LIBS)
 VDB_LINK      := -lopenvdb -ltbb -lImath-3_1
 BAKE_LINK     := $(VDB_LINK) -lassimp -lccd
 HOST_LINK     := -lpng -lglfw -ldl
@@ -136,6 +138,7 @@ HOST_TESTS     := $(wildcard host/tests/test_*.cpp)
 TOOL_TESTS     := $(wildcard tools/bake/tests/test_*.cpp)
 VALIDATE_TESTS := $(wildcard tools/validate/tests/test_*.cpp)
 THESIS_TESTS   := $(wildcard tools/vcsim3/tests/test_*.cpp)
+HIL_TESTS      := $(wildcard hil_tests/*/tests/test_*.cpp)
 SYSTEM_TESTS   := $(wildcard hil_tests/test_*.cpp) # the whole program against real anatomy
 SCRIPT_TESTS   := $(wildcard tools/check/test_*.sh tools/check/test_*.py host/tests/test_*.sh tools/*/tests/test_*.sh hil_tests/*/test_*.sh)
 test_program    = $(patsubst %,$(BUILD)/test/%,$(basename $(1)))
@@ -151,12 +154,13 @@ $(foreach t,$(HOST_TESTS),$(eval $(call test_rule,$(t),$(HOST_LIBS),$(HOST_LINK)
 $(foreach t,$(TOOL_TESTS),$(eval $(call test_rule,$(t),$(BAKE_LIBS),$(BAKE_LINK),)))
 $(foreach t,$(THESIS_TESTS),$(eval $(call test_rule,$(t),tools/vcsim3 host/app $(FIRMWARE_LIBS),-lpng,$(REFERENCE))))
 $(foreach t,$(VALIDATE_TESTS),$(eval $(call test_rule,$(t),$(VALIDATE_LIBS),,)))
+$(foreach t,$(HIL_TESTS),$(eval $(call test_rule,$(t),$(HIL_LIBS),$(HOST_LINK),$(REFERENCE))))
 $(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/xray host/link tools/bake host/model $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
-ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(TOOL_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
+ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS) $(TOOL_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
 
 tests-build: $(ALL_TEST_PROGRAMS) ## build the test programs
-tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS),$(call test_program,$(t))) ## build those without OpenVDB
+tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS),$(call test_program,$(t))) ## build those without OpenVDB
 
 # --- the USB side against the host's libraries: docs/usb.md --------------------------------------------------------------
 HIL_FOLDER := $(BUILD)/hil
@@ -209,7 +213,7 @@ test: packages-build packages-test packages-matrix packages-usb ## build and run
 	$(SAN_MAKE) -k tests-build-san hil-programs || status=1; \
 	$(FUZZ_MAKE) -k fuzz-programs || status=1; \
 	tools/check/run_tests.py --build $(BUILD) --jobs $(JOBS) --scripts $(SCRIPT_TESTS) --programs $(ALL_TEST_PROGRAMS:$(BUILD)/test/%=%) \
-	    --sanitized $(basename $(FIRMWARE_TESTS) $(HOST_TESTS)) --fuzz $(basename $(FUZZ_TARGETS)) || status=1; \
+	    --sanitized $(basename $(FIRMWARE_TESTS) $(HOST_TESTS) $(HIL_TESTS)) --fuzz $(basename $(FUZZ_TARGETS)) || status=1; \
 	[ $$status = 0 ] || echo "make test: something did not build or failed, see above" >&2; exit $$status
 
 fuzz: packages-build packages-test ## look for crashing inputs, SECONDS=60 per target

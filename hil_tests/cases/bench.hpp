@@ -1,0 +1,78 @@
+// A device on a test bench: the pipe to it, the rig around it, and time. The same at every level; cases know nothing else.
+//
+//   L0  SimBench        the app as a library in this process            (hil_tests/l0)
+//   L1  EmulatedBench   the image on an emulated Cortex-M7              (hil_tests/l1)
+//
+// Time is the bench's: advance() makes milliseconds of device and plant in turn. A device that is not asked stands still.
+// May include: hil_tests/plant, host/link/transport.hpp. Called by: cases, levels.
+#pragma once
+#include "hil_tests/plant/plant.hpp"
+#include "host/link/transport.hpp"
+#include <algorithm>
+#include <memory>
+
+namespace hil
+{
+
+class Bench
+{
+  public:
+    explicit Bench(const PlantSettings &settings) : plant_(settings) {}
+    virtual ~Bench() = default;
+
+    virtual seld::Transport &pipe() = 0;
+
+    Plant &plant() { return plant_; }
+    const seld_port_outputs &outputs() const { return outputs_; }
+
+    // Milliseconds of the device with its rig.
+    void advance(std::uint32_t milliseconds)
+    {
+        for (std::uint32_t i = 0; i < milliseconds; i++) {
+            outputs_ = edge(plant_.inputs());
+            plant_.step(outputs_);
+        }
+    }
+
+    // The processor stands still, as under a debugger; the rig does not. `wall_s`: for so long in our time, too.
+    void freeze(std::uint32_t milliseconds, double wall_s = 0.0)
+    {
+        hold(true);
+        for (std::uint32_t i = 0; i < milliseconds; i++) plant_.step(outputs_);
+        if (wall_s > 0.0) sleep(wall_s);
+        hold(false);
+    }
+
+    // Supply gone and back: the device starts again, wherever it was. The rig sees `milliseconds` without supply.
+    void brown_out(std::uint32_t milliseconds)
+    {
+        plant_.supply_good = false;
+        for (std::uint32_t i = 0; i < milliseconds; i++) plant_.step(outputs_);
+        outputs_ = restart();
+        plant_.supply_good = true;
+        plant_.step(outputs_);
+    }
+
+  protected:
+    // One edge of the device's timer with this sample; what it then wants from the rig.
+    virtual seld_port_outputs edge(const seld_port_inputs &inputs) = 0;
+    virtual void hold(bool held) = 0;
+    virtual seld_port_outputs restart() = 0;
+
+  private:
+    static void sleep(double seconds);
+
+    Plant plant_;
+    seld_port_outputs outputs_{};
+};
+
+// Makes benches of one level, with a device just powered up.
+class Level
+{
+  public:
+    virtual ~Level() = default;
+    virtual const char *name() const = 0;
+    virtual std::unique_ptr<Bench> make(const PlantSettings &settings) = 0;
+};
+
+} // namespace hil

@@ -1,0 +1,43 @@
+// The cases: claims about a device with its rig, the same at every level.
+// A case makes its own bench, talks to the device through host/link and to the rig through the plant. It fails by an exception
+// whose text has the value and the bar. What it measured it leaves in the report.
+// May include: bench.hpp. Called by: hil_tests/cases/tests, the program hil.
+#pragma once
+#include "hil_tests/cases/bench.hpp"
+#include <span>
+#include <stdexcept>
+#include <string>
+
+namespace hil
+{
+
+class Failure : public std::runtime_error
+{
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+// Figures of a case, for the table: "power off after 5 ms".
+struct Report {
+    std::string text;
+    void add(const std::string &figure) { text += (text.empty() ? "" : "; ") + figure; }
+};
+
+struct CaseOptions {
+    double pause_s = 0.2;        // how long a pause lasts in our time
+    std::uint32_t ticks = 400;   // of sessions in LOCKSTEP
+    std::uint32_t free_ms = 600; // of sessions in FREE_RUN
+};
+
+struct Case {
+    const char *name;
+    void (*run)(Level &level, const CaseOptions &options, Report &report);
+};
+
+std::span<const Case> all_cases();
+
+// The groups; all_cases() joins them.
+std::span<const Case> session_cases();
+std::span<const Case> safety_cases();
+
+} // namespace hil

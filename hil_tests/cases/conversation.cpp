@@ -1,0 +1,150 @@
+#include "hil_tests/cases/conversation.hpp"
+#include "hil_tests/cases/tube_scene.h"
+#include "host/app/device.hpp"
+#include "host/model/instrument.hpp"
+#include <cstdarg>
+#include <cstdio>
+
+namespace hil
+{
+
+namespace
+{
+
+std::string vtext(const char *format, va_list values)
+{
+    char buffer[400];
+    std::vsnprintf(buffer, sizeof buffer, format, values);
+    return buffer;
+}
+
+const std::vector<std::uint8_t> &tube_scene()
+{
+    static const std::vector<std::uint8_t> scene = [] {
+        std::vector<std::uint8_t> bytes(4u << 20);
+        bytes.resize(hil_tube_scene(bytes.data(), bytes.size()));
+        return bytes;
+    }();
+    return scene;
+}
+
+constexpr std::uint32_t host_every_ms = 8;
+
+} // namespace
+
+std::string text(const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    std::string result = vtext(format, values);
+    va_end(values);
+    return result;
+}
+
+void check(bool is_true, const char *format, ...)
+{
+    if (is_true) return;
+    va_list values;
+    va_start(values, format);
+    std::string result = vtext(format, values);
+    va_end(values);
+    throw Failure(result);
+}
+
+void check_same(const Ending &a, const Ending &b, const char *what)
+{
+    check(a.states.size() == b.states.size(), "%s: %zu ticks and %zu ticks", what, a.states.size(),
+          b.states.size());
+    for (std::size_t i = 0; i < a.states.size(); i++) {
+        const seld_wire_tick_state &left = a.states[i], &right = b.states[i];
+        check(left.hash_lane0 == right.hash_lane0 && left.hash_lane1 == right.hash_lane1,
+              "%s: hashes differ from tick %u on: %08x %08x and %08x %08x", what, unsigned{left.tick},
+              unsigned{left.hash_lane0}, unsigned{left.hash_lane1}, unsigned{right.hash_lane0},
+              unsigned{right.hash_lane1});
+    }
+    check(a.hash == b.hash, "%s: final hash %016llx and %016llx", what,
+          static_cast<unsigned long long>(a.hash), static_cast<unsigned long long>(b.hash));
+}
+
+void set_up(seld::Link &link)
+{
+    static const seld::Instrument wire = seld::read_instrument("shared/examples/instruments/j_wire.toml");
+    link.hello();
+    link.load_scene(tube_scene());
+    link.load_tools({&wire.table, 1});
+    seld_wire_entry entry{};
+    entry.direction_x_q30 = 1 << 30;
+    entry.inserted_um_count = 1;
+    entry.inserted_um[0] = 30000;
+    link.set_entry(entry);
+    link.set_rig(seld::host_rig());
+}
+
+seld_wire_encoders sample_input(std::uint32_t tick)
+{
+    const auto t = static_cast<std::int32_t>(tick);
+    seld_wire_encoders input{};
+    input.hands_count = 1;
+    input.hands[0].translation_counts = t < 300 ? 200 * t : 60000 - 50 * (t - 300);
+    input.hands[0].rotation_counts = 40 * t;
+    return input;
+}
+
+Ending lockstep_session(seld::Link &link, std::uint32_t ticks, std::uint32_t batch,
+                        const std::function<void(std::uint32_t tick)> &between)
+{
+    Ending ending;
+    link.use_lockstep();
+    link.arm();
+    link.start();
+    std::vector<seld_wire_encoders> inputs;
+    while (link.tick() < ticks) {
+        inputs.clear();
+        for (std::uint32_t i = 0; i < batch && link.tick() + i < ticks; i++)
+            inputs.push_back(sample_input(link.tick() + i));
+        const auto states = link.step(inputs, false);
+        ending.states.insert(ending.states.end(), states.begin(), states.end());
+        if (between) between(link.tick());
+    }
+    ending.tick = link.tick();
+    ending.hash = link.read_hash64().hash;
+    return ending;
+}
+
+Ending host_only_session(std::uint32_t ticks, std::uint32_t batch)
+{
+    seld::SimTransport pipe;
+    seld::Link link(pipe);
+    set_up(link);
+    return lockstep_session(link, ticks, batch);
+}
+
+void start_free_run(Bench &bench, seld::Link &link)
+{
+    link.use_free_run();
+    link.arm();
+    bench.advance(1);
+    link.start();
+}
+
+void keep_running(seld::Link &link, std::uint32_t milliseconds, Ending *ending)
+{
+    for (std::uint32_t ms = 0; ms < milliseconds; ms += host_every_ms) {
+        link.send_input(sample_input(0)); // that the host is there; the rig's own encoders count
+        const auto states = link.free_run(std::min(host_every_ms, milliseconds - ms));
+        if (ending) ending->states.insert(ending->states.end(), states.begin(), states.end());
+    }
+    if (!ending) return;
+    const seld::Hash64 hash = link.read_hash64();
+    ending->tick = hash.tick;
+    ending->hash = hash.hash;
+}
+
+void push_by_spring_hand(Plant &plant)
+{
+    plant.track(0).translation.set_hand(Hand::spring);
+    plant.track(0).translation.move_hand(0.06);
+    plant.track(0).rotation.move_hand(2.0);
+}
+
+} // namespace hil

@@ -1,0 +1,45 @@
+// What cases say to a device: set-up, sessions in LOCKSTEP and FREE_RUN, and checks with numbers in their texts.
+// May include: cases.hpp, host/link, host/app. Called by: the files of cases.
+#pragma once
+#include "hil_tests/cases/cases.hpp"
+#include "host/link/link.hpp"
+#include <functional>
+#include <vector>
+
+namespace hil
+{
+
+[[gnu::format(printf, 2, 3)]] void check(bool is_true, const char *format, ...);
+[[gnu::format(printf, 1, 2)]] std::string text(const char *format, ...);
+
+// Where a session ended.
+struct Ending {
+    std::uint32_t tick = 0;
+    std::uint64_t hash = 0;
+    std::vector<seld_wire_tick_state> states; // every tick
+};
+void check_same(const Ending &a, const Ending &b, const char *what);
+
+// HELLO, the tube scene, a J wire with 30 mm inserted, the rig as the plant has it; READY.
+void set_up(seld::Link &link);
+
+// The input of tick `i` of the sample session: in, turned, back out.
+seld_wire_encoders sample_input(std::uint32_t tick);
+
+// `ticks` ticks in LOCKSTEP in batches, from ARM on; `between` runs after every batch.
+Ending lockstep_session(seld::Link &link, std::uint32_t ticks, std::uint32_t batch,
+                        const std::function<void(std::uint32_t tick)> &between = {});
+
+// The same without a bench: the host's own device in this process.
+Ending host_only_session(std::uint32_t ticks, std::uint32_t batch);
+
+// From READY to RUNNING in FREE_RUN with power on the motors.
+void start_free_run(Bench &bench, seld::Link &link);
+
+// Milliseconds of a session in FREE_RUN: the host is heard of every 8 ms and takes what the device sends.
+void keep_running(seld::Link &link, std::uint32_t milliseconds, Ending *ending = nullptr);
+
+// A hand on track 0 that pushes at 60 mm/s, turns, and feels what it gets: the wire bends in the tube.
+void push_by_spring_hand(Plant &plant);
+
+} // namespace hil

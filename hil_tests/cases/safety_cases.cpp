@@ -1,0 +1,185 @@
+// Safety: whatever breaks while the motors hold a hand, they lose power in time, and the device says why.
+// The meter is clamped to the emulated actuator, behind the power stage: the largest force within each millisecond.
+#include "hil_tests/cases/conversation.hpp"
+
+namespace hil
+{
+
+namespace
+{
+
+constexpr double force_safe_N = 0.02;      // less than the bearing's friction
+constexpr double torque_safe_N_m = 0.0002; // likewise
+constexpr int safe_ms = 5, silent_safe_ms = 50;
+constexpr std::uint32_t warm_up_ms = 400;
+
+// A session in FREE_RUN with force on the hand, in which one thing then goes wrong.
+struct Running {
+    explicit Running(Level &level) : bench(level.make({})), link(bench->pipe())
+    {
+        set_up(link);
+        start_free_run(*bench, link);
+        push_by_spring_hand(bench->plant());
+        keep_running(link, warm_up_ms);
+        check(bench->plant().is_stage_on(), "the motors have no power after %u ms", unsigned{warm_up_ms});
+        check(bench->plant().motor_peak_N() > 2.0 * force_safe_N,
+              "the motors hold %.3f N only: nothing to lose", bench->plant().motor_peak_N());
+    }
+    bool is_safe()
+    {
+        Plant &plant = bench->plant();
+        return plant.motor_peak_N() <= force_safe_N && plant.motor_torque_peak_N_m() <= torque_safe_N_m;
+    }
+    // Milliseconds until the motors give nothing any more.
+    int time_to_safe_ms(int limit_ms)
+    {
+        for (int ms = 1; ms <= limit_ms; ms++) {
+            bench->advance(1);
+            worst_N = std::max(worst_N, bench->plant().motor_peak_N());
+            if (is_safe()) return ms;
+        }
+        return limit_ms + 1;
+    }
+    // The cause that the device latched.
+    std::uint16_t fault_code()
+    {
+        link.free_run(0);
+        const seld_wire_status status = link.read_status();
+        check(status.state == SELD_WIRE_STATE_FAULT, "the device is %s, not in FAULT",
+              seld_wire_state_name(status.state));
+        return status.fault_code;
+    }
+    // Power stays off, whatever the rig does afterwards, until RESET.
+    void check_latched()
+    {
+        for (int ms = 0; ms < 50; ms++) {
+            bench->advance(1);
+            check(!bench->plant().is_stage_on() && is_safe(), "power came back %d ms after the fault", ms);
+        }
+    }
+
+    std::unique_ptr<Bench> bench;
+    seld::Link link;
+    double worst_N = 0.0;
+};
+
+struct Fault {
+    const char *name;
+    void (*inject)(Plant &plant);
+};
+
+Plant::Track &track(Plant &plant)
+{
+    return plant.track(0);
+}
+
+const Fault sensor_faults[] = {
+    {"translation encoder out of range",
+     [](Plant &p) { track(p).translation_encoder.set_fault(SensorFault::range); }},
+    {"translation encoder silent",
+     [](Plant &p) { track(p).translation_encoder.set_fault(SensorFault::silent); }},
+    {"translation encoder jumps 7 mm",
+     [](Plant &p) { track(p).translation_encoder.set_fault(SensorFault::jump, 7000); }},
+    {"rotation encoder out of range",
+     [](Plant &p) { track(p).rotation_encoder.set_fault(SensorFault::range); }},
+    {"rotation encoder jumps half a turn",
+     [](Plant &p) { track(p).rotation_encoder.set_fault(SensorFault::jump, 32768); }},
+    {"force sensor out of range", [](Plant &p) { track(p).force_fault = SensorFault::range; }},
+    {"force sensor silent", [](Plant &p) { track(p).force_fault = SensorFault::silent; }},
+    {"motor driver over its current", [](Plant &p) { track(p).is_over_current = true; }},
+    {"actuator stuck on", [](Plant &p) { track(p).translation.set_motor_fault(MotorFault::stuck_on); }},
+    {"emergency stop pressed", [](Plant &p) { p.emergency_stop = true; }},
+    {"supply of the motors gone", [](Plant &p) { p.supply_good = false; }},
+};
+
+void every_fault_of_the_rig_is_safe_in_5_ms_and_latched(Level &level, const CaseOptions &, Report &report)
+{
+    int worst_ms = 0;
+    for (const Fault &fault : sensor_faults) {
+        Running session(level);
+        fault.inject(session.bench->plant());
+        const int ms = session.time_to_safe_ms(100);
+        check(ms <= safe_ms, "%s: safe after %d ms, allowed %d", fault.name, ms, safe_ms);
+        check(session.worst_N <= track(session.bench->plant()).translation.settings().motor_limit,
+              "%s: the motor gave %.2f N", fault.name, session.worst_N);
+        check(session.fault_code() != 0, "%s: FAULT without a cause", fault.name);
+        session.check_latched();
+        worst_ms = std::max(worst_ms, ms);
+    }
+    report.add(text("%zu faults, safe after %d ms at most", std::size(sensor_faults), worst_ms));
+}
+
+// A debugger stops the processor; the power stage watches the drive line by itself, and the device finds out afterwards.
+void a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault(Level &level, const CaseOptions &options,
+                                                                Report &report)
+{
+    Running session(level);
+    Plant &plant = session.bench->plant();
+    int off_ms = 0;
+    session.bench->freeze(1, options.pause_s);
+    for (off_ms = 1; plant.is_stage_on() && off_ms < 100; off_ms++) session.bench->freeze(1);
+    check(off_ms <= SELD_PORT_DRIVE_HOLD_ms, "power went after %d ms, allowed %d", off_ms,
+          int{SELD_PORT_DRIVE_HOLD_ms});
+    session.bench->freeze(10000);
+    check(session.is_safe(), "%.3f N at the motors of a frozen device", plant.motor_peak_N());
+    session.bench->advance(2);
+    check(!plant.is_stage_on(), "power came back by itself");
+    const std::uint16_t code = session.fault_code();
+    session.check_latched();
+    report.add(text("power off after %d ms, then %s", off_ms, seld_wire_fault_name(code)));
+}
+
+// The supply dips and the processor starts again, at any moment of a session: no power, no memory of the session, and a new
+// one gives the same hashes as ever.
+void a_brown_out_is_safe_and_a_new_session_starts_clean(Level &level, const CaseOptions &, Report &report)
+{
+    Running session(level);
+    Plant &plant = session.bench->plant();
+    session.bench->brown_out(20);
+    check(!plant.is_stage_on() && session.is_safe(), "the motors have power after a brown-out");
+    for (int ms = 0; ms < 50; ms++) {
+        session.bench->advance(1);
+        check(!plant.is_stage_on(), "power came back %d ms after a brown-out", ms);
+    }
+    bool is_told = false;
+    try {
+        session.link.read_status();
+    } catch (const seld::LinkError &) {
+        is_told = true;
+    }
+    check(is_told, "the host was not told that the device started again");
+    seld::Link again(session.bench->pipe());
+    set_up(again);
+    check(again.read_status().state == SELD_WIRE_STATE_READY, "the device is not READY after a new HELLO");
+    check_same(host_only_session(64, 16), lockstep_session(again, 64, 16),
+               "host alone and after a brown-out");
+    report.add("power off, INIT, same hashes again");
+}
+
+// Nobody sends anything any more: the forces fade. Bar: from the last frame to no force.
+void a_silent_host_ends_the_forces_in_50_ms(Level &level, const CaseOptions &, Report &report)
+{
+    Running session(level);
+    const int ms = session.time_to_safe_ms(400);
+    check(ms <= silent_safe_ms, "no force %d ms after the last frame, allowed %d", ms, silent_safe_ms);
+    report.add(text("no force after %d ms", ms));
+}
+
+constexpr Case cases[] = {
+    {"every_fault_of_the_rig_is_safe_in_5_ms_and_latched",
+     every_fault_of_the_rig_is_safe_in_5_ms_and_latched},
+    {"a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault",
+     a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault},
+    {"a_brown_out_is_safe_and_a_new_session_starts_clean",
+     a_brown_out_is_safe_and_a_new_session_starts_clean},
+    {"a_silent_host_ends_the_forces_in_50_ms", a_silent_host_ends_the_forces_in_50_ms},
+};
+
+} // namespace
+
+std::span<const Case> safety_cases()
+{
+    return cases;
+}
+
+} // namespace hil

@@ -1,0 +1,84 @@
+// Sessions: the same hashes wherever the device runs, and time that may stand still.
+#include "hil_tests/cases/conversation.hpp"
+#include "hil_tests/l0/sim_bench.hpp"
+
+namespace hil
+{
+
+namespace
+{
+
+// LOCKSTEP through this level's pipe against the host's own device: every tick's hash and the final one.
+void lockstep_gives_the_hash_of_the_host_alone(Level &level, const CaseOptions &options, Report &report)
+{
+    const auto bench = level.make({});
+    seld::Link link(bench->pipe());
+    set_up(link);
+    const Ending here = lockstep_session(link, options.ticks, 16);
+    check_same(host_only_session(options.ticks, 64), here, "host alone and this level");
+    report.add(
+        text("%u ticks, hash %016llx", unsigned{here.tick}, static_cast<unsigned long long>(here.hash)));
+}
+
+// The processor stands still between two steps of a session, as under a debugger, while the rig's time goes on.
+void a_pause_in_lockstep_changes_nothing(Level &level, const CaseOptions &options, Report &report)
+{
+    const auto bench = level.make({});
+    seld::Link link(bench->pipe());
+    set_up(link);
+    const std::uint32_t ticks = std::min<std::uint32_t>(options.ticks, 96);
+    int pauses = 0;
+    const Ending paused = lockstep_session(link, ticks, 8, [&](std::uint32_t tick) {
+        if (tick % 32 != 0) return;
+        bench->freeze(10000, pauses++ == 0 ? options.pause_s : 0.0);
+        bench->advance(1);
+    });
+    check_same(host_only_session(ticks, 8), paused, "without and with pauses");
+    report.add(text("%d pauses of 10 s of the rig, the first %.1f s of ours", pauses, options.pause_s));
+}
+
+// The closed loop of hand, rig, device and motors, against level 0: force of the motors, motion of the tool, hashes.
+void a_free_run_closes_the_loop_as_at_level_0(Level &level, const CaseOptions &options, Report &report)
+{
+    Ending endings[2];
+    double places_m[2], peaks_N[2] = {0.0, 0.0};
+    SimLevel reference;
+    for (int i = 0; i < 2; i++) {
+        PlantSettings settings;
+        settings.translation_encoder.jitter_counts = 0.7;
+        const auto bench = (i == 0 ? static_cast<Level &>(reference) : level).make(settings);
+        seld::Link link(bench->pipe());
+        set_up(link);
+        start_free_run(*bench, link);
+        push_by_spring_hand(bench->plant());
+        for (std::uint32_t ms = 0; ms < options.free_ms; ms += 8) {
+            keep_running(link, 8, &endings[i]);
+            peaks_N[i] = std::max(peaks_N[i], bench->plant().motor_peak_N());
+        }
+        places_m[i] = bench->plant().track(0).translation.tool();
+        check(bench->plant().is_stage_on(), "the motors lost power within the session");
+        check(link.read_status().state == SELD_WIRE_STATE_RUNNING, "the session ended by itself");
+    }
+    check_same(endings[0], endings[1], "level 0 and this level");
+    check(places_m[0] == places_m[1] && peaks_N[0] == peaks_N[1], "the tool is at %.9f m and %.9f m",
+          places_m[0], places_m[1]);
+    check(peaks_N[1] > 0.05 && peaks_N[1] <= 8.0, "the motors gave %.3f N at most, not 0.05 to 8 N",
+          peaks_N[1]);
+    report.add(text("%u ms, tool at %.1f mm, motor %.2f N at most", unsigned{options.free_ms},
+                    places_m[1] * 1e3, peaks_N[1]));
+}
+
+constexpr Case cases[] = {
+    {"lockstep_gives_the_hash_of_the_host_alone", lockstep_gives_the_hash_of_the_host_alone},
+    {"a_pause_in_lockstep_changes_nothing", a_pause_in_lockstep_changes_nothing},
+    {"a_free_run_closes_the_loop_as_at_level_0", a_free_run_closes_the_loop_as_at_level_0},
+};
+
+} // namespace
+
+std::span<const Case> session_cases()
+{
+    return cases;
+}
+
+} // namespace hil

@@ -1,0 +1,54 @@
+// Every case at level 0 and at level 1: hil_tests/cases.
+#include "hil_tests/cases/cases.hpp"
+#include "hil_tests/l0/sim_bench.hpp"
+#include "hil_tests/l1/emulated_bench.hpp"
+#include <csetjmp>
+#include <cstdarg>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+extern "C" {
+#include <cmocka.h>
+}
+
+namespace
+{
+
+struct Job {
+    hil::Level *level;
+    const hil::Case *what;
+    std::string name;
+};
+
+void run(void **state)
+{
+    const Job &job = *static_cast<const Job *>(*state);
+    std::string why;
+    try {
+        hil::Report report;
+        job.what->run(*job.level, {}, report);
+        std::printf("# %s: %s\n", job.name.c_str(), report.text.c_str());
+    } catch (const std::exception &error) {
+        why = error.what();
+    }
+    if (!why.empty())
+        fail_msg("%s; again: build/bin/hil --level %s --case %s", why.c_str(), job.level->name(),
+                 job.what->name);
+}
+
+} // namespace
+
+int main()
+{
+    hil::SimLevel l0;
+    hil::EmulatedLevel l1;
+    std::vector<Job> jobs;
+    for (hil::Level *level : {static_cast<hil::Level *>(&l0), static_cast<hil::Level *>(&l1)}) {
+        for (const hil::Case &one : hil::all_cases())
+            jobs.push_back({level, &one, std::string(level->name()) + " " + one.name});
+    }
+    std::vector<CMUnitTest> tests;
+    for (Job &job : jobs) tests.push_back({job.name.c_str(), run, nullptr, nullptr, &job});
+    return _cmocka_run_group_tests("levels", tests.data(), tests.size(), nullptr, nullptr);
+}

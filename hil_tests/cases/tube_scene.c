@@ -1,0 +1,42 @@
+#include "hil_tests/cases/tube_scene.h"
+#include "firmware/tests/reference/tube_lumen.h"
+#include "shared/scene/scene_write.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* The LUMEN section of docs/scene.md. */
+static uint8_t *lumen_section(const seld_lumen *lumen, size_t *bytes)
+{
+    const uint32_t *n = lumen->brick_count_xyz;
+    const size_t entries = (size_t)n[0] * n[1] * n[2],
+                 samples = (size_t)lumen->brick_count * SELD_LUMEN_BRICK_SAMPLES;
+    *bytes = 32 + 2 * entries + samples;
+    uint8_t *section = calloc(1, *bytes);
+    if (section == NULL) abort();
+    for (int k = 0; k < 3; k++) {
+        seld_scene_put_u32(section + 4 * k, (uint32_t)lumen->origin_m_q30[k]);
+        seld_scene_put_u16(section + 12 + 2 * k, (uint16_t)n[k]);
+    }
+    seld_scene_put_u32(section + 20, lumen->brick_count);
+    for (size_t i = 0; i < entries; i++) seld_scene_put_u16(section + 32 + 2 * i, lumen->index[i]);
+    memcpy(section + 32 + 2 * entries, lumen->samples, samples);
+    return section;
+}
+
+size_t hil_tube_scene(uint8_t *file, size_t capacity)
+{
+    const reference_piece path[3] = {{0.06, 0.0, 0.0}, {0.05, 1.0, 0.0}, {0.15, 0.0, 0.0}};
+    reference_tube *tube = reference_tube_make(path, 3, 0.002, 0);
+    size_t lumen_bytes;
+    uint8_t *lumen = lumen_section(&tube->lumen, &lumen_bytes);
+    uint8_t meta[SELD_SCENE_META_BYTES] = "tube", entry[SELD_SCENE_ENTRY_BYTES] = {0};
+    seld_scene_put_u32(entry + 12, 1u << 30); /* along +x */
+    const seld_scene_part parts[3] = {{SELD_SCENE_META, meta, sizeof meta},
+                                      {SELD_SCENE_ENTRY, entry, sizeof entry},
+                                      {SELD_SCENE_LUMEN, lumen, lumen_bytes}};
+    size_t bytes = seld_scene_write(SELD_SCENE_KIND_SCENE, parts, 3, file, capacity);
+    free(lumen);
+    reference_tube_free(tube);
+    return bytes;
+}

@@ -1,0 +1,41 @@
+// Level 0: the app as a library in this process, in turn with the plant.
+// May include: firmware/port/sim/sim.h, cases/bench.hpp. Called by: hil_tests.
+#pragma once
+#include "firmware/port/sim/sim.h"
+#include "hil_tests/cases/bench.hpp"
+
+namespace hil
+{
+
+class SimBench final : public Bench, private seld::Transport
+{
+  public:
+    explicit SimBench(const PlantSettings &settings);
+    ~SimBench() override;
+    seld::Transport &pipe() override { return *this; }
+
+  protected:
+    seld_port_outputs edge(const seld_port_inputs &inputs) override;
+    void hold(bool) override {} // nobody asks it meanwhile
+    seld_port_outputs restart() override;
+
+  private:
+    void write(std::span<const std::uint8_t> bytes) override;
+    std::size_t read(std::span<std::uint8_t> bytes) override;
+    void pass_time_ms(std::uint32_t milliseconds) override;
+
+    seld_sim *sim_;
+    bool has_restarted_ = false;
+};
+
+class SimLevel final : public Level
+{
+  public:
+    const char *name() const override { return "L0"; }
+    std::unique_ptr<Bench> make(const PlantSettings &settings) override
+    {
+        return std::make_unique<SimBench>(settings);
+    }
+};
+
+} // namespace hil

@@ -1,0 +1,45 @@
+// Level 1: the image on an emulated Cortex-M7, in turn with the plant over shared memory.
+// May include: emulator, cases/bench.hpp. Called by: hil_tests.
+#pragma once
+#include "hil_tests/cases/bench.hpp"
+#include "hil_tests/l1/emulator.hpp"
+#include "hil_tests/l1/page_transport.hpp"
+
+namespace hil
+{
+
+class EmulatedBench final : public Bench
+{
+  public:
+    EmulatedBench(const PlantSettings &settings, const EmulatorOptions &options);
+    seld::Transport &pipe() override { return pipe_; }
+    Emulator &emulator() { return emulator_; }
+
+  protected:
+    seld_port_outputs edge(const seld_port_inputs &inputs) override;
+    void hold(bool held) override;
+    seld_port_outputs restart() override;
+
+  private:
+    seld_port_outputs outputs_now();
+
+    Emulator emulator_;
+    PageTransport pipe_;
+};
+
+class EmulatedLevel final : public Level
+{
+  public:
+    // Milliseconds need a processor that has time for them: 0 gives 1,000 instructions per us.
+    explicit EmulatedLevel(int icount_shift = 0) { options_.icount_shift = icount_shift; }
+    const char *name() const override { return "L1"; }
+    std::unique_ptr<Bench> make(const PlantSettings &settings) override
+    {
+        return std::make_unique<EmulatedBench>(settings, options_);
+    }
+
+  private:
+    EmulatorOptions options_;
+};
+
+} // namespace hil

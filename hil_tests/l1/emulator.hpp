@@ -1,0 +1,78 @@
+// The device's image on an emulated Cortex-M7: one QEMU process and the memory it shares with us.
+//
+// With -icount every instruction takes 2^shift ns of the board's time, so a run is a function of its inputs:
+//   shift 7   counts instructions exactly (3.2 counts of the board's clock each); a millisecond holds 7,812 of them
+//   shift 1   500 instructions per us; shift 0   1,000 instructions per us: for anything with milliseconds in it
+//
+// Every wait has a deadline, and the process dies with us, whatever happens.
+// May include: firmware/port/mps2_an500/rig_page.h. Called by: hil_tests.
+#pragma once
+#include "firmware/port/mps2_an500/rig_page.h"
+#include <atomic>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <sys/types.h>
+
+namespace hil
+{
+
+// The emulator did not start, died, or did not do in time what it had to; the text ends with its console.
+class EmulatorError : public std::runtime_error
+{
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+struct EmulatorOptions {
+    std::string image; // empty: $SELD_IMAGE, else the one below $BUILD (default build)
+    int icount_shift = 7;
+    std::string serial;    // of the device; empty: its own
+    bool debugger = false; // listen for gdb on debugger_path()
+};
+
+class Emulator
+{
+  public:
+    // Starts and waits until the device is ready; the page says that a rig is there and makes milliseconds.
+    explicit Emulator(const EmulatorOptions &options);
+    ~Emulator();
+    Emulator(const Emulator &) = delete;
+    Emulator &operator=(const Emulator &) = delete;
+
+    rig_page &page() { return *reinterpret_cast<rig_page *>(memory_ + RIG_PAGE_OFFSET); }
+    std::uint8_t *memory() { return memory_; } // RIG_MEMORY_BYTES
+
+    // Stand still and go on, as under a debugger. No instruction is done in between.
+    void pause();
+    void resume();
+
+    // Power off at once, wherever the device is, and on again with the memory as it is.
+    void power_cycle();
+
+    // Until `is_done`. Throws EmulatorError after the deadline or when the process ends; `what` completes "waited for".
+    void wait(const std::function<bool()> &is_done, const char *what, double deadline_s = deadline_default_s);
+    static constexpr double deadline_default_s = 20.0;
+
+    std::uint32_t boot_count() { return rig_read(&page().device.boot_count); }
+    static constexpr double count_ns = 1e9 / int{RIG_CLOCK_HZ};
+    double instructions(std::uint32_t counts) const
+    {
+        return counts * count_ns / (1 << options_.icount_shift);
+    }
+    std::string console() const;
+    std::string debugger_path() const { return folder_ + "/gdb"; }
+    pid_t process() const { return process_; }
+
+  private:
+    void make_memory();
+    void start();
+    void kill();
+
+    EmulatorOptions options_;
+    std::string folder_;
+    std::uint8_t *memory_ = nullptr;
+    pid_t process_ = -1;
+};
+
+} // namespace hil
