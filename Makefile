@@ -25,8 +25,7 @@ CXXFLAGS := -std=c++20 -g $(WARN) $(CXXWARN) -I. -isystem /usr/include/eigen3 -M
 LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
-LIBS       := tools/vcsim3 host/app host/xray host/link host/model tools/anatomy tools/bake tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
-LIBS       := hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/xray host/link host/model tools/anatomy tools/bake tools/validate hil_tests/usb firmware/port/sim firmware/app \
+LIBS       := hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/xray host/link host/model tools/anatomy tools/bake tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
               firmware/port/mailbox firmware/app/usb firmware/core shared/scene shared/wire
 lib_file    = $(BUILD)/lib/lib$(subst /,_,$(1)).a
 lib_sources = $(filter-out %/main.cpp,$(wildcard $(1)/*.c $(1)/*.cpp))
@@ -41,13 +40,14 @@ ANATOMY_LIBS  := tools/anatomy
 VALIDATE_LIBS := tools/validate firmware/core
 VCSIM3_LIBS   := tools/vcsim3 host/app firmware/core shared/scene shared/wire
 HIL_LIBS      := hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant $(HOST_LIBS)
+HIL_REFERENCE := firmware/tests/reference/tube_lumen.c
 VDB_LINK      := -lopenvdb -ltbb -lImath-3_1
 BAKE_LINK     := $(VDB_LINK) -lassimp -lccd
 HOST_LINK     := -lpng -lglfw -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware
+.PHONY: all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware hil
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -98,6 +98,10 @@ $(eval $(call program,bake,tools/bake/main.cpp,$(BAKE_LIBS),$(BAKE_LINK)))
 $(eval $(call program,anatomy,tools/anatomy/main.cpp,$(ANATOMY_LIBS),$(VDB_LINK)))
 $(eval $(call program,vcsim3,tools/vcsim3/main.cpp,$(VCSIM3_LIBS),-lpng))
 $(eval $(call program,docs,tools/docs/main.cpp,shared/wire,))
+HIL_PROGRAM := $(BUILD)/bin/hil
+$(HIL_PROGRAM): $(call objects,hil_tests/cases/main.cpp $(HIL_REFERENCE)) $(foreach lib,$(HIL_LIBS),$(call lib_file,$(lib)))
+	@mkdir -p $(@D)
+	$(Q) $(CXX) $^ -o $@ $(LDFLAGS) -lm $(HOST_LINK)
 $(eval $(call program,validate,tools/validate/main.cpp,$(VALIDATE_LIBS),))
 
 # --- the demo: shipped anatomy -> scene -> session -> film -----------------------------------------------------------
@@ -159,8 +163,8 @@ $(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/xray host
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
 ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS) $(TOOL_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
 
-tests-build: $(ALL_TEST_PROGRAMS) ## build the test programs
-tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS),$(call test_program,$(t))) ## build those without OpenVDB
+tests-build: $(ALL_TEST_PROGRAMS) $(BUILD)/firmware/seldinger-mps2_an500.elf ## build the test programs
+tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS),$(call test_program,$(t))) $(BUILD)/firmware/seldinger-mps2_an500.elf ## build those without OpenVDB
 
 # --- the USB side against the host's libraries: docs/usb.md --------------------------------------------------------------
 HIL_FOLDER := $(BUILD)/hil
@@ -289,6 +293,13 @@ $(BUILD)/firmware/obj/%.c.o: %.c
 	$(Q) $(M7_CC) $(M7_FLAGS) $(IMAGE_FLAGS) $(IMAGE_OPT) -c $< -o $@
 $(IMAGE): $(IMAGE_SOURCES:%=$(BUILD)/firmware/obj/%.o) $(IMAGE_FOLDER)/device.ld
 	$(Q) $(M7_CC) -mcpu=cortex-m7 -mthumb -mfloat-abi=soft -nostdlib -Wl,--gc-sections -T $(IMAGE_FOLDER)/device.ld $(filter %.o,$^) -o $@ -lgcc
+
+HIL_LEVELS := $(HIL_PROGRAM) $(IMAGE)
+
+hil: packages-build packages-run packages-hil ## every level of emulation with every case, and the aorta session: docs/hil.md
+	@$(QUIET_MAKE) $(HIL_LEVELS)
+	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
+	@$(HIL_PROGRAM) --scene $(SCENE)
 
 firmware: packages-build packages-matrix ## build the device's image for the emulated Cortex-M7 and check it: build/firmware
 	@$(QUIET_MAKE) $(IMAGE)

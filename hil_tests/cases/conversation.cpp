@@ -127,6 +127,12 @@ void start_free_run(Bench &bench, seld::Link &link)
     link.start();
 }
 
+std::vector<seld_wire_tick_state> keep_talking(seld::Link &link)
+{
+    link.send_input(sample_input(0)); // the rig's own encoders count
+    return link.free_run(0);
+}
+
 void keep_running(seld::Link &link, std::uint32_t milliseconds, Ending *ending)
 {
     for (std::uint32_t ms = 0; ms < milliseconds; ms += host_every_ms) {

@@ -36,6 +36,9 @@ Ending host_only_session(std::uint32_t ticks, std::uint32_t batch);
 // From READY to RUNNING in FREE_RUN with power on the motors.
 void start_free_run(Bench &bench, seld::Link &link);
 
+// A frame that says that the host is there; what the device sent meanwhile.
+std::vector<seld_wire_tick_state> keep_talking(seld::Link &link);
+
 // Milliseconds of a session in FREE_RUN: the host is heard of every 8 ms and takes what the device sends.
 void keep_running(seld::Link &link, std::uint32_t milliseconds, Ending *ending = nullptr);
 

@@ -24,6 +24,11 @@ seld_port_outputs SimBench::edge(const seld_port_inputs &inputs)
     return seld_sim_read_outputs(sim_);
 }
 
+void SimBench::pass_frozen_ms()
+{
+    seld_sim_freeze(sim_, 1);
+}
+
 seld_port_outputs SimBench::restart()
 {
     seld_sim_reset(sim_);

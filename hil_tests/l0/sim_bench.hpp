@@ -17,6 +17,7 @@ class SimBench final : public Bench, private seld::Transport
   protected:
     seld_port_outputs edge(const seld_port_inputs &inputs) override;
     void hold(bool) override {} // nobody asks it meanwhile
+    void pass_frozen_ms() override;
     seld_port_outputs restart() override;
 
   private:

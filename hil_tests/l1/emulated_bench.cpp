@@ -64,6 +64,7 @@ seld_port_outputs EmulatedBench::edge(const seld_port_inputs &inputs)
     std::atomic_thread_fence(std::memory_order_release);
     put_inputs(inputs, host.inputs);
     rig_write(&host.inputs_end, host.inputs_begin);
+    host.milliseconds = static_cast<std::uint32_t>(plant().milliseconds());
     const std::uint32_t edge = host.edge + 1;
     rig_write(&host.edge, edge);
     emulator_.wait([&] { return rig_read(&page.device.edge_done) == edge; }, "a tick");

@@ -31,7 +31,10 @@ class EmulatedLevel final : public Level
 {
   public:
     // Milliseconds need a processor that has time for them: 0 gives 1,000 instructions per us.
-    explicit EmulatedLevel(int icount_shift = 0) { options_.icount_shift = icount_shift; }
+    explicit EmulatedLevel(int icount_shift = 0, const std::string &debugger = "")
+        : options_{{}, icount_shift, {}, debugger}
+    {
+    }
     const char *name() const override { return "L1"; }
     std::unique_ptr<Bench> make(const PlantSettings &settings) override
     {

@@ -128,9 +128,10 @@ void Emulator::start()
         "chardev:console",
         "-kernel",
         options_.image};
-    if (options_.debugger) {
-        command.insert(command.end(), {"-chardev", "socket,id=gdb,server=on,wait=off,path=" + debugger_path(),
-                                       "-gdb", "chardev:gdb"});
+    if (!options_.debugger.empty()) {
+        command.insert(command.end(),
+                       {"-S", "-chardev", "socket,id=gdb,server=on,wait=off,path=" + options_.debugger,
+                        "-gdb", "chardev:gdb"});
     }
     const std::uint32_t boots = boot_count();
     rig_write(&page().device.magic, 0);
@@ -188,6 +189,7 @@ void Emulator::wait(const std::function<bool()> &is_done, const char *what, doub
             throw EmulatorError("the emulator ended while we waited for " + std::string(what) + "\n" +
                                 console());
         }
+        if (!options_.debugger.empty()) continue;
         if (std::chrono::duration<double>(Clock::now() - begin).count() > deadline_s) {
             throw EmulatorError("waited " + std::to_string(deadline_s) + " s for " + what + "\n" + console());
         }

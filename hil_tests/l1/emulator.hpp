@@ -25,10 +25,11 @@ class EmulatorError : public std::runtime_error
 };
 
 struct EmulatorOptions {
-    std::string image; // empty: $SELD_IMAGE, else the one below $BUILD (default build)
+    std::string image{}; // empty: $SELD_IMAGE, else the one below $BUILD (default build)
     int icount_shift = 7;
-    std::string serial;    // of the device; empty: its own
-    bool debugger = false; // listen for gdb on debugger_path()
+    std::string serial{}; // of the device; empty: its own
+    std::string
+        debugger{}; // socket for gdb; the device waits for `continue` there, and nobody looks at the time
 };
 
 class Emulator
@@ -61,7 +62,6 @@ class Emulator
         return counts * count_ns / (1 << options_.icount_shift);
     }
     std::string console() const;
-    std::string debugger_path() const { return folder_ + "/gdb"; }
     pid_t process() const { return process_; }
 
   private:

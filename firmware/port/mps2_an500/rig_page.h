@@ -104,6 +104,7 @@ typedef struct rig_host_half {
     uint32_t version;
     uint32_t tick_source; /* rig_tick_source */
     uint32_t edge;
+    uint32_t milliseconds; /* of the rig; wraps. More than one since the last edge: the device stood still */
     uint32_t to_device_head, to_host_tail;
     uint32_t inputs_begin, inputs_end; /* equal, and equal again after reading: a whole sample */
     rig_inputs inputs;

@@ -35,25 +35,48 @@ uint32_t clock_counts(void)
     return UINT32_MAX - board_timer0->value;
 }
 
+static void take_counts(uint32_t counts)
+{
+    clock.counts_rest += counts;
+    clock.us += clock.counts_rest / COUNTS_PER_us;
+    clock.counts_rest %= COUNTS_PER_us;
+}
+
 /* Right as long as it is asked every 171 s. */
 uint32_t clock_us(void)
 {
     uint32_t now = clock_counts();
-    clock.counts_rest += now - clock.counts_last;
+    take_counts(now - clock.counts_last);
     clock.counts_last = now;
-    clock.us += clock.counts_rest / COUNTS_PER_us;
-    clock.counts_rest %= COUNTS_PER_us;
     return clock.us;
-}
-
-void clock_tick(void)
-{
-    clock.edges++;
 }
 
 static bool is_plants(void)
 {
     return rig_is_there() && rig_read(&rig->host.tick_source) == RIG_TICK_PLANT;
+}
+
+/* When the plant makes time, waiting for it takes none: what lies between two pieces of work is not counted, so that the
+ * clock shows the same however long we were kept waiting. */
+void clock_work_begin(void)
+{
+    if (is_plants()) clock.counts_last = clock_counts();
+}
+
+/* The plant's millisecond has begun; a device that is late with its work stays late. */
+void clock_edge_begin(void)
+{
+    clock_work_begin();
+    if (!is_plants()) return;
+    uint32_t begin_us = rig->host.milliseconds * 1000;
+    if (begin_us - clock.us > INT32_MAX) return;
+    clock.us = begin_us;
+    clock.counts_rest = 0;
+}
+
+void clock_tick(void)
+{
+    clock.edges++;
 }
 
 uint32_t clock_edges_due(void)

@@ -71,18 +71,22 @@ static void receive(void)
     const uint8_t *bytes;
     size_t count = pipe_received(&bytes);
     if (count == 0) return;
+    clock_work_begin();
     uint32_t begin = clock_counts();
     seld_app_receive(&app, bytes, count);
     rig_write(&rig->device.receive_counts, rig->device.receive_counts + (clock_counts() - begin));
+    (void)clock_us(); /* the end of this work */
     pipe_release(count);
 }
 
 static void tick(void)
 {
     if (clock_edges_due() == 0) return;
+    clock_edge_begin();
     uint32_t begin = clock_counts();
     seld_app_timer(&app);
     uint32_t counts = clock_counts() - begin;
+    (void)clock_us();
     rig_write(&rig->device.edge_counts, counts);
     if (counts > rig->device.edge_counts_max) rig_write(&rig->device.edge_counts_max, counts);
     clock_edge_done();

@@ -1,0 +1,68 @@
+#include "hil_tests/cases/aorta_session.hpp"
+#include "host/app/device.hpp"
+#include "host/app/interrupt.hpp"
+#include "host/app/session.hpp"
+#include "host/model/units.hpp"
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace hil
+{
+
+using Clock = std::chrono::steady_clock;
+
+void set_up_aorta(seld::Link &link, const AortaFiles &files, const seld::Session &session)
+{
+    const seld::SceneFile scene = seld::read_scene(files.scene);
+    const seld::Instrument wire = seld::read_instrument(files.instrument);
+    link.hello();
+    link.load_scene(scene.bytes);
+    link.load_tools({&wire.table, 1});
+    link.set_entry(seld::entry_of(scene, 1, session.inserted_um));
+    link.set_rig(seld::host_rig());
+}
+
+AortaRun run_aorta(seld::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
+                   const std::function<double()> &instructions)
+{
+    const seld::Session session = seld::read_session(files.session);
+    seld::Link link(pipe);
+    set_up_aorta(link, files, session);
+    link.use_lockstep();
+    link.arm();
+    link.start();
+    AortaRun run;
+    run.elements = static_cast<std::uint32_t>(link.node_table().arcs_m_q30_count) - 1;
+    seld::SessionPlayer player(session, 1);
+    const std::uint32_t batch = instructions ? 1 : seld::SessionPlayer::observe_every_ticks;
+    const Clock::time_point begin = Clock::now();
+    std::vector<seld_wire_encoders> inputs;
+    double inserted_m = 0.0;
+    while (!player.is_done() && link.tick() < ticks_max && !seld::is_interrupted()) {
+        inputs.clear();
+        while (inputs.size() < batch && link.tick() + inputs.size() < ticks_max && !player.is_done())
+            inputs.push_back(player.next());
+        const double before = instructions ? instructions() : 0.0;
+        for (const seld_wire_tick_state &state : link.step(inputs, false)) {
+            inserted_m = seld::units::metres(state.tools[0].inserted_m_q30);
+            run.tick_solves.push_back(state.solve_count);
+        }
+        if (instructions) run.tick_instructions.push_back(instructions() - before);
+        if (link.tick() % seld::SessionPlayer::observe_every_ticks == 0) player.observe({&inserted_m, 1});
+    }
+    run.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    run.ticks = link.tick();
+    run.hash = link.read_hash64().hash;
+    return run;
+}
+
+double quantile_of(std::vector<double> values, double quantile)
+{
+    if (values.empty()) return 0.0;
+    std::sort(values.begin(), values.end());
+    const auto rank = static_cast<std::size_t>(std::ceil(quantile * static_cast<double>(values.size())));
+    return values[std::max<std::size_t>(rank, 1) - 1];
+}
+
+} // namespace hil

@@ -1,0 +1,38 @@
+// The aorta session of `make run` on a device at the other end of any pipe, tick by tick: hashes, and what a tick costs.
+// May include: conversation, host/app. Called by: the program hil.
+#pragma once
+#include "host/app/session.hpp"
+#include "host/link/link.hpp"
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace hil
+{
+
+struct AortaFiles {
+    std::string scene = "out/aorta.scene";
+    std::string instrument = "shared/examples/instruments/j_wire.toml";
+    std::string session = "shared/examples/sessions/demo.session";
+};
+
+struct AortaRun {
+    std::uint32_t ticks = 0;
+    std::uint64_t hash = 0;
+    std::uint32_t elements = 0;
+    double seconds = 0.0;                  // of ours, without set-up
+    std::vector<double> tick_instructions; // where they are counted
+    std::vector<std::uint16_t> tick_solves;
+};
+
+// HELLO to READY with the session's scene, wire and entry.
+void set_up_aorta(seld::Link &link, const AortaFiles &files, const seld::Session &session);
+
+// One step per tick when `counts` is given, which tells the instructions spent so far; else steps as long as they can be.
+AortaRun run_aorta(seld::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
+                   const std::function<double()> &instructions = {});
+
+// The value that a share `quantile` of the values does not exceed.
+double quantile_of(std::vector<double> values, double quantile);
+
+} // namespace hil

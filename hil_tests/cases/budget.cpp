@@ -1,0 +1,66 @@
+#include "hil_tests/cases/budget.hpp"
+#include "hil_tests/cases/conversation.hpp"
+#include "hil_tests/l1/emulated_bench.hpp"
+#include "host/app/device.hpp"
+#include "host/app/hand_motion.hpp"
+#include "host/app/interrupt.hpp"
+#include "host/app/session.hpp"
+#include <algorithm>
+
+namespace hil
+{
+
+AortaRun count_aorta(const AortaFiles &files, std::uint32_t ticks_max)
+{
+    Emulator emulator({.icount_shift = 7});
+    PageTransport pipe(emulator);
+    rig_page &page = emulator.page();
+    std::uint32_t last = 0;
+    double sum = 0.0;
+    return run_aorta(pipe, files, ticks_max, [&] {
+        const auto is_idle = [&] {
+            return rig_read(&page.device.to_device_tail) == page.host.to_device_head;
+        };
+        emulator.wait(is_idle, "the end of a step");
+        const std::uint32_t now = rig_read(&page.device.receive_counts);
+        sum += emulator.instructions(now - last);
+        last = now;
+        return sum;
+    });
+}
+
+Overruns overruns_of_aorta(const AortaFiles &files, int icount_shift, std::uint32_t ticks_max)
+{
+    const seld::Session session = seld::read_session(files.session);
+    EmulatedBench bench({}, {.icount_shift = icount_shift});
+    seld::Link link(bench.pipe());
+    set_up_aorta(link, files, session);
+    start_free_run(bench, link);
+    seld::SessionPlayer player(session, 1);
+    Overruns result;
+    double inserted_m = 0.0;
+    seld_wire_hand before{};
+    Plant::Track &track = bench.plant().track(0);
+    while (!player.is_done() && result.ticks < ticks_max && !seld::is_interrupted()) {
+        const seld_wire_hand hand = player.next().hands[0];
+        track.translation.move_hand((hand.translation_counts - before.translation_counts) * 1e3 /
+                                    seld::counts_per_m);
+        track.rotation.move_hand((hand.rotation_counts - before.rotation_counts) * 1e3 * 6.283185307179586 /
+                                 seld::counts_per_turn);
+        before = hand;
+        bench.advance(1);
+        result.ticks++;
+        const double us = bench.emulator().page().device.edge_counts * Emulator::count_ns * 1e-3;
+        result.worst_us = std::max(result.worst_us, us);
+        result.overruns += us > 1000.0;
+        if (result.ticks % 8 == 0) keep_talking(link);
+        if (result.ticks % seld::SessionPlayer::observe_every_ticks != 0) continue;
+        inserted_m = link.read_nodes().inserted_m_q30[0] * 0x1p-30;
+        player.observe({&inserted_m, 1});
+    }
+    check(link.read_status().state == SELD_WIRE_STATE_RUNNING, "the session ended by itself after %u ticks",
+          unsigned{result.ticks});
+    return result;
+}
+
+} // namespace hil

@@ -1,0 +1,196 @@
+// The program hil: cases at every level, the aorta session at every level, what it costs, and one table at the end.
+#include "hil_tests/cases/budget.hpp"
+#include "hil_tests/cases/cases.hpp"
+#include "hil_tests/cases/conversation.hpp"
+#include "hil_tests/l0/sim_bench.hpp"
+#include "hil_tests/l1/emulated_bench.hpp"
+#include "host/app/interrupt.hpp"
+#include "host/link/sim_transport.hpp"
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace
+{
+
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+    std::string level, case_name, debugger;
+    bool lists = false, only_aorta = false, without_aorta = false;
+    std::uint32_t ticks_max = UINT32_MAX;
+    hil::CaseOptions cases{.pause_s = 10.0, .ticks = 2000, .free_ms = 4000};
+    hil::AortaFiles files;
+};
+
+struct Row {
+    std::string level, name, figures, failure;
+    double seconds;
+};
+
+class Table
+{
+  public:
+    // Runs one thing; what it throws is its failure.
+    template <class Work> void run(const std::string &level, const std::string &name, Work work)
+    {
+        if (seld::is_interrupted()) return;
+        std::fprintf(stderr, "%-4s %s ...\n", level.c_str(), name.c_str());
+        hil::Report report;
+        std::string failure;
+        const Clock::time_point begin = Clock::now();
+        try {
+            work(report);
+        } catch (const std::exception &error) {
+            failure = error.what();
+        }
+        const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+        rows_.push_back({level, name, report.text, failure, seconds});
+        if (!failure.empty()) std::fprintf(stderr, "     FAILED: %s\n", failure.c_str());
+    }
+
+    // Prints; returns the number of failures.
+    int print() const
+    {
+        int failed = 0;
+        std::printf("\n%-5s %-6s %7s  %s\n", "level", "result", "s", "case: figures");
+        for (const Row &row : rows_) {
+            failed += !row.failure.empty();
+            std::printf("%-5s %-6s %7.2f  %s: %s\n", row.level.c_str(), row.failure.empty() ? "ok" : "FAILED",
+                        row.seconds, row.name.c_str(),
+                        row.failure.empty() ? row.figures.c_str() : row.failure.c_str());
+        }
+        std::printf("%zu passed, %d failed%s\n", rows_.size() - static_cast<std::size_t>(failed), failed,
+                    seld::is_interrupted() ? ", interrupted" : "");
+        return failed;
+    }
+
+  private:
+    std::vector<Row> rows_;
+};
+
+bool is_wanted(const std::string &wanted, const char *name)
+{
+    return wanted.empty() || wanted == name;
+}
+
+std::string hex(std::uint64_t hash)
+{
+    return hil::text("%016llx", static_cast<unsigned long long>(hash));
+}
+
+void check_hash(const hil::AortaRun &expected, const hil::AortaRun &run, hil::Report &report)
+{
+    report.add(hil::text("%u ticks, hash %s, %.1f times real time", unsigned{run.ticks},
+                         hex(run.hash).c_str(), run.ticks * 1e-3 / run.seconds));
+    hil::check(run.hash == expected.hash && run.ticks == expected.ticks,
+               "hash %s after %u ticks, host-only %s after %u", hex(run.hash).c_str(), unsigned{run.ticks},
+               hex(expected.hash).c_str(), unsigned{expected.ticks});
+}
+
+// Bars of the issue: median 500 k, p99.9 600 k, maximum 900 k.
+void judge_instructions(const hil::AortaRun &run, hil::Report &report)
+{
+    const double median = hil::quantile_of(run.tick_instructions, 0.5),
+                 rare = hil::quantile_of(run.tick_instructions, 0.999),
+                 most = hil::quantile_of(run.tick_instructions, 1.0);
+    std::size_t twice = 0;
+    for (std::uint16_t solves : run.tick_solves) twice += solves > 1;
+    report.add(hil::text("%u elements: median %.0f, p99.9 %.0f, max %.0f instructions per tick, %zu of %zu "
+                         "ticks with two solves",
+                         unsigned{run.elements}, median, rare, most, twice, run.tick_solves.size()));
+    hil::check(median <= 500e3 && rare <= 600e3 && most <= 900e3,
+               "%s; allowed: median 500,000, p99.9 600,000, max 900,000", report.text.c_str());
+}
+
+void run_aorta(const Options &options, Table &table)
+{
+    hil::AortaRun expected, counted;
+    table.run("host", "aorta_session", [&](hil::Report &report) {
+        seld::SimTransport pipe;
+        expected = hil::run_aorta(pipe, options.files, options.ticks_max);
+        check_hash(expected, expected, report);
+    });
+    if (is_wanted(options.level, "L0")) {
+        table.run("L0", "aorta_session", [&](hil::Report &report) {
+            hil::SimBench bench({});
+            check_hash(expected, hil::run_aorta(bench.pipe(), options.files, options.ticks_max), report);
+        });
+    }
+    if (!is_wanted(options.level, "L1")) return;
+    table.run("L1", "aorta_session", [&](hil::Report &report) {
+        counted = hil::count_aorta(options.files, options.ticks_max);
+        check_hash(expected, counted, report);
+    });
+    table.run("L1", "m7_instructions_per_tick",
+              [&](hil::Report &report) { judge_instructions(counted, report); });
+    for (int shift : {0, 1}) {
+        const int mips = 1000 >> shift;
+        table.run("L1", "tick_overruns_at_" + std::to_string(mips) + "_mips", [&](hil::Report &report) {
+            const hil::Overruns o = hil::overruns_of_aorta(options.files, shift, options.ticks_max);
+            report.add(hil::text("%u of %u ticks over 1 ms, longest %.0f us", unsigned{o.overruns},
+                                 unsigned{o.ticks}, o.worst_us));
+            hil::check(o.overruns <= (shift == 0 ? 0.0 : 1e-4 * o.ticks), "%s; allowed: %s",
+                       report.text.c_str(), shift == 0 ? "none" : "0.01 %");
+        });
+    }
+}
+
+void parse(CLI::App &app, Options &options)
+{
+    app.add_option("--level", options.level, "Only this level: L0 or L1")->check(CLI::IsMember({"L0", "L1"}));
+    app.add_option("--case", options.case_name, "Only this case");
+    app.add_option("--gdb", options.debugger, "Socket on which the emulated device waits for gdb");
+    app.add_flag("--list", options.lists, "Names of the cases");
+    app.add_flag("--aorta", options.only_aorta, "Only the aorta session and its costs");
+    app.add_flag("--no-aorta", options.without_aorta,
+                 "Without the aorta session, which needs out/aorta.scene");
+    app.add_option("--aorta-ticks", options.ticks_max, "Only so many ticks of it");
+    app.add_option("--scene", options.files.scene, "Scene of the aorta session")->capture_default_str();
+    app.add_option("--pause", options.cases.pause_s, "Seconds that a pause lasts")->capture_default_str();
+    app.add_option("--ticks", options.cases.ticks, "Ticks of sessions in LOCKSTEP")->capture_default_str();
+    app.add_option("--free-run", options.cases.free_ms, "Milliseconds of sessions in FREE_RUN")
+        ->capture_default_str();
+    app.footer("Examples:\n  hil --level L1 --case a_pause_in_lockstep_changes_nothing\n  hil --aorta "
+               "--aorta-ticks 2000");
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    Options options;
+    CLI::App app("Cases for a device with its rig, at every level of emulation (docs/hil.md)");
+    parse(app, options);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError &error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    if (options.lists) {
+        for (const hil::Case &one : hil::all_cases()) std::printf("%s\n", one.name);
+        return 0;
+    }
+    seld::watch_for_interrupt();
+    Table table;
+    hil::SimLevel l0;
+    hil::EmulatedLevel l1(0, options.debugger);
+    bool is_known = options.case_name.empty();
+    for (hil::Level *level : {static_cast<hil::Level *>(&l0), static_cast<hil::Level *>(&l1)}) {
+        for (const hil::Case &one : hil::all_cases()) {
+            if (!is_wanted(options.case_name, one.name)) continue;
+            is_known = true;
+            if (options.only_aorta || !is_wanted(options.level, level->name())) continue;
+            table.run(level->name(), one.name,
+                      [&](hil::Report &report) { one.run(*level, options.cases, report); });
+        }
+    }
+    if (!is_known) {
+        std::fprintf(stderr, "hil: no case '%s'; --list names them\n", options.case_name.c_str());
+        return 2;
+    }
+    if (options.case_name.empty() && !options.without_aorta) run_aorta(options, table);
+    return table.print() == 0 && !seld::is_interrupted() ? 0 : 1;
+}
