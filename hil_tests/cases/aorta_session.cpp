@@ -12,15 +12,17 @@ namespace hil
 
 using Clock = std::chrono::steady_clock;
 
-void set_up_aorta(seld::Link &link, const AortaFiles &files, const seld::Session &session)
+void set_up_aorta(seld::Link &link, const AortaFiles &files, const seld::Session &session,
+                  const seld_wire_rig &rig)
 {
     const seld::SceneFile scene = seld::read_scene(files.scene);
-    const seld::Instrument wire = seld::read_instrument(files.instrument);
+    seld::Instrument wire = seld::read_instrument(files.instrument);
+    if (files.element_shaft_um > 0) wire.table.element_shaft_um = files.element_shaft_um;
     link.hello();
     link.load_scene(scene.bytes);
     link.load_tools({&wire.table, 1});
     link.set_entry(seld::entry_of(scene, 1, session.inserted_um));
-    link.set_rig(seld::host_rig());
+    link.set_rig(rig);
 }
 
 AortaRun run_aorta(seld::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
@@ -28,7 +30,7 @@ AortaRun run_aorta(seld::Transport &pipe, const AortaFiles &files, std::uint32_t
 {
     const seld::Session session = seld::read_session(files.session);
     seld::Link link(pipe);
-    set_up_aorta(link, files, session);
+    set_up_aorta(link, files, session, seld::host_rig());
     link.use_lockstep();
     link.arm();
     link.start();

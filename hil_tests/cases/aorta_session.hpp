@@ -14,6 +14,7 @@ struct AortaFiles {
     std::string scene = "out/aorta.scene";
     std::string instrument = "shared/examples/instruments/j_wire.toml";
     std::string session = "shared/examples/sessions/demo.session";
+    std::uint32_t element_shaft_um = 0; // longest element of the wire; 0: as in its file
 };
 
 struct AortaRun {
@@ -26,7 +27,8 @@ struct AortaRun {
 };
 
 // HELLO to READY with the session's scene, wire and entry.
-void set_up_aorta(seld::Link &link, const AortaFiles &files, const seld::Session &session);
+void set_up_aorta(seld::Link &link, const AortaFiles &files, const seld::Session &session,
+                  const seld_wire_rig &rig);
 
 // One step per tick when `counts` is given, which tells the instructions spent so far; else steps as long as they can be.
 AortaRun run_aorta(seld::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,

@@ -34,7 +34,7 @@ Overruns overruns_of_aorta(const AortaFiles &files, int icount_shift, std::uint3
     const seld::Session session = seld::read_session(files.session);
     EmulatedBench bench({}, {.icount_shift = icount_shift});
     seld::Link link(bench.pipe());
-    set_up_aorta(link, files, session);
+    set_up_aorta(link, files, session, plant_rig());
     start_free_run(bench, link);
     seld::SessionPlayer player(session, 1);
     Overruns result;

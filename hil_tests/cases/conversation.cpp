@@ -66,6 +66,21 @@ void check_same(const Ending &a, const Ending &b, const char *what)
           static_cast<unsigned long long>(a.hash), static_cast<unsigned long long>(b.hash));
 }
 
+seld_wire_rig plant_rig()
+{
+    const AxisSettings along{}, about = rotation_axis_settings;
+    seld_wire_rig rig = seld::host_rig();
+    for (seld_wire_track &track : rig.tracks) {
+        track.damping_mN_s_per_m = static_cast<std::uint32_t>(along.viscous * 1e3);
+        track.damping_nN_m_s_per_rad = static_cast<std::uint32_t>(about.viscous * 1e9);
+        track.coupling_N_per_m = 1000;
+        track.coupling_mN_s_per_m = 200;
+        track.coupling_uN_m_per_rad = 2000;
+        track.coupling_nN_m_s_per_rad = 400;
+    }
+    return rig;
+}
+
 void set_up(seld::Link &link)
 {
     static const seld::Instrument wire = seld::read_instrument("shared/examples/instruments/j_wire.toml");
@@ -77,7 +92,7 @@ void set_up(seld::Link &link)
     entry.inserted_um_count = 1;
     entry.inserted_um[0] = 30000;
     link.set_entry(entry);
-    link.set_rig(seld::host_rig());
+    link.set_rig(plant_rig());
 }
 
 seld_wire_encoders sample_input(std::uint32_t tick)
@@ -123,7 +138,8 @@ void start_free_run(Bench &bench, seld::Link &link)
 {
     link.use_free_run();
     link.arm();
-    bench.advance(1);
+    bench.advance(1); // the device has sampled the rig
+    link.arm_motors();
     link.start();
 }
 

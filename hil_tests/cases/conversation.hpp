@@ -20,6 +20,9 @@ struct Ending {
 };
 void check_same(const Ending &a, const Ending &b, const char *what);
 
+// The rig that the plant is, with a virtual coupling that its damping allows.
+seld_wire_rig plant_rig();
+
 // HELLO, the tube scene, a J wire with 30 mm inserted, the rig as the plant has it; READY.
 void set_up(seld::Link &link);
 

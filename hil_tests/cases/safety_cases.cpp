@@ -10,6 +10,7 @@ namespace
 
 constexpr double force_safe_N = 0.02;      // less than the bearing's friction
 constexpr double torque_safe_N_m = 0.0002; // likewise
+constexpr int safe_ms = 5, silent_safe_ms = 50;
 constexpr std::uint32_t warm_up_ms = 400;
 
 // A session in FREE_RUN with force on the hand, in which one thing then goes wrong.
@@ -28,6 +29,16 @@ struct Running {
     {
         Plant &plant = bench->plant();
         return plant.motor_peak_N() <= force_safe_N && plant.motor_torque_peak_N_m() <= torque_safe_N_m;
+    }
+    // Milliseconds until the motors give nothing any more.
+    int time_to_safe_ms(int limit_ms)
+    {
+        for (int ms = 1; ms <= limit_ms; ms++) {
+            bench->advance(1);
+            worst_N = std::max(worst_N, bench->plant().motor_peak_N());
+            if (is_safe()) return ms;
+        }
+        return limit_ms + 1;
     }
     // The cause that the device latched.
     std::uint16_t fault_code()
@@ -49,7 +60,54 @@ struct Running {
 
     std::unique_ptr<Bench> bench;
     seld::Link link;
+    double worst_N = 0.0;
 };
+
+struct Fault {
+    const char *name;
+    void (*inject)(Plant &plant);
+};
+
+Plant::Track &track(Plant &plant)
+{
+    return plant.track(0);
+}
+
+const Fault sensor_faults[] = {
+    {"translation encoder out of range",
+     [](Plant &p) { track(p).translation_encoder.set_fault(SensorFault::range); }},
+    {"translation encoder silent",
+     [](Plant &p) { track(p).translation_encoder.set_fault(SensorFault::silent); }},
+    {"translation encoder jumps 7 mm",
+     [](Plant &p) { track(p).translation_encoder.set_fault(SensorFault::jump, 7000); }},
+    {"rotation encoder out of range",
+     [](Plant &p) { track(p).rotation_encoder.set_fault(SensorFault::range); }},
+    {"rotation encoder jumps half a turn",
+     [](Plant &p) { track(p).rotation_encoder.set_fault(SensorFault::jump, 32768); }},
+    {"force sensor out of range", [](Plant &p) { track(p).force_fault = SensorFault::range; }},
+    {"force sensor silent", [](Plant &p) { track(p).force_fault = SensorFault::silent; }},
+    {"motor driver over its current", [](Plant &p) { track(p).is_over_current = true; }},
+    {"actuator stuck on", [](Plant &p) { track(p).translation.set_motor_fault(MotorFault::stuck_on); }},
+    {"emergency stop pressed", [](Plant &p) { p.emergency_stop = true; }},
+    {"supply of the motors gone", [](Plant &p) { p.supply_good = false; }},
+};
+
+void every_fault_of_the_rig_is_safe_in_5_ms_and_latched(Level &level, const CaseOptions &, Report &report)
+{
+    int worst_ms = 0;
+    for (const Fault &fault : sensor_faults) {
+        Running session(level);
+        fault.inject(session.bench->plant());
+        const int ms = session.time_to_safe_ms(100);
+        check(ms <= safe_ms, "%s: safe after %d ms, allowed %d", fault.name, ms, safe_ms);
+        check(session.worst_N <= track(session.bench->plant()).translation.settings().motor_limit,
+              "%s: the motor gave %.2f N", fault.name, session.worst_N);
+        check(session.fault_code() != 0, "%s: FAULT without a cause", fault.name);
+        session.check_latched();
+        worst_ms = std::max(worst_ms, ms);
+    }
+    report.add(text("%zu faults, safe after %d ms at most", std::size(sensor_faults), worst_ms));
+}
 
 // A debugger stops the processor; the power stage watches the drive line by itself, and the device finds out afterwards.
 void a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault(Level &level, const CaseOptions &options,
@@ -98,11 +156,23 @@ void a_brown_out_is_safe_and_a_new_session_starts_clean(Level &level, const Case
     report.add("power off, INIT, same hashes again");
 }
 
+// Nobody sends anything any more: the forces fade. Bar: from the last frame to no force.
+void a_silent_host_ends_the_forces_in_50_ms(Level &level, const CaseOptions &, Report &report)
+{
+    Running session(level);
+    const int ms = session.time_to_safe_ms(400);
+    check(ms <= silent_safe_ms, "no force %d ms after the last frame, allowed %d", ms, silent_safe_ms);
+    report.add(text("no force after %d ms", ms));
+}
+
 constexpr Case cases[] = {
+    {"every_fault_of_the_rig_is_safe_in_5_ms_and_latched",
+     every_fault_of_the_rig_is_safe_in_5_ms_and_latched},
     {"a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault",
      a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault},
     {"a_brown_out_is_safe_and_a_new_session_starts_clean",
      a_brown_out_is_safe_and_a_new_session_starts_clean},
+    {"a_silent_host_ends_the_forces_in_50_ms", a_silent_host_ends_the_forces_in_50_ms},
 };
 
 } // namespace

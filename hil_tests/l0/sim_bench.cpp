@@ -8,7 +8,7 @@ namespace hil
 SimBench::SimBench(const PlantSettings &settings) : Bench(settings), sim_(seld_sim_create(8u << 20))
 {
     if (sim_ == nullptr) throw std::bad_alloc();
-    seld_sim_set_inputs(sim_, &plant().inputs());
+    seld_sim_set_plant(sim_, &plant().inputs());
 }
 
 SimBench::~SimBench()
@@ -16,10 +16,9 @@ SimBench::~SimBench()
     seld_sim_destroy(sim_);
 }
 
-// The sim has a power stage of its own; here the plant's is the one that counts, and the sim's cannot be on longer.
 seld_port_outputs SimBench::edge(const seld_port_inputs &inputs)
 {
-    seld_sim_set_inputs(sim_, &inputs);
+    seld_sim_set_plant(sim_, &inputs);
     seld_sim_timer(sim_, 1);
     return seld_sim_read_outputs(sim_);
 }

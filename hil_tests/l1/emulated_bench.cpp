@@ -60,6 +60,8 @@ seld_port_outputs EmulatedBench::edge(const seld_port_inputs &inputs)
 {
     rig_page &page = emulator_.page();
     rig_host_half &host = page.host;
+    // What was said before this edge is heard before it, on every run.
+    emulator_.wait([&] { return rig_read(&page.device.to_device_tail) == host.to_device_head; }, "a request");
     rig_write(&host.inputs_begin, host.inputs_begin + 1);
     std::atomic_thread_fence(std::memory_order_release);
     put_inputs(inputs, host.inputs);

@@ -19,7 +19,7 @@ struct AxisSettings {
     double tool_inertia = 0.02;    // kg: what of tool and hand moves with it
     double roller_inertia = 0.01;  // kg: roller and motor, reflected to the tool
     double coulomb = 0.05;         // N, bearing of the roller
-    double viscous = 0.2;          // N s/m
+    double viscous = 1.0;          // N s/m
     double grip_limit = 12.0;      // N, beyond it the tool slips over the roller
     double motor_limit = 10.0;     // N, by the limit of its current
     double motor_lag_s = 0.0015;   // of the current

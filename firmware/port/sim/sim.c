@@ -7,7 +7,7 @@
 
 struct seld_sim {
     seld_port port;
-    bool has_rig, is_welded;
+    bool has_rig, is_welded, is_plant;
     seld_port_inputs inputs;
     seld_port_outputs outputs;
     uint32_t stage_hold_ms; /* 0: the power stage is off */
@@ -48,6 +48,7 @@ static bool sim_inputs(void *context, seld_port_inputs *inputs)
     sim->time_us += sim->tick_us;
     if (!sim->has_rig) return false;
     *inputs = sim->inputs;
+    if (sim->is_plant) return true;
     inputs->stage_on = inputs->stage_on && (sim->stage_hold_ms > 0 || sim->is_welded);
     seld_sim_motors motors = seld_sim_read_motors(sim);
     for (int k = 0; k < SELD_PORT_TOOL_MAX; k++) inputs->tracks[k].force_raw += motors.axial_mN[k];
@@ -169,6 +170,12 @@ void seld_sim_set_inputs(seld_sim *sim, const seld_port_inputs *inputs)
     sim->has_rig = inputs != NULL;
     sim->port.capabilities = sim->has_rig ? SELD_WIRE_CAPABILITY_ENCODERS | SELD_WIRE_CAPABILITY_MOTORS : 0;
     if (inputs != NULL) sim->inputs = *inputs;
+}
+
+void seld_sim_set_plant(seld_sim *sim, const seld_port_inputs *inputs)
+{
+    seld_sim_set_inputs(sim, inputs);
+    sim->is_plant = true;
 }
 
 void seld_sim_weld_stage(seld_sim *sim, bool is_welded)

@@ -46,6 +46,9 @@ void seld_sim_set_tick_us(seld_sim *sim, uint32_t tick_us);
  * answers. The hands hold still against the motors: what those give is added to every `force_raw`, 1 mN per count. */
 void seld_sim_set_inputs(seld_sim *sim, const seld_port_inputs *inputs);
 
+/* A rig that is modelled outside, with its own power stage: the sample is taken as it is. */
+void seld_sim_set_plant(seld_sim *sim, const seld_port_inputs *inputs);
+
 /* A power stage that does not go off any more: its transistors are molten. */
 void seld_sim_weld_stage(seld_sim *sim, bool is_welded);
 
