@@ -30,6 +30,8 @@ FORBIDDEN = re.compile(r"^(__aeabi_([dfil]|u?[il]div|ul|uldiv).*|__.*(div|mod)[s
                        r"malloc|calloc|realloc|free|_sbrk)$")
 ALLOWED_HELPERS = re.compile(r"^__aeabi_l(lsl|lsr|asr|mul)$")  # 64-bit shifts and products: a few instructions, no loop
 INSTRUCTIONS_PER_COUNT = 40  # of SysTick: firmware/port/mps2_an500/systick.h
+DIVISION = re.compile(r"^__aeabi_u?ldivmod$")  # forbidden, but its stack is known: the caller's check tells the name
+DIVISION_BYTES = 64
 LOOP_MIN = 12  # shorter loops are not worth an estimate
 
 
@@ -136,6 +138,8 @@ def worst_stack(folder, root, by_address=()):
         if title is None:
             if ALLOWED_HELPERS.match(name):
                 return 16, [name]  # leaf functions of libgcc that save at most four registers
+            if DIVISION.match(name):
+                return DIVISION_BYTES, [name]
             raise CannotMeasure("%s calls %s, of which the compiler told no stack size" % (above[-1], name))
         if title in above:
             raise CannotMeasure("recursion: %s" % " -> ".join(above + [title]))
