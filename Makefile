@@ -282,7 +282,8 @@ budget: packages-build packages-matrix packages-budget ## count the Cortex-M7's 
 # --- the device's image: docs/hil.md ---------------------------------------------------------------------------------
 IMAGE         := $(BUILD)/firmware/seldinger-mps2_an500.elf
 IMAGE_FOLDER  := firmware/port/mps2_an500/device
-IMAGE_SOURCES := $(wildcard firmware/core/*.c firmware/app/*.c shared/wire/*.c shared/scene/*.c $(IMAGE_FOLDER)/*.c) firmware/port/mps2_an500/memory.c
+IMAGE_SOURCES := $(wildcard firmware/core/*.c firmware/app/*.c firmware/app/usb/*.c firmware/port/mailbox/*.c firmware/port/usb/*.c shared/wire/*.c shared/scene/*.c \
+                 $(IMAGE_FOLDER)/*.c) firmware/port/mps2_an500/memory.c
 # What only hosts need of the shared libraries is left out by the linker.
 IMAGE_FLAGS   := -isystem firmware/port/libc -ffunction-sections -fdata-sections
 
@@ -296,10 +297,11 @@ $(IMAGE): $(IMAGE_SOURCES:%=$(BUILD)/firmware/obj/%.o) $(IMAGE_FOLDER)/device.ld
 
 HIL_LEVELS := $(HIL_PROGRAM) $(IMAGE)
 
-hil: packages-build packages-run packages-hil ## every level of emulation with every case, and the aorta session: docs/hil.md
-	@$(QUIET_MAKE) $(HIL_LEVELS)
+hil: packages-build packages-run packages-hil packages-usb ## every level of emulation with every case, and the aorta session: docs/hil.md
+	@$(QUIET_MAKE) $(HIL_LEVELS) hil-programs
 	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
-	@$(HIL_PROGRAM) --scene $(SCENE)
+	@$(HIL_PROGRAM) --scene $(SCENE) --also "L2 libusb_and_hidapi_by_umockdev HIL=$(HIL_FOLDER) hil_tests/l2/test_l2.sh" \
+	    --also "L3 Debians_kernel_in_qemu $(MAKE) --no-print-directory PACKAGES=skip hil-guest"
 
 firmware: packages-build packages-matrix ## build the device's image for the emulated Cortex-M7 and check it: build/firmware
 	@$(QUIET_MAKE) $(IMAGE)

@@ -59,6 +59,23 @@ AortaRun run_aorta(seld::Transport &pipe, const AortaFiles &files, std::uint32_t
     return run;
 }
 
+std::uint32_t shaft_of(const AortaFiles &files, std::uint32_t elements)
+{
+    const seld::Session session = seld::read_session(files.session);
+    AortaFiles tried = files;
+    std::uint32_t low_um = 1000, high_um = 8000; // too many elements, few enough
+    while (high_um - low_um > 1) {
+        tried.element_shaft_um = (low_um + high_um) / 2;
+        seld::SimTransport pipe;
+        seld::Link link(pipe);
+        set_up_aorta(link, tried, session, seld::host_rig());
+        link.arm();
+        const bool is_few = link.node_table().arcs_m_q30_count <= elements + 1;
+        (is_few ? high_um : low_um) = tried.element_shaft_um;
+    }
+    return high_um;
+}
+
 double quantile_of(std::vector<double> values, double quantile)
 {
     if (values.empty()) return 0.0;

@@ -34,6 +34,9 @@ void set_up_aorta(seld::Link &link, const AortaFiles &files, const seld::Session
 AortaRun run_aorta(seld::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
                    const std::function<double()> &instructions = {});
 
+// The shaft's element length in um that gives the wire at most so many elements.
+std::uint32_t shaft_of(const AortaFiles &files, std::uint32_t elements);
+
 // The value that a share `quantile` of the values does not exceed.
 double quantile_of(std::vector<double> values, double quantile);
 

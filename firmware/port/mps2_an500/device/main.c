@@ -1,13 +1,17 @@
 /* The device on ARM's MPS2 board (AN500, Cortex-M7) with an emulated rig: memory, the port's table, and the loop that hands
  * bytes and milliseconds to the app. Nothing here allocates; interrupts only count.
  *
- *   loop:  bytes came -> seld_app_receive     an edge is due -> seld_app_timer (reads inputs, writes outputs)
+ *   loop:  bytes came -> seld_app_receive     USB tokens -> seld_rig_usb_poll     an edge is due -> seld_app_timer
  *
  * One piece of bytes and one edge per round, so that neither starves the other. */
 #include "firmware/app/app.h"
+#include "firmware/port/mailbox/mailbox_udc.h"
 #include "firmware/port/mps2_an500/device/device.h"
+#include "firmware/port/usb/rig_usb.h"
 
 static seld_app app __attribute__((section(".hot"), aligned(8)));
+static seld_mailbox_udc controller;
+static seld_rig_usb usb;
 static uint8_t slots[2][RIG_SLOT_BYTES] __attribute__((section(".scenes"), aligned(8)));
 static char serial[SELD_PORT_SERIAL_BYTES + 1] = "AN500-0001";
 
@@ -20,9 +24,27 @@ static uint32_t now_us(void *context)
     return clock_us();
 }
 
+/* A host on the USB has the device; without one the rings of the rig page do, where instructions can be counted. */
+static bool is_on_usb(void)
+{
+    return usb.usb.link == SELD_USB_CONFIGURED;
+}
+
+static bool transmit(void *context, const uint8_t *frame, size_t frame_bytes)
+{
+    return is_on_usb() ? seld_rig_usb_transmit(context, frame, frame_bytes)
+                       : pipe_transmit(context, frame, frame_bytes);
+}
+
+static size_t transmit_room(void *context)
+{
+    return is_on_usb() ? seld_rig_usb_room(context) : pipe_room(context);
+}
+
 static seld_port port = {
-    .transmit = pipe_transmit,
-    .transmit_room = pipe_room,
+    .context = &usb,
+    .transmit = transmit,
+    .transmit_room = transmit_room,
     .inputs = rig_inputs_read,
     .outputs = rig_outputs_write,
     .now_us = now_us,
@@ -88,6 +110,7 @@ static void tick(void)
     clock_edge_begin();
     uint32_t begin = clock_counts();
     seld_app_timer(&app);
+    seld_rig_usb_timer(&usb);
     uint32_t counts = clock_counts() - begin;
     (void)clock_us();
     rig_write(&rig->device.edge_counts, counts);
@@ -109,10 +132,15 @@ int main(void)
     greet();
     pipe_start();
     seld_app_init(&app, &port);
+    seld_mailbox_udc_init(&controller, (seld_mailbox *)RIG_MEMORY_ADDRESS, true);
+    bool has_usb = seld_rig_usb_init(&usb, &app, &controller.udc);
+    console_text(has_usb ? "USB: on the bus\n" : "USB: off, the serial is not printable\n");
+    seld_rig_usb_connect(&usb, has_usb);
     clock_start();
     rig_write(&rig->device.magic, RIG_MAGIC);
     for (uint32_t round = 0;; round++) {
         receive();
+        seld_rig_usb_poll(&usb);
         tick();
         if (round % FEED_EVERY_rounds == 0) clock_feed_watchdog();
     }
