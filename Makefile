@@ -47,7 +47,7 @@ HOST_LINK     := -lpng -lglfw -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware hil
+.PHONY: dissector all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware hil
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -97,7 +97,7 @@ $(eval $(call program,seldinger,host/app/main.cpp,$(HOST_LIBS),$(HOST_LINK)))
 $(eval $(call program,bake,tools/bake/main.cpp,$(BAKE_LIBS),$(BAKE_LINK)))
 $(eval $(call program,anatomy,tools/anatomy/main.cpp,$(ANATOMY_LIBS),$(VDB_LINK)))
 $(eval $(call program,vcsim3,tools/vcsim3/main.cpp,$(VCSIM3_LIBS),-lpng))
-$(eval $(call program,docs,tools/docs/main.cpp,shared/wire,))
+$(eval $(call program,docs,tools/docs/main.cpp tools/docs/dissector.cpp,shared/wire,))
 HIL_PROGRAM := $(BUILD)/bin/hil
 $(HIL_PROGRAM): $(call objects,hil_tests/cases/main.cpp $(HIL_REFERENCE)) $(foreach lib,$(HIL_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $(@D)
@@ -144,7 +144,7 @@ VALIDATE_TESTS := $(wildcard tools/validate/tests/test_*.cpp)
 THESIS_TESTS   := $(wildcard tools/vcsim3/tests/test_*.cpp)
 HIL_TESTS      := $(wildcard hil_tests/*/tests/test_*.cpp)
 SYSTEM_TESTS   := $(wildcard hil_tests/test_*.cpp) # the whole program against real anatomy
-SCRIPT_TESTS   := $(wildcard tools/check/test_*.sh tools/check/test_*.py host/tests/test_*.sh tools/*/tests/test_*.sh hil_tests/*/test_*.sh)
+SCRIPT_TESTS   := $(wildcard tools/check/test_*.sh tools/check/test_*.py host/tests/test_*.sh tools/*/tests/test_*.sh tools/*/tests/test_*.py hil_tests/*/test_*.sh)
 test_program    = $(patsubst %,$(BUILD)/test/%,$(basename $(1)))
 REFERENCE       := $(wildcard firmware/tests/reference/*.c)
 
@@ -326,6 +326,12 @@ docs: packages-build ## write the generated tables of docs/wire.md, usb.md, faul
 	@$(QUIET_MAKE) $(BUILD)/bin/docs $(BUILD)/bin/seldinger
 	@$(BUILD)/bin/docs --write
 	@$(BUILD)/bin/seldinger instruments --table docs/instruments.md --png docs/images/instruments.png > /dev/null
+
+dissector: packages-build ## write out/seldinger.lua, which lets Wireshark read the wire (docs/wire.md)
+	@$(QUIET_MAKE) $(BUILD)/bin/docs
+	@mkdir -p out
+	@$(BUILD)/bin/docs --dissector out/seldinger.lua
+	@echo "Written: out/seldinger.lua; use it as wireshark -X lua_script:out/seldinger.lua"
 
 clean: ## remove build/ and out/
 	rm -rf build out

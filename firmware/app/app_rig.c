@@ -13,6 +13,7 @@ enum {
     DAMPING_MAX = 1000000, /* in both units */
     COUPLING_MAX_N_per_m = 5000,
     COUPLING_MAX_uN_m_per_rad = 100000,
+    LAG_MAX_us = 20000,
     SEAL_MAX_mN = 2000,
     SEAL_MAX_uN_m = 5000,
 };
@@ -22,12 +23,13 @@ static bool in_range(uint32_t value, uint32_t low, uint32_t high)
     return value >= low && value <= high;
 }
 
-/* b > K T / 2 + B: what a sampled spring and damper may be on a rig with damping b (docs/haptics.md). With T = 1 ms and
- * b, B in 1/1000 of K's unit times s, that is K < 2 (b - B); without a coupling nothing is asked. */
-static bool is_passive(uint32_t stiffness, uint32_t damping, uint32_t damping_rig)
+/* b > K (T / 2 + t) + B: what a sampled spring and damper may be on a rig with damping b whose force comes t late
+ * (docs/haptics.md). Format: K in N/m times us, b and B in 1/1000 of that. Without a coupling nothing is asked. */
+static bool is_passive(uint32_t stiffness, uint32_t damping, uint32_t damping_rig, uint32_t lag_us)
 {
     if (stiffness == 0) return damping == 0;
-    return damping_rig > damping && stiffness <= 2 * (damping_rig - damping);
+    if (damping_rig <= damping || lag_us > LAG_MAX_us) return false;
+    return (uint64_t)stiffness * (SELD_TICK_us / 2 + lag_us) <= (uint64_t)(damping_rig - damping) * 1000;
 }
 
 /* 0 keeps what is there. */
@@ -66,10 +68,13 @@ static bool track_is_good(const seld_wire_track *wire, const seld_wire_track *li
         wire->force_uN_per_count <= FORCE_MAX_uN_per_count,
         wire->damping_mN_s_per_m <= DAMPING_MAX,
         wire->damping_nN_m_s_per_rad <= DAMPING_MAX,
+        wire->actuator_lag_us <= LAG_MAX_us,
         wire->coupling_N_per_m <= COUPLING_MAX_N_per_m,
         wire->coupling_uN_m_per_rad <= COUPLING_MAX_uN_m_per_rad,
-        is_passive(wire->coupling_N_per_m, wire->coupling_mN_s_per_m, wire->damping_mN_s_per_m),
-        is_passive(wire->coupling_uN_m_per_rad, wire->coupling_nN_m_s_per_rad, wire->damping_nN_m_s_per_rad),
+        is_passive(wire->coupling_N_per_m, wire->coupling_mN_s_per_m, wire->damping_mN_s_per_m,
+                   wire->actuator_lag_us),
+        is_passive(wire->coupling_uN_m_per_rad, wire->coupling_nN_m_s_per_rad, wire->damping_nN_m_s_per_rad,
+                   wire->actuator_lag_us),
         wire->seal_mN <= SEAL_MAX_mN,
         wire->seal_uN_m <= SEAL_MAX_uN_m,
     };

@@ -283,7 +283,7 @@ static void a_rig_that_cannot_be_is_refused_by_field(void **state)
     (void)state;
     seld_wire_rig before, after;
     for (uint32_t i = 0; i < 12; i++) {
-        static const uint32_t fields[] = {0, 1, 2, 3, 4, 5, 6, 7, 9, 14, 15, 16};
+        static const uint32_t fields[] = {0, 1, 2, 3, 4, 5, 6, 7, 9, 15, 16, 17};
         seld_wire_track track = client_plain_track();
         uint32_t *const places[] = {&track.translation_pm_per_count,  &track.rotation_counts_per_turn,
                                     &track.force_gain_milli,          &track.force_limit_mN,
@@ -301,12 +301,12 @@ static void a_rig_that_cannot_be_is_refused_by_field(void **state)
         assert_int_equal(reject.detail2, fields[i]);
         client_get(host, SELD_WIRE_GET_RIG);
         TAKE(rig, &after);
-        assert_memory_equal(&before, &after, sizeof before);
+        assert_memory_equal(before.tracks, after.tracks, sizeof before.tracks);
         *places[i] = i < 2 || i == 7 ? *places[i] : values[i] - 1;
     }
 }
 
-/* b > K T / 2 + B: 1 N s/m less 0.2 of damping bear 1,600 N/m, not 1,601. */
+/* b > K (T / 2 + t) + B without lag: 1 N s/m less 0.2 of damping bear 1,600 N/m, not 1,601. */
 static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
 {
     (void)state;

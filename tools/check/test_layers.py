@@ -22,7 +22,7 @@ ALLOWED = {
                                         "firmware/port/mailbox", "shared/mailbox"],
     "firmware/port/libc": [],
     "firmware/tests": ["firmware", "shared"],
-    "firmware/tests/reference": ["firmware/core", "firmware/port/sim/sim.h", "firmware/port/port.h", "shared"],
+    "firmware/tests/reference": ["firmware/core", "firmware/app", "firmware/port/sim/sim.h", "firmware/port/port.h", "shared"],
     "firmware/bench": ["firmware", "shared"],
     "shared/wire": [],
     "shared/scene": ["shared/wire/wire_frame.h"],  # CRC-32

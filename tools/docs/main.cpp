@@ -1,9 +1,11 @@
 // Writes the generated tables of docs/wire.md, docs/usb.md and docs/faults.md from the one definition of each.
 //   docs --write    puts the tables between the marks in the documents
 //   docs --check    exit 1 when a document is not current
+//   docs --dissector FILE   writes the Wireshark dissector
 // May include: shared/wire. Called by: make docs, tools/docs/tests.
 #include "shared/wire/hid.h"
 #include "shared/wire/wire.h"
+#include "tools/docs/dissector.hpp"
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -137,13 +139,24 @@ bool handle(const std::string &path, const std::string &name, const std::string 
     return false;
 }
 
+bool write_dissector(const std::string &path)
+{
+    const std::string runtime = read_file("tools/docs/dissector.lua");
+    if (runtime.empty())
+        std::cerr << "tools/docs/dissector.lua: cannot be read; run from the repository's root\n";
+    if (!runtime.empty() && std::ofstream(path) << dissector_tables() << runtime) return true;
+    std::cerr << path << ": not written\n";
+    return false;
+}
+
 } // namespace
 
 int main(int argc, char **argv)
 {
-    const std::string mode = argc == 2 ? argv[1] : "";
-    if (mode != "--write" && mode != "--check") {
-        std::cerr << "usage: docs --write | --check   (from the repository's root)\n";
+    const std::string mode = argc >= 2 ? argv[1] : "";
+    if (mode == "--dissector" && argc == 3) return write_dissector(argv[2]) ? 0 : 1;
+    if (argc != 2 || (mode != "--write" && mode != "--check")) {
+        std::cerr << "usage: docs --write | --check | --dissector FILE   (from the repository's root)\n";
         return 2;
     }
     const bool write = mode == "--write";

@@ -1,0 +1,51 @@
+#include "tools/docs/dissector.hpp"
+#include "shared/wire/wire.h"
+#include <cstdio>
+
+namespace
+{
+
+// A Lua string: the texts hold neither control characters nor bytes beyond ASCII, but quotes and backslashes may come.
+std::string quoted(const char *text)
+{
+    std::string result = "\"";
+    for (const char *c = text; *c; c++) {
+        if (*c == '"' || *c == '\\') result += '\\';
+        result += *c;
+    }
+    return result + "\"";
+}
+
+std::string field(const char *name, const char *type, const char *unit, int max)
+{
+    const std::string limit = max > 0 ? ", max = " + std::to_string(max) : "";
+    return "    { name = " + quoted(name) + ", type = " + quoted(type) + ", unit = " + quoted(unit) + limit +
+           " },\n";
+}
+
+} // namespace
+
+std::string dissector_tables()
+{
+    std::string out = "-- Generated from shared/wire by `make dissector`; do not edit.\n-- Protocol " +
+                      std::to_string(SELD_WIRE_PROTOCOL_MAJOR) + "." +
+                      std::to_string(SELD_WIRE_PROTOCOL_MINOR);
+    char hash[40];
+    std::snprintf(hash, sizeof hash, ", schema hash %016llx\n",
+                  static_cast<unsigned long long>(seld_wire_schema_hash()));
+    out += hash;
+    out += "local records, messages, faults, rejects = {}, {}, {}, {}\n";
+#define RECORD(name, text) out += "records." #name " = { fields = {\n";
+#define MESSAGE(name, number, direction, text)                                                               \
+    out += "messages[" #number "] = { name = " + quoted(#name) + ", from = " + quoted(direction) +           \
+           ", fields = {\n";
+#define FIELD(owner, type, name, unit, text) out += field(#name, #type, unit, 0);
+#define ARRAY(owner, type, name, max, unit, text) out += field(#name, #type, unit, max);
+#define END(owner) out += "} }\n";
+#include "shared/wire/wire_messages.def"
+#define FAULT(NAME, code, effect, safe_ms, test, text, detection, remedy)                                    \
+    out += "faults[" #code "] = " + quoted(#NAME ": " text) + "\n";
+#define REJECT(NAME, code, text, remedy) out += "rejects[" #code "] = " + quoted(#NAME ": " text) + "\n";
+#include "shared/wire/wire_faults.def"
+    return out + "\n";
+}

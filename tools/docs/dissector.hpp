@@ -1,0 +1,7 @@
+// The Wireshark dissector as Lua: tables of the one definition of the wire, then tools/docs/dissector.lua.
+// May include: shared/wire. Called by: main.cpp.
+#pragma once
+#include <string>
+
+// The tables `records`, `messages`, `faults` and `rejects`.
+std::string dissector_tables();

@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+"""The Wireshark dissector reads what the wire is: frames made here by another hand (COBS, CRC-32, layout as in docs/wire.md) go
+into a capture, and tshark must name their values, put split frames together and object to damaged ones. Prints TAP."""
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+import zlib
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
+DOCS = os.path.join(ROOT, os.environ.get("BUILD", "build"), "bin", "docs")
+USER0 = 147
+
+
+def stuffed(body):
+    """COBS, written from its definition: no zero inside, every block of at most 254 bytes behind its length."""
+    out, block = bytearray(), bytearray()
+    for byte in body + b"\0":
+        if byte == 0:
+            out += bytes([len(block) + 1]) + block
+            block = bytearray()
+            continue
+        block.append(byte)
+        if len(block) == 254:
+            out += b"\xff" + block
+            block = bytearray()
+    return bytes(out) + b"\0"
+
+
+def frame(sequence, kind, payload, flip=0):
+    body = struct.pack("<HHHH", sequence, 0, kind, len(payload)) + payload
+    return stuffed(body + struct.pack("<I", zlib.crc32(body) ^ flip))
+
+
+def capture(packets):
+    data = struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, USER0)
+    for i, packet in enumerate(packets):
+        data += struct.pack("<IIII", i, 0, len(packet), len(packet)) + packet
+    return data
+
+
+def dissect(script, path, *fields):
+    """One list of texts per packet and field."""
+    command = ["tshark", "-X", "lua_script:" + script, "-r", path, "-T", "fields", "-E", "separator=;", "-E", "occurrence=a"]
+    for field in ("_ws.col.Info",) + fields:
+        command += ["-e", field]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    if done.returncode != 0 or "Lua" in done.stderr:
+        return None, done.stderr
+    return [line.split(";") for line in done.stdout.splitlines()], done.stderr
+
+
+def packets_of_test():
+    hello = frame(1, 0x01, struct.pack("<HHQ", 3, 0, 0x0123456789ABCDEF))
+    hand = struct.pack("<ii", -5, 70000)
+    step = frame(2, 0x20, struct.pack("<IBH", 41, 1, 1) + struct.pack("<H", 1) + hand + struct.pack("<Iii", 1, -2, 3))
+    reject = frame(3, 0x03, struct.pack("<HHII", 0x20, 4, 2, 0))
+    notice = frame(4, 0x25, struct.pack("<IIHHii", 9, 1000, 2, 13, 0, 0))
+    chunk = frame(5, 0x11, struct.pack("<IH", 4096, 600) + bytes(range(1, 251)) * 2 + bytes(100))
+    damaged = frame(6, 0x01, struct.pack("<HHQ", 3, 0, 1), flip=1)
+    short = frame(7, 0x20, struct.pack("<IB", 41, 1))
+    return [hello, step, reject + notice, chunk[:300], chunk[300:], damaged, short]
+
+
+CLAIMS = [
+    ("the_schema_hash_of_a_hello_is_read", 0, "seldinger.hello.schema_hash", "81985529216486895"),
+    ("a_hand_s_counts_are_signed", 1, "seldinger.hand.translation_counts", "-5"),
+    ("the_syringe_s_counts_are_read", 1, "seldinger.encoders.syringe_counts", "-2"),
+    ("a_step_s_tick_is_read", 1, "seldinger.step.tick", "41"),
+    ("two_frames_in_one_packet_are_both_read", 2, "_ws.col.Info", "reject, notice"),
+    ("a_refusal_has_its_text", 2, "seldinger.reject", "WRONG_STATE: not possible in this state (detail: state)"),
+    ("a_fault_has_its_text", 2, "seldinger.fault", "EMERGENCY_STOP: the emergency stop was pressed, or its loop is open"),
+    ("half_a_frame_waits", 3, "_ws.col.Info", "part of a frame"),
+    ("the_other_half_completes_it", 4, "seldinger.scene_chunk.offset", "4096"),
+    ("a_damaged_frame_is_marked", 5, "_ws.col.Info", "damaged hello"),
+    ("a_payload_without_its_form_is_marked", 6, "_ws.expert.message", "payload does not have the message's form"),
+]
+
+
+def main():
+    fields = sorted({claim[2] for claim in CLAIMS} - {"_ws.col.Info"})
+    with tempfile.TemporaryDirectory() as folder:
+        script, path = os.path.join(folder, "seldinger.lua"), os.path.join(folder, "wire.pcap")
+        made = subprocess.run([DOCS, "--dissector", script], cwd=ROOT, capture_output=True, text=True, timeout=60)
+        with open(path, "wb") as file:
+            file.write(capture(packets_of_test()))
+        rows, errors = dissect(script, path, *fields) if made.returncode == 0 else (None, made.stderr)
+    if rows is None:
+        print("not ok 1 - the_dissector_is_loaded_by_tshark")
+        print("# " + errors.replace("\n", "\n# "))
+        print("1..1")
+        sys.exit(1)
+    print("ok 1 - the_dissector_is_loaded_by_tshark")
+    status = 0
+    for number, (name, packet, field, expected) in enumerate(CLAIMS, 2):
+        got = rows[packet][0 if field == "_ws.col.Info" else 1 + fields.index(field)]
+        status |= got != expected
+        print("%sok %d - %s" % ("" if got == expected else "not ", number, name))
+        if got != expected:
+            print("# packet %d, %s: '%s', expected '%s'" % (packet, field, got, expected))
+    print("1..%d" % (1 + len(CLAIMS)))
+    sys.exit(status)
+
+
+if __name__ == "__main__":
+    main()
