@@ -67,7 +67,11 @@ static bool bulk_open(bulk *b)
 static bool run_session(client *c, seld_wire_tick_state *last)
 {
     static seld_wire_ticks ticks;
-    if (!client_start_tools(c, 3)) return false;
+    client_hello(c, seld_wire_schema_hash());
+    if (client_receive(c) != SELD_WIRE_TYPE_hello_reply) return false;
+    client_command(
+        c, SELD_WIRE_ACTION_RESET); /* whatever the session before left; refused when there was none */
+    if (client_receive(c) == 0 || !client_start_tools(c, 3)) return false;
     for (uint32_t tick = 0; tick < TICKS; tick += BATCH) {
         const int32_t step = tick < TICKS / 2 ? 25 : -25;
         const int32_t begin = tick < TICKS / 2 ? (int32_t)tick * 25 : (int32_t)(TICKS - tick) * 25;
