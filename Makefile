@@ -184,14 +184,16 @@ $(BUILD)/obj/hil_tests/l2/%.c.o: CFLAGS += $(patsubst -I%,-isystem %,$(shell pkg
 $(eval $(call hil_rule,mock_bus,$(wildcard hil_tests/l2/*.c),-lumockdev -lgobject-2.0 -lglib-2.0))
 hil-programs: $(HIL_FOLDER)/bridge $(HIL_FOLDER)/mock_bus $(USB_CHECKS) ## build the programs of hil-mock and hil-guest
 
-hil-mock: packages-usb ## libusb and hidapi see the device by umockdev, on a machine without USB
-	@$(QUIET_MAKE) hil-programs
+hil-mock: packages-usb packages-matrix ## libusb and hidapi see the device by umockdev, on a machine without USB
+	@$(QUIET_MAKE) hil-programs $(IMAGE)
 	@HIL=$(HIL_FOLDER) hil_tests/l2/test_l2.sh
 
-hil-guest: packages-usb ## the device behind a real Linux: Debian's kernel in QEMU, xHCI, libusb, hidapi
-	@$(QUIET_MAKE) hil-programs
+hil-guest: packages-usb packages-matrix ## the device behind a real Linux: Debian's kernel in QEMU, xHCI, libusb, hidapi
+	@$(QUIET_MAKE) hil-programs $(IMAGE)
 	@hil_tests/l3/run_guest.py --bridge $(HIL_FOLDER)/bridge --kernel $(HIL_FOLDER)/kernel --here hil_tests/l3/checks.sh
 	@hil_tests/l3/run_guest.py --bridge $(HIL_FOLDER)/bridge --kernel $(HIL_FOLDER)/kernel --app hil_tests/l3/checks_app.sh
+	@hil_tests/usb/with_image.py $(IMAGE) hil_tests/l3/run_guest.py --bridge $(HIL_FOLDER)/bridge --kernel $(HIL_FOLDER)/kernel \
+	    --mailbox '{mailbox}' hil_tests/l3/checks_app.sh
 
 # A fuzz target (fuzz_*.c) is one libFuzzer program and one that writes its first inputs: docs/testing.md.
 FUZZ_TARGETS := $(wildcard firmware/tests/fuzz_*.c shared/*/tests/fuzz_*.c hil_tests/fuzz_*.c)

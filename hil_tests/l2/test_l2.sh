@@ -1,5 +1,5 @@
 #!/bin/sh
-# Level L2: libusb and hidapi, unmodified, see the loop-back rig, then the whole app, on a machine without USB. Prints TAP. The programs come from
+# Level L2: libusb and hidapi, unmodified, see the loop-back rig, the whole app and the image on a machine without USB. Prints TAP. The programs come from
 # $HIL, by default the sanitized ones: every call of theirs and all of the stack run under the address and undefined-behaviour
 # sanitizers. (Leaks are umockdev's own until it ends, so they are not looked for.)
 folder="${HIL:-${BUILD:-build}/san/hil}"
@@ -27,5 +27,19 @@ one() {
 
 for program in usb_check hid_check_hidraw hid_check_libusb; do one --here $program --serial RIG-0001; done
 one --app app_check
+
+# The image on the emulated Cortex-M7.
+count=$((count + 1))
+image="${BUILD:-build}/firmware/seldinger-mps2_an500.elf"
+here="$(dirname "$0")"
+if output=$("$here/../usb/with_image.py" "$image" env ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 \
+    "$folder/mock_bus" --mailbox '{mailbox}' -- "$folder/app_check" 2>&1); then
+    echo "ok $count - the_image_passes_on_a_mocked_bus"
+    echo "$output" | grep '^# link'
+else
+    status=1
+    echo "not ok $count - the_image_passes_on_a_mocked_bus"
+    echo "$output" | sed 's/^/# /'
+fi
 echo "1..$count"
 exit $status
