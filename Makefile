@@ -43,11 +43,11 @@ HIL_LIBS      := hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant hil_t
 HIL_REFERENCE := firmware/tests/reference/tube_lumen.c
 VDB_LINK      := -lopenvdb -ltbb -lImath-3_1
 BAKE_LINK     := $(VDB_LINK) -lassimp -lccd
-HOST_LINK     := -lpng -lglfw -ldl
+HOST_LINK     := -lpng -lglfw -lusb-1.0 -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: dissector all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware hil
+.PHONY: dissector all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware hil install-udev
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -68,7 +68,9 @@ Q = @$(if $(V),,echo "  $(@:$(BUILD)/%=%)";)$(if $(V),set -x;)
 $(BUILD)/obj/firmware/core/%.c.o: OPT := $(CORE_OPT)
 $(BUILD)/obj/firmware/core/%.c.o: CFLAGS += -ffreestanding $(if $(findstring clang,$(CC)),,-fno-schedule-insns -fno-tree-pre)
 # The number a rig shows on the bus, vendor:product in hexadecimal: docs/usb.md.
-$(BUILD)/obj/firmware/app/usb/%.c.o: CFLAGS += -DSELD_USB_VENDOR_ID=0x$(word 1,$(subst :, ,$(USB_ID))) -DSELD_USB_PRODUCT_ID=0x$(word 2,$(subst :, ,$(USB_ID)))
+USB_ID_FLAGS := -DSELD_USB_VENDOR_ID=0x$(word 1,$(subst :, ,$(USB_ID))) -DSELD_USB_PRODUCT_ID=0x$(word 2,$(subst :, ,$(USB_ID)))
+$(BUILD)/obj/firmware/app/usb/%.c.o: CFLAGS += $(USB_ID_FLAGS)
+$(BUILD)/obj/host/link/%.cpp.o $(BUILD)/obj/host/app/%.cpp.o: CXXFLAGS += $(USB_ID_FLAGS)
 # Loops over pixels become vector code; neither flag changes a value.
 $(BUILD)/obj/host/xray/%.cpp.o: OPT := -O3
 $(BUILD)/obj/host/xray/%.cpp.o: CXXFLAGS += -fno-math-errno -fno-trapping-math
@@ -154,7 +156,8 @@ $(call test_program,$(1)): $(call objects,$(1) $(4)) $(foreach lib,$(2),$(call l
 	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) -lcmocka -lm $(3)
 endef
 $(foreach t,$(FIRMWARE_TESTS),$(eval $(call test_rule,$(t),$(DEVICE_LIBS),,$(REFERENCE))))
-$(foreach t,$(HOST_TESTS),$(eval $(call test_rule,$(t),$(HOST_LIBS),$(HOST_LINK),)))
+# Those of USB link a bus of ours before libusb.
+$(foreach t,$(HOST_TESTS),$(eval $(call test_rule,$(t),$(HOST_LIBS),$(HOST_LINK),$(if $(findstring test_usb,$(t)),host/tests/fake_usb.cpp))))
 $(foreach t,$(TOOL_TESTS),$(eval $(call test_rule,$(t),$(BAKE_LIBS),$(BAKE_LINK),)))
 $(foreach t,$(THESIS_TESTS),$(eval $(call test_rule,$(t),tools/vcsim3 host/app $(FIRMWARE_LIBS),-lpng,$(REFERENCE))))
 $(foreach t,$(VALIDATE_TESTS),$(eval $(call test_rule,$(t),$(VALIDATE_LIBS),,)))
@@ -334,6 +337,14 @@ dissector: packages-build ## write out/seldinger.lua, which lets Wireshark read 
 	@mkdir -p out
 	@$(BUILD)/bin/docs --dissector out/seldinger.lua
 	@echo "Written: out/seldinger.lua; use it as wireshark -X lua_script:out/seldinger.lua"
+
+# --- the right to open a rig: docs/rig.md --------------------------------------------------------------------------------
+UDEV_RULES := $(DESTDIR)/etc/udev/rules.d/60-seldinger.rules
+install-udev: ## let users of this machine open a rig on USB (as root, or DESTDIR=folder)
+	@mkdir -p $(dir $(UDEV_RULES))
+	@sed 's/=="1209"/=="$(word 1,$(subst :, ,$(USB_ID)))"/; s/=="0001"/=="$(word 2,$(subst :, ,$(USB_ID)))"/' tools/udev/60-seldinger.rules > $(UDEV_RULES)
+	@if [ -z "$(DESTDIR)" ]; then udevadm control --reload && udevadm trigger --subsystem-match=usb --subsystem-match=hidraw; fi
+	@echo "Written: $(UDEV_RULES). Plug the rig out and in."
 
 clean: ## remove build/ and out/
 	rm -rf build out

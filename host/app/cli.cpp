@@ -1,4 +1,5 @@
 #include "host/app/cli.hpp"
+#include "host/app/cli_rig.hpp"
 #include "host/app/instrument_list.hpp"
 #include "host/app/replay.hpp"
 #include <CLI/CLI.hpp>
@@ -42,6 +43,14 @@ void add_tools(CLI::App &command, std::string &instrument, std::vector<std::stri
     command.add_option("--instrument", instrument, "The innermost tool, as --tool before all others");
 }
 
+void add_device(CLI::App &command, std::string &device)
+{
+    command
+        .add_option("--device", device,
+                    "Where the device is: sim (in this program), usb, or usb:SERIAL (docs/rig.md)")
+        ->capture_default_str();
+}
+
 void add_run(CLI::App &app, RunOptions &options)
 {
     CLI::App *command =
@@ -49,6 +58,7 @@ void add_run(CLI::App &app, RunOptions &options)
     command->add_option("--scene", options.scene, "Baked scene; without: free space");
     add_tools(*command, options.instrument, options.tools);
     command->add_option("--session", options.session, "Session script (docs/session.md)")->required();
+    add_device(*command, options.device);
     command->add_option("--record", options.record, "Write a recording");
     command->add_option("--json", options.json, "Write the figures of the session");
     command->add_flag("--quiet", options.quiet, "No progress line");
@@ -88,6 +98,7 @@ void add_view(CLI::App &app, WindowOptions &options)
     CLI::App *command = app.add_subcommand("view", "A window: push, turn and look by keyboard");
     command->add_option("--scene", options.scene, "Baked scene; without: free space");
     add_tools(*command, options.instrument, options.tools);
+    add_device(*command, options.device);
     command->add_option("--record", options.record, "Write a recording of what the hands do");
     command->add_option("--bodies", options.pictures.bodies_path,
                         "Body file; default: the .bodies file beside the scene, when there is one");
@@ -178,6 +189,8 @@ int command_line(int argc, char **argv)
     add_view(app, window);
     InstrumentsOptions instruments;
     add_instruments(app, instruments);
+    RigOptions rig;
+    add_rig(app, rig);
     CLI::App *info_command =
         app.add_subcommand("info", "What a recording, scene, instrument or session file holds");
     info_command->add_option("file", info, "The file")->required();
@@ -194,6 +207,7 @@ int command_line(int argc, char **argv)
         if (app.got_subcommand("replay")) return command_replay(replay);
         if (app.got_subcommand("view")) return command_view(window);
         if (app.got_subcommand("instruments")) return command_instruments(instruments);
+        if (app.got_subcommand("rig")) return command_rig(rig);
         return command_info(info);
     } catch (const UsageError &error) {
         std::fprintf(stderr, "seldinger: %s\n", error.what());

@@ -12,6 +12,7 @@ namespace seld
 
 struct RunOptions {
     std::string scene, instrument, session, record, json;
+    std::string device = "sim"; // as parse_device
     std::vector<std::string> tools;
     PictureSettings pictures;
     bool quiet = false;

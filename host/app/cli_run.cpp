@@ -40,6 +40,10 @@ void print_result(const RunResult &result, const std::vector<Instrument> &tools)
         std::printf("fault                 %s at tick %u: %s\n", seld_wire_fault_name(fault.code),
                     unsigned{fault.tick_first}, seld_wire_fault_text(fault.code));
     }
+    if (result.resumes > 0) {
+        std::printf("device                went and came back %u times; the session went on bit for bit\n",
+                    unsigned{result.resumes});
+    }
     for (int line : result.given_up_lines) {
         std::printf("given up              line %d: the length was not reached within %u s\n", line,
                     unsigned{SessionPlayer::until_limit_ticks / 1000});
@@ -65,12 +69,12 @@ int command_run(const RunOptions &options)
     PictureSettings picture_settings = options.pictures;
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(options.scene);
     check_files(options, picture_settings);
+    const DeviceChoice choice = parse_device(options.device);
     const SceneFile scene = read_scene(options.scene);
     const std::vector<Instrument> tools = read_tools(options.instrument, options.tools);
     const Session session = read_session(options.session);
     const seld_wire_entry entry = entry_of(scene, tools.size(), session.inserted_um);
-    const seld_wire_rig rig = host_rig();
-    Device device(scene, tools, entry, rig);
+    Device device(scene, tools, entry, host_rig(), choice);
 
     std::unique_ptr<SessionPictures> pictures;
     if (!picture_settings.png_path.empty() || !picture_settings.mp4_path.empty()) {
@@ -86,7 +90,7 @@ int command_run(const RunOptions &options)
                                         session.file,
                                         tools,
                                         entry,
-                                        rig};
+                                        device.rig()};
         recorder = std::make_unique<Recorder>(options.record, header);
     }
     watch_for_interrupt();

@@ -69,30 +69,18 @@ std::string tool_at_fault(const std::vector<Instrument> &tools, const seld_wire_
 } // namespace
 
 Device::Device(const SceneFile &scene, std::vector<Instrument> tools, const seld_wire_entry &entry,
-               const seld_wire_rig &rig)
-    : tools_(std::move(tools)), link_(pipe_)
+               const seld_wire_rig &rig, const DeviceChoice &choice)
+    : scene_(scene), tools_(std::move(tools)), entry_(entry), rig_(rig), choice_(choice)
 {
     try {
-        set_up(scene, entry, rig);
+        open();
+        set_up();
     } catch (const LinkError &error) {
         const std::string who = tool_at_fault(tools_, error.reject);
         if (who.empty()) throw;
         throw LinkError(who + ": " + error.what(), error.reject);
     }
-}
-
-void Device::set_up(const SceneFile &scene, const seld_wire_entry &entry, const seld_wire_rig &rig)
-{
-    std::vector<seld_wire_instrument> tables;
-    for (const Instrument &tool : tools_) tables.push_back(tool.table);
-    identity_ = link_.hello();
-    link_.load_scene(scene.bytes);
-    link_.load_tools(tables);
-    link_.set_entry(entry);
-    link_.set_rig(rig);
-    link_.use_lockstep();
-    link_.arm();
-    link_.start();
+    has_started_ = true;
 }
 
 seld_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
@@ -104,13 +92,6 @@ seld_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
     for (std::size_t k = 0; k < entry.inserted_um_count; k++)
         entry.inserted_um[k] = k < inserted_um.size() ? inserted_um[k] : inserted_default_um;
     return entry;
-}
-
-void Device::restore(std::span<const std::uint8_t> snapshot)
-{
-    link_.stop();
-    link_.write_snapshot(snapshot);
-    link_.start();
 }
 
 SessionFrame session_frame(Device &device, const seld_wire_tick_state &state, const seld_wire_encoders &input,

@@ -1,11 +1,14 @@
-// A device with everything set up for a session: sim port, handshake, scene, tools, entry, rig, armed and started.
+// A device with everything set up for a session: handshake, scene, tools, entry, rig, armed and started.
 // May include: link, model. Called by: run, replay, view.
 #pragma once
+#include "host/app/device_choice.hpp"
 #include "host/app/frame_sink.hpp"
 #include "host/app/recording.hpp"
 #include "host/app/scene_file.hpp"
 #include "host/link/link.hpp"
-#include "host/link/sim_transport.hpp"
+#include <functional>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,20 +24,54 @@ class Device
     // `tools` from the innermost to the outermost. Throws LinkError with the device's reason and remedy, and the name of
     // the tool at fault.
     Device(const SceneFile &scene, std::vector<Instrument> tools, const seld_wire_entry &entry,
-           const seld_wire_rig &rig);
-    Link &link() { return link_; }
+           const seld_wire_rig &rig, const DeviceChoice &choice = {});
+    // A rig gets back the configuration that it had.
+    ~Device();
+    Device(const Device &) = delete;
+    Device &operator=(const Device &) = delete;
+
+    Link &link() { return *link_; } // the same object all the time
     const std::vector<Instrument> &tools() const { return tools_; }
     const seld_wire_hello_reply &identity() const { return identity_; }
+    const seld_wire_rig &rig() const { return rig_; } // in force: no limit above the device's own
     // Continue from a snapshot of the same session.
     void restore(std::span<const std::uint8_t> snapshot);
 
-  private:
-    void set_up(const SceneFile &scene, const seld_wire_entry &entry, const seld_wire_rig &rig);
+    // Link::step for a session that outlives its cable (docs/rig.md, "Unplugged in a session"): when the device goes and
+    // comes back within the choice's `return_limit_ms`, the last snapshot is put back, the inputs since are done again and compared with
+    // what they gave before, and the session goes on bit for bit. Throws LinkError when it does not come back or differs.
+    std::span<const seld_wire_tick_state> step(std::span<const seld_wire_encoders> inputs, bool want_nodes);
+    // Any other request of the link, with the same care.
+    void ask(const std::function<void(Link &)> &request);
+    std::uint32_t resumes() const { return resumes_; }
 
+    static constexpr std::uint32_t resumes_max = 5;      // without a step in between
+    static constexpr std::size_t inputs_kept_max = 1000; // then a new snapshot is taken
+
+  private:
+    struct Hash {
+        std::uint32_t lane0, lane1;
+    };
+    void open();
+    void set_up();
+    void keep_up();
+    void resume();
+    void go_back_to_snapshot();
+
+    SceneFile scene_;
     std::vector<Instrument> tools_;
-    SimTransport pipe_;
-    Link link_;
+    seld_wire_entry entry_;
+    seld_wire_rig rig_, rig_before_{};
+    DeviceChoice choice_;
+    std::unique_ptr<Transport> pipe_;
+    std::optional<Link> link_;
     seld_wire_hello_reply identity_{};
+    bool has_started_ = false;
+
+    std::vector<std::uint8_t> snapshot_;     // empty: the session's first tick
+    std::vector<seld_wire_encoders> inputs_; // done since
+    std::vector<Hash> hashes_;               // what they gave
+    std::uint32_t resumes_ = 0;
 };
 
 // The scene's entry with one length per tool; lengths that are not given are the default of a session.

@@ -35,8 +35,11 @@ class Runner
         result.figures = figures_;
         result.was_interrupted = !player_.is_done();
         result.given_up_lines = player_.given_up_lines();
-        result.hash = link_.read_hash64().hash;
-        result.faults = link_.read_fault_log();
+        device_.ask([&](Link &link) {
+            result.hash = link.read_hash64().hash;
+            result.faults = link.read_fault_log();
+        });
+        result.resumes = device_.resumes();
         if (recorder_) recorder_->finish(link_.tick(), result.hash);
         if (sink_) sink_->finish();
         result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
@@ -65,7 +68,7 @@ class Runner
         }
         const bool is_picture_due =
             sink_ && begin + inputs_.size() == picture_tick(picture_, settings_.pictures_per_second);
-        const auto states = link_.step(inputs_, is_picture_due);
+        const auto states = device_.step(inputs_, is_picture_due);
         for (std::size_t i = 0; i < states.size(); i++) {
             figures_.take(states[i]);
             state_ = states[i];
@@ -91,14 +94,16 @@ class Runner
             hash_tick_ = hash->tick;
             recorder_->hash(hash->tick, hash->hash);
         }
-        if (link_.tick() % Recorder::snapshot_every_ticks == 0)
-            recorder_->snapshot(link_.tick(), link_.read_snapshot());
+        if (link_.tick() % Recorder::snapshot_every_ticks != 0) return;
+        std::vector<std::uint8_t> snapshot;
+        device_.ask([&](Link &link) { snapshot = link.read_snapshot(); });
+        recorder_->snapshot(link_.tick(), snapshot);
     }
 
     void picture_when_due()
     {
         if (!sink_ || link_.tick() != picture_tick(picture_, settings_.pictures_per_second)) return;
-        if (picture_ == 0) link_.read_nodes();
+        if (picture_ == 0) device_.ask([](Link &link) { link.read_nodes(); });
         sink_->frame(
             session_frame(device_, state_, inputs_.empty() ? seld_wire_encoders{} : inputs_.back(), view_));
         picture_++;

@@ -19,6 +19,7 @@ struct RunResult {
     double seconds = 0.0;         // wall clock of the ticks, pictures and recording, without set-up
     bool was_interrupted = false; // Ctrl-C: everything up to there is valid
     std::vector<int> given_up_lines;
+    std::uint32_t resumes = 0; // how often the device went and came back
     seld_wire_fault_log faults{};
 };
 

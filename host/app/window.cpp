@@ -132,9 +132,10 @@ class Window
     void start()
     {
         ++session_number_;
-        session_ = std::make_unique<LiveSession>(scene_, tools_, entry_,
-                                                 recording_name(options_.record, session_number_),
-                                                 options_.pictures, keys_.view());
+        session_.reset(); // a rig has one host at a time
+        session_ = std::make_unique<LiveSession>(
+            scene_, tools_, entry_, recording_name(options_.record, session_number_), options_.pictures,
+            keys_.view(), parse_device(options_.device));
         is_annotated_ = false;
     }
 

@@ -13,6 +13,7 @@ struct WindowOptions {
     std::string scene;              // empty: free space
     std::string instrument;         // file of the innermost tool, or empty
     std::vector<std::string> tools; // files of the others, towards the outermost
+    std::string device = "sim";     // as parse_device
     std::string record;             // empty: none; a reset starts "name.2.rec", "name.3.rec" ...
     PictureSettings pictures;
     std::vector<double>

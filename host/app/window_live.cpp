@@ -18,15 +18,15 @@ RecordingHeader header_of(const Device &device, const SceneFile &scene, const st
             "live",
             tools,
             entry,
-            host_rig()};
+            device.rig()};
 }
 
 } // namespace
 
 LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools,
                          const seld_wire_entry &entry, const std::string &record,
-                         const PictureSettings &pictures, const ViewState &view)
-    : settings_(pictures), device_(scene, tools, entry, host_rig()), pictures_(pictures, tools),
+                         const PictureSettings &pictures, const ViewState &view, const DeviceChoice &choice)
+    : settings_(pictures), device_(scene, tools, entry, host_rig(), choice), pictures_(pictures, tools),
       hands_(tools.size()), view_(view)
 {
     if (!record.empty()) {
@@ -92,7 +92,7 @@ void LiveSession::batch(std::uint32_t count)
     }
     const bool is_picture_due =
         link.tick() + count == picture_tick(picture_index_, settings_.pictures_per_second);
-    const auto states = link.step(inputs_, is_picture_due);
+    const auto states = device_.step(inputs_, is_picture_due);
     for (std::size_t i = 0; i < states.size(); ++i) {
         state_ = states[i];
         if (recorder_) recorder_->tick(inputs_[i], states[i]);
@@ -110,8 +110,10 @@ void LiveSession::record_state()
         hash_tick_ = hash->tick;
         recorder_->hash(hash->tick, hash->hash);
     }
-    if (link.tick() % Recorder::snapshot_every_ticks == 0)
-        recorder_->snapshot(link.tick(), link.read_snapshot());
+    if (link.tick() % Recorder::snapshot_every_ticks != 0) return;
+    std::vector<std::uint8_t> snapshot;
+    device_.ask([&](Link &asked) { snapshot = asked.read_snapshot(); });
+    recorder_->snapshot(link.tick(), snapshot);
 }
 
 void LiveSession::picture()
@@ -125,8 +127,14 @@ void LiveSession::picture()
 void LiveSession::finish()
 {
     if (!recorder_) return;
-    const Hash64 hash = device_.link().read_hash64();
-    recorder_->finish(hash.tick, hash.hash);
+    try {
+        device_.ask([&](Link &link) {
+            const Hash64 hash = link.read_hash64();
+            recorder_->finish(hash.tick, hash.hash);
+        });
+    } catch (const LinkError &) {
+        if (fault_.empty()) throw; // of a device that went the recording ends where it went
+    }
     recorder_.reset();
 }
 

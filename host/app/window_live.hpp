@@ -17,7 +17,8 @@ class LiveSession
   public:
     // `tools` from the innermost. `record` empty: none. Throws what Device, Recorder and SessionPictures throw.
     LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools, const seld_wire_entry &entry,
-                const std::string &record, const PictureSettings &pictures, const ViewState &view);
+                const std::string &record, const PictureSettings &pictures, const ViewState &view,
+                const DeviceChoice &choice = {});
 
     std::span<LiveHand> hands() { return hands_; } // one per tool
     void choose_tool(std::size_t tool, bool all);  // marked in the display

@@ -32,4 +32,11 @@ void SimTransport::pass_time_ms(std::uint32_t milliseconds)
     seld_sim_timer(sim_.get(), milliseconds);
 }
 
+void SimTransport::attach_rig()
+{
+    const seld_port_inputs inputs = seld_sim_healthy_inputs();
+    seld_sim_set_inputs(sim_.get(), &inputs);
+    seld_sim_timer(sim_.get(), 1);
+}
+
 } // namespace seld

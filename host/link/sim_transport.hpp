@@ -16,6 +16,8 @@ class SimTransport final : public Transport
     void write(std::span<const std::uint8_t> bytes) override;
     std::size_t read(std::span<std::uint8_t> bytes) override;
     void pass_time_ms(std::uint32_t milliseconds) override;
+    // A rig with three tracks, every sensor healthy and every hand at rest.
+    void attach_rig();
 
   private:
     struct Close {

@@ -33,7 +33,7 @@ ALLOWED = {
     "host/model": ["shared"],
     "host/xray": ["host/model"],
     "host/app": ["host", "shared"],  # recordings and sessions hold the wire's own records
-    "host/tests": ["host", "shared", "firmware/port/sim/sim.h", "firmware/core/core.h"],
+    "host/tests": ["host", "shared", "firmware/port/sim/sim.h", "firmware/core/core.h"],  # test_usb: a bus of sim ports
     "tools/bake": ["shared", "host/model"] + CORE_PUBLIC,
     "tools/anatomy": ["shared", "host/model"] + CORE_PUBLIC,
     # core_hash.c owns the core's memory and looks into it; it also runs on a bare board.

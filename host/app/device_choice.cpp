@@ -1,0 +1,37 @@
+#include "host/app/device_choice.hpp"
+#include "host/app/interrupt.hpp"
+#include "host/link/sim_transport.hpp"
+#include "host/link/usb_transport.hpp"
+#include "host/model/output_files.hpp"
+
+namespace seld
+{
+
+DeviceChoice parse_device(const std::string &text)
+{
+    DeviceChoice choice;
+    if (text == "sim") return choice;
+    choice.is_usb = true;
+    if (text == "usb") return choice;
+    if (text.starts_with("usb:") && text.size() > 4) {
+        choice.serial = text.substr(4);
+        return choice;
+    }
+    throw UsageError("--device '" + text +
+                     "' is not sim, usb or usb:SERIAL; seldinger rig list shows the rigs");
+}
+
+std::unique_ptr<Transport> open_device(const DeviceChoice &choice)
+{
+    if (choice.is_usb) return std::make_unique<UsbTransport>(choice.serial);
+    auto sim = std::make_unique<SimTransport>();
+    if (choice.has_rig) sim->attach_rig();
+    return sim;
+}
+
+bool wait_for_device(const DeviceChoice &choice)
+{
+    return !choice.is_usb || UsbWatch().wait_for(choice.serial, choice.return_limit_ms, is_interrupted);
+}
+
+} // namespace seld

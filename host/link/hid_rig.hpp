@@ -1,0 +1,94 @@
+// The HID interface of a rig by hidapi: state every millisecond, commands, settings (docs/usb.md, "Reports").
+//
+// Debian has hidapi twice, over the kernel's hidraw and over libusb, with the same names inside. Both are opened at run time,
+// so that either can be chosen and a machine without them still runs everything else.
+// Thread rules: one caller at a time per rig. May include: hidapi. Called by: host/app.
+#pragma once
+#include "host/link/link.hpp"
+#include "shared/wire/hid.h"
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+struct hid_device_;
+struct hid_device_info;
+
+namespace seld
+{
+
+enum class HidBackEnd { hidraw, libusb };
+
+// The functions of hidapi that are used, as one back end gives them; tests give their own.
+struct HidApi {
+    std::string name; // "hidraw", "libusb"
+    int (*init)() = nullptr;
+    int (*exit)() = nullptr;
+    hid_device_info *(*enumerate)(unsigned short vendor, unsigned short product) = nullptr;
+    void (*free_enumeration)(hid_device_info *list) = nullptr;
+    hid_device_ *(*open_path)(const char *path) = nullptr;
+    void (*close)(hid_device_ *device) = nullptr;
+    int (*read_timeout)(hid_device_ *device, unsigned char *bytes, std::size_t capacity,
+                        int milliseconds) = nullptr;
+    int (*write)(hid_device_ *device, const unsigned char *bytes, std::size_t count) = nullptr;
+    int (*get_feature_report)(hid_device_ *device, unsigned char *bytes, std::size_t capacity) = nullptr;
+    int (*send_feature_report)(hid_device_ *device, const unsigned char *bytes, std::size_t count) = nullptr;
+    const wchar_t *(*error)(hid_device_ *device) = nullptr;
+};
+
+// Throws LinkError that names the missing library and its package. Once loaded a library stays until the program ends.
+const HidApi &hid_api(HidBackEnd back_end);
+
+struct HidEntry {
+    std::string path, serial, product;
+};
+
+class HidRig
+{
+  public:
+    static std::vector<HidEntry> list(const HidApi &api);
+
+    // `serial` empty: the only rig. Throws LinkError; a rig whose reports have another definition is refused with both hashes.
+    HidRig(const HidApi &api, const std::string &serial);
+    ~HidRig();
+    HidRig(const HidRig &) = delete;
+    HidRig &operator=(const HidRig &) = delete;
+
+    const seld_hid_identity &identity() const { return identity_; }
+    const std::string &serial() const { return serial_; }
+    // The next state report; none within the time. Throws DeviceLost when the rig went, LinkError for what is no report.
+    std::optional<seld_hid_state> read_state(std::uint32_t milliseconds);
+    std::uint32_t reports_bad() const { return reports_bad_; } // too short, or with another id: left out
+    // Asks for something and waits for the state report that answers it. Throws LinkError with the device's reason.
+    seld_hid_state command(std::uint8_t action, std::int32_t value1, std::int32_t value2,
+                           std::uint32_t milliseconds = 1000);
+
+    seld_hid_capabilities read_capabilities();
+    seld_hid_calibration read_calibration();
+    seld_hid_limits read_limits();
+    // What the device has afterwards is returned, as read back. Throws LinkError when it refuses or keeps another value.
+    seld_hid_calibration write_calibration(const seld_hid_calibration &calibration);
+    seld_hid_limits write_limits(const seld_hid_limits &limits);
+
+  private:
+    template <class Report, class Decode>
+    Report get(std::uint8_t id, std::size_t bytes, Decode decode, const char *what);
+    template <class Report, class Put>
+    void set(std::uint8_t id, const Report &report, Put put, const char *what);
+    std::string reason() const;
+    [[noreturn]] void lost(const char *doing) const;
+
+    struct End {
+        const HidApi *api;
+        void operator()(hid_device_ *device) const { api->close(device); }
+    };
+    const HidApi &api_;
+    std::unique_ptr<hid_device_, End> device_;
+    std::string serial_;
+    seld_hid_identity identity_{};
+    std::uint8_t number_ = 0;
+    std::uint32_t reports_bad_ = 0;
+};
+
+} // namespace seld

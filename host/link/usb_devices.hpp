@@ -1,0 +1,85 @@
+// Rigs on USB: which there are, opening one by its serial number, and waiting for one to come or go.
+// May include: libusb. Called by: usb_transport, host/app.
+#pragma once
+#include "host/link/link.hpp"
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+struct libusb_context;
+struct libusb_device_handle;
+
+namespace seld
+{
+
+// The number a rig shows on the bus; the firmware is built with the same one (make USB_ID=1209:0001).
+#ifndef SELD_USB_VENDOR_ID
+#define SELD_USB_VENDOR_ID 0x1209
+#endif
+#ifndef SELD_USB_PRODUCT_ID
+#define SELD_USB_PRODUCT_ID 0x0001
+#endif
+inline constexpr std::uint16_t usb_vendor_id = SELD_USB_VENDOR_ID;
+inline constexpr std::uint16_t usb_product_id = SELD_USB_PRODUCT_ID;
+
+// The device went away in the middle of a conversation: cable, power, or a restart. It may come back.
+class DeviceLost : public LinkError
+{
+  public:
+    using LinkError::LinkError;
+};
+
+struct UsbRig {
+    std::string place;   // "bus 1, address 4, port 2.1"
+    std::string serial;  // empty when it could not be read
+    std::string product; // likewise
+    std::string trouble; // why it cannot be opened and what to do; empty: it can
+    std::uint16_t release_bcd = 0;
+};
+
+struct UsbContextEnd {
+    void operator()(libusb_context *context) const;
+};
+struct UsbHandleEnd {
+    void operator()(libusb_device_handle *handle) const;
+};
+using UsbContext = std::unique_ptr<libusb_context, UsbContextEnd>;
+using UsbHandle = std::unique_ptr<libusb_device_handle, UsbHandleEnd>;
+
+// Throws LinkError when libusb cannot work here.
+UsbContext usb_context();
+std::vector<UsbRig> usb_rigs(libusb_context *context);
+
+// `serial` empty: the only one there is. Throws LinkError that tells which rigs are there, or what to do about a refusal;
+// DeviceLost when there is none.
+UsbHandle usb_open(libusb_context *context, const std::string &serial);
+
+// "ACCESS: the rig ... may not be opened by this user; ..." for a libusb error code.
+std::string usb_trouble(int error, const std::string &what);
+
+// Hot plug: told by the system where it can, found by looking again 5 times a second where not.
+class UsbWatch
+{
+  public:
+    explicit UsbWatch(bool forces_polling = false);
+    ~UsbWatch();
+    UsbWatch(const UsbWatch &) = delete;
+    UsbWatch &operator=(const UsbWatch &) = delete;
+    bool is_told() const { return is_told_; } // false: it polls
+    // Returns when a rig came or went, or it is time to look again, or time is over; never waits longer.
+    void wait_ms(std::uint32_t milliseconds);
+    std::vector<UsbRig> rigs() const { return usb_rigs(context_.get()); }
+    // Until that rig is there and can be opened. False: time over, or `is_cancelled` said so.
+    bool wait_for(const std::string &serial, std::uint32_t milliseconds,
+                  const std::function<bool()> &is_cancelled);
+
+  private:
+    UsbContext context_;
+    bool is_told_ = false;
+    int callback_ = 0;
+    int changed_ = 0; // set by libusb, inside wait_ms
+};
+
+} // namespace seld

@@ -1,0 +1,81 @@
+// A rig on USB as a Transport: the bulk pair of docs/usb.md by libusb, several transfers waiting each way.
+//
+// One thread of its own serves libusb; callers see blocking reads and writes with time limits. Every wait ends: by bytes, by
+// its limit, or because the device went (DeviceLost). The destructor takes all transfers back and ends the thread.
+// Thread rules: one caller at a time. May include: libusb. Called by: host/app.
+#pragma once
+#include "host/link/transport.hpp"
+#include "host/link/usb_devices.hpp"
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+struct libusb_transfer;
+
+namespace seld
+{
+
+struct UsbLimits {
+    std::uint32_t read_ms = 2000;  // a silent device: read() returns 0
+    std::uint32_t write_ms = 2000; // a device that takes nothing: write() throws
+};
+
+class UsbTransport final : public Transport
+{
+  public:
+    // `serial` empty: the only rig. Throws LinkError with the remedy, DeviceLost when it is not there.
+    explicit UsbTransport(const std::string &serial = "", const UsbLimits &limits = {});
+    ~UsbTransport() override;
+    void write(std::span<const std::uint8_t> bytes) override;
+    std::size_t read(std::span<std::uint8_t> bytes) override;
+    // Sleeps; after it a read takes what has come and does not wait, until the next write.
+    void pass_time_ms(std::uint32_t milliseconds) override;
+    const std::string &serial() const { return serial_; } // as the device says
+
+    static constexpr std::size_t transfer_bytes = 1 << 14;
+    static constexpr std::size_t in_count = 8, out_count = 8;
+
+  private:
+    struct Slot {
+        UsbTransport *owner = nullptr;
+        libusb_transfer *transfer = nullptr;
+        std::array<std::uint8_t, transfer_bytes> bytes;
+        bool is_flying = false;
+    };
+
+    void find_stream();
+    void begin_stream();
+    void make_slots();
+    void submit_reads(); // with lock_ held
+    void submit(Slot &slot);
+    void serve();
+    void end();
+    void throw_failure() const;
+    void on_read_done(Slot &slot);
+    void on_write_done(Slot &slot);
+    static void read_done(libusb_transfer *transfer) noexcept;
+    static void write_done(libusb_transfer *transfer) noexcept;
+
+    UsbLimits limits_;
+    UsbContext context_;
+    UsbHandle handle_;
+    std::string serial_;
+    int interface_ = -1;
+    std::uint8_t in_ = 0, out_ = 0; // endpoint addresses
+    bool takes_only_what_came_ = false;
+
+    std::mutex lock_;
+    std::condition_variable changed_;
+    std::vector<std::uint8_t> ring_; // what came in; fixed size, so that no callback allocates
+    std::size_t ring_begin_ = 0, ring_count_ = 0;
+    std::vector<std::unique_ptr<Slot>> reads_, writes_;
+    int failure_ = 0; // libusb error of the first transfer that failed
+    bool is_ending_ = false;
+    std::atomic<bool> is_over_ = false; // for the thread
+    std::thread thread_;
+};
+
+} // namespace seld
