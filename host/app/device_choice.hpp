@@ -10,8 +10,8 @@ namespace seld
 
 struct DeviceChoice {
     bool is_usb = false;
-    bool has_rig = false; // sim: with a rig whose sensors are healthy and whose hands rest
-    std::string serial;   // usb: empty for the only one
+    bool has_rig = false;                  // sim: with a rig whose sensors are healthy and whose hands rest
+    std::string serial;                    // usb: empty for the only one
     std::uint32_t return_limit_ms = 20000; // how long a session waits for a rig that went
 };
 

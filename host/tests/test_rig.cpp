@@ -44,6 +44,7 @@ class Rig final : public seld::Transport
     {
         for (std::uint32_t i = 0; i < milliseconds; i++) {
             inputs.hands[0].translation_counts += push_counts_per_ms;
+            if (powered_ms == stop_after_ms) inputs.emergency_stop = true;
             sample();
             const seld_sim_motors motors = seld_sim_read_motors(sim);
             largest_mN = std::max(largest_mN, std::abs(motors.axial_mN[0]));
@@ -59,7 +60,7 @@ class Rig final : public seld::Transport
     seld_sim *sim;
     seld_port_inputs inputs;
     std::int32_t push_counts_per_ms = 0, largest_mN = 0;
-    unsigned powered_ms = 0;
+    unsigned powered_ms = 0, stop_after_ms = ~0u; // then somebody presses the emergency stop
 };
 
 // A user with answers ready; each may first do something to the rig. What the command printed is in `text`.
@@ -244,13 +245,15 @@ void a_fault_in_the_trial_is_told_and_logged(void **)
 {
     Bench b;
     b.options.damping_N_s_per_m = 1.0;
-    b.user.answers = {{"yes", [&] { b.rig.inputs.emergency_stop = true; }}};
+    b.options.yes = true;
+    b.rig.stop_after_ms = 200;
     assert_int_equal(b.force(), -1);
-    b.user.expect("Remedy");
+    b.user.expect("EMERGENCY_STOP: the emergency stop was pressed");
+    b.user.expect("Remedy: release it");
+    assert_int_equal(seld_sim_read_motors(b.rig.sim).drive, 0);
     b.user.run([&](const seld::RigTalk &talk) { return seld::rig_log(b.link, talk); });
     b.user.expect("EMERGENCY_STOP");
     b.user.expect("remedy: release it");
-    b.user.answers = {{"yes", {}}};
 }
 
 // --- calibration ---
