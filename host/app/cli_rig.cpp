@@ -279,6 +279,9 @@ int monitor(const RigOptions &options, const DeviceChoice &choice, const RigTalk
             seld_hid_state state{};
             state.tick = ++tick;
             state.state = link.read_status().state;
+            state.lines = sensors.lines;
+            state.syringe_counts = sensors.syringe_counts;
+            state.inflator_raw = sensors.inflator_raw;
             for (std::uint16_t k = 0; k < sensors.tracks_count; k++) {
                 state.tracks[k].translation_counts = sensors.tracks[k].translation_counts;
                 state.tracks[k].rotation_counts = sensors.tracks[k].rotation_counts;

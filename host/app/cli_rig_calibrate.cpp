@@ -29,7 +29,8 @@ constexpr Field fields[] = {{"translation_pm_per_count", &seld_wire_track::trans
                             {"options", &seld_wire_track::options},
                             {"force_uN_per_count", &seld_wire_track::force_uN_per_count},
                             {"damping_mN_s_per_m", &seld_wire_track::damping_mN_s_per_m},
-                            {"damping_nN_m_s_per_rad", &seld_wire_track::damping_nN_m_s_per_rad}};
+                            {"damping_nN_m_s_per_rad", &seld_wire_track::damping_nN_m_s_per_rad},
+                            {"actuator_lag_us", &seld_wire_track::actuator_lag_us}};
 constexpr const char *zero_name = "force_zero_counts";
 
 class Guide

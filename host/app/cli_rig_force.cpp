@@ -62,8 +62,10 @@ MotorTrial::MotorTrial(Link &link, unsigned track, unsigned force_mN, double dam
                         " is not known, so no safe spring can be chosen. Remedy: give --damping N s/m as "
                         "measured (docs/rig.md)");
     }
-    // Passive by the device's own rule: stiffness <= 2 x damping.
-    driven.coupling_N_per_m = std::min(coupling_N_per_m, 2 * driven.damping_mN_s_per_m);
+    // Passive by the device's own rule: stiffness x (half a tick + lag of the actuator) <= damping.
+    const std::uint64_t stiffest =
+        std::uint64_t{driven.damping_mN_s_per_m} * 1000 / (500 + driven.actuator_lag_us);
+    driven.coupling_N_per_m = static_cast<std::uint32_t>(std::min<std::uint64_t>(coupling_N_per_m, stiffest));
     driven.seal_mN = std::min(force_mN, driven.force_limit_mN);
     driven.force_gain_milli = std::min<std::uint32_t>(driven.force_gain_milli, 1000);
     if (driven.force_gain_milli == 0) driven.force_gain_milli = 1000;

@@ -27,27 +27,27 @@ File open_csv(const std::string &path)
     if (path.empty()) return nullptr;
     File file(std::fopen(path.c_str(), "w"));
     if (!file) throw LinkError(path + ": cannot write: " + std::strerror(errno));
-    std::fprintf(file.get(), "tick,state,mode,fault_code,buttons");
+    std::fprintf(file.get(), "tick,state,mode,fault_code,buttons,lines,fault_count");
     for (int k = 1; k <= 3; k++) {
         std::fprintf(file.get(),
                      ",translation%d_counts,rotation%d_counts,motor_axial%d_mN,motor_torque%d_uN_m,"
-                     "sensor_axial%d_mN,sensor_torque%d_uN_m",
-                     k, k, k, k, k, k);
+                     "sensor_axial%d_mN",
+                     k, k, k, k, k);
     }
-    std::fprintf(file.get(), ",syringe_ul,inflator_kPa\n");
+    std::fprintf(file.get(), ",syringe_counts,inflator_raw\n");
     return file;
 }
 
 void write_csv(std::FILE *file, const seld_hid_state &state)
 {
-    std::fprintf(file, "%u,%u,%u,%u,%u", unsigned{state.tick}, unsigned{state.state}, unsigned{state.mode},
-                 unsigned{state.fault_code}, unsigned{state.buttons});
+    std::fprintf(file, "%u,%u,%u,%u,%u,%u,%u", unsigned{state.tick}, unsigned{state.state},
+                 unsigned{state.mode}, unsigned{state.fault_code}, unsigned{state.buttons},
+                 unsigned{state.lines}, unsigned{state.fault_count});
     for (const seld_hid_track &track : state.tracks) {
-        std::fprintf(file, ",%d,%d,%d,%d,%d,%d", track.translation_counts, track.rotation_counts,
-                     track.motor_axial_mN, track.motor_torque_uN_m, track.sensor_axial_mN,
-                     track.sensor_torque_uN_m);
+        std::fprintf(file, ",%d,%d,%d,%d,%d", track.translation_counts, track.rotation_counts,
+                     track.motor_axial_mN, track.motor_torque_uN_m, track.sensor_axial_mN);
     }
-    std::fprintf(file, ",%d,%u\n", state.syringe_ul, unsigned{state.inflator_kPa});
+    std::fprintf(file, ",%d,%d\n", state.syringe_counts, state.inflator_raw);
 }
 
 struct Count {
@@ -84,8 +84,11 @@ void show_table(std::FILE *out, const seld_hid_state &state, const Count &count,
                      track.rotation_counts, track.motor_axial_mN, track.motor_torque_uN_m,
                      track.sensor_axial_mN);
     }
-    std::fprintf(out, "\x1b[Ksyringe %d ul, inflator %u kPa, buttons 0x%02x\n", state.syringe_ul,
-                 unsigned{state.inflator_kPa}, unsigned{state.buttons});
+    std::fprintf(out, "\x1b[Ksyringe %d counts, inflator %d counts, buttons 0x%02x, %s%s%s\n",
+                 state.syringe_counts, state.inflator_raw, unsigned{state.buttons},
+                 (state.lines & 1) != 0 ? "EMERGENCY STOP" : "stop released",
+                 (state.lines & 2) != 0 ? "" : ", supply out of range",
+                 (state.lines & 16) != 0 ? ", MOTORS DRIVEN" : "");
     std::fflush(out);
 }
 
