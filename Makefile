@@ -47,7 +47,7 @@ HOST_LINK     := -lpng -lglfw -lusb-1.0 -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: dissector all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware hil install-udev
+.PHONY: dissector all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board hil install-udev
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -166,7 +166,7 @@ $(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/xray host
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
 ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS) $(TOOL_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
 
-tests-build: $(ALL_TEST_PROGRAMS) $(BUILD)/firmware/seldinger-mps2_an500.elf ## build the test programs
+tests-build: $(ALL_TEST_PROGRAMS) $(BUILD)/firmware/seldinger-mps2_an500.elf $(BUILD)/firmware/seldinger-imxrt1062.elf ## build the test programs
 tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS),$(call test_program,$(t))) $(BUILD)/firmware/seldinger-mps2_an500.elf $(BUILD)/bin/seldinger ## build those without OpenVDB
 
 # --- the USB side against the host's libraries: docs/usb.md --------------------------------------------------------------
@@ -308,7 +308,28 @@ hil: packages-build packages-run packages-hil packages-usb ## every level of emu
 	@$(HIL_PROGRAM) --scene $(SCENE) --also "L2 libusb_and_hidapi_by_umockdev HIL=$(HIL_FOLDER) hil_tests/l2/test_l2.sh" \
 	    --also "L3 Debians_kernel_in_qemu $(MAKE) --no-print-directory PACKAGES=skip hil-guest"
 
-firmware: packages-build packages-matrix ## build the device's image for the emulated Cortex-M7 and check it: build/firmware
+# The real board's image, never run on hardware: docs/porting.md
+RT1062_IMAGE   := $(BUILD)/firmware/seldinger-imxrt1062.elf
+RT1062_FOLDER  := firmware/port/imxrt1062
+RT1062_OBJECTS := $(BUILD)/firmware/imxrt1062
+RT1062_SOURCES := $(wildcard firmware/core/*.c firmware/app/*.c firmware/app/usb/*.c firmware/port/usb/*.c shared/wire/*.c shared/scene/*.c \
+                  $(RT1062_FOLDER)/*.c) firmware/port/mps2_an500/memory.c
+$(RT1062_OBJECTS)/firmware/core/%.c.o: IMAGE_OPT := $(CORE_OPT) -fno-schedule-insns -fno-tree-pre
+$(RT1062_OBJECTS)/firmware/app/usb/%.c.o: IMAGE_OPT := -O2 -DSELD_USB_VENDOR_ID=0x$(word 1,$(subst :, ,$(USB_ID))) -DSELD_USB_PRODUCT_ID=0x$(word 2,$(subst :, ,$(USB_ID)))
+$(RT1062_OBJECTS)/%.c.o: IMAGE_OPT ?= -O2
+$(RT1062_OBJECTS)/%.c.o: %.c
+	@mkdir -p $(@D)
+	$(Q) $(M7_CC) $(M7_FLAGS) $(IMAGE_FLAGS) $(IMAGE_OPT) -c $< -o $@
+$(RT1062_IMAGE): $(RT1062_SOURCES:%=$(RT1062_OBJECTS)/%.o) $(RT1062_FOLDER)/image.ld
+	$(Q) $(M7_CC) -mcpu=cortex-m7 -mthumb -mfloat-abi=soft -nostdlib -Wl,--gc-sections -T $(RT1062_FOLDER)/image.ld $(filter %.o,$^) -o $@ -lgcc
+$(RT1062_IMAGE:.elf=.hex): $(RT1062_IMAGE)
+	$(Q) arm-none-eabi-objcopy -O ihex $< $@
+
+firmware-board: packages-build packages-matrix ## build and check the image for a real board (i.MX RT1062, never run on one): docs/porting.md
+	@$(QUIET_MAKE) $(RT1062_IMAGE:.elf=.hex)
+	@tools/bench/image_report.py --objects $(RT1062_OBJECTS) --port imxrt1062 $(RT1062_IMAGE)
+
+firmware: packages-build packages-matrix firmware-board ## build the device's images, for the emulated Cortex-M7 and a real board, and check them: build/firmware
 	@$(QUIET_MAKE) $(IMAGE)
 	@tools/bench/image_report.py --objects $(BUILD)/firmware/obj $(IMAGE)
 

@@ -14,9 +14,13 @@ import budget
 
 RAM_MAX_BYTES = 512 * 1024  # without scenes
 STACK_MAX_BYTES = 16 * 1024
-# The functions in the port's table (firmware/port/mps2_an500/device/main.c). The USB stack calls the app by address, from its
+# The functions in each port's tables (its main.c, and its USB controller). The USB stack calls the app by address, from its
 # polling: that whole depth is added once, whichever of the two the deepest path goes through.
-BY_ADDRESS = ("transmit", "transmit_room", "rig_inputs_read", "rig_outputs_write", "now_us")
+BY_ADDRESS = {
+    "mps2_an500": ("transmit", "transmit_room", "rig_inputs_read", "rig_outputs_write", "now_us"),
+    "imxrt1062": ("seld_rig_usb_transmit", "seld_rig_usb_room", "rig_inputs", "rig_outputs", "clocks_now_us", "udc_connect",
+                  "udc_set_address", "udc_open", "udc_close", "udc_arm", "udc_stall", "udc_test", "udc_poll"),
+}
 EXCEPTION_BYTES = 32 + 4  # eight registers, aligned to 8
 
 
@@ -35,19 +39,19 @@ def sections(image):
     return {row[0]: int(row[1]) for row in rows if len(row) == 3 and row[1].isdigit()}
 
 
-def stack_bytes(objects):
-    loop, path = budget.worst_stack(objects, "main", BY_ADDRESS)
-    usb, _ = budget.worst_stack(objects, "seld_rig_usb_poll", BY_ADDRESS)
-    crash, _ = budget.worst_stack(objects, "crashed", BY_ADDRESS)
+def stack_bytes(objects, port):
+    loop, path = budget.worst_stack(objects, "main", BY_ADDRESS[port])
+    usb, _ = budget.worst_stack(objects, "seld_rig_usb_poll", BY_ADDRESS[port])
+    crash, _ = budget.worst_stack(objects, "crashed", BY_ADDRESS[port])
     return loop + usb + EXCEPTION_BYTES + crash, path
 
 
-def report(image, objects):
+def report(image, objects, port):
     """Prints; returns what is wrong."""
     size, names = sections(image), symbols(image)
-    code = size.get(".text", 0) + size.get(".ARM.exidx", 0) + size.get(".data", 0)
-    static = size.get(".data", 0) + size.get(".bss", 0)
-    stack, path = stack_bytes(objects)
+    code = size.get(".boot", 0) + size.get(".text", 0) + size.get(".ARM.exidx", 0) + size.get(".data", 0)
+    static = size.get(".data", 0) + size.get(".bss", 0) + size.get(".dma", 0)
+    stack, path = stack_bytes(objects, port)
     left = names["stack_bytes"][0]
     print("%s" % image)
     print("  code and constants  %7d bytes" % code)
@@ -68,10 +72,11 @@ def report(image, objects):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--objects", required=True, help="folder with the compiler's call graphs (.ci)")
+    parser.add_argument("--port", choices=sorted(BY_ADDRESS), default="mps2_an500")
     parser.add_argument("image")
     options = parser.parse_args()
     try:
-        wrong = report(options.image, options.objects)
+        wrong = report(options.image, options.objects, options.port)
     except budget.CannotMeasure as problem:
         wrong = [str(problem)]
     for text in wrong:

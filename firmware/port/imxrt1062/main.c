@@ -1,0 +1,90 @@
+/* Never run on hardware. The device on an i.MX RT1062 (Teensy 4.1): memory, the port's table, and the loop that hands bytes
+ * and milliseconds to the app. Nothing here allocates; the one interrupt only counts.
+ *
+ *   loop:  USB -> seld_app_receive     an edge is due -> seld_app_timer (reads inputs, writes outputs), then the state report
+ *
+ * Some packets and one edge per round, so that neither starves the other. */
+#include "firmware/port/imxrt1062/board.h"
+#include "firmware/port/usb/rig_usb.h"
+
+static seld_app app __attribute__((section(".hot"), aligned(8)));
+static seld_rig_usb usb __attribute__((section(".dma"), aligned(32)));
+static uint8_t slots[2][BOARD_SLOT_BYTES] __attribute__((section(".scenes"), aligned(32)));
+static char serial[BOARD_SERIAL_BYTES + 1];
+_Static_assert((int)BOARD_SERIAL_BYTES == (int)SELD_PORT_SERIAL_BYTES, "the serial fits");
+
+static struct {
+    uint32_t tick_cycles_max; /* for a debugger: the longest tick */
+} seen;
+
+static seld_port port = {
+    .context = &usb,
+    .transmit = seld_rig_usb_transmit,
+    .transmit_room = seld_rig_usb_room,
+    .inputs = rig_inputs,
+    .outputs = rig_outputs,
+    .now_us = clocks_now_us,
+    .serial = serial,
+    .scene_slots = {slots[0], slots[1]},
+    .capabilities = SELD_WIRE_CAPABILITY_ENCODERS | SELD_WIRE_CAPABILITY_MOTORS,
+};
+
+static void greet(bool has_scenes)
+{
+    console_number("seldinger on imxrt1062: core ", SELD_CORE_VERSION);
+    console_number(", protocol ", SELD_WIRE_PROTOCOL_MAJOR);
+    console_number(".", SELD_WIRE_PROTOCOL_MINOR);
+    console_text(", serial ");
+    console_text(serial);
+    console_text(has_scenes ? "\n"
+                            : "\nno PSRAM answers: scenes cannot be loaded; solder one, docs/porting.md\n");
+    if (clocks_was_watchdog()) console_text("the last start ended by the watchdog\n");
+}
+
+/* The hardware is broken: say so, stay off, let the watchdog try again. */
+static void give_up(const char *what)
+{
+    rig_outputs_off();
+    console_text(what);
+    for (;;) {
+    }
+}
+
+static void tick(void)
+{
+    if (clocks_edges_due() == 0) return;
+    uint32_t begin = clocks_cycles();
+    seld_app_timer(&app);
+    seld_rig_usb_timer(&usb);
+    uint32_t cycles = clocks_cycles() - begin;
+    if (cycles > seen.tick_cycles_max) seen.tick_cycles_max = cycles;
+    clocks_edge_done();
+}
+
+int main(void)
+{
+    bool has_clock = clocks_start(); /* opens the gates of everything below */
+    pins_start();
+    console_start();
+    if (!has_clock) give_up("the processor's clock does not lock\n");
+    bool has_scenes = scene_ram_start();
+    memory_map_start();
+    port.scene_slot_bytes = has_scenes ? BOARD_SLOT_BYTES : 0;
+    clocks_serial(serial);
+    encoders_start();
+    sensors_start();
+    motors_start();
+    greet(has_scenes);
+    if (!usb_phy_start()) give_up("the USB clock does not lock\n");
+    const seld_udc *udc = usb_udc_start();
+    if (udc == NULL) give_up("the USB controller stays in reset\n");
+    seld_app_init(&app, &port);
+    if (!seld_rig_usb_init(&usb, &app, udc)) give_up("the serial number is not printable\n");
+    seld_rig_usb_connect(&usb, true);
+    clocks_start_tick();
+    for (;;) {
+        (void)seld_rig_usb_poll(&usb);
+        tick();
+        clocks_feed_watchdog();
+    }
+}

@@ -1,0 +1,103 @@
+/* Never run on hardware. From reset to main(): the ROM jumps to `start` in the flash, which splits the FlexRAM, copies code
+ * and data, and changes to the stack in the data memory. And what is left when an exception ends the program: power off, a
+ * line on the console, and the watchdog's reset. The floating-point unit stays off: nothing uses it. */
+#include "firmware/port/imxrt1062/board.h"
+#include "firmware/port/imxrt1062/cortex_m7.h"
+#include "firmware/port/imxrt1062/imxrt1062_registers.h"
+
+extern uint32_t code_begin[], code_end[], code_load[], data_begin[], data_end[], data_load[];
+extern uint32_t bss_begin[], bss_end[], dma_begin[], dma_end[], stack_top[], start_stack_top[];
+
+void start(void);
+
+enum {
+    /* FlexRAM's 16 banks of 32 kB, two bits each: 3 code memory (the lowest 5 banks), 2 data memory (11). */
+    BANKS_CODE = 5,
+    SIZE_512_kB = 10, /* of both memories, which must hold their banks: a power of two */
+    EXCEPTIONS = 16,
+    INTERRUPTS = 160,
+    INTERRUPT_PIT = 122,
+    FRAME_LR = 5,
+    FRAME_PC = 6,
+};
+
+__attribute__((section(".start"))) static void copy(uint32_t *to, const uint32_t *end, const uint32_t *from)
+{
+    while (to < end) *to++ = *from++;
+}
+
+__attribute__((section(".start"))) static void clear(uint32_t *to, const uint32_t *end)
+{
+    while (to < end) *to++ = 0;
+}
+
+/* Runs in the flash, on a stack in the OCRAM, before any other memory is there. */
+__attribute__((section(".start"), noreturn)) void start(void)
+{
+    __asm__ volatile("cpsid i");
+    const uint32_t banks = 0xaaaaaaaau | ((1u << 2 * BANKS_CODE) - 1u);
+    R32(BASE_IOMUXC_GPR, IOMUXC_GPR_GPR17) = banks;
+    R32(BASE_IOMUXC_GPR, IOMUXC_GPR_GPR16) |= MASK(IOMUXC_GPR_GPR16_INIT_ITCM_EN) |
+                                              MASK(IOMUXC_GPR_GPR16_INIT_DTCM_EN) |
+                                              MASK(IOMUXC_GPR_GPR16_FLEXRAM_BANK_CFG_SEL);
+    SET_FIELD(R32(BASE_IOMUXC_GPR, IOMUXC_GPR_GPR14), IOMUXC_GPR_GPR14_CM7_CFGITCMSZ, SIZE_512_kB);
+    SET_FIELD(R32(BASE_IOMUXC_GPR, IOMUXC_GPR_GPR14), IOMUXC_GPR_GPR14_CM7_CFGDTCMSZ, SIZE_512_kB);
+    core_barrier();
+    copy(code_begin, code_end, code_load);
+    copy(data_begin, data_end, data_load);
+    clear(bss_begin, bss_end);
+    clear(dma_begin, dma_end);
+    CORE_VTOR = (uint32_t)(uintptr_t)code_begin;
+    core_barrier();
+    __asm__ volatile("msr msp, %0\n bx %1" ::"r"(stack_top), "r"(main));
+    __builtin_unreachable();
+}
+
+/* `frame` is what the processor pushed when the exception came. */
+__attribute__((used)) static void crashed(const uint32_t *frame)
+{
+    rig_outputs_off();
+    uint32_t number;
+    __asm__ volatile("mrs %0, ipsr" : "=r"(number));
+    console_number("fault: exception ", number & 0x1ffu);
+    console_hex(" at pc 0x", frame[FRAME_PC]);
+    console_hex(" lr 0x", frame[FRAME_LR]);
+    console_hex(" status 0x", CORE_CFSR);
+    console_text("; power off, waiting for the watchdog's reset\n");
+    for (;;) {
+    }
+}
+
+/* Changes to the stack of `start`: the one in use may be what overflowed. A frame that could not be pushed into the guard is
+ * not read: then the old stack pointer lies below the stack, and the words shown are those of the guard's end. */
+__attribute__((naked)) static void unexpected(void)
+{
+    __asm__ volatile("mrs r0, msp\n"
+                     "ldr r1, =bss_end + 32\n"
+                     "cmp r0, r1\n"
+                     "it lo\n"
+                     "movlo r0, r1\n"
+                     "ldr r1, =start_stack_top\n"
+                     "msr msp, r1\n"
+                     "b crashed\n"
+                     ".ltorg");
+}
+
+typedef void vector(void);
+/* What the ROM is pointed to by boot_header.c: stack and entry, as a processor finds them after reset. */
+__attribute__((section(".start_vectors"), used)) const struct start_entry {
+    const uint32_t *stack;
+    vector *start;
+} start_vectors = {start_stack_top, start};
+#define UNEXPECTED_4 unexpected, unexpected, unexpected, unexpected
+#define UNEXPECTED_32                                                                                        \
+    UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4,        \
+        UNEXPECTED_4
+/* 15 exceptions and 122 interrupts before the tick's, 37 behind it. */
+__attribute__((section(".vectors"), used)) static const struct {
+    const uint32_t *stack;
+    vector *handlers[EXCEPTIONS - 1 + INTERRUPTS];
+} vectors = {stack_top,
+             {UNEXPECTED_32, UNEXPECTED_32, UNEXPECTED_32, UNEXPECTED_32, UNEXPECTED_4, UNEXPECTED_4,
+              unexpected, clocks_tick, UNEXPECTED_32, UNEXPECTED_4, unexpected}};
+_Static_assert(EXCEPTIONS - 1 + INTERRUPT_PIT == 4 * 32 + 2 * 4 + 1, "the tick's place");

@@ -1,0 +1,327 @@
+/* Never run on hardware. The USB device controller (EHCI's registers, used from the device's side) behind firmware/port/udc.h.
+ *
+ * Every endpoint has a head (64 bytes, in one table that the controller knows) and one transfer descriptor of up to 16 kB.
+ * Arming writes the descriptor, points the head at it and primes the endpoint; the controller does the packets and sets a
+ * bit of ENDPTCOMPLETE. Heads, descriptors and buffers lie in memory that is not cached (the section .dma, or tightly
+ * coupled memory). Interrupts stay off: poll() reads what has happened. Every loop has a bound. */
+#include "firmware/port/imxrt1062/board.h"
+#include "firmware/port/imxrt1062/imxrt1062_registers.h"
+
+enum {
+    ENDPOINTS = 8,
+    PIPES = 2 * ENDPOINTS, /* out 0, in 0, out 1, in 1 ... as the controller's table has them */
+    PAGES = 5,
+    PAGE_BYTES = 4096,
+    TRANSFER_BYTES_MAX = (PAGES - 1) * PAGE_BYTES, /* fits wherever in a page it begins */
+    WAIT_MAX = 1000,                               /* turns: some microseconds */
+    LINK_END = 1,
+    TOKEN_ACTIVE = 1 << 7,
+    TOKEN_HALTED = 1 << 6,
+    TOKEN_ERRORS = 1 << 5 | 1 << 3, /* data buffer, transaction */
+    TOKEN_INTERRUPT = 1 << 15,
+    TOKEN_BYTES_SHIFT = 16,
+    TOKEN_BYTES_MASK = 0x7fff,
+    HEAD_INTERRUPT_ON_SETUP = 1 << 15,
+    HEAD_NO_EMPTY_PACKETS = 1 << 29, /* the stack says itself when one is due */
+    HEAD_PACKET_SHIFT = 16,
+    IN_SHIFT = 16, /* of the endpoint bit maps: OUT below, IN above */
+    SPEED_HIGH = 2,
+    MODE_DEVICE = 2,
+    TYPE_UNUSED = SELD_UDC_BULK, /* the other direction of an endpoint must not be a control one */
+};
+
+typedef struct usb_transfer {
+    volatile uint32_t next, token, pages[PAGES];
+    uint32_t padding;
+} usb_transfer;
+
+typedef struct usb_head {
+    volatile uint32_t capabilities, current;
+    volatile uint32_t next, token, pages[PAGES];
+    uint32_t reserved;
+    volatile uint8_t setup[SELD_UDC_SETUP_BYTES];
+    uint32_t padding[4];
+} usb_head;
+_Static_assert(sizeof(usb_transfer) == 32 && sizeof(usb_head) == 64, "the controller's layout");
+
+static struct usb_memory {
+    _Alignas(2048) usb_head heads[PIPES];
+    _Alignas(32) usb_transfer transfers[PIPES];
+} memory __attribute__((section(".dma"), aligned(2048)));
+
+static struct usb_controller {
+    uint32_t armed_bytes[PIPES];
+    uint32_t complete; /* bits taken from ENDPTCOMPLETE and not yet told */
+    bool is_resetting, is_suspended, has_power;
+    seld_udc udc;
+} controller;
+
+static uint32_t pipe_of(uint8_t endpoint)
+{
+    return 2u * (endpoint % ENDPOINTS) + (endpoint & SELD_UDC_IN ? 1u : 0u);
+}
+
+static uint32_t bit_of(uint8_t endpoint)
+{
+    return 1u << (endpoint % ENDPOINTS + (endpoint & SELD_UDC_IN ? IN_SHIFT : 0));
+}
+
+static volatile uint32_t *control_of(uint8_t endpoint)
+{
+    uint32_t number = endpoint % ENDPOINTS;
+    if (number == 0) return &R32(BASE_USB1, USB_ENDPTCTRL0);
+    return &R32(BASE_USB1, USB_ENDPTCTRL_0 + (number - 1) * USB_STRIDE_ENDPTCTRL);
+}
+
+static void wait_clear(volatile uint32_t *where, uint32_t bits)
+{
+    for (int i = 0; i < WAIT_MAX && (*where & bits) != 0; i++) {
+    }
+}
+
+/* A packet under way may outlive one flush: until the endpoint's status says that nothing is ready. */
+static void flush(uint32_t bits)
+{
+    for (int i = 0; i < 4; i++) {
+        R32(BASE_USB1, USB_ENDPTFLUSH) = bits;
+        wait_clear(&R32(BASE_USB1, USB_ENDPTFLUSH), bits);
+        if ((R32(BASE_USB1, USB_ENDPTSTAT) & bits) == 0) break;
+    }
+    R32(BASE_USB1, USB_ENDPTCOMPLETE) = bits;
+    controller.complete &= ~bits;
+}
+
+/* --- what the stack asks for --- */
+static void udc_connect(void *context, bool connected)
+{
+    (void)context;
+    SET_FIELD(R32(BASE_USB1, USB_USBCMD), USB_USBCMD_RS, connected ? 1u : 0u);
+}
+
+static void udc_set_address(void *context, uint8_t address)
+{
+    (void)context;
+    R32(BASE_USB1, USB_DEVICEADDR) = BITS(USB_DEVICEADDR_USBADR, address);
+}
+
+static bool udc_open(void *context, uint8_t endpoint, seld_udc_type type, uint16_t packet_bytes)
+{
+    (void)context;
+    if ((endpoint & 0x7fu) == 0 || (endpoint & 0x7fu) >= ENDPOINTS || packet_bytes > 1024) return false;
+    usb_head *head = &memory.heads[pipe_of(endpoint)];
+    volatile uint32_t *control = control_of(endpoint);
+    flush(bit_of(endpoint));
+    head->capabilities = (uint32_t)packet_bytes << HEAD_PACKET_SHIFT | HEAD_NO_EMPTY_PACKETS;
+    head->next = LINK_END;
+    head->token = 0;
+    uint32_t value = *control;
+    if (endpoint & SELD_UDC_IN) {
+        if ((value & MASK(USB_ENDPTCTRL_0_RXE)) == 0) SET_FIELD(value, USB_ENDPTCTRL_0_RXT, TYPE_UNUSED);
+        value &= ~(MASK(USB_ENDPTCTRL_0_TXT) | MASK(USB_ENDPTCTRL_0_TXS));
+        value |= BITS(USB_ENDPTCTRL_0_TXT, type) | MASK(USB_ENDPTCTRL_0_TXR) | MASK(USB_ENDPTCTRL_0_TXE);
+    } else {
+        if ((value & MASK(USB_ENDPTCTRL_0_TXE)) == 0) SET_FIELD(value, USB_ENDPTCTRL_0_TXT, TYPE_UNUSED);
+        value &= ~(MASK(USB_ENDPTCTRL_0_RXT) | MASK(USB_ENDPTCTRL_0_RXS));
+        value |= BITS(USB_ENDPTCTRL_0_RXT, type) | MASK(USB_ENDPTCTRL_0_RXR) | MASK(USB_ENDPTCTRL_0_RXE);
+    }
+    *control = value;
+    return true;
+}
+
+static void udc_close(void *context, uint8_t endpoint)
+{
+    (void)context;
+    if ((endpoint & 0x7fu) == 0) return;
+    flush(bit_of(endpoint));
+    *control_of(endpoint) &= endpoint & SELD_UDC_IN ? ~MASK(USB_ENDPTCTRL_0_TXE) : ~MASK(USB_ENDPTCTRL_0_RXE);
+}
+
+/* Lets the controller have the transfer that is described. */
+static void prime(uint8_t endpoint)
+{
+    usb_head *head = &memory.heads[pipe_of(endpoint)];
+    head->next = (uint32_t)(uintptr_t)&memory.transfers[pipe_of(endpoint)];
+    head->token = 0;
+    __asm__ volatile("dsb" ::: "memory");
+    R32(BASE_USB1, USB_ENDPTPRIME) = bit_of(endpoint);
+}
+
+static void udc_arm(void *context, uint8_t endpoint, uint8_t *bytes, uint32_t count)
+{
+    (void)context;
+    /* A setup packet that is still to be told makes this transfer void: priming now would answer the wrong request. */
+    if ((endpoint & 0x7fu) == 0 && R32(BASE_USB1, USB_ENDPTSETUPSTAT) != 0) return;
+    usb_transfer *transfer = &memory.transfers[pipe_of(endpoint)];
+    uint32_t begin = (uint32_t)(uintptr_t)bytes;
+    if (count > TRANSFER_BYTES_MAX) count = TRANSFER_BYTES_MAX;
+    controller.armed_bytes[pipe_of(endpoint)] = count;
+    transfer->next = LINK_END;
+    transfer->pages[0] = begin;
+    for (uint32_t i = 1; i < PAGES; i++) transfer->pages[i] = (begin & ~(PAGE_BYTES - 1u)) + i * PAGE_BYTES;
+    transfer->token = count << TOKEN_BYTES_SHIFT | TOKEN_INTERRUPT | TOKEN_ACTIVE;
+    prime(endpoint);
+}
+
+static void udc_stall(void *context, uint8_t endpoint)
+{
+    (void)context;
+    volatile uint32_t *control = control_of(endpoint);
+    if ((endpoint & 0x7fu) == 0) {
+        flush(bit_of(0) | bit_of(SELD_UDC_IN));
+        *control |=
+            MASK(USB_ENDPTCTRL0_RXS) | MASK(USB_ENDPTCTRL0_TXS); /* the next setup packet clears them */
+        return;
+    }
+    flush(bit_of(endpoint));
+    *control |= endpoint & SELD_UDC_IN ? MASK(USB_ENDPTCTRL_0_TXS) : MASK(USB_ENDPTCTRL_0_RXS);
+}
+
+static void udc_test(void *context, uint8_t selector)
+{
+    (void)context;
+    SET_FIELD(R32(BASE_USB1, USB_PORTSC1), USB_PORTSC1_PTC, selector);
+}
+
+/* --- what has happened --- */
+static void close_all(void)
+{
+    R32(BASE_USB1, USB_ENDPTSETUPSTAT) = R32(BASE_USB1, USB_ENDPTSETUPSTAT);
+    R32(BASE_USB1, USB_ENDPTCOMPLETE) = R32(BASE_USB1, USB_ENDPTCOMPLETE);
+    wait_clear(&R32(BASE_USB1, USB_ENDPTPRIME), UINT32_MAX);
+    flush(UINT32_MAX);
+    controller.complete = 0;
+    R32(BASE_USB1, USB_DEVICEADDR) = 0;
+    for (uint8_t number = 1; number < ENDPOINTS; number++) *control_of(number) = 0;
+    for (uint32_t pipe = 0; pipe < PIPES; pipe++) {
+        memory.heads[pipe].next = LINK_END;
+        memory.heads[pipe].token = 0;
+    }
+    for (uint32_t pipe = 0; pipe < 2; pipe++) {
+        memory.heads[pipe].capabilities = (uint32_t)SELD_UDC_CONTROL_PACKET_BYTES << HEAD_PACKET_SHIFT |
+                                          HEAD_NO_EMPTY_PACKETS | (pipe == 0 ? HEAD_INTERRUPT_ON_SETUP : 0);
+    }
+}
+
+/* The bus: a reset begins (URI) and ends (port change, the speed is known); quiet for 3 ms (SLI); the cable (BSV). */
+static bool take_bus(seld_udc_event *event)
+{
+    uint32_t status = R32(BASE_USB1, USB_USBSTS), port = R32(BASE_USB1, USB_PORTSC1);
+    R32(BASE_USB1, USB_USBSTS) = status;
+    bool had_power = controller.has_power;
+    controller.has_power = (R32(BASE_USB1, USB_OTGSC) & MASK(USB_OTGSC_BSV)) != 0;
+    if (had_power && !controller.has_power) {
+        close_all();
+        controller.is_resetting = controller.is_suspended = false;
+        event->kind = SELD_UDC_UNPLUG;
+    } else if (status & MASK(USB_USBSTS_URI)) {
+        close_all();
+        controller.is_resetting = true;
+    }
+    if (controller.is_resetting && (port & MASK(USB_PORTSC1_PR)) == 0 &&
+        (status & MASK(USB_USBSTS_PCI)) != 0) {
+        controller.is_resetting = controller.is_suspended = false;
+        event->kind = SELD_UDC_RESET;
+        bool high = (port & MASK(USB_PORTSC1_PSPD)) == BITS(USB_PORTSC1_PSPD, SPEED_HIGH);
+        event->speed = high ? SELD_UDC_HIGH_SPEED : SELD_UDC_FULL_SPEED;
+    } else if (!controller.is_resetting && !controller.is_suspended && controller.has_power &&
+               (status & MASK(USB_USBSTS_SLI)) != 0 && (port & MASK(USB_PORTSC1_SUSP)) != 0) {
+        controller.is_suspended = true;
+        event->kind = SELD_UDC_SUSPEND;
+    } else if (controller.is_suspended && (port & MASK(USB_PORTSC1_SUSP)) == 0) {
+        controller.is_suspended = false;
+        event->kind = SELD_UDC_RESUME;
+    }
+    return event->kind != SELD_UDC_NOTHING;
+}
+
+/* The eight bytes are read again when another setup packet came meanwhile: then the controller clears the trip wire. */
+static bool take_setup(seld_udc_event *event)
+{
+    volatile uint32_t *command = &R32(BASE_USB1, USB_USBCMD);
+    if ((R32(BASE_USB1, USB_ENDPTSETUPSTAT) & 1u) == 0) return false;
+    R32(BASE_USB1, USB_ENDPTSETUPSTAT) = 1;
+    bool is_whole = false;
+    for (int i = 0; i < WAIT_MAX && !is_whole; i++) {
+        *command |= MASK(USB_USBCMD_SUTW);
+        for (uint32_t k = 0; k < SELD_UDC_SETUP_BYTES; k++) event->setup[k] = memory.heads[0].setup[k];
+        is_whole = (*command & MASK(USB_USBCMD_SUTW)) != 0;
+    }
+    *command &= ~MASK(USB_USBCMD_SUTW);
+    wait_clear(&R32(BASE_USB1, USB_ENDPTSETUPSTAT), 1);
+    flush(bit_of(0) | bit_of(SELD_UDC_IN));
+    if (!is_whole) return false;
+    event->kind = SELD_UDC_SETUP;
+    return true;
+}
+
+/* A transfer that ended by an error of the bus is begun again; one that was halted (the host sent more than was asked for) is
+ * answered with STALL. */
+static bool take_transfer(uint8_t endpoint, seld_udc_event *event)
+{
+    usb_transfer *transfer = &memory.transfers[pipe_of(endpoint)];
+    uint32_t armed = controller.armed_bytes[pipe_of(endpoint)];
+    uint32_t token = transfer->token, left = token >> TOKEN_BYTES_SHIFT & TOKEN_BYTES_MASK;
+    if (token & TOKEN_ACTIVE) return false;
+    if (token & TOKEN_HALTED) {
+        udc_stall(NULL, endpoint);
+        return false;
+    }
+    if (token & TOKEN_ERRORS) {
+        transfer->token = armed << TOKEN_BYTES_SHIFT | TOKEN_INTERRUPT | TOKEN_ACTIVE;
+        prime(endpoint);
+        return false;
+    }
+    event->kind = SELD_UDC_DONE;
+    event->endpoint = endpoint;
+    event->bytes = left <= armed ? armed - left : 0;
+    return true;
+}
+
+static bool take_complete(seld_udc_event *event)
+{
+    uint32_t bits = R32(BASE_USB1, USB_ENDPTCOMPLETE);
+    R32(BASE_USB1, USB_ENDPTCOMPLETE) = bits;
+    controller.complete |= bits;
+    for (uint8_t number = 0; number < ENDPOINTS && controller.complete != 0; number++) {
+        for (uint32_t way = 0; way < 2; way++) {
+            uint8_t endpoint = (uint8_t)(number | (way ? SELD_UDC_IN : 0));
+            if ((controller.complete & bit_of(endpoint)) == 0) continue;
+            controller.complete &= ~bit_of(endpoint);
+            if (take_transfer(endpoint, event)) return true;
+        }
+    }
+    return false;
+}
+
+static bool udc_poll(void *context, seld_udc_event *event)
+{
+    (void)context;
+    *event = (seld_udc_event){.kind = SELD_UDC_NOTHING};
+    return take_bus(event) || take_setup(event) || take_complete(event);
+}
+
+/* NULL: the controller does not come out of its reset. */
+const seld_udc *usb_udc_start(void)
+{
+    volatile uint32_t *command = &R32(BASE_USB1, USB_USBCMD);
+    *command = MASK(USB_USBCMD_RST);
+    if (!board_wait(command, MASK(USB_USBCMD_RST), 0)) return NULL;
+    R32(BASE_USB1, USB_USBMODE) = BITS(USB_USBMODE_CM, MODE_DEVICE) | BITS(USB_USBMODE_SLOM, 1);
+    SET_FIELD(*command, USB_USBCMD_ITC, 0);
+    close_all();
+    /* In device mode this register holds the address of the heads (ENDPTLISTADDR). */
+    R32(BASE_USB1, USB_ASYNCLISTADDR) = (uint32_t)(uintptr_t)memory.heads;
+    controller.udc = (seld_udc){
+        .context = NULL,
+        .can_high_speed = true,
+        .connect = udc_connect,
+        .set_address = udc_set_address,
+        .open = udc_open,
+        .close = udc_close,
+        .arm = udc_arm,
+        .stall = udc_stall,
+        .test = udc_test,
+        .poll = udc_poll,
+    };
+    return &controller.udc;
+}
