@@ -149,24 +149,27 @@ static void hid_shows_the_state_and_takes_power_away(void **state)
     assert_int_equal(report.state, SELD_WIRE_STATE_READY);
 }
 
-/* STOP does not wait for the rest of a frame: that frame is lost and counted, the stream goes on. */
-static void stop_by_hid_cuts_a_frame_that_is_half_there(void **state)
+/* STOP does not wait for the rest of a frame, and costs the stream nothing: the frame is whole when its rest comes, no sequence
+ * number is missing. */
+static void stop_by_hid_passes_a_frame_that_is_half_there(void **state)
 {
     (void)state;
     seld_wire_status status;
     const uint8_t get[] = {SELD_WIRE_GET_STATUS};
-    const seld_wire_header header = {77, 0, SELD_WIRE_TYPE_get};
     assert_true(client_start_session(&host));
+    const seld_wire_header header = {(uint16_t)(host.sequence + 1), 0, SELD_WIRE_TYPE_get};
     const size_t frame_bytes = seld_wire_frame_encode(&header, get, 1, host.frame, sizeof host.frame);
     usb_device_write(&device, host.frame, frame_bytes - 4);
     order(1, SELD_WIRE_ACTION_STOP);
     assert_int_equal(next_state().state, SELD_WIRE_STATE_ARMED);
     usb_device_write(&device, host.frame + frame_bytes - 4, 4);
+    host.sequence++;
     client_get(&host, SELD_WIRE_GET_STATUS);
     while (client_expect_status(&host, &status) && host.decoder.header.answers != host.sequence) {
     }
     assert_int_equal(host.decoder.header.answers, host.sequence);
-    assert_int_equal(status.frames_bad, 2); /* its two halves */
+    assert_int_equal(status.frames_bad, 0);
+    assert_int_equal(status.sequence_gaps, 0);
     assert_int_equal(status.state, SELD_WIRE_STATE_ARMED);
 }
 
@@ -215,6 +218,7 @@ static void settings_by_hid_obey_the_rules_of_the_wire(void **state)
     assert_true(client_start_session(&host));
     assert_int_equal(set_limit(4000), USB_STALLED); /* RUNNING */
     assert_int_equal(device.app.tracks[1].force_limit_mN, 5000);
+    assert_int_equal(device.app.sequence_gaps, 0);
 }
 
 /* The state report of a FREE_RUN session follows tick by tick. */
@@ -243,7 +247,7 @@ int main(void)
         TEST(the_serial_number_is_that_of_the_port),
         TEST(no_answer_is_lost_when_the_host_reads_late),
         TEST(hid_shows_the_state_and_takes_power_away),
-        TEST(stop_by_hid_cuts_a_frame_that_is_half_there),
+        TEST(stop_by_hid_passes_a_frame_that_is_half_there),
         TEST(settings_by_hid_obey_the_rules_of_the_wire),
         TEST(free_run_ticks_come_by_hid_one_by_one),
     };

@@ -166,3 +166,29 @@ void seld_app_receive(seld_app *app, const uint8_t *bytes, size_t count)
         if (seld_wire_decoder_push(&app->decoder, bytes[i]) == SELD_WIRE_FRAME) take_frame(app);
     }
 }
+
+/* --- a host that speaks without frames --- */
+
+static bool may_speak(seld_app *app, uint16_t type)
+{
+    if (!app->is_greeted) {
+        seld_app_reject(app, type, SELD_REJECT_NOT_GREETED, type, 0);
+        return false;
+    }
+    host_spoke(app);
+    return true;
+}
+
+bool seld_app_order(seld_app *app, uint8_t action)
+{
+    const bool is_stop = action == SELD_WIRE_ACTION_STOP;
+    if (!is_stop && action != SELD_WIRE_ACTION_RESET) return false;
+    const seld_wire_command command = {.action = action};
+    if (may_speak(app, SELD_WIRE_TYPE_command)) seld_app_command_take(app, &command);
+    return is_stop ? app->state != SELD_WIRE_STATE_RUNNING : app->state == SELD_WIRE_STATE_READY;
+}
+
+void seld_app_configure(seld_app *app, const seld_wire_rig *rig)
+{
+    if (may_speak(app, SELD_WIRE_TYPE_rig)) seld_app_rig_take(app, rig);
+}

@@ -226,6 +226,18 @@ void seld_app_init(seld_app *app, const seld_port *port);
 /* Bytes from the host, in pieces of any size. Replies leave through port->transmit before it returns. */
 void seld_app_receive(seld_app *app, const uint8_t *bytes, size_t count);
 
+/* The host's word by another way than frames (HID), judged as if it had come in one; whatever of a frame has come stays. What
+ * the app answers goes out as a frame that answers nothing. */
+
+/* STOP or RESET, nothing else. True: not RUNNING, READY after it. */
+bool seld_app_order(seld_app *app, uint8_t action);
+
+/* `rig`, the configuration of the first tracks; app->tracks shows what was taken. */
+void seld_app_configure(seld_app *app, const seld_wire_rig *rig);
+
+/* What a track's force sensor says in this edge's sample, mN; 0 without a sensor that is well. */
+int32_t seld_app_force_measured(const seld_app *app, uint32_t track);
+
 /* One millisecond has passed: samples the rig, checks it, does a tick in FREE_RUN and RUNNING, writes the outputs. */
 void seld_app_timer(seld_app *app);
 

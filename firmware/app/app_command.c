@@ -205,14 +205,10 @@ static void set_mode(seld_app *app, uint8_t mode)
     seld_app_send_status(app, SELD_WIRE_TYPE_command);
 }
 
-void seld_app_command(seld_app *app, const uint8_t *payload, size_t length)
+void seld_app_command_take(seld_app *app, const seld_wire_command *command)
 {
-    const uint16_t type = SELD_WIRE_TYPE_command;
-    seld_wire_command command;
-    SELD_REJECT_IF(app, type, !seld_wire_decode_command(payload, length, &command), SELD_REJECT_MALFORMED,
-                   length, SELD_WIRE_BYTES_command);
-    seld_app_notice(app, SELD_WIRE_EVENT_COMMAND, command.action, 0, 0);
-    switch (command.action) {
+    seld_app_notice(app, SELD_WIRE_EVENT_COMMAND, command->action, 0, 0);
+    switch (command->action) {
     case SELD_WIRE_ACTION_ARM:
         arm(app);
         break;
@@ -220,7 +216,7 @@ void seld_app_command(seld_app *app, const uint8_t *payload, size_t length)
         start(app);
         break;
     case SELD_WIRE_ACTION_STOP:
-        stop(app, command.tick);
+        stop(app, command->tick);
         break;
     case SELD_WIRE_ACTION_RESET:
         reset(app);
@@ -235,9 +231,17 @@ void seld_app_command(seld_app *app, const uint8_t *payload, size_t length)
         arm_motors(app);
         break;
     case SELD_WIRE_ACTION_CONFIRM:
-        confirm(app, command.code);
+        confirm(app, command->code);
         break;
     default:
-        seld_app_reject(app, type, SELD_REJECT_ACTION_UNKNOWN, command.action, 0);
+        seld_app_reject(app, SELD_WIRE_TYPE_command, SELD_REJECT_ACTION_UNKNOWN, command->action, 0);
     }
+}
+
+void seld_app_command(seld_app *app, const uint8_t *payload, size_t length)
+{
+    seld_wire_command command;
+    SELD_REJECT_IF(app, SELD_WIRE_TYPE_command, !seld_wire_decode_command(payload, length, &command),
+                   SELD_REJECT_MALFORMED, length, SELD_WIRE_BYTES_command);
+    seld_app_command_take(app, &command);
 }

@@ -34,8 +34,9 @@ void seld_app_axis_set(seld_app_axis *axis, int which, const seld_wire_track *wi
         .stiffness = stiffness * unit,
         .damping = damping * unit,
         .estimate_max = (is_along ? ALONG_ESTIMATE_MAX : ABOUT_ESTIMATE_MAX) * unit,
-        .seal = is_along ? (int32_t)(((uint64_t)wire->seal_mN << 22) / 1000)
-                         : (int32_t)(((uint64_t)wire->seal_uN_m << 24) / 1000000),
+        .seal = is_along ? (int32_t)seld_app_quotient((int64_t)wire->seal_mN << 22, 1000)
+                         : (int32_t)seld_app_quotient(seld_app_quotient((int64_t)wire->seal_uN_m << 24, 1000),
+                                                      1000),
         .force_max = is_along ? SELD_APP_FORCE_LIMIT_mN / 1000 * (1 << 22)
                               : (int32_t)(((int64_t)SELD_APP_TORQUE_LIMIT_uN_m << 24) / 1000000),
         .step_max = is_along ? ALONG_STEP_MAX : ABOUT_STEP_MAX,

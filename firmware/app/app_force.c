@@ -64,7 +64,8 @@ static void observe_energy(seld_app *app, uint32_t k, const seld_hand_pose *hand
     if (energy->taken_pJ < -2 * given_max) energy->taken_pJ = -2 * given_max;
     if (work < 0) energy->scale_q16 = energy->scale_q16 > SCALE_DOWN ? energy->scale_q16 - SCALE_DOWN : 0;
     app->passivity_ticks++;
-    seld_app_fault(app, SELD_FAULT_CODE_PASSIVITY, (int32_t)k, (int32_t)(energy->taken_pJ / 1000000));
+    seld_app_fault(app, SELD_FAULT_CODE_PASSIVITY, (int32_t)k,
+                   (int32_t)seld_app_quotient(energy->taken_pJ, 1000) / 1000);
 }
 
 /* --- what is asked for --- */
@@ -94,7 +95,7 @@ static void ask(seld_app *app, uint32_t k, const seld_handle *handle)
 /* A silent host: from what was asked for when it fell silent to nothing, in a straight line, faster than any slew limit. */
 static int32_t faded(int32_t value, int32_t from, uint32_t left_ticks)
 {
-    int64_t bound = (from < 0 ? -(int64_t)from : from) * left_ticks / SELD_APP_FADE_ticks;
+    int64_t bound = seld_app_quotient((from < 0 ? -(int64_t)from : from) * left_ticks, SELD_APP_FADE_ticks);
     return limited(value, -bound, bound);
 }
 

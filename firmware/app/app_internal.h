@@ -21,6 +21,20 @@
         }                                                                                                    \
     } while (0)
 
+/* value / divisor towards zero, for divisors of at most 65 535 and |value| < 2^63. A 32-bit processor divides 64 bits only by a
+ * helper of hundreds of instructions; this is three divisions of 32 bits, digits of 16 bits from the top: a rest is below the
+ * divisor, so that rest and next digit fit 32 bits and their quotient fits 16. */
+static inline int64_t seld_app_quotient(int64_t value, uint32_t divisor)
+{
+    const uint64_t size = value < 0 ? 0u - (uint64_t)value : (uint64_t)value;
+    const uint32_t high = (uint32_t)(size >> 32);
+    const uint32_t middle = (high % divisor) << 16 | (uint32_t)(size >> 16 & 0xffff);
+    const uint32_t low = (middle % divisor) << 16 | (uint32_t)(size & 0xffff);
+    const uint64_t quotient =
+        (uint64_t)(high / divisor) << 32 | (uint64_t)(middle / divisor) << 16 | low / divisor;
+    return value < 0 ? -(int64_t)quotient : (int64_t)quotient;
+}
+
 /* app_reply.c: what goes out */
 void seld_app_send(seld_app *app, uint16_t type, size_t payload_bytes);
 void seld_app_reject(seld_app *app, uint16_t type, uint16_t code, uint32_t detail1, uint32_t detail2);
@@ -51,10 +65,12 @@ uint32_t seld_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, seld_lum
 
 /* app_rig.c: configuration of the tracks */
 void seld_app_rig(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_rig_take(seld_app *app, const seld_wire_rig *wire);
 void seld_app_track_default(seld_app_track *track);
 
 /* app_command.c: states and modes */
 void seld_app_command(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_command_take(seld_app *app, const seld_wire_command *command);
 void seld_app_stop(seld_app *app);
 void seld_app_set_state(seld_app *app, uint8_t state);
 
@@ -103,7 +119,6 @@ seld_fault_code seld_app_safety_ready(const seld_app *app);
 void seld_app_safety_begin(seld_app *app);
 void seld_app_clock_begin(seld_app *app);
 void seld_app_clock_end(seld_app *app);
-int32_t seld_app_force_measured(const seld_app *app, uint32_t track);
 
 /* app_fault.c */
 void seld_app_fault_log(seld_app *app, seld_fault_code code, int32_t value1, int32_t value2);

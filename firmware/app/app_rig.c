@@ -114,22 +114,27 @@ void seld_app_track_default(seld_app_track *track)
 }
 
 /* Checked as a whole before a single track changes. */
-void seld_app_rig(seld_app *app, const uint8_t *payload, size_t length)
+void seld_app_rig_take(seld_app *app, const seld_wire_rig *wire)
 {
     const uint16_t type = SELD_WIRE_TYPE_rig;
-    seld_wire_rig wire;
     seld_app_track candidates[SELD_TOOL_MAX];
-    SELD_REJECT_IF(app, type, !seld_wire_decode_rig(payload, length, &wire), SELD_REJECT_MALFORMED, length,
-                   SELD_WIRE_BYTES_rig);
     SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_READY, SELD_REJECT_WRONG_STATE, app->state, 0);
-    SELD_REJECT_IF(app, type, wire.tracks_count == 0, SELD_REJECT_TOOL_COUNT, 0, SELD_TOOL_MAX);
+    SELD_REJECT_IF(app, type, wire->tracks_count == 0, SELD_REJECT_TOOL_COUNT, 0, SELD_TOOL_MAX);
     bool is_unlocked = app->has_rig && app->rig.local_unlock;
-    for (uint16_t k = 0; k < wire.tracks_count; k++) {
+    for (uint16_t k = 0; k < wire->tracks_count; k++) {
         uint32_t field = 0;
         candidates[k] = app->tracks[k];
-        bool ok = track_set(&candidates[k], &wire.tracks[k], is_unlocked, &field);
+        bool ok = track_set(&candidates[k], &wire->tracks[k], is_unlocked, &field);
         SELD_REJECT_IF(app, type, !ok, SELD_REJECT_RIG_RANGE, k, field);
     }
-    for (uint16_t k = 0; k < wire.tracks_count; k++) app->tracks[k] = candidates[k];
+    for (uint16_t k = 0; k < wire->tracks_count; k++) app->tracks[k] = candidates[k];
     seld_app_send_status(app, type);
+}
+
+void seld_app_rig(seld_app *app, const uint8_t *payload, size_t length)
+{
+    seld_wire_rig wire;
+    SELD_REJECT_IF(app, SELD_WIRE_TYPE_rig, !seld_wire_decode_rig(payload, length, &wire),
+                   SELD_REJECT_MALFORMED, length, SELD_WIRE_BYTES_rig);
+    seld_app_rig_take(app, &wire);
 }

@@ -26,7 +26,7 @@ int32_t seld_app_force_measured(const seld_app *app, uint32_t k)
     const seld_wire_track *wire = &app->tracks[k].wire;
     if (!app->has_rig || app->rig.tracks[k].force_sensor != SELD_PORT_SENSOR_OK) return 0;
     int64_t counts = (int64_t)app->rig.tracks[k].force_raw - wire->force_zero_counts;
-    int64_t force = counts * wire->force_uN_per_count / 1000;
+    int64_t force = seld_app_quotient(counts * wire->force_uN_per_count, 1000);
     return force > INT32_MAX ? INT32_MAX : force < -INT32_MAX ? -INT32_MAX : (int32_t)force;
 }
 
@@ -118,7 +118,7 @@ static seld_fault_code check_carriage(seld_app *app, uint32_t k, int32_t measure
     const int64_t count_pm = app->tracks[k].wire.translation_pm_per_count;
     if (watch->way_nm < CARRIAGE_WAY_nm || watch->way_nm * 250 < count_pm) return SELD_FAULT_CODE_NONE;
     int64_t gained = watch->moved_counts - (int64_t)watch->speed_counts * watch->unbalance_ticks;
-    int64_t gained_nm = gained * count_pm / 1000, way_nm = watch->way_nm;
+    int64_t gained_nm = seld_app_quotient(gained * count_pm, 1000), way_nm = watch->way_nm;
     bool stood = watch->stands && watch->speed_counts == 0;
     restart_watch(watch, moved);
     if (stood) return SELD_FAULT_CODE_ENCODER_STUCK;

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "firmware/app/app_internal.h"
 #include "firmware/tests/reference/bench.h"
 
 static bench b;
@@ -222,6 +223,35 @@ static void forces_that_give_energy_are_reduced(void **state)
     assert_true(least_mN < begin_mN / 4);
 }
 
+static void expect_quotient(int64_t value, uint32_t divisor)
+{
+    int64_t got = seld_app_quotient(value, divisor), expected = value / (int64_t)divisor;
+    if (got != expected)
+        fail_msg("%lld / %u = %lld, expected %lld", (long long)value, (unsigned)divisor, (long long)got,
+                 (long long)expected);
+}
+
+static void the_quotient_without_a_64_bit_division_is_that_of_c(void **state)
+{
+    (void)state;
+    static const uint32_t divisors[] = {1, 2, 3, SELD_APP_FADE_ticks, 999, 1000, 4096, 65535};
+    uint64_t mixed = 1;
+    for (size_t i = 0; i < sizeof divisors / sizeof divisors[0]; i++) {
+        expect_quotient(INT64_MAX, divisors[i]);
+        expect_quotient(-INT64_MAX, divisors[i]);
+        for (int bit = 0; bit < 63; bit++) {
+            for (int64_t near = -2; near <= 2; near++) {
+                expect_quotient(((int64_t)1 << bit) + near, divisors[i]);
+                expect_quotient(-((int64_t)1 << bit) + near, divisors[i]);
+                mixed = mixed * 6364136223846793005u + 1442695040888963407u;
+                expect_quotient((int64_t)(mixed >> (1 + bit)), divisors[i]);
+                expect_quotient(-(int64_t)(mixed >> (1 + bit)), divisors[i]);
+                expect_quotient((int64_t)(mixed >> (1 + bit)), 1 + (uint32_t)(mixed % 65535));
+            }
+        }
+    }
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
 int main(void)
@@ -234,6 +264,7 @@ int main(void)
         TEST(the_hand_slips_at_the_force_limit),
         TEST(the_coupling_is_part_of_the_snapshot),
         TEST(forces_that_give_energy_are_reduced),
+        cmocka_unit_test(the_quotient_without_a_64_bit_division_is_that_of_c),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -372,6 +372,84 @@ static void the_sensors_are_read_as_they_are(void **state)
     assert_int_equal(sensors.lines, SELD_WIRE_LINE_SUPPLY);
 }
 
+/* A device of its own, since a sim hides its app; what it says goes nowhere. */
+static seld_app alone;
+static uint32_t frames_sent;
+
+static bool count_frame(void *context, const uint8_t *frame, size_t frame_bytes)
+{
+    (void)context;
+    frames_sent += frame_bytes > 0 && frame[frame_bytes - 1] == 0;
+    return true;
+}
+
+static size_t much_room(void *context)
+{
+    (void)context;
+    return 1 << 20;
+}
+
+static void no_outputs(void *context, const seld_port_outputs *outputs)
+{
+    (void)context;
+    (void)outputs;
+}
+
+static void hear(uint16_t sequence, uint16_t type, size_t payload_bytes, const uint8_t *payload)
+{
+    static uint8_t frame[256];
+    const seld_wire_header header = {sequence, 0, type};
+    size_t bytes = seld_wire_frame_encode(&header, payload, payload_bytes, frame, sizeof frame);
+    seld_app_receive(&alone, frame, bytes);
+}
+
+static void hear_hello(uint16_t sequence)
+{
+    const seld_wire_hello hello = {SELD_WIRE_PROTOCOL_MAJOR, SELD_WIRE_PROTOCOL_MINOR,
+                                   seld_wire_schema_hash()};
+    uint8_t payload[SELD_WIRE_BYTES_hello];
+    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    assert_true(seld_wire_put_hello(&writer, &hello));
+    hear(sequence, SELD_WIRE_TYPE_hello, writer.length, payload);
+}
+
+/* Between the frames of the stream, of which none is counted as missing. */
+static void orders_without_a_frame_take_power_away_and_do_nothing_else(void **state)
+{
+    (void)state;
+    const seld_port port = {
+        .transmit = count_frame, .transmit_room = much_room, .outputs = no_outputs, .serial = "ALONE"};
+    const uint8_t get[] = {SELD_WIRE_GET_STATUS};
+    const seld_wire_rig rig = {.tracks_count = 1, .tracks = {client_plain_track()}};
+    seld_app_init(&alone, &port);
+    assert_false(seld_app_order(&alone, SELD_WIRE_ACTION_RESET)); /* nobody said HELLO */
+    seld_app_configure(&alone, &rig);
+    assert_int_equal(alone.state, SELD_WIRE_STATE_INIT);
+    assert_int_equal(alone.tracks[0].wire.coupling_N_per_m, 0);
+    assert_int_equal(frames_sent, 2); /* both refused */
+    hear_hello(1);
+    alone.state = SELD_WIRE_STATE_RUNNING;
+    for (unsigned action = 0; action <= UINT8_MAX; action++) {
+        if (action == SELD_WIRE_ACTION_STOP || action == SELD_WIRE_ACTION_RESET) continue;
+        assert_false(seld_app_order(&alone, (uint8_t)action));
+    }
+    assert_int_equal(frames_sent, 3);
+    alone.silent_ticks = 7;
+    assert_true(seld_app_order(&alone, SELD_WIRE_ACTION_STOP));
+    assert_int_equal(alone.state, SELD_WIRE_STATE_ARMED);
+    assert_int_equal(alone.silent_ticks, 0); /* the host lives */
+    hear(2, SELD_WIRE_TYPE_get, sizeof get, get);
+    assert_true(seld_app_order(&alone, SELD_WIRE_ACTION_RESET));
+    assert_int_equal(alone.state, SELD_WIRE_STATE_READY);
+    seld_app_configure(&alone, &rig);
+    assert_int_equal(alone.tracks[0].wire.coupling_N_per_m, rig.tracks[0].coupling_N_per_m);
+    hear(3, SELD_WIRE_TYPE_get, sizeof get, get);
+    assert_int_equal(frames_sent, 8);
+    assert_int_equal(alone.sequence_gaps, 0);
+    for (int bad = SELD_WIRE_BAD_COBS; bad < SELD_WIRE_EVENT_COUNT; bad++)
+        assert_int_equal(alone.decoder.event_counts[bad], 0);
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
 int main(void)
@@ -389,6 +467,7 @@ int main(void)
         TEST(a_coupling_stiffer_than_the_rig_can_render_is_refused),
         TEST(limits_rise_only_with_the_local_unlock),
         TEST(the_sensors_are_read_as_they_are),
+        cmocka_unit_test(orders_without_a_frame_take_power_away_and_do_nothing_else),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

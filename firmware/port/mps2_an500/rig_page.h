@@ -97,6 +97,7 @@ typedef struct rig_device_half {
     uint32_t edge_counts_max;
     rig_outputs outputs;
     rig_crash crash;
+    uint32_t clock_us; /* the device's own time at the end of its last piece of work; wraps */
 } rig_device_half;
 
 typedef struct rig_host_half {

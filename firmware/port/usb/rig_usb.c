@@ -22,37 +22,14 @@ size_t seld_rig_usb_room(void *context)
 static void receive(void *context, const uint8_t *bytes, size_t count)
 {
     seld_rig_usb *rig = context;
-    rig->is_mid_frame = bytes[count - 1] != 0;
+    rig->works++;
     seld_app_receive(rig->app, bytes, count);
-}
-
-/* A message as if the host had sent it between two frames. A frame that is half there is cut, so that STOP never waits.
- * Sequence number 0: the answer belongs to nobody's request. */
-static void say(seld_rig_usb *rig, uint16_t type, size_t payload_bytes)
-{
-    static const uint8_t zero = 0;
-    const seld_wire_header header = {0, 0, type};
-    const size_t bytes =
-        seld_wire_frame_encode(&header, rig->payload, payload_bytes, rig->frame, sizeof rig->frame);
-    if (rig->is_mid_frame) seld_app_receive(rig->app, &zero, 1);
-    rig->is_mid_frame = false;
-    seld_app_receive(rig->app, rig->frame, bytes);
 }
 
 /* --- reports --- */
 static int16_t clamp16(int32_t value)
 {
     return (int16_t)(value > INT16_MAX ? INT16_MAX : value < INT16_MIN ? INT16_MIN : value);
-}
-
-/* Format: counts x uN / 1000 -> mN. Overflow: 2^33 x 2^20. */
-static int16_t measured_mN(const seld_app *app, uint32_t k)
-{
-    const seld_wire_track *wire = &app->tracks[k].wire;
-    if (!app->has_rig || app->rig.tracks[k].force_sensor != SELD_PORT_SENSOR_OK) return 0;
-    int64_t force =
-        ((int64_t)app->rig.tracks[k].force_raw - wire->force_zero_counts) * wire->force_uN_per_count / 1000;
-    return (int16_t)(force > INT16_MAX ? INT16_MAX : force < INT16_MIN ? INT16_MIN : force);
 }
 
 static uint8_t lines(const seld_app *app)
@@ -89,7 +66,7 @@ void seld_rig_usb_timer(seld_rig_usb *rig)
             .rotation_counts = hand->rotation_counts,
             .motor_axial_mN = clamp16(app->motors[k].axial_mN),
             .motor_torque_uN_m = clamp16(app->motors[k].torque_uN_m),
-            .sensor_axial_mN = measured_mN(app, k),
+            .sensor_axial_mN = clamp16(seld_app_force_measured(app, k)),
         };
     }
     seld_usb_timer(&rig->usb, &state);
@@ -124,13 +101,8 @@ static void command(void *context, const seld_hid_command *report)
     rig->command_number = report->number;
     rig->command_result = SELD_REJECT_ACTION_UNKNOWN;
     if (!is_stop && !is_reset) return;
-    const seld_wire_command message = {.action = report->action};
-    seld_wire_writer writer = seld_wire_writer_make(rig->payload, sizeof rig->payload);
-    seld_wire_put_command(&writer, &message);
-    say(rig, SELD_WIRE_TYPE_command, writer.length);
-    const bool is_done =
-        is_stop ? rig->app->state != SELD_WIRE_STATE_RUNNING : rig->app->state == SELD_WIRE_STATE_READY;
-    rig->command_result = is_done ? 0 : SELD_REJECT_WRONG_STATE;
+    rig->works++;
+    rig->command_result = seld_app_order(rig->app, report->action) ? 0 : SELD_REJECT_WRONG_STATE;
 }
 
 /* --- settings: the wire's `rig` with some fields changed, read back to see whether the app took it --- */
@@ -162,8 +134,8 @@ static seld_wire_rig present(const seld_app *app)
 
 static void set(seld_rig_usb *rig, const seld_wire_rig *wire)
 {
-    seld_wire_writer writer = seld_wire_writer_make(rig->payload, sizeof rig->payload);
-    if (seld_wire_put_rig(&writer, wire)) say(rig, SELD_WIRE_TYPE_rig, writer.length);
+    rig->works++;
+    seld_app_configure(rig->app, wire);
 }
 
 static bool set_calibration(void *context, const seld_hid_calibration *report)
@@ -216,7 +188,7 @@ static void link(void *context, seld_usb_link link)
 bool seld_rig_usb_init(seld_rig_usb *rig, seld_app *app, const seld_udc *udc)
 {
     rig->app = app;
-    rig->is_mid_frame = false;
+    rig->works = 0;
     rig->command_number = rig->command_result = 0;
     rig->callbacks = (seld_usb_app){
         .context = rig,
@@ -244,6 +216,11 @@ bool seld_rig_usb_init(seld_rig_usb *rig, seld_app *app, const seld_udc *udc)
 void seld_rig_usb_connect(seld_rig_usb *rig, bool connected)
 {
     seld_usb_connect(&rig->usb, connected);
+}
+
+bool seld_rig_usb_is_configured(const seld_rig_usb *rig)
+{
+    return rig->usb.configuration != 0;
 }
 
 bool seld_rig_usb_poll(seld_rig_usb *rig)

@@ -27,16 +27,17 @@ typedef struct seld_rig_usb {
     seld_app *app;
     seld_usb usb;
     seld_usb_app callbacks;
-    bool is_mid_frame; /* the stream's last byte was not the end of a frame */
+    uint32_t works; /* how often bytes, commands or settings of the host came to the app; wraps */
     uint8_t command_number, command_result;
-    uint8_t payload[SELD_WIRE_BYTES_rig];
-    uint8_t frame[SELD_WIRE_BYTES_rig + 64];
     uint8_t queue[SELD_RIG_USB_QUEUE_BYTES];
 } seld_rig_usb;
 
 /* `app` and `udc` must outlive it. The serial number is that of the app's port. False: it is empty or not printable. */
 bool seld_rig_usb_init(seld_rig_usb *rig, seld_app *app, const seld_udc *udc);
 void seld_rig_usb_connect(seld_rig_usb *rig, bool connected);
+
+/* A host has the device, and what the app says is kept for it, also while the bus sleeps. */
+bool seld_rig_usb_is_configured(const seld_rig_usb *rig);
 
 /* True: there may be more to do. */
 bool seld_rig_usb_poll(seld_rig_usb *rig);

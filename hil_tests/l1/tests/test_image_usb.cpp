@@ -1,10 +1,14 @@
-// The image's USB side, token by token: it enumerates, takes its configuration, and answers HELLO through the bulk pair.
+// The image's USB side, token by token: it enumerates, takes its configuration, answers HELLO through the bulk pair, keeps its
+// words for a bus that sleeps, and counts what came by USB as work.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
+#include <cstdio>
+#include <span>
+#include <string>
 #include <unistd.h>
+#include <vector>
 
 #include "hil_tests/l1/emulator.hpp"
 #include "shared/wire/wire_frame.h"
@@ -43,65 +47,165 @@ void expect(usb_result result, const char *what)
     if (result != USB_OK) fail_msg("%s: %s", what, usb_result_name(result));
 }
 
+// A device in the emulator with a configured host on its USB side.
+class Session
+{
+  public:
+    Session() : emulator(options())
+    {
+        seld_wire_decoder_init(&decoder);
+        host.mailbox = reinterpret_cast<seld_mailbox *>(emulator.memory());
+        host.wait = wait_a_little;
+        host.begin_wait = begin_wait;
+        host.context = &patience_;
+        host.packet_bytes = 64;
+        host.naks_max = 20000;
+    }
+
+    static hil::EmulatorOptions options()
+    {
+        hil::EmulatorOptions options;
+        options.icount_shift = 0;
+        options.serial = "AN500-0042";
+        return options;
+    }
+
+    void configure()
+    {
+        const usb_request address = {0, 5, 5, 0, 0}, configure = {0, 9, 1, 0, 0};
+        std::uint32_t count = 0;
+        assert_true(usb_host_sees_device(&host));
+        expect(usb_host_bus(&host, SELD_MAILBOX_RESET_HIGH), "reset of the bus");
+        expect(usb_host_control(&host, &address, nullptr, &count), "SET_ADDRESS");
+        host.address = 5;
+        expect(usb_host_control(&host, &configure, nullptr, &count), "SET_CONFIGURATION");
+    }
+
+    std::vector<std::uint8_t> framed(std::uint16_t type, std::span<const std::uint8_t> payload)
+    {
+        std::vector<std::uint8_t> frame(256);
+        const seld_wire_header header = {++sequence_, 0, type};
+        frame.resize(
+            seld_wire_frame_encode(&header, payload.data(), payload.size(), frame.data(), frame.size()));
+        return frame;
+    }
+
+    std::vector<std::uint8_t> framed_hello()
+    {
+        const seld_wire_hello hello = {SELD_WIRE_PROTOCOL_MAJOR, SELD_WIRE_PROTOCOL_MINOR,
+                                       seld_wire_schema_hash()};
+        std::uint8_t payload[64];
+        seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+        assert_true(seld_wire_put_hello(&writer, &hello));
+        return framed(SELD_WIRE_TYPE_hello, {payload, writer.length});
+    }
+
+    void write_usb(const std::vector<std::uint8_t> &frame)
+    {
+        expect(usb_host_out(&host, stream, 512, frame.data(), static_cast<std::uint32_t>(frame.size())),
+               "a frame to the device");
+    }
+
+    // By the rings of the rig page, until the device has taken it.
+    void write_page(const std::vector<std::uint8_t> &frame)
+    {
+        rig_page &page = emulator.page();
+        std::uint32_t head = page.host.to_device_head;
+        for (const std::uint8_t byte : frame) page.to_device[head++ % RIG_RING_BYTES] = byte;
+        rig_write(&page.host.to_device_head, head);
+        emulator.wait([&] { return rig_read(&page.device.to_device_tail) == head; }, "a request");
+    }
+
+    // The next frame over USB is of this type and is left in the decoder.
+    void expect_frame(std::uint16_t type)
+    {
+        for (int packets = 0; packets < 8; packets++) {
+            std::uint8_t packet[512];
+            std::uint32_t count = 0;
+            expect(usb_host_packet_in(&host, stream, packet, sizeof packet, &count), "an answer");
+            for (std::uint32_t i = 0; i < count; i++) {
+                if (seld_wire_decoder_push(&decoder, packet[i]) != SELD_WIRE_FRAME) continue;
+                assert_int_equal(decoder.header.type, type);
+                return;
+            }
+        }
+        fail_msg("no frame in 8 packets");
+    }
+
+    hil::Emulator emulator;
+    usb_host host{};
+    seld_wire_decoder decoder{};
+
+  private:
+    Patience patience_;
+    std::uint16_t sequence_ = 0;
+};
+
 void the_image_answers_hello_over_usb(void **)
 {
-    hil::EmulatorOptions options;
-    options.icount_shift = 0;
-    options.serial = "AN500-0042";
-    hil::Emulator emulator(options);
-    Patience patience;
-    usb_host host{};
-    host.mailbox = reinterpret_cast<seld_mailbox *>(emulator.memory());
-    host.wait = wait_a_little;
-    host.begin_wait = begin_wait;
-    host.context = &patience;
-    host.packet_bytes = 64;
-    host.naks_max = 20000;
-    assert_true(usb_host_sees_device(&host));
-    expect(usb_host_bus(&host, SELD_MAILBOX_RESET_HIGH), "reset of the bus");
+    Session session;
+    session.configure();
+    const std::string serial = Session::options().serial;
     std::uint8_t descriptor[64];
     std::uint32_t count = 0;
-    const usb_request get_device = {0x80, 6, 0x0100, 0, 18}, address = {0, 5, 5, 0, 0},
-                      configure = {0, 9, 1, 0, 0}, get_serial = {0x80, 6, 0x0303, 0x0409, 64};
-    expect(usb_host_control(&host, &get_device, descriptor, &count), "device descriptor");
+    const usb_request get_device = {0x80, 6, 0x0100, 0, 18}, get_serial = {0x80, 6, 0x0303, 0x0409, 64};
+    expect(usb_host_control(&session.host, &get_device, descriptor, &count), "device descriptor");
     assert_int_equal(count, 18);
-    expect(usb_host_control(&host, &address, nullptr, &count), "SET_ADDRESS");
-    host.address = 5;
-    expect(usb_host_control(&host, &get_serial, descriptor, &count), "serial number");
-    assert_int_equal(count, 2 + 2 * options.serial.size());
-    for (std::size_t i = 0; i < options.serial.size(); i++)
-        assert_int_equal(descriptor[2 + 2 * i], options.serial[i]);
-    expect(usb_host_control(&host, &configure, nullptr, &count), "SET_CONFIGURATION");
+    expect(usb_host_control(&session.host, &get_serial, descriptor, &count), "serial number");
+    assert_int_equal(count, 2 + 2 * serial.size());
+    for (std::size_t i = 0; i < serial.size(); i++) assert_int_equal(descriptor[2 + 2 * i], serial[i]);
+    session.write_usb(session.framed_hello());
+    session.expect_frame(SELD_WIRE_TYPE_hello_reply);
+    seld_wire_hello_reply reply;
+    assert_true(seld_wire_decode_hello_reply(session.decoder.payload, session.decoder.payload_bytes, &reply));
+    assert_int_equal(reply.accepted, 1);
+}
 
-    const seld_wire_hello hello = {SELD_WIRE_PROTOCOL_MAJOR, SELD_WIRE_PROTOCOL_MINOR,
-                                   seld_wire_schema_hash()};
-    std::uint8_t payload[64], frame[256];
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    assert_true(seld_wire_put_hello(&writer, &hello));
-    const seld_wire_header header = {1, 0, SELD_WIRE_TYPE_hello};
-    const std::size_t bytes = seld_wire_frame_encode(&header, payload, writer.length, frame, sizeof frame);
-    expect(usb_host_out(&host, stream, 512, frame, static_cast<std::uint32_t>(bytes)), "HELLO");
-    static seld_wire_decoder decoder;
-    seld_wire_decoder_init(&decoder);
-    for (int packets = 0; packets < 8; packets++) {
-        std::uint8_t packet[512];
-        expect(usb_host_packet_in(&host, stream, packet, sizeof packet, &count), "answer to HELLO");
-        for (std::uint32_t i = 0; i < count; i++) {
-            if (seld_wire_decoder_push(&decoder, packet[i]) != SELD_WIRE_FRAME) continue;
-            assert_int_equal(decoder.header.type, SELD_WIRE_TYPE_hello_reply);
-            seld_wire_hello_reply reply;
-            assert_true(seld_wire_decode_hello_reply(decoder.payload, decoder.payload_bytes, &reply));
-            assert_int_equal(reply.accepted, 1);
-            return;
-        }
-    }
-    fail_msg("no answer to HELLO in 8 packets");
+// What the app says while the bus sleeps waits for the host on the bus.
+void a_sleeping_bus_keeps_what_the_app_says(void **)
+{
+    Session session;
+    session.configure();
+    session.write_usb(session.framed_hello());
+    session.expect_frame(SELD_WIRE_TYPE_hello_reply);
+    const std::uint32_t said = rig_read(&session.emulator.page().device.to_host_head);
+    expect(usb_host_bus(&session.host, SELD_MAILBOX_SUSPENDED), "suspend");
+    const std::uint8_t get[] = {SELD_WIRE_GET_STATUS};
+    session.write_page(session.framed(SELD_WIRE_TYPE_get, get));
+    assert_int_equal(rig_read(&session.emulator.page().device.to_host_head), said);
+    expect(usb_host_bus(&session.host, SELD_MAILBOX_RESUMED), "resume");
+    session.expect_frame(SELD_WIRE_TYPE_status);
+    assert_int_equal(session.decoder.header.answers, 2);
+}
+
+// Where the plant makes time, waiting takes none, and work takes what it takes, whichever way it came.
+void work_that_comes_by_usb_takes_the_plants_time(void **)
+{
+    Session session;
+    session.configure();
+    session.write_usb(session.framed_hello());
+    session.expect_frame(SELD_WIRE_TYPE_hello_reply);
+    const rig_device_half &device = session.emulator.page().device;
+    const std::uint32_t idle_us = rig_read(&device.clock_us), idle_counts = rig_read(&device.receive_counts);
+    usleep(20000);
+    assert_int_equal(rig_read(&device.clock_us), idle_us);
+    session.write_usb(session.framed_hello());
+    session.expect_frame(SELD_WIRE_TYPE_hello_reply);
+    const std::uint32_t counts = rig_read(&device.receive_counts) - idle_counts,
+                        us = rig_read(&device.clock_us) - idle_us;
+    std::printf("# HELLO over USB: %u us, %.0f instructions\n", us, session.emulator.instructions(counts));
+    assert_in_range(us, 2, 200);
+    assert_in_range(counts * (1000000 / 1000) / (RIG_CLOCK_HZ / 1000), us - 1, us + 1);
 }
 
 } // namespace
 
 int main()
 {
-    const CMUnitTest tests[] = {cmocka_unit_test(the_image_answers_hello_over_usb)};
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(the_image_answers_hello_over_usb),
+        cmocka_unit_test(a_sleeping_bus_keeps_what_the_app_says),
+        cmocka_unit_test(work_that_comes_by_usb_takes_the_plants_time),
+    };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

@@ -24,21 +24,17 @@ static uint32_t now_us(void *context)
     return clock_us();
 }
 
-/* A host on the USB has the device; without one the rings of the rig page do, where instructions can be counted. */
-static bool is_on_usb(void)
-{
-    return usb.usb.link == SELD_USB_CONFIGURED;
-}
-
+/* A host on the USB has the device, also while its bus sleeps; without one the rings of the rig page do, where instructions can
+ * be counted. */
 static bool transmit(void *context, const uint8_t *frame, size_t frame_bytes)
 {
-    return is_on_usb() ? seld_rig_usb_transmit(context, frame, frame_bytes)
-                       : pipe_transmit(context, frame, frame_bytes);
+    return seld_rig_usb_is_configured(&usb) ? seld_rig_usb_transmit(context, frame, frame_bytes)
+                                            : pipe_transmit(context, frame, frame_bytes);
 }
 
 static size_t transmit_room(void *context)
 {
-    return is_on_usb() ? seld_rig_usb_room(context) : pipe_room(context);
+    return seld_rig_usb_is_configured(&usb) ? seld_rig_usb_room(context) : pipe_room(context);
 }
 
 static seld_port port = {
@@ -91,6 +87,13 @@ static void greet(void)
     tell_crash();
 }
 
+/* The end of work on what came from the host. */
+static void end_receiving(uint32_t begin)
+{
+    rig_write(&rig->device.receive_counts, rig->device.receive_counts + (clock_counts() - begin));
+    rig_write(&rig->device.clock_us, clock_us());
+}
+
 static void receive(void)
 {
     const uint8_t *bytes;
@@ -99,9 +102,18 @@ static void receive(void)
     clock_work_begin();
     uint32_t begin = clock_counts();
     seld_app_receive(&app, bytes, count);
-    rig_write(&rig->device.receive_counts, rig->device.receive_counts + (clock_counts() - begin));
-    (void)clock_us(); /* the end of this work */
+    end_receiving(begin);
     pipe_release(count);
+}
+
+/* Only what came to the app is work: how often a host asks for what is not there yet is not the plant's business. */
+static void poll_usb(void)
+{
+    const uint32_t works = usb.works;
+    clock_work_begin();
+    uint32_t begin = clock_counts();
+    seld_rig_usb_poll(&usb);
+    if (usb.works != works) end_receiving(begin);
 }
 
 static void tick(void)
@@ -112,7 +124,7 @@ static void tick(void)
     seld_app_timer(&app);
     seld_rig_usb_timer(&usb);
     uint32_t counts = clock_counts() - begin;
-    (void)clock_us();
+    rig_write(&rig->device.clock_us, clock_us());
     rig_write(&rig->device.edge_counts, counts);
     if (counts > rig->device.edge_counts_max) rig_write(&rig->device.edge_counts_max, counts);
     clock_edge_done();
@@ -140,7 +152,7 @@ int main(void)
     rig_write(&rig->device.magic, RIG_MAGIC);
     for (uint32_t round = 0;; round++) {
         receive();
-        seld_rig_usb_poll(&usb);
+        poll_usb();
         tick();
         if (round % FEED_EVERY_rounds == 0) clock_feed_watchdog();
     }
