@@ -2,6 +2,7 @@
 #include "host/app/device.hpp"
 #include "host/app/interrupt.hpp"
 #include "host/app/session.hpp"
+#include "host/link/sim_transport.hpp"
 #include "host/model/units.hpp"
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,7 @@
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/cases/tube_scene.h"
 #include "host/app/device.hpp"
+#include "host/link/sim_transport.hpp"
 #include "host/model/instrument.hpp"
 #include <cstdarg>
 #include <cstdio>

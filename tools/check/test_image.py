@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The device's image as `make test` built it: no soft-float, no divide helper, no heap, RAM and stack within their limits. The
+"""The device's images as `make test` built them: no soft-float, no divide helper, no heap, RAM and stack within their limits. The
 same rules as `make firmware`, which also prints the figures. BUILD is the folder with the build. Prints TAP."""
 import contextlib
 import io
@@ -16,6 +16,7 @@ import image_report  # noqa: E402
 
 BUILD = os.path.join(tree.ROOT, os.environ.get("BUILD", "build"))
 FOLDER = os.path.join(BUILD, "firmware")
+PORTS = {"mps2_an500": "obj", "imxrt1062": "imxrt1062"}  # to the folder of its objects
 DIVIDES = "long long f(long long a, long long b) { return a / b; }\nvoid _start(void) { volatile long long x = 9; x = f(x, x); }\n"
 
 
@@ -28,10 +29,11 @@ def linked_sample(text):
         return budget.forbidden_symbols(image)
 
 
-def findings(image):
+def findings(port, objects):
+    image = os.path.join(FOLDER, "seldinger-%s.elf" % port)
     try:
         with contextlib.redirect_stdout(io.StringIO()):
-            yield from image_report.report(image, os.path.join(FOLDER, "obj"))
+            yield from image_report.report(image, os.path.join(FOLDER, objects), port)
     except budget.CannotMeasure as problem:
         yield str(problem)
 
@@ -39,7 +41,8 @@ def findings(image):
 def main():
     report = tree.Report()
     report.catches("a 64-bit division in an image is caught", linked_sample(DIVIDES))
-    report.check("the image for mps2_an500 keeps its rules", findings(os.path.join(FOLDER, "seldinger-mps2_an500.elf")))
+    for port, objects in PORTS.items():
+        report.check("the image for %s keeps its rules" % port, findings(port, objects))
     report.end()
 
 
