@@ -14,7 +14,7 @@
 #include "firmware/app/app_internal.h"
 #include "firmware/tests/reference/bench.h"
 
-enum { FORCE_mN = 1500 };
+enum { FORCE_mN = 1500, PUSH_um = 1000 };
 
 static bench b;
 static seld_wire_status status;
@@ -350,9 +350,12 @@ static void a_silent_host_takes_the_forces_within_its_time(void **state)
     int edges = 0;
     int32_t before = INT32_MAX;
     while (edges < 200 && !bench_is_safe(&b)) {
+        b.rig.hands[0].translation_counts +=
+            PUSH_um; /* the hand goes on pushing, so that there is a force to fade */
         bench_tick(&b);
         edges++;
-        int32_t now = seld_sim_read_motors(b.host.sim).axial_mN[0];
+        int32_t now = abs(seld_sim_read_motors(b.host.sim).axial_mN[0]);
+        if (edges == SELD_APP_HOST_SILENT_ticks) assert_true(now >= FORCE_mN / 2);
         if (edges > SELD_APP_HOST_SILENT_ticks) assert_true(now <= before);
         before = now;
     }
