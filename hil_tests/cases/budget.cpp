@@ -12,8 +12,8 @@ namespace hil
 
 AortaRun count_aorta(const AortaFiles &files, std::uint32_t ticks_max)
 {
-    Emulator emulator({.icount_shift = 7});
-    PageTransport pipe(emulator);
+    seld::Emulator emulator({.icount_shift = 7});
+    seld::EmulatedTransport pipe(emulator);
     rig_page &page = emulator.page();
     std::uint32_t last = 0;
     double sum = 0.0;
@@ -50,7 +50,7 @@ Overruns overruns_of_aorta(const AortaFiles &files, int icount_shift, std::uint3
         before = hand;
         bench.advance(1);
         result.ticks++;
-        const double us = bench.emulator().page().device.edge_counts * Emulator::count_ns * 1e-3;
+        const double us = bench.emulator().page().device.edge_counts * seld::Emulator::count_ns * 1e-3;
         result.worst_us = std::max(result.worst_us, us);
         result.overruns += us > 1000.0;
         if (result.ticks % 8 == 0) keep_talking(link);

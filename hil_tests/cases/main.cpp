@@ -123,8 +123,8 @@ void run_aorta(const Options &options, Table &table)
     }
     if (!is_wanted(options.level, "L1")) return;
     table.run("L1", "aorta_session", [&](hil::Report &report) {
-        hil::Emulator emulator({.icount_shift = 0});
-        hil::PageTransport pipe(emulator);
+        seld::Emulator emulator({.icount_shift = 0});
+        seld::EmulatedTransport pipe(emulator);
         check_hash(expected, hil::run_aorta(pipe, options.files, options.ticks_max), report);
     });
     hil::AortaFiles budget = options.files;

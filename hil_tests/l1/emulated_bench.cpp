@@ -37,7 +37,7 @@ void put_inputs(const seld_port_inputs &from, rig_inputs &to)
 
 } // namespace
 
-EmulatedBench::EmulatedBench(const PlantSettings &settings, const EmulatorOptions &options)
+EmulatedBench::EmulatedBench(const PlantSettings &settings, const seld::EmulatorOptions &options)
     : Bench(settings), emulator_(options), pipe_(emulator_, [this](std::uint32_t ms) { advance(ms); })
 {
 }

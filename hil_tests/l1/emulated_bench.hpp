@@ -2,8 +2,8 @@
 // May include: emulator, cases/bench.hpp. Called by: hil_tests.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
-#include "hil_tests/l1/emulator.hpp"
-#include "hil_tests/l1/page_transport.hpp"
+#include "host/link/emulated_transport.hpp"
+#include "host/link/emulator.hpp"
 
 namespace hil
 {
@@ -11,9 +11,9 @@ namespace hil
 class EmulatedBench final : public Bench
 {
   public:
-    EmulatedBench(const PlantSettings &settings, const EmulatorOptions &options);
+    EmulatedBench(const PlantSettings &settings, const seld::EmulatorOptions &options);
     seld::Transport &pipe() override { return pipe_; }
-    Emulator &emulator() { return emulator_; }
+    seld::Emulator &emulator() { return emulator_; }
 
   protected:
     seld_port_outputs edge(const seld_port_inputs &inputs) override;
@@ -23,8 +23,8 @@ class EmulatedBench final : public Bench
   private:
     seld_port_outputs outputs_now();
 
-    Emulator emulator_;
-    PageTransport pipe_;
+    seld::Emulator emulator_;
+    seld::EmulatedTransport pipe_;
 };
 
 class EmulatedLevel final : public Level
@@ -42,7 +42,7 @@ class EmulatedLevel final : public Level
     }
 
   private:
-    EmulatorOptions options_;
+    seld::EmulatorOptions options_;
 };
 
 } // namespace hil

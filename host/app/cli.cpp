@@ -46,8 +46,10 @@ void add_tools(CLI::App &command, std::string &instrument, std::vector<std::stri
 void add_device(CLI::App &command, std::string &device)
 {
     command
-        .add_option("--device", device,
-                    "Where the device is: sim (in this program), usb, or usb:SERIAL (docs/rig.md)")
+        .add_option(
+            "--device", device,
+            "Where the device is: sim (in this program), emulator (the firmware's image on an emulated "
+            "Cortex-M7, docs/hil.md), usb, or usb:SERIAL (docs/rig.md)")
         ->capture_default_str();
 }
 

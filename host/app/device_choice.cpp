@@ -1,5 +1,6 @@
 #include "host/app/device_choice.hpp"
 #include "host/app/interrupt.hpp"
+#include "host/link/emulated_transport.hpp"
 #include "host/link/sim_transport.hpp"
 #include "host/link/usb_transport.hpp"
 #include "host/model/output_files.hpp"
@@ -11,6 +12,10 @@ DeviceChoice parse_device(const std::string &text)
 {
     DeviceChoice choice;
     if (text == "sim") return choice;
+    if (text == "emulator") {
+        choice.is_emulated = true;
+        return choice;
+    }
     choice.is_usb = true;
     if (text == "usb") return choice;
     if (text.starts_with("usb:") && text.size() > 4) {
@@ -18,12 +23,13 @@ DeviceChoice parse_device(const std::string &text)
         return choice;
     }
     throw UsageError("--device '" + text +
-                     "' is not sim, usb or usb:SERIAL; seldinger rig list shows the rigs");
+                     "' is not sim, emulator, usb or usb:SERIAL; seldinger rig list shows the rigs");
 }
 
 std::unique_ptr<Transport> open_device(const DeviceChoice &choice)
 {
     if (choice.is_usb) return std::make_unique<UsbTransport>(choice.serial);
+    if (choice.is_emulated) return std::make_unique<EmulatedDevice>(EmulatorOptions{.icount_shift = 0});
     auto sim = std::make_unique<SimTransport>();
     if (choice.has_rig) sim->attach_rig();
     return sim;

@@ -10,7 +10,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include "hil_tests/l1/emulator.hpp"
+#include "host/link/emulator.hpp"
 #include "shared/wire/wire_frame.h"
 
 #define _Static_assert static_assert // of the C headers below
@@ -62,9 +62,9 @@ class Session
         host.naks_max = 20000;
     }
 
-    static hil::EmulatorOptions options()
+    static seld::EmulatorOptions options()
     {
-        hil::EmulatorOptions options;
+        seld::EmulatorOptions options;
         options.icount_shift = 0;
         options.serial = "AN500-0042";
         return options;
@@ -132,7 +132,7 @@ class Session
         fail_msg("no frame in 8 packets");
     }
 
-    hil::Emulator emulator;
+    seld::Emulator emulator;
     usb_host host{};
     seld_wire_decoder decoder{};
 

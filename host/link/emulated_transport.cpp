@@ -1,8 +1,8 @@
-#include "hil_tests/l1/page_transport.hpp"
+#include "host/link/emulated_transport.hpp"
 #include "host/link/link.hpp"
 #include <algorithm>
 
-namespace hil
+namespace seld
 {
 
 namespace
@@ -12,21 +12,21 @@ constexpr std::uint32_t ring_mask = RIG_RING_BYTES - 1;
 
 } // namespace
 
-PageTransport::PageTransport(Emulator &emulator, std::function<void(std::uint32_t)> pass_time)
+EmulatedTransport::EmulatedTransport(Emulator &emulator, std::function<void(std::uint32_t)> pass_time)
     : emulator_(emulator), pass_time_(std::move(pass_time)), boot_count_(emulator.boot_count())
 {
 }
 
 // A device that started again knows nothing of what was said before: told once, then the new one is talked to.
-void PageTransport::check_life()
+void EmulatedTransport::check_life()
 {
     const std::uint32_t boots = emulator_.boot_count();
     if (boots == boot_count_) return;
     boot_count_ = boots;
-    throw seld::LinkError("the device started again; begin with HELLO");
+    throw LinkError("the device started again; begin with HELLO");
 }
 
-void PageTransport::write(std::span<const std::uint8_t> bytes)
+void EmulatedTransport::write(std::span<const std::uint8_t> bytes)
 {
     check_life();
     rig_page &page = emulator_.page();
@@ -43,7 +43,7 @@ void PageTransport::write(std::span<const std::uint8_t> bytes)
     }
 }
 
-std::size_t PageTransport::read(std::span<std::uint8_t> bytes)
+std::size_t EmulatedTransport::read(std::span<std::uint8_t> bytes)
 {
     check_life();
     rig_page &page = emulator_.page();
@@ -56,16 +56,32 @@ std::size_t PageTransport::read(std::span<std::uint8_t> bytes)
             return count > 0 || is_idle;
         },
         "an answer");
-    if (count > RIG_RING_BYTES) throw seld::LinkError("the device's ring is out of its bounds");
+    if (count > RIG_RING_BYTES) throw LinkError("the device's ring is out of its bounds");
     count = static_cast<std::uint32_t>(std::min<std::size_t>(count, bytes.size()));
     for (std::uint32_t i = 0; i < count; i++) bytes[i] = page.to_host[(tail + i) & ring_mask];
     rig_write(&page.host.to_host_tail, tail + count);
     return count;
 }
 
-void PageTransport::pass_time_ms(std::uint32_t milliseconds)
+void EmulatedTransport::pass_time_ms(std::uint32_t milliseconds)
 {
     if (pass_time_) pass_time_(milliseconds);
 }
 
-} // namespace hil
+EmulatedDevice::EmulatedDevice(const EmulatorOptions &options) : emulator_(options), pipe_(emulator_)
+{
+    pass_time_ms(1); // the first sample of the rig
+}
+
+void EmulatedDevice::pass_time_ms(std::uint32_t milliseconds)
+{
+    rig_page &page = emulator_.page();
+    for (std::uint32_t i = 0; i < milliseconds; i++) {
+        page.host.milliseconds++;
+        const std::uint32_t edge = page.host.edge + 1;
+        rig_write(&page.host.edge, edge);
+        emulator_.wait([&] { return rig_read(&page.device.edge_done) == edge; }, "a tick");
+    }
+}
+
+} // namespace seld

@@ -1,4 +1,4 @@
-#include "hil_tests/l1/emulator.hpp"
+#include "host/link/emulator.hpp"
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -15,13 +15,15 @@
 #include <unistd.h>
 #include <vector>
 
-namespace hil
+namespace seld
 {
 
 namespace
 {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr int not_found = 127; // exit code, as a shell's
 
 [[noreturn]] void refuse(const std::string &what)
 {
@@ -39,6 +41,7 @@ std::string image_path(const std::string &given)
 [[noreturn]] void become(const std::vector<std::string> &command, const std::string &log, pid_t parent)
 {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    setpgid(0, 0); // Ctrl-C is for us: the session ends in order, and the emulator after it
     if (getppid() != parent) _exit(126); // we came too late for the line above
     const int file = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600),
               none = open("/dev/null", O_RDONLY);
@@ -49,7 +52,7 @@ std::string image_path(const std::string &given)
     for (const std::string &word : command) words.push_back(const_cast<char *>(word.c_str()));
     words.push_back(nullptr);
     execvp(words[0], words.data());
-    _exit(127);
+    _exit(not_found);
 }
 
 std::string read_text(const std::string &path)
@@ -66,7 +69,8 @@ Emulator::Emulator(const EmulatorOptions &options) : options_(options)
 {
     options_.image = image_path(options.image);
     if (!std::filesystem::exists(options_.image))
-        throw EmulatorError(options_.image + " does not exist: run `make firmware`");
+        throw EmulatorError(options_.image +
+                            " does not exist. Remedy: make firmware, or SELD_IMAGE=the image");
     std::string pattern =
         (std::filesystem::exists("/dev/shm") ? std::string("/dev/shm")
                                              : std::filesystem::temp_directory_path().string()) +
@@ -186,6 +190,8 @@ void Emulator::wait(const std::function<bool()> &is_done, const char *what, doub
         int status = 0;
         if (waitpid(process_, &status, WNOHANG) == process_) {
             process_ = -1;
+            if (WIFEXITED(status) && WEXITSTATUS(status) == not_found)
+                throw EmulatorError("qemu-system-arm did not start. Remedy: apt-get install qemu-system-arm");
             throw EmulatorError("the emulator ended while we waited for " + std::string(what) + "\n" +
                                 console());
         }
@@ -201,4 +207,4 @@ std::string Emulator::console() const
     return read_text(folder_ + "/console") + read_text(folder_ + "/log");
 }
 
-} // namespace hil
+} // namespace seld

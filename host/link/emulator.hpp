@@ -5,23 +5,23 @@
 //   shift 1   500 instructions per us; shift 0   1,000 instructions per us: for anything with milliseconds in it
 //
 // Every wait has a deadline, and the process dies with us, whatever happens.
-// May include: firmware/port/mps2_an500/rig_page.h. Called by: hil_tests.
+// May include: link, firmware/port/mps2_an500/rig_page.h. Called by: emulated_transport, hil_tests.
 #pragma once
 #include "firmware/port/mps2_an500/rig_page.h"
+#include "host/link/link.hpp"
 #include <atomic>
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <sys/types.h>
 
-namespace hil
+namespace seld
 {
 
 // The emulator did not start, died, or did not do in time what it had to; the text ends with its console.
-class EmulatorError : public std::runtime_error
+class EmulatorError : public LinkError
 {
   public:
-    using std::runtime_error::runtime_error;
+    using LinkError::LinkError;
 };
 
 struct EmulatorOptions {
@@ -75,4 +75,4 @@ class Emulator
     pid_t process_ = -1;
 };
 
-} // namespace hil
+} // namespace seld

@@ -1,0 +1,45 @@
+// Bytes to and from the emulated device through the rings of the rig page.
+// May include: emulator, transport. Called by: host/app, hil_tests.
+#pragma once
+#include "host/link/emulator.hpp"
+#include "host/link/transport.hpp"
+#include <functional>
+
+namespace seld
+{
+
+class EmulatedTransport final : public Transport
+{
+  public:
+    // `pass_time` makes milliseconds; without it pass_time_ms() does nothing.
+    explicit EmulatedTransport(Emulator &emulator, std::function<void(std::uint32_t)> pass_time = {});
+
+    void write(std::span<const std::uint8_t> bytes) override;
+    // 0 when the device has worked off everything it was given and said everything it had to say.
+    std::size_t read(std::span<std::uint8_t> bytes) override;
+    void pass_time_ms(std::uint32_t milliseconds) override;
+
+  private:
+    void check_life();
+
+    Emulator &emulator_;
+    std::function<void(std::uint32_t)> pass_time_;
+    std::uint32_t boot_count_;
+};
+
+// The image in an emulator of its own, with a rig whose sensors are healthy and whose hands rest. Its milliseconds are
+// made by pass_time_ms(). Throws EmulatorError with the remedy when image or emulator are missing.
+class EmulatedDevice final : public Transport
+{
+  public:
+    explicit EmulatedDevice(const EmulatorOptions &options);
+    void write(std::span<const std::uint8_t> bytes) override { pipe_.write(bytes); }
+    std::size_t read(std::span<std::uint8_t> bytes) override { return pipe_.read(bytes); }
+    void pass_time_ms(std::uint32_t milliseconds) override;
+
+  private:
+    Emulator emulator_;
+    EmulatedTransport pipe_;
+};
+
+} // namespace seld
