@@ -47,7 +47,7 @@ HOST_LINK     := -lpng -lglfw -lusb-1.0 -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: dissector all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board hil install-udev
+.PHONY: dissector all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil install-udev
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -328,6 +328,9 @@ $(RT1062_IMAGE:.elf=.hex): $(RT1062_IMAGE)
 firmware-board: packages-build packages-matrix ## build and check the image for a real board (i.MX RT1062, never run on one): docs/porting.md
 	@$(QUIET_MAKE) $(RT1062_IMAGE:.elf=.hex)
 	@tools/bench/image_report.py --objects $(RT1062_OBJECTS) --port imxrt1062 $(RT1062_IMAGE)
+
+registers: packages-registers ## hold the board's registers against the crate imxrt-ral (fetched from crates.io)
+	@tools/check/check_registers.py
 
 firmware: packages-build packages-matrix firmware-board ## build the device's images, for the emulated Cortex-M7 and a real board, and check them: build/firmware
 	@$(QUIET_MAKE) $(IMAGE)

@@ -1,0 +1,32 @@
+"""Which files of the board's port were held against the chip's description, by their digests (check_registers.py writes it)."""
+import hashlib
+import os
+
+import tree
+
+PORT = "firmware/port/imxrt1062/"
+STAMP = PORT + "registers.checked"
+
+
+def digests():
+    """{path: SHA-256} of every C file and header of the port."""
+    return {path: hashlib.sha256(tree.read(path).encode()).hexdigest() for path in tree.files(".c", ".h") if path.startswith(PORT)}
+
+
+def write(description):
+    lines = ["# Held against %s by `make registers`; any change of these files needs it anew.\n" % description]
+    lines += ["%s  %s\n" % (digest, path) for path, digest in sorted(digests().items())]
+    with open(os.path.join(tree.ROOT, STAMP), "w", encoding="ascii") as file:
+        file.writelines(lines)
+
+
+def differences(text, now):
+    """What the stamp's text does not say of the files as they are."""
+    said = dict(reversed(line.split("  ", 1)) for line in text.splitlines() if line and not line.startswith("#"))
+    for path in sorted(set(said) | set(now)):
+        if path not in said:
+            yield path + ": never held against the chip's description: make registers"
+        elif path not in now:
+            yield path + ": is gone: make registers"
+        elif said[path] != now[path]:
+            yield path + ": changed since it was held against the chip's description: make registers"
