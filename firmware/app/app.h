@@ -26,8 +26,8 @@ enum {
     SELD_APP_JUMP_um = 5000, /* 5 m/s: no hand does that */
     SELD_APP_HOST_SILENT_ticks =
         30, /* a frame is due within this; then SELD_APP_FADE_ticks until no force is left */
-    SELD_APP_FADE_ticks = 20,
-    SELD_APP_CODE_ticks = 2000,     /* between ARM_MOTORS and CONFIRM */
+    SELD_APP_FADE_ticks = 12,   /* with 8 ms for the lag of a motor: no force 50 ms after the last frame */
+    SELD_APP_CODE_ticks = 2000, /* between ARM_MOTORS and CONFIRM */
     SELD_APP_LIVE_BATCH_ticks = 16, /* one `live` frame per 16 ms */
     SELD_APP_LIVE_QUEUE_ticks = 256,
     SELD_APP_EVENT_QUEUE = 32,

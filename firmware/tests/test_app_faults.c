@@ -360,7 +360,8 @@ static void a_silent_host_takes_the_forces_within_its_time(void **state)
         before = now;
     }
     print_message("# HOST_SILENT: no force after %d ms\n", edges);
-    assert_in_range(edges, 1, seld_wire_fault_safe_ms(SELD_FAULT_CODE_HOST_SILENT));
+    enum { MOTOR_LAG_ms = 8 }; /* of the slowest motor that docs/faults.md allows; the meter here has none */
+    assert_in_range(edges, 1, seld_wire_fault_safe_ms(SELD_FAULT_CODE_HOST_SILENT) - MOTOR_LAG_ms);
     const uint32_t tick = bench_status(&b).tick;
     for (int i = 0; i < 100; i++) bench_tick(&b);
     expect_state(SELD_WIRE_STATE_RUNNING);
