@@ -57,6 +57,7 @@ void Link::send(std::uint16_t type, const seld_wire_writer &payload)
     const seld_wire_header header = {sequence_, 0, type};
     const std::size_t bytes =
         seld_wire_frame_encode(&header, payload.bytes, payload.length, frame_.data(), frame_.size());
+    has_spoken_ = true;
     transport_.write({frame_.data(), bytes});
 }
 
@@ -87,7 +88,6 @@ void Link::file_frame()
         break;
     case SELD_WIRE_TYPE_ticks:
         if (!seld_wire_decode_ticks(payload, length, &ticks_)) broken("ticks");
-        if (ticks_.states_count > 0) tick_ = ticks_.states[ticks_.states_count - 1].tick;
         break;
     case SELD_WIRE_TYPE_rig:
         if (!seld_wire_decode_rig(payload, length, &rig_)) broken("rig");
@@ -126,6 +126,25 @@ void Link::file_frame()
     }
 }
 
+// Ticks of a batch follow each other. A batch that came before is not taken twice; one that never came is counted.
+void Link::file_live()
+{
+    seld_wire_live live;
+    if (!seld_wire_decode_live(decoder_.payload, decoder_.payload_bytes, &live)) broken("live");
+    for (std::uint16_t i = 1; i < live.ticks_count; i++) {
+        if (live.ticks[i].state.tick != live.ticks[0].state.tick + i) broken("live");
+    }
+    live_ = live;
+    for (std::uint16_t i = 0; i < live.ticks_count; i++) {
+        const std::uint32_t tick = live.ticks[i].state.tick;
+        if (tick <= tick_) continue;
+        ticks_missing_ += tick - tick_ - 1;
+        live_ticks_.push_back(live.ticks[i]);
+        free_run_states_.push_back(live.ticks[i].state);
+        tick_ = tick;
+    }
+}
+
 // What a device says by itself or in several frames.
 void Link::file_stream()
 {
@@ -133,12 +152,7 @@ void Link::file_stream()
     const std::size_t length = decoder_.payload_bytes;
     switch (decoder_.header.type) {
     case SELD_WIRE_TYPE_live:
-        if (!seld_wire_decode_live(payload, length, &live_)) broken("live");
-        for (std::uint16_t i = 0; i < live_.ticks_count; i++) {
-            live_ticks_.push_back(live_.ticks[i]);
-            free_run_states_.push_back(live_.ticks[i].state);
-            tick_ = live_.ticks[i].state.tick;
-        }
+        file_live();
         break;
     case SELD_WIRE_TYPE_notice: {
         seld_wire_notice notice;
@@ -187,6 +201,8 @@ void Link::receive_answer(std::uint16_t type)
 
 seld_wire_hello_reply Link::hello()
 {
+    const std::uint8_t end_of_frame = 0; // of one that a host before us, or a cut cable, left unfinished
+    transport_.write({&end_of_frame, 1});
     const seld_wire_hello hello = {SELD_WIRE_PROTOCOL_MAJOR, SELD_WIRE_PROTOCOL_MINOR,
                                    seld_wire_schema_hash()};
     send_message(SELD_WIRE_TYPE_hello, hello, seld_wire_put_hello);
@@ -255,6 +271,7 @@ void Link::set_rig(const seld_wire_rig &rig)
 seld_wire_status Link::command(std::uint8_t action)
 {
     const seld_wire_command command = {action, 0, 0};
+    last_input_.reset();
     send_message(SELD_WIRE_TYPE_command, command, seld_wire_put_command);
     receive_answer(SELD_WIRE_TYPE_status);
     tick_ = status_.tick;
@@ -332,6 +349,11 @@ std::span<const seld_wire_tick_state> Link::step(std::span<const seld_wire_encod
     std::copy(inputs.begin(), inputs.end(), step.inputs);
     send_message(SELD_WIRE_TYPE_step, step, seld_wire_put_step);
     receive_answer(SELD_WIRE_TYPE_ticks);
+    if (ticks_.states_count > inputs.size()) broken("ticks");
+    for (std::uint16_t i = 0; i < ticks_.states_count; i++) {
+        if (ticks_.states[i].tick != tick_ + i + 1) broken("ticks");
+    }
+    tick_ += ticks_.states_count;
     if (ticks_.states_count != inputs.size()) {
         const std::uint16_t code = read_status().fault_code;
         throw LinkError(format("device fault at tick %lu: %s: %s. Remedy: %s",
@@ -345,13 +367,37 @@ void Link::send_input(const seld_wire_encoders &encoders)
 {
     const seld_wire_input message = {encoders};
     send_message(SELD_WIRE_TYPE_input, message, seld_wire_put_input);
+    last_input_ = encoders;
+}
+
+// Says that the host is there, unless it has spoken since this was last asked. An answer is filed with what else comes.
+void Link::beat()
+{
+    const seld_wire_get request = {SELD_WIRE_GET_STATUS};
+    if (has_spoken_) {
+        has_spoken_ = false;
+        return;
+    }
+    if (last_input_) {
+        send_input(*last_input_);
+    } else {
+        send_message(SELD_WIRE_TYPE_get, request, seld_wire_put_get);
+    }
+    has_spoken_ = false;
 }
 
 std::vector<seld_wire_tick_state> Link::free_run(std::uint32_t milliseconds)
 {
-    transport_.pass_time_ms(milliseconds);
     free_run_states_.clear();
     live_ticks_.clear();
+    for (std::uint32_t left = milliseconds; left > 0;) {
+        const std::uint32_t slice = std::min(left, heartbeat_ms);
+        beat();
+        transport_.pass_time_ms(slice);
+        while (receive()) file_frame();
+        left -= slice;
+    }
+    if (milliseconds == 0) transport_.pass_time_ms(0);
     while (receive()) file_frame();
     return free_run_states_;
 }

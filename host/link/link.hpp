@@ -66,12 +66,18 @@ class Link
     std::span<const seld_wire_tick_state> step(std::span<const seld_wire_encoders> inputs, bool want_nodes);
     std::uint32_t tick() const { return tick_; }
 
-    // FREE_RUN: send the newest input; let time pass (sim port) and take what the device sent meanwhile.
+    // FREE_RUN: send the newest input; let time pass and take what the device sent meanwhile. While time passes the device
+    // hears of the host at least every heartbeat_ms, with the last input again: after 30 ms of silence it fades the forces.
+    static constexpr std::uint32_t heartbeat_ms = 10;
     void send_input(const seld_wire_encoders &encoders);
     std::vector<seld_wire_tick_state> free_run(std::uint32_t milliseconds);
     // The same ticks with their inputs, sensors and flags; and what happened since it was last asked.
     const std::vector<seld_wire_live_tick> &live_ticks() const { return live_ticks_; }
     std::uint32_t ticks_lost() const { return live_.ticks_lost; }
+    std::uint32_t ticks_missing() const
+    {
+        return ticks_missing_;
+    } // never came, whoever lost them: device or cable
     std::vector<seld_wire_notice> take_notices();
 
     const seld_wire_nodes &nodes() const { return nodes_; } // last received
@@ -96,6 +102,8 @@ class Link
     void receive_answer(std::uint16_t); // until this type came; others are filed, refusals throw
     void file_frame();
     void file_stream();
+    void file_live();
+    void beat();
     seld_wire_status command(std::uint8_t action);
     void get(std::uint8_t what, std::uint16_t answer);
 
@@ -109,6 +117,9 @@ class Link
     std::vector<seld_wire_live_tick> live_ticks_;
     std::vector<seld_wire_notice> notices_;
     seld_wire_live live_{};
+    std::uint32_t ticks_missing_ = 0;
+    std::optional<seld_wire_encoders> last_input_;
+    bool has_spoken_ = false; // since the last heartbeat was due
     seld_wire_rig rig_{};
     seld_wire_set_up set_up_{};
     seld_wire_sensors sensors_{};
