@@ -25,7 +25,7 @@ CXXFLAGS := -std=c++20 -g $(WARN) $(CXXWARN) -I. -isystem /usr/include/eigen3 -M
 LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
-LIBS       := hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/xray host/link host/model tools/anatomy tools/bake tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
+LIBS       := hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/xray host/link host/model tools/anatomy tools/bake tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
               firmware/port/mailbox firmware/app/usb firmware/core shared/scene shared/wire
 lib_file    = $(BUILD)/lib/lib$(subst /,_,$(1)).a
 lib_sources = $(filter-out %/main.cpp,$(wildcard $(1)/*.c $(1)/*.cpp))
@@ -39,7 +39,7 @@ BAKE_LIBS     := tools/bake host/model firmware/core shared/scene shared/wire
 ANATOMY_LIBS  := tools/anatomy
 VALIDATE_LIBS := tools/validate firmware/core
 VCSIM3_LIBS   := tools/vcsim3 host/app firmware/core shared/scene shared/wire
-HIL_LIBS      := hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant hil_tests/usb $(HOST_LIBS) firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
+HIL_LIBS      := hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant hil_tests/usb $(HOST_LIBS) firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
 HIL_REFERENCE := firmware/tests/reference/tube_lumen.c
 VDB_LINK      := -lopenvdb -ltbb -lImath-3_1
 BAKE_LINK     := $(VDB_LINK) -lassimp -lccd
@@ -102,6 +102,10 @@ $(eval $(call program,vcsim3,tools/vcsim3/main.cpp,$(VCSIM3_LIBS),-lpng))
 $(eval $(call program,docs,tools/docs/main.cpp tools/docs/dissector.cpp,shared/wire,))
 HIL_PROGRAM := $(BUILD)/bin/hil
 $(HIL_PROGRAM): $(call objects,hil_tests/cases/main.cpp $(HIL_REFERENCE)) $(foreach lib,$(HIL_LIBS),$(call lib_file,$(lib)))
+	@mkdir -p $(@D)
+	$(Q) $(CXX) $^ -o $@ $(LDFLAGS) -lm $(HOST_LINK)
+HIL_CAMPAIGN := $(BUILD)/bin/hil_campaign
+$(HIL_CAMPAIGN): $(call objects,hil_tests/campaign/main.cpp $(HIL_REFERENCE)) $(foreach lib,$(HIL_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $(@D)
 	$(Q) $(CXX) $^ -o $@ $(LDFLAGS) -lm $(HOST_LINK)
 $(eval $(call program,validate,tools/validate/main.cpp,$(VALIDATE_LIBS),))
@@ -300,12 +304,12 @@ $(BUILD)/firmware/obj/%.c.o: %.c
 $(IMAGE): $(IMAGE_SOURCES:%=$(BUILD)/firmware/obj/%.o) $(IMAGE_FOLDER)/device.ld
 	$(Q) $(M7_CC) -mcpu=cortex-m7 -mthumb -mfloat-abi=soft -nostdlib -Wl,--gc-sections -T $(IMAGE_FOLDER)/device.ld $(filter %.o,$^) -o $@ -lgcc
 
-HIL_LEVELS := $(HIL_PROGRAM) $(IMAGE)
+HIL_LEVELS := $(HIL_PROGRAM) $(HIL_CAMPAIGN) $(IMAGE)
 
 hil: packages-build packages-run packages-hil packages-usb ## every level of emulation with every case, and the aorta session: docs/hil.md
 	@$(QUIET_MAKE) $(HIL_LEVELS) hil-programs
 	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
-	@$(HIL_PROGRAM) --scene $(SCENE) --also "L2 libusb_and_hidapi_by_umockdev HIL=$(HIL_FOLDER) hil_tests/l2/test_l2.sh" \
+	@$(HIL_PROGRAM) --scene $(SCENE) --also "L0 faults_on_purpose $(HIL_CAMPAIGN)" --also "L2 libusb_and_hidapi_by_umockdev HIL=$(HIL_FOLDER) hil_tests/l2/test_l2.sh" \
 	    --also "L3 Debians_kernel_in_qemu $(MAKE) --no-print-directory PACKAGES=skip hil-guest"
 
 # The real board's image, never run on hardware: docs/porting.md

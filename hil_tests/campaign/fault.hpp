@@ -1,0 +1,50 @@
+// Faults on purpose, each named by one line that says it all:
+//
+//   link.flip session=lockstep way=to_host frame=12 bit=37 seed=1
+//   rig.encoder_jump session=free_run tick=33 um=7000 seed=1
+//
+// A kind belongs to a group (link, host, device, rig), happens at one moment (the n-th frame of its way, or a tick, counted
+// from START; in session=setup from the first HELLO), and may have one value.
+// May include: shared, hil_tests/plant/random.hpp. Called by: hil_tests/campaign.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace hil
+{
+
+enum class Session { setup, lockstep, free_run };
+
+struct FaultKind {
+    const char *name;
+    const char *when;  // "frame" or "tick"
+    const char *value; // name of the value, or NULL
+};
+
+struct Fault {
+    const FaultKind *kind = nullptr;
+    Session session = Session::lockstep;
+    bool to_host = false; // way of the frame: from the device to the host
+    std::uint32_t at = 1;
+    std::uint32_t value = 0;
+    std::uint32_t seed = 1;
+    bool is(const char *name) const;
+    bool is_group(const char *prefix) const; // "link."
+};
+
+std::span<const FaultKind> fault_kinds();
+std::string line_of(const Fault &fault);
+// Throws std::invalid_argument that names the word it does not understand.
+Fault fault_of(const std::string &line);
+
+// Every fault of the campaign, in a fixed order, all different.
+std::vector<Fault> all_faults();
+// `count` of them, spread over all kinds.
+std::vector<Fault> spread_of(const std::vector<Fault> &faults, std::size_t count);
+
+inline constexpr std::uint32_t lies = 9, second_actions = 7, hostile_types = 14;
+inline constexpr std::uint32_t lockstep_ticks = 40, free_ticks = 120;
+
+} // namespace hil

@@ -1,0 +1,172 @@
+#include "hil_tests/campaign/judge.hpp"
+#include "hil_tests/cases/tube_scene.h"
+#include "hil_tests/plant/random.hpp"
+#include "host/model/instrument.hpp"
+#include "shared/wire/wire_frame.h"
+
+namespace hil
+{
+
+namespace
+{
+
+seld_wire_instrument short_wire()
+{
+    seld_wire_instrument wire = seld::read_instrument("shared/examples/instruments/j_wire.toml").table;
+    seld_wire_knot shaft = wire.knots[wire.knots_count - 1];
+    shaft.rest_curvature1_per_m_milli = shaft.rest_curvature2_per_m_milli = 0;
+    wire.knots_count = 2;
+    wire.knots[0] = wire.knots[1] = shaft;
+    wire.knots[0].arc_um = 0;
+    wire.knots[1].arc_um = 240000;
+    wire.element_tip_um = wire.element_shaft_um = 8000;
+    wire.element_fine_um = 0;
+    return wire;
+}
+
+const std::vector<std::uint8_t> &scene()
+{
+    static const std::vector<std::uint8_t> bytes = [] {
+        std::vector<std::uint8_t> file(4u << 20);
+        file.resize(hil_tube_scene(file.data(), file.size()));
+        return file;
+    }();
+    return bytes;
+}
+
+// Frames that no host of ours sends, in a good envelope.
+void send_raw(seld::Transport &pipe, std::uint16_t type, std::span<const std::uint8_t> payload)
+{
+    const seld_wire_header header = {1, 0, type};
+    std::vector<std::uint8_t> frame(SELD_WIRE_FRAME_MAX);
+    frame.resize(seld_wire_frame_encode(&header, payload.data(), payload.size(), frame.data(), frame.size()));
+    pipe.write(frame);
+}
+
+void send_hello(seld::Transport &pipe, std::uint64_t schema)
+{
+    const seld_wire_hello hello = {SELD_WIRE_PROTOCOL_MAJOR, SELD_WIRE_PROTOCOL_MINOR, schema};
+    std::uint8_t payload[SELD_WIRE_BYTES_hello];
+    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    seld_wire_put_hello(&writer, &hello);
+    send_raw(pipe, SELD_WIRE_TYPE_hello, {payload, writer.length});
+}
+
+void send_hostile(seld::Transport &pipe, std::uint32_t message, Random &random)
+{
+    static constexpr std::uint16_t types[hostile_types] = {
+        SELD_WIRE_TYPE_scene_begin,    SELD_WIRE_TYPE_scene_chunk,
+        SELD_WIRE_TYPE_scene_end,      SELD_WIRE_TYPE_tools,
+        SELD_WIRE_TYPE_entry,          SELD_WIRE_TYPE_rig,
+        SELD_WIRE_TYPE_step,           SELD_WIRE_TYPE_input,
+        SELD_WIRE_TYPE_stream,         SELD_WIRE_TYPE_get,
+        SELD_WIRE_TYPE_snapshot_begin, SELD_WIRE_TYPE_snapshot_chunk,
+        SELD_WIRE_TYPE_snapshot_end,   0x7777};
+    std::vector<std::uint8_t> payload(random.below(700));
+    for (std::uint8_t &byte : payload) byte = static_cast<std::uint8_t>(random.next());
+    send_raw(pipe, types[message % hostile_types], payload);
+}
+
+} // namespace
+
+const char *name_of(SafeClass which)
+{
+    static constexpr const char *names[safe_classes] = {"no power at stake",      "host silent or cut off",
+                                                        "sensors, forces, stop",  "supply",
+                                                        "processor stands still", "told by a host"};
+    return names[static_cast<std::size_t>(which)];
+}
+
+int bar_ms(SafeClass which)
+{
+    if (which == SafeClass::processor)
+        return 8; // the stage drops power after 5 ms by itself; the current decays
+    return which == SafeClass::host_silence ? 50 : 5;
+}
+
+PlantSettings campaign_plant()
+{
+    PlantSettings settings;
+    settings.translation.motor_limit =
+        force_limit_N; // the driver's current limit, as the rig's builder sets it
+    settings.rotation.motor_limit = torque_limit_N_m;
+    return settings;
+}
+
+void campaign_set_up(seld::Link &link)
+{
+    static const seld_wire_instrument wire = short_wire();
+    link.hello();
+    if (link.read_status().state != SELD_WIRE_STATE_READY) link.reset();
+    link.load_scene(scene());
+    link.load_tools({&wire, 1});
+    seld_wire_entry entry{};
+    entry.direction_x_q30 = 1 << 30;
+    entry.inserted_um_count = 1;
+    entry.inserted_um[0] = 30000;
+    link.set_entry(entry);
+    seld_wire_rig rig = plant_rig();
+    for (seld_wire_track &track : rig.tracks) {
+        track.seal_mN = 2000; // the sheath holds the wire, so that a push is felt at once
+        track.seal_uN_m = 1000;
+    }
+    link.set_rig(rig);
+}
+
+bool same_state(const seld_wire_tick_state &a, const seld_wire_tick_state &b)
+{
+    return a.tick == b.tick && a.hash_lane0 == b.hash_lane0 && a.hash_lane1 == b.hash_lane1;
+}
+
+void strange_host(const Fault &fault, seld::Transport &pipe)
+{
+    Random random(fault.seed * 1009u + fault.at * 31u + fault.value);
+    if (fault.is("host.hostile")) {
+        send_hostile(pipe, fault.value, random);
+        return;
+    }
+    if (fault.is("host.wrong_schema")) {
+        send_hello(pipe, random.next());
+        return;
+    }
+    send_hello(pipe, seld_wire_schema_hash());
+    static constexpr std::uint8_t actions[second_actions] = {0,
+                                                             SELD_WIRE_ACTION_ARM,
+                                                             SELD_WIRE_ACTION_START,
+                                                             SELD_WIRE_ACTION_STOP,
+                                                             SELD_WIRE_ACTION_RESET,
+                                                             SELD_WIRE_ACTION_FREE_RUN,
+                                                             SELD_WIRE_ACTION_CONFIRM};
+    const std::uint8_t action = actions[fault.value % second_actions];
+    const std::uint8_t payload[SELD_WIRE_BYTES_command] = {action};
+    if (action != 0) send_raw(pipe, SELD_WIRE_TYPE_command, payload);
+}
+
+Undisturbed run_undisturbed()
+{
+    Undisturbed undisturbed;
+    SimBench bench(campaign_plant());
+    seld::Link link(bench.pipe());
+    campaign_set_up(link);
+    const Ending ending = lockstep_session(link, lockstep_ticks, 1);
+    undisturbed.lockstep = ending.states;
+    undisturbed.lockstep_hash = ending.hash;
+    free_run_undisturbed(undisturbed);
+    return undisturbed;
+}
+
+Outcome run_fault(const Fault &fault, const Undisturbed &undisturbed)
+{
+    Outcome outcome;
+    try {
+        if (fault.session == Session::free_run)
+            run_free(fault, undisturbed, outcome);
+        else
+            run_asked(fault, undisturbed, outcome);
+    } catch (const std::exception &error) {
+        outcome.failure = error.what();
+    }
+    return outcome;
+}
+
+} // namespace hil

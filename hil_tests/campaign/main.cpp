@@ -1,0 +1,88 @@
+// The program hil_campaign: faults on purpose (docs/hil.md), all of them, a spread, or one by its line.
+#include "hil_tests/campaign/table.hpp"
+#include "host/app/interrupt.hpp"
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+
+namespace
+{
+
+struct Options {
+    std::string only, kind, file = "out/hil_campaign.tsv";
+    std::size_t spread = 0;
+    bool lists = false;
+};
+
+std::vector<hil::Fault> chosen(const Options &options)
+{
+    if (!options.only.empty()) return {hil::fault_of(options.only)};
+    std::vector<hil::Fault> faults = hil::all_faults();
+    if (!options.kind.empty())
+        std::erase_if(faults, [&](const hil::Fault &fault) { return !fault.is_group(options.kind.c_str()); });
+    return options.spread == 0 ? faults : hil::spread_of(faults, options.spread);
+}
+
+void parse(CLI::App &app, Options &options)
+{
+    app.add_option("--only", options.only, "One fault by its line");
+    app.add_option("--kind", options.kind, "Only faults whose name begins with this");
+    app.add_option("--spread", options.spread, "So many, spread over all kinds; 0: all")
+        ->capture_default_str();
+    app.add_option("--tsv", options.file, "Where the results go, one line each; empty: nowhere")
+        ->capture_default_str();
+    app.add_flag("--list", options.lists, "The lines of the faults");
+    app.footer("Example:\n  hil_campaign --only \"link.flip session=lockstep way=to_device frame=30 bit=43 "
+               "seed=1\"");
+}
+
+int run(const Options &options)
+{
+    const std::vector<hil::Fault> faults = chosen(options);
+    if (options.lists) {
+        for (const hil::Fault &fault : faults) std::printf("%s\n", hil::line_of(fault).c_str());
+        return 0;
+    }
+    const hil::Undisturbed undisturbed = hil::run_undisturbed();
+    hil::CampaignTable table;
+    for (const hil::Fault &fault : faults) {
+        if (seld::is_interrupted()) break;
+        if (table.count() % 250 == 0)
+            std::fprintf(stderr, "%zu of %zu faults\n", table.count(), faults.size());
+        const hil::Outcome outcome = hil::run_fault(fault, undisturbed);
+        table.add(fault, outcome);
+        if (!options.only.empty() && !outcome.message.empty())
+            std::printf("host: %s\n", outcome.message.c_str());
+    }
+    table.print();
+    if (!options.file.empty() && options.only.empty()) {
+        const auto folder = std::filesystem::path(options.file).parent_path();
+        if (!folder.empty()) std::filesystem::create_directories(folder);
+        table.write(options.file);
+    }
+    return table.failures() == 0 && !seld::is_interrupted() ? 0 : 1;
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    Options options;
+    CLI::App app("Breaks link, host, device and rig on purpose, and judges what comes of it (docs/hil.md)");
+    parse(app, options);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError &error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    seld::watch_for_interrupt();
+    try {
+        return run(options);
+    } catch (const std::invalid_argument &error) {
+        std::fprintf(stderr, "hil_campaign: %s\n", error.what());
+        return 2;
+    } catch (const std::exception &error) {
+        std::fprintf(stderr, "hil_campaign: %s\n", error.what());
+        return 1;
+    }
+}
