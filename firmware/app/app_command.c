@@ -132,15 +132,22 @@ static void confirm(seld_app *app, uint32_t code)
 
 /* --- START, STOP, RESET, modes --- */
 
-/* In FREE_RUN nobody listened to the hands before START: where they are now is their new reference, and the motors begin at
- * nothing. In LOCKSTEP a session stopped goes on exactly where it was. */
+/* Where the hands are at the next reading is their new reference, without force. */
+static void forget_hands(seld_app *app)
+{
+    seld_app_hands_take_reference(app);
+    seld_app_coupling_reset(app);
+}
+
+/* In FREE_RUN nobody listened to the hands before START, so it begins with a new reference and the motors at nothing. In LOCKSTEP
+ * a session stopped goes on exactly where it was. A change of mode takes a new reference too, so that a snapshot of ARMED is what
+ * START begins with: with it a session of FREE_RUN that was resumed replays bit for bit. */
 static void begin_listening(seld_app *app)
 {
     app->silent_ticks = 0;
     app->has_stop = false;
     if (app->mode != SELD_WIRE_MODE_FREE_RUN) return;
-    seld_app_hands_take_reference(app);
-    seld_app_coupling_reset(app);
+    forget_hands(app);
     seld_app_motors_reset(app);
     app->has_mailbox = false;
 }
@@ -200,6 +207,7 @@ static void set_mode(seld_app *app, uint8_t mode)
     bool is_at_rest = app->state == SELD_WIRE_STATE_READY || app->state == SELD_WIRE_STATE_ARMED;
     SELD_REJECT_IF(app, SELD_WIRE_TYPE_command, !is_at_rest, SELD_REJECT_WRONG_STATE, app->state, 0);
     seld_app_motors_off(app);
+    if (mode != app->mode) forget_hands(app);
     app->mode = mode;
     seld_app_motors_reset(app);
     seld_app_send_status(app, SELD_WIRE_TYPE_command);

@@ -2,7 +2,9 @@
 #include "host/app/cli_rig.hpp"
 #include "host/app/instrument_list.hpp"
 #include "host/app/replay.hpp"
+#include "host/model/units.hpp"
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
@@ -53,13 +55,37 @@ void add_device(CLI::App &command, std::string &device)
         ->capture_default_str();
 }
 
+void add_inserted(CLI::App &command, std::vector<double> &inserted_mm)
+{
+    command
+        .add_option(
+            "--inserted", inserted_mm,
+            "Length outside the inserter at the start, mm; once for all tools, or once per tool (default 20)")
+        ->allow_extra_args(false)
+        ->check(CLI::Range(0.0, 2000.0));
+}
+
+void add_motors(CLI::App &command, bool &motors, bool &yes)
+{
+    command.add_flag(
+        "--motors", motors,
+        "With --free-run: power the tracks that have a coupling (docs/haptics.md), after a typed yes");
+    command.add_flag("--yes", yes, "Power the motors without asking");
+}
+
 void add_run(CLI::App &app, RunOptions &options)
 {
-    CLI::App *command =
-        app.add_subcommand("run", "Carry out a session script, as fast as the machine allows");
+    CLI::App *command = app.add_subcommand("run", "Carry out a session script, or what hands do at a rig");
     command->add_option("--scene", options.scene, "Baked scene; without: free space");
     add_tools(*command, options.instrument, options.tools);
-    command->add_option("--session", options.session, "Session script (docs/session.md)")->required();
+    command->add_option("--session", options.session,
+                        "Session script (docs/session.md), carried out as fast as the machine allows");
+    command
+        ->add_option("--free-run", options.free_run_s,
+                     "Instead of a script: the rig leads for so many seconds, 0: until Ctrl-C (docs/rig.md)")
+        ->check(CLI::Range(0.0, 36000.0));
+    add_motors(*command, options.motors, options.yes);
+    add_inserted(*command, options.inserted_mm);
     add_device(*command, options.device);
     command->add_option("--record", options.record, "Write a recording");
     command->add_option("--json", options.json, "Write the figures of the session");
@@ -69,7 +95,9 @@ void add_run(CLI::App &app, RunOptions &options)
         "Examples:\n  seldinger run --scene out/aorta.scene --tool shared/examples/instruments/bentson.toml "
         "\\\n"
         "      --session shared/examples/sessions/demo.session --record out/demo.rec --json out/demo.json\n"
-        "  seldinger run --tool wire.toml --tool catheter.toml --session my.session --mp4 out/my.mp4");
+        "  seldinger run --tool wire.toml --tool catheter.toml --session my.session --mp4 out/my.mp4\n"
+        "  seldinger run --device usb --scene out/aorta.scene --tool wire.toml --free-run 60 --record "
+        "out/my.rec");
 }
 
 void add_replay(CLI::App &app, ReplayOptions &options)
@@ -111,12 +139,11 @@ void add_view(CLI::App &app, WindowOptions &options)
     command->add_option("--threads", options.pictures.threads, "Threads of the X-ray, 0: one per processor")
         ->capture_default_str()
         ->check(CLI::Range(0, 64));
-    command
-        ->add_option(
-            "--inserted", options.inserted_mm,
-            "Length outside the inserter at the start, mm; once for all tools, or once per tool (default 20)")
-        ->allow_extra_args(false)
-        ->check(CLI::Range(0.0, 2000.0));
+    add_inserted(*command, options.inserted_mm);
+    command->add_flag(
+        "--free-run", options.free_run,
+        "The rig's own encoders are the hands, and its first button the X-ray pedal (docs/rig.md)");
+    add_motors(*command, options.motors, options.yes);
     command->add_flag("--fluoro", options.starts_with_fluoro, "X-ray on from the start");
     command->add_flag("!--no-help-panel", options.shows_help, "Start without the list of keys");
     command->add_option("--frames", options.frames, "End after so many screens of 1/60 s; 0: until Esc")
@@ -167,6 +194,29 @@ std::vector<Instrument> read_tools(const std::string &instrument, const std::vec
     std::vector<Instrument> read;
     for (const NamedPath &input : inputs) read.push_back(read_instrument(input.path));
     return read;
+}
+
+seld_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
+                           const std::vector<double> &inserted_mm)
+{
+    std::vector<std::uint32_t> inserted_um;
+    for (double mm : inserted_mm) inserted_um.push_back(static_cast<std::uint32_t>(std::lround(mm * 1e3)));
+    if (inserted_um.size() == 1) inserted_um.assign(tool_count, inserted_um.front());
+    if (inserted_um.size() > tool_count)
+        throw UsageError("--inserted is given " + std::to_string(inserted_um.size()) +
+                         " times, but there are only " + std::to_string(tool_count) + " tools");
+    return entry_of(scene, tool_count, inserted_um);
+}
+
+ViewState entry_view(const SceneFile &scene)
+{
+    ViewState view;
+    view.follows_tip = true;
+    const std::int32_t place_m_q30[3] = {scene.entry.position_x_m_q30, scene.entry.position_y_m_q30,
+                                         scene.entry.position_z_m_q30};
+    for (int axis = 0; axis < 3; ++axis)
+        view.table_um[axis] = static_cast<std::int32_t>(std::lround(units::metres(place_m_q30[axis]) * 1e6));
+    return view;
 }
 
 std::string bodies_beside(const std::string &scene)

@@ -4,6 +4,7 @@
 #include "host/app/session_pictures.hpp"
 #include "host/app/window.hpp"
 #include "host/model/output_files.hpp"
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ struct RunOptions {
     std::vector<std::string> tools;
     PictureSettings pictures;
     bool quiet = false;
+    std::optional<double> free_run_s; // the rig leads for so long, 0: until Ctrl-C; empty: the script does
+    bool motors = false, yes = false; // FREE_RUN: with power; without being asked
+    std::vector<double> inserted_mm;  // FREE_RUN: none, one for all tools, or one each
 };
 
 struct ReplayOptions {
@@ -39,6 +43,14 @@ int command_instruments(const InstrumentsOptions &options);
 // Tools from the innermost to the outermost: --instrument first, then every --tool. Throws UsageError for none or more
 // than a line holds, FileError for a bad file.
 std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools);
+// Where they enter: no length (the default), one for all, or one each. Throws UsageError for more lengths than tools.
+seld_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
+                           const std::vector<double> &inserted_mm);
+// Over the entry, following the tip.
+ViewState entry_view(const SceneFile &scene);
+// The device of a session that the rig leads. With `motors` it shows what will be powered and asks, unless `yes`; throws
+// RigStopped when that is not confirmed.
+DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);
 // The paths of a set of tools as inputs for check_outputs.
 std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools);
 

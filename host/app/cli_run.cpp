@@ -1,5 +1,6 @@
 // seldinger run
 #include "host/app/cli.hpp"
+#include "host/app/cli_rig.hpp"
 #include "host/app/interrupt.hpp"
 #include "host/app/run.hpp"
 #include <cstdio>
@@ -44,6 +45,10 @@ void print_result(const RunResult &result, const std::vector<Instrument> &tools)
         std::printf("device                went and came back %u times; the session went on bit for bit\n",
                     unsigned{result.resumes});
     }
+    if (result.pictures > 0) {
+        std::printf("led by the rig        %u shapes of the line, %u ticks with power, %u late\n",
+                    unsigned{result.pictures}, unsigned{result.powered_ticks}, unsigned{result.late_ticks});
+    }
     for (int line : result.given_up_lines) {
         std::printf("given up              line %d: the length was not reached within %u s\n", line,
                     unsigned{SessionPlayer::until_limit_ticks / 1000});
@@ -56,6 +61,8 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
     inputs.insert(
         inputs.end(),
         {{"--scene", options.scene}, {"--session", options.session}, {"--bodies", pictures.bodies_path}});
+    if (options.free_run_s.has_value() != options.session.empty())
+        throw UsageError("either --session or --free-run says who leads");
     check_outputs(inputs, {{"--record", options.record},
                            {"--json", options.json},
                            {"--png", pictures.png_path},
@@ -64,16 +71,37 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
 
 } // namespace
 
+DeviceChoice free_run_device(const std::string &device, bool motors, bool yes)
+{
+    DeviceChoice choice = parse_device(device);
+    choice.free_run = choice.has_rig = true;
+    choice.powers_motors = motors;
+    if (!motors) return choice;
+    const RigTalk talk = console_talk();
+    std::fprintf(
+        talk.out,
+        "The motors of every track that has a coupling will be powered and push back at the hand, within "
+        "the rig's\nown limits (seldinger rig info). Ctrl-C or the emergency stop ends it.\n");
+    if (!yes && talk.ask("Type yes to power the motors:") != "yes")
+        throw RigStopped("not confirmed; no motor was powered");
+    return choice;
+}
+
 int command_run(const RunOptions &options)
 {
     PictureSettings picture_settings = options.pictures;
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(options.scene);
     check_files(options, picture_settings);
-    const DeviceChoice choice = parse_device(options.device);
+    const bool is_led = options.free_run_s.has_value(); // by the rig
     const SceneFile scene = read_scene(options.scene);
     const std::vector<Instrument> tools = read_tools(options.instrument, options.tools);
-    const Session session = read_session(options.session);
-    const seld_wire_entry entry = entry_of(scene, tools.size(), session.inserted_um);
+    const Session session = is_led ? Session{"rig", {}, {}} : read_session(options.session);
+    const seld_wire_entry entry = is_led ? entry_with(scene, tools.size(), options.inserted_mm)
+                                         : entry_of(scene, tools.size(), session.inserted_um);
+    watch_for_interrupt();
+    DeviceChoice choice =
+        is_led ? free_run_device(options.device, options.motors, options.yes) : parse_device(options.device);
+    choice.picture_every_ticks = static_cast<std::uint16_t>(1000 / picture_settings.pictures_per_second);
     Device device(scene, tools, entry, host_rig(), choice);
 
     std::unique_ptr<SessionPictures> pictures;
@@ -93,12 +121,17 @@ int command_run(const RunOptions &options)
                                         device.rig()};
         recorder = std::make_unique<Recorder>(options.record, header);
     }
-    watch_for_interrupt();
     const RunSettings settings{picture_settings.pictures_per_second,
                                !options.quiet && isatty(STDERR_FILENO) != 0};
-    const RunResult result = run_session(device, session, recorder.get(), pictures.get(), settings);
+    const RunResult result = is_led ? run_free_session(device, entry_view(scene), *options.free_run_s,
+                                                       recorder.get(), pictures.get(), settings)
+                                    : run_session(device, session, recorder.get(), pictures.get(), settings);
     print_result(result, tools);
     if (!options.json.empty()) write_report(options.json, result, scene.path, tools, session.file);
+    if (!result.stopped_by.empty()) {
+        std::fprintf(stderr, "seldinger: %s\n", result.stopped_by.c_str());
+        return 1;
+    }
     if (result.was_interrupted) {
         std::fprintf(stderr, "seldinger: interrupted; what was written up to here is complete\n");
         return 1;

@@ -75,12 +75,15 @@ Device::Device(const SceneFile &scene, std::vector<Instrument> tools, const seld
     try {
         open();
         set_up();
+        has_started_ = true;
     } catch (const LinkError &error) {
         const std::string who = tool_at_fault(tools_, error.reject);
         if (who.empty()) throw;
         throw LinkError(who + ": " + error.what(), error.reject);
     }
-    has_started_ = true;
+    if (!choice_.free_run) return;
+    link_->stop();
+    start_free_run();
 }
 
 seld_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,

@@ -18,6 +18,17 @@ namespace seld
 // The rig that scripts and keyboard drive: 1 um and 1/65 536 turn per count, true force.
 seld_wire_rig host_rig();
 
+// What a session that the device leads gives.
+class FreeRunSink
+{
+  public:
+    virtual ~FreeRunSink() = default;
+    virtual void tick(const seld_wire_live_tick &tick) = 0;
+    // The state after the tick given last. After `resumed` the session goes on from this one.
+    virtual void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes) = 0;
+    virtual void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes) = 0;
+};
+
 class Device
 {
   public:
@@ -45,8 +56,16 @@ class Device
     void ask(const std::function<void(Link &)> &request);
     std::uint32_t resumes() const { return resumes_; }
 
+    // FREE_RUN (the choice's free_run): `milliseconds` of a session that the device leads, or of a cable that is away. Every tick
+    // is given once and in order. After an unplug the session goes on from the last tick that came, with the hands where they are
+    // then (FreeRunSink::resumed). Throws LinkError with the cause when the device stopped, or does not come back.
+    void run_free(std::uint32_t milliseconds, FreeRunSink &sink);
+    // No more ticks after this; the last ones are given.
+    void stop_free(FreeRunSink &sink);
+
     static constexpr std::uint32_t resumes_max = 5;      // without a step in between
     static constexpr std::size_t inputs_kept_max = 1000; // then a new snapshot is taken
+    static constexpr std::size_t free_run_kept_max = 10000;
 
   private:
     struct Hash {
@@ -57,6 +76,14 @@ class Device
     void keep_up();
     void resume();
     void go_back_to_snapshot();
+    // device_free_run.cpp
+    seld_wire_rig free_run_rig(const seld_wire_rig &own) const;
+    void start_free_run();
+    void resume_free(FreeRunSink &sink);
+    void ask_snapshot();
+    bool take_live(FreeRunSink &sink);
+    void give(const seld_wire_live_tick &tick, FreeRunSink &sink);
+    void check_running(FreeRunSink &sink);
 
     SceneFile scene_;
     std::vector<Instrument> tools_;
@@ -72,6 +99,12 @@ class Device
     std::vector<seld_wire_encoders> inputs_; // done since
     std::vector<Hash> hashes_;               // what they gave
     std::uint32_t resumes_ = 0;
+
+    std::uint32_t given_tick_ = 0;                   // FREE_RUN: the last tick given
+    std::vector<seld_wire_live_tick> without_hands_; // before the first reading of the encoders
+    bool has_hands_ = false;
+    std::vector<std::uint8_t> snapshot_to_come_; // of a tick that is not given yet
+    std::uint32_t snapshot_tick_ = 0, silent_ms_ = 0;
 };
 
 // The scene's entry with one length per tool; lengths that are not given are the default of a session.

@@ -28,6 +28,7 @@ DeviceChoice parse_device(const std::string &text)
 
 std::unique_ptr<Transport> open_device(const DeviceChoice &choice)
 {
+    if (choice.opens) return choice.opens();
     if (choice.is_usb) return std::make_unique<UsbTransport>(choice.serial);
     if (choice.is_emulated) return std::make_unique<EmulatedDevice>(EmulatorOptions{.icount_shift = 0});
     auto sim = std::make_unique<SimTransport>();

@@ -2,6 +2,7 @@
 #pragma once
 #include "host/link/transport.hpp"
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -14,6 +15,12 @@ struct DeviceChoice {
     bool has_rig = false;                  // sim: with a rig whose sensors are healthy and whose hands rest
     std::string serial;                    // usb: empty for the only one
     std::uint32_t return_limit_ms = 20000; // how long a session waits for a rig that went
+    bool free_run = false;                 // the device leads: its own ticks, and hands from its own encoders
+    bool powers_motors = false;            // FREE_RUN: power on the tracks that have a coupling
+    std::uint16_t picture_every_ticks = 16;              // FREE_RUN: the line's shape comes by itself
+    std::function<std::unique_ptr<Transport>()> opens{}; // tests: instead of all that; may go and come back
+
+    bool may_return() const { return is_usb || opens; }
 };
 
 // "sim", "emulator", "usb" or "usb:SERIAL". Throws UsageError.

@@ -40,7 +40,11 @@ void Device::open()
     if (link_->read_status().state != SELD_WIRE_STATE_READY) link_->reset();
     if (has_started_) return;
     rig_before_ = link_->read_rig();
-    if (choice_.is_usb) rig_ = within_limits(rig_, rig_before_);
+    if (choice_.free_run) {
+        rig_ = free_run_rig(rig_before_);
+    } else if (choice_.is_usb) {
+        rig_ = within_limits(rig_, rig_before_);
+    }
 }
 
 void Device::set_up()
@@ -58,9 +62,13 @@ void Device::set_up()
 
 Device::~Device()
 {
-    if (!choice_.is_usb || !pipe_ || !has_started_) return;
+    if (!choice_.may_return() || !pipe_ || !has_started_) return;
     try {
         link_->reset();
+        if (choice_.free_run) {
+            link_->set_stream({});
+            link_->use_lockstep();
+        }
         link_->set_rig(rig_before_);
     } catch (const std::exception &) {
         // The device is gone or refuses; whoever uses it next sets it up anyway.
@@ -82,7 +90,7 @@ void Device::restore(std::span<const std::uint8_t> snapshot)
 // A device in this process does not go away, so nothing is kept for it.
 void Device::keep_up()
 {
-    if (!choice_.is_usb || inputs_.size() < inputs_kept_max) return;
+    if (!choice_.may_return() || inputs_.size() < inputs_kept_max) return;
     snapshot_ = link_->read_snapshot();
     inputs_.clear();
     hashes_.clear();
@@ -111,10 +119,10 @@ void Device::go_back_to_snapshot()
 
 void Device::resume()
 {
+    const std::uint32_t tick = choice_.free_run ? given_tick_ : link_->tick();
     resumes_++;
     std::fprintf(stderr, "seldinger: the device went away at tick %u; waiting up to %u s for it\n",
-                 unsigned{link_->tick()}, unsigned{choice_.return_limit_ms / 1000});
-    const std::uint32_t tick = link_->tick();
+                 unsigned{tick}, unsigned{choice_.return_limit_ms / 1000});
     pipe_.reset(); // Link holds a reference to it and is replaced before it is used again
     if (!wait_for_device(choice_)) {
         throw LinkError("the device went away at tick " + std::to_string(tick) +
@@ -139,7 +147,7 @@ void Device::ask(const std::function<void(Link &)> &request)
             request(*link_);
             return;
         } catch (const DeviceLost &) {
-            if (!choice_.is_usb || is_interrupted() || attempt >= resumes_max) throw;
+            if (!choice_.may_return() || is_interrupted() || attempt >= resumes_max) throw;
             has_link = false;
         }
     }
@@ -153,7 +161,7 @@ std::span<const seld_wire_tick_state> Device::step(std::span<const seld_wire_enc
         keep_up();
         states = link.step(inputs, want_nodes);
     });
-    if (choice_.is_usb) {
+    if (choice_.may_return()) {
         inputs_.insert(inputs_.end(), inputs.begin(), inputs.end());
         for (const seld_wire_tick_state &state : states)
             hashes_.push_back({state.hash_lane0, state.hash_lane1});

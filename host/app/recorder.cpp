@@ -116,14 +116,24 @@ void Recorder::hash(std::uint32_t tick, std::uint64_t hash)
     chunk(HASH, bytes);
 }
 
-void Recorder::snapshot(std::uint32_t tick, std::span<const std::uint8_t> snapshot)
+void Recorder::snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes)
+{
+    state(SNAPSHOT, tick, bytes);
+}
+
+void Recorder::resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes)
+{
+    state(RESUMED, tick, bytes);
+}
+
+void Recorder::state(std::uint32_t kind, std::uint32_t tick, std::span<const std::uint8_t> snapshot)
 {
     flush_ticks();
     std::vector<std::uint8_t> bytes(4 + snapshot.size());
     seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
     seld_wire_write(&writer, tick, 4);
     std::copy(snapshot.begin(), snapshot.end(), bytes.begin() + 4);
-    chunk(SNAPSHOT, bytes);
+    chunk(kind, bytes);
 }
 
 void Recorder::view(std::uint32_t tick, const ViewState &view)

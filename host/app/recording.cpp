@@ -60,7 +60,7 @@ class Reader
         seld_wire_reader head = seld_wire_reader_make(bytes_.data() + position_, left);
         kind_ = static_cast<std::uint32_t>(seld_wire_read(&head, 4));
         const std::size_t count = seld_wire_read(&head, 4);
-        if (kind_ < HEAD || kind_ > END)
+        if (kind_ < HEAD || kind_ > RESUMED)
             fail(RecordingFault::damaged, "is damaged: unknown chunk kind " + std::to_string(kind_));
         if (count > left - chunk_head_bytes - chunk_tail_bytes) return false;
         const std::size_t covered = chunk_head_bytes + count;
@@ -144,7 +144,10 @@ class Reader
             break;
         }
         case SNAPSHOT:
-            read_snapshot();
+            read_snapshot(recording_.snapshots);
+            break;
+        case RESUMED:
+            read_snapshot(recording_.resumes);
             break;
         case VIEW:
             read_view();
@@ -177,13 +180,13 @@ class Reader
         check_used_up("ticks");
     }
 
-    void read_snapshot()
+    void read_snapshot(std::vector<RecordedSnapshot> &snapshots)
     {
         const std::uint32_t tick = read_tick();
         if (tick != recording_.ticks.size())
             fail(RecordingFault::inconsistent, "is inconsistent: a snapshot is out of place");
         const std::uint8_t *begin = payload_.bytes + payload_.position;
-        recording_.snapshots.push_back({tick, {begin, payload_.bytes + payload_.length}});
+        snapshots.push_back({tick, {begin, payload_.bytes + payload_.length}});
     }
 
     std::int32_t read_i32()
@@ -247,6 +250,24 @@ const RecordedSnapshot *Recording::snapshot_before(std::uint32_t tick) const
         if (snapshot.tick <= tick) best = &snapshot;
     }
     return best;
+}
+
+const RecordedSnapshot *Recording::resumed_at(std::uint32_t tick) const
+{
+    const RecordedSnapshot *last = nullptr; // of several at one tick: the device went again before it did any
+    for (const RecordedSnapshot &resume : resumes) {
+        if (resume.tick == tick) last = &resume;
+    }
+    return last;
+}
+
+std::uint32_t Recording::ticks_to_resume(std::uint32_t tick) const
+{
+    std::uint32_t left = UINT32_MAX;
+    for (const RecordedSnapshot &resume : resumes) {
+        if (resume.tick > tick) left = std::min(left, resume.tick - tick);
+    }
+    return left;
 }
 
 Recording parse_recording(std::span<const std::uint8_t> bytes, const std::string &name)

@@ -2,7 +2,7 @@
 //
 //   file   = "SELDREC2" | chunk ...
 //   chunk  = kind u32 | bytes u32 | payload | CRC-32 u32 over kind, bytes and payload
-//   order  = HEAD, then TICKS, HASH, SNAPSHOT and VIEW as they happen, END when the session was closed properly
+//   order  = HEAD, then TICKS, HASH, SNAPSHOT, RESUMED and VIEW as they happen, END when the session was closed properly
 //
 // A recorder writes chunk by chunk, so that a recording cut off by a crash is readable up to its last whole chunk.
 // A reader refuses what is not a recording, is of a newer version, or is damaged in the middle.
@@ -60,10 +60,13 @@ struct Recording {
     std::vector<RecordedHash> hashes;
     std::vector<RecordedSnapshot> snapshots;
     std::vector<RecordedView> views;
-    bool is_complete = false; // closed properly; otherwise cut off after the last whole chunk
+    std::vector<RecordedSnapshot> resumes; // FREE_RUN after an unplug: the session goes on from this state
+    bool is_complete = false;              // closed properly; otherwise cut off after the last whole chunk
 
     const ViewState &view_at(std::uint32_t tick) const;
     const RecordedSnapshot *snapshot_before(std::uint32_t tick) const; // nullptr: start from the beginning
+    const RecordedSnapshot *resumed_at(std::uint32_t tick) const;      // nullptr: nothing happened there
+    std::uint32_t ticks_to_resume(std::uint32_t tick) const;           // until the next one, UINT32_MAX: none
 };
 
 enum class RecordingFault { unreadable, not_a_recording, newer_version, truncated, damaged, inconsistent };
@@ -94,12 +97,14 @@ class Recorder
     void tick(const seld_wire_encoders &input, const seld_wire_tick_state &state);
     void hash(std::uint32_t tick, std::uint64_t hash);
     void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes);
+    void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes);
     void view(std::uint32_t tick, const ViewState &view);
     void finish(std::uint32_t tick, std::uint64_t hash);
 
   private:
     void flush_ticks();
     void chunk(std::uint32_t kind, std::span<const std::uint8_t> payload);
+    void state(std::uint32_t kind, std::uint32_t tick, std::span<const std::uint8_t> bytes);
 
     struct Close {
         void operator()(std::FILE *file) const { std::fclose(file); }

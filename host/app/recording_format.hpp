@@ -10,7 +10,7 @@ namespace seld::recording_format
 
 inline constexpr char magic[9] = "SELDREC2"; // the digit is the version
 
-enum Kind : std::uint32_t { HEAD = 1, TICKS = 2, HASH = 3, SNAPSHOT = 4, VIEW = 5, END = 6 };
+enum Kind : std::uint32_t { HEAD = 1, TICKS = 2, HASH = 3, SNAPSHOT = 4, VIEW = 5, END = 6, RESUMED = 7 };
 
 inline constexpr std::size_t chunk_head_bytes = 8, chunk_tail_bytes = 4;
 inline constexpr std::size_t text_bytes_max = 4096;

@@ -62,7 +62,9 @@ class Replayer
         const RecordedSnapshot *snapshot = recording_.snapshot_before(wanted);
         if (snapshot) device_.restore(snapshot->bytes);
         while (link_.tick() < wanted && !is_interrupted() && !result_.first_difference_tick) {
-            step(std::min<std::size_t>(batch_ticks, wanted - link_.tick()), false);
+            step(std::min<std::size_t>(
+                     {batch_ticks, wanted - link_.tick(), recording_.ticks_to_resume(link_.tick())}),
+                 false);
         }
     }
 
@@ -71,6 +73,7 @@ class Replayer
         const std::uint32_t tick = link_.tick();
         std::size_t count =
             std::min<std::size_t>(batch_ticks - tick % batch_ticks, recording_.ticks.size() - tick);
+        count = std::min<std::size_t>(count, recording_.ticks_to_resume(tick));
         if (settings_.speed.is_paused)
             count = std::min<std::size_t>(count, ticks_per_second - tick % ticks_per_second);
         if (settings_.speed.is_paused && tick % ticks_per_second < batch_ticks) count = 1;
@@ -89,8 +92,16 @@ class Replayer
         picture_when_due(false);
     }
 
+    // Where the device went and came back the session went on from another state.
+    void go_on_from_resume()
+    {
+        const RecordedSnapshot *resumed = recording_.resumed_at(link_.tick());
+        if (resumed) device_.restore(resumed->bytes);
+    }
+
     void step(std::size_t count, bool want_nodes)
     {
+        go_on_from_resume();
         inputs_.clear();
         for (std::size_t i = 0; i < count; i++) inputs_.push_back(recording_.ticks[link_.tick() + i].input);
         for (const seld_wire_tick_state &state : link_.step(inputs_, want_nodes)) {

@@ -1,4 +1,5 @@
-// Carry out a session script on a device in LOCKSTEP: as fast as the machine allows, recorded and pictured on the way.
+// Carry out a session on a device: a script in LOCKSTEP, as fast as the machine allows, or what hands do at a rig in FREE_RUN; recorded
+// and pictured on the way.
 // May include: device, session, recording, frame_sink. Called by: cli.
 #pragma once
 #include "host/app/device.hpp"
@@ -19,13 +20,20 @@ struct RunResult {
     double seconds = 0.0;         // wall clock of the ticks, pictures and recording, without set-up
     bool was_interrupted = false; // Ctrl-C: everything up to there is valid
     std::vector<int> given_up_lines;
-    std::uint32_t resumes = 0; // how often the device went and came back
+    std::uint32_t resumes = 0;                                     // how often the device went and came back
+    std::string stopped_by;                                        // FREE_RUN: why the device stopped
+    std::uint32_t late_ticks = 0, powered_ticks = 0, pictures = 0; // FREE_RUN
     seld_wire_fault_log faults{};
 };
 
 // `recorder` and `sink` may be nullptr. Throws LinkError, RecordingError.
 RunResult run_session(Device &device, const Session &session, Recorder *recorder, FrameSink *sink,
                       const RunSettings &settings);
+
+// FREE_RUN: `seconds` of a session that the device leads, 0: until Ctrl-C, which ends it properly. The rig's first button is the
+// X-ray pedal. A rig that stops ends it: `stopped_by` says why, and everything up to there is valid.
+RunResult run_free_session(Device &device, const ViewState &view, double seconds, Recorder *recorder,
+                           FrameSink *sink, const RunSettings &settings);
 
 // out/demo.json: the figures of a session.
 void write_report(const std::string &path, const RunResult &result, const std::string &scene,

@@ -5,10 +5,8 @@
 #include "host/app/window_keys.hpp"
 #include "host/app/window_live.hpp"
 #include "host/app/window_screen.hpp"
-#include "host/model/units.hpp"
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
@@ -32,18 +30,6 @@ std::string recording_name(const std::string &wanted, int number)
     const std::string extension = path.extension().string();
     path.replace_extension(std::to_string(number) + extension);
     return path.string();
-}
-
-// Over the entry, following the tip.
-ViewState first_view(const SceneFile &scene)
-{
-    ViewState view;
-    view.follows_tip = true;
-    const std::int32_t place_m_q30[3] = {scene.entry.position_x_m_q30, scene.entry.position_y_m_q30,
-                                         scene.entry.position_z_m_q30};
-    for (int axis = 0; axis < 3; ++axis)
-        view.table_um[axis] = static_cast<std::int32_t>(std::lround(units::metres(place_m_q30[axis]) * 1e6));
-    return view;
 }
 
 // Ticks due, from the wall clock or from the count of screens.
@@ -85,9 +71,12 @@ class Window
   public:
     explicit Window(const WindowOptions &options)
         : options_(options), scene_(read_scene(options.scene)),
-          tools_(read_tools(options.instrument, options.tools)), entry_(start_entry()),
-          keys_(first_view(scene_), tools_.size(), options.shows_help), screen_("Seldinger", window_edge)
+          tools_(read_tools(options.instrument, options.tools)),
+          entry_(entry_with(scene_, tools_.size(), options.inserted_mm)),
+          keys_(entry_view(scene_), tools_.size(), options.shows_help), screen_("Seldinger", window_edge)
     {
+        choice_ = options.free_run ? free_run_device(options.device, options.motors, options.yes)
+                                   : parse_device(options.device);
         if (options.starts_with_fluoro) keys_.latch_pedal();
         screen_.on_key([this](const Screen::KeyEvent &event) { keys_.take(event); });
         start();
@@ -117,25 +106,13 @@ class Window
     }
 
   private:
-    seld_wire_entry start_entry() const
-    {
-        std::vector<std::uint32_t> inserted_um;
-        for (double mm : options_.inserted_mm)
-            inserted_um.push_back(static_cast<std::uint32_t>(std::lround(mm * 1e3)));
-        if (inserted_um.size() == 1) inserted_um.assign(tools_.size(), inserted_um.front());
-        if (inserted_um.size() > tools_.size())
-            throw UsageError("--inserted is given " + std::to_string(inserted_um.size()) +
-                             " times, but there are only " + std::to_string(tools_.size()) + " tools");
-        return entry_of(scene_, tools_.size(), inserted_um);
-    }
-
     void start()
     {
         ++session_number_;
         session_.reset(); // a rig has one host at a time
-        session_ = std::make_unique<LiveSession>(
-            scene_, tools_, entry_, recording_name(options_.record, session_number_), options_.pictures,
-            keys_.view(), parse_device(options_.device));
+        session_ = std::make_unique<LiveSession>(scene_, tools_, entry_,
+                                                 recording_name(options_.record, session_number_),
+                                                 options_.pictures, keys_.view(), choice_);
         is_annotated_ = false;
     }
 
@@ -164,6 +141,7 @@ class Window
     SceneFile scene_;
     std::vector<Instrument> tools_;
     seld_wire_entry entry_;
+    DeviceChoice choice_;
     WindowKeys keys_;
     Screen screen_;
     std::unique_ptr<LiveSession> session_;

@@ -17,7 +17,9 @@ struct WindowOptions {
     std::string record;             // empty: none; a reset starts "name.2.rec", "name.3.rec" ...
     PictureSettings pictures;
     std::vector<double>
-        inserted_mm; // outside the inserter at the start: none, one for all tools, or one each
+        inserted_mm;       // outside the inserter at the start: none, one for all tools, or one each
+    bool free_run = false; // the rig's own encoders are the hands
+    bool motors = false, yes = false; // FREE_RUN: with power; without being asked
     bool starts_with_fluoro = false;
     bool shows_help = true;
     // For tests: end after so many screens, each 1/60 s of session time however long it takes; 0: until Esc, real time.

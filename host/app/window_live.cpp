@@ -26,8 +26,8 @@ RecordingHeader header_of(const Device &device, const SceneFile &scene, const st
 LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools,
                          const seld_wire_entry &entry, const std::string &record,
                          const PictureSettings &pictures, const ViewState &view, const DeviceChoice &choice)
-    : settings_(pictures), device_(scene, tools, entry, host_rig(), choice), pictures_(pictures, tools),
-      hands_(tools.size()), view_(view)
+    : settings_(pictures), choice_(choice), device_(scene, tools, entry, host_rig(), choice),
+      pictures_(pictures, tools), hands_(tools.size()), view_(view), wanted_view_(view)
 {
     if (!record.empty()) {
         recorder_ = std::make_unique<Recorder>(record, header_of(device_, scene, tools, entry));
@@ -44,9 +44,12 @@ void LiveSession::choose_tool(std::size_t tool, bool all)
 
 void LiveSession::set_view(const ViewState &view)
 {
-    if (view == view_) return;
-    view_ = view;
-    if (recorder_) recorder_->view(device_.link().tick(), view_);
+    wanted_view_ = view;
+    ViewState shown = view;
+    shown.is_fluoro_on = shown.is_fluoro_on || is_pedal_down_;
+    if (shown == view_) return;
+    view_ = shown;
+    if (recorder_) recorder_->view(choice_.free_run ? led_tick_ : device_.link().tick(), view_);
 }
 
 void LiveSession::annotate(const std::string &notice, const std::vector<std::string> &panel)
@@ -66,6 +69,10 @@ std::uint32_t LiveSession::batch_size(std::uint32_t wanted)
 bool LiveSession::advance(std::uint32_t ticks)
 {
     try {
+        if (choice_.free_run) {
+            if (fault_.empty()) advance_rig(ticks);
+            return fault_.empty();
+        }
         while (fault_.empty() && ticks > 0) {
             const std::uint32_t count = batch_size(ticks);
             batch(count);
@@ -101,6 +108,39 @@ void LiveSession::batch(std::uint32_t count)
     if (is_picture_due) picture();
 }
 
+// A rig of metal has its own clock, and is heard of once per screen; where we make its time, it gets what is due.
+void LiveSession::advance_rig(std::uint32_t ticks)
+{
+    const std::uint32_t shown = device_.link().nodes().tick;
+    device_.run_free(choice_.is_usb ? 1 : ticks, *this);
+    const auto hash = device_.link().last_hash64();
+    if (recorder_ && hash && hash->tick > hash_tick_ && hash->tick <= led_tick_) {
+        hash_tick_ = hash->tick;
+        recorder_->hash(hash->tick, hash->hash);
+    }
+    if (device_.link().nodes().tick != shown) picture();
+}
+
+void LiveSession::tick(const seld_wire_live_tick &tick)
+{
+    led_tick_ = tick.state.tick;
+    state_ = tick.state;
+    inputs_.assign(1, tick.input);
+    if (recorder_) recorder_->tick(tick.input, tick.state);
+    is_pedal_down_ = (tick.input.buttons & 1) != 0;
+    set_view(wanted_view_);
+}
+
+void LiveSession::snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes)
+{
+    if (recorder_) recorder_->snapshot(tick, bytes);
+}
+
+void LiveSession::resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes)
+{
+    if (recorder_) recorder_->resumed(tick, bytes);
+}
+
 void LiveSession::record_state()
 {
     if (!recorder_) return;
@@ -128,6 +168,7 @@ void LiveSession::finish()
 {
     if (!recorder_) return;
     try {
+        if (choice_.free_run) device_.stop_free(*this);
         device_.ask([&](Link &link) {
             const Hash64 hash = link.read_hash64();
             recorder_->finish(hash.tick, hash.hash);

@@ -1,4 +1,5 @@
 // A session led by hand: one device, its recording and its pictures. One object is one session; reset makes a new one.
+// A device in FREE_RUN leads itself: its encoders are the hands, its first button the X-ray pedal beside the key.
 // May include: device, recording, session_pictures. Called by: window.
 #pragma once
 #include "host/app/device.hpp"
@@ -12,7 +13,7 @@
 namespace seld
 {
 
-class LiveSession
+class LiveSession final : private FreeRunSink
 {
   public:
     // `tools` from the innermost. `record` empty: none. Throws what Device, Recorder and SessionPictures throw.
@@ -34,20 +35,27 @@ class LiveSession
   private:
     std::uint32_t batch_size(std::uint32_t wanted);
     void batch(std::uint32_t count);
+    void advance_rig(std::uint32_t ticks);
+    void tick(const seld_wire_live_tick &tick) override;
+    void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes) override;
+    void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes) override;
     void record_state();
     void picture();
 
     PictureSettings settings_;
+    DeviceChoice choice_;
     Device device_;
     std::unique_ptr<Recorder> recorder_;
     SessionPictures pictures_;
     std::vector<LiveHand> hands_;
-    ViewState view_;
+    ViewState view_, wanted_view_; // in force; asked for by keys
     std::vector<seld_wire_encoders> inputs_;
     seld_wire_tick_state state_{};
     SessionFrame frame_;
     std::uint32_t picture_index_ = 0;
     std::uint32_t hash_tick_ = 0;
+    std::uint32_t led_tick_ = 0; // FREE_RUN: the last tick that came
+    bool is_pedal_down_ = false; // of the rig
     std::string fault_;
 };
 

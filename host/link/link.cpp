@@ -281,6 +281,8 @@ seld_wire_status Link::command(std::uint8_t action)
 seld_wire_status Link::arm()
 {
     const seld_wire_status status = command(SELD_WIRE_ACTION_ARM);
+    ticks_given_ = live_ticks_.size(); // of a session before
+    drop_given();
     get(SELD_WIRE_GET_NODE_TABLE, SELD_WIRE_TYPE_node_table);
     hash64_.reset();
     return status;
@@ -386,19 +388,33 @@ void Link::beat()
     has_spoken_ = false;
 }
 
+// The ticks of the last call; what came since, with the answers of other requests, stays.
+void Link::drop_given()
+{
+    const auto given = static_cast<std::ptrdiff_t>(ticks_given_);
+    free_run_states_.erase(free_run_states_.begin(), free_run_states_.begin() + given);
+    live_ticks_.erase(live_ticks_.begin(), live_ticks_.begin() + given);
+    ticks_given_ = 0;
+}
+
 std::vector<seld_wire_tick_state> Link::free_run(std::uint32_t milliseconds)
 {
-    free_run_states_.clear();
-    live_ticks_.clear();
-    for (std::uint32_t left = milliseconds; left > 0;) {
-        const std::uint32_t slice = std::min(left, heartbeat_ms);
-        beat();
-        transport_.pass_time_ms(slice);
+    drop_given();
+    try {
+        for (std::uint32_t left = milliseconds; left > 0;) {
+            const std::uint32_t slice = std::min(left, heartbeat_ms);
+            beat();
+            transport_.pass_time_ms(slice);
+            while (receive()) file_frame();
+            left -= slice;
+        }
+        if (milliseconds == 0) transport_.pass_time_ms(0);
         while (receive()) file_frame();
-        left -= slice;
+    } catch (...) {
+        ticks_given_ = live_ticks_.size();
+        throw;
     }
-    if (milliseconds == 0) transport_.pass_time_ms(0);
-    while (receive()) file_frame();
+    ticks_given_ = live_ticks_.size();
     return free_run_states_;
 }
 

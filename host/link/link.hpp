@@ -71,7 +71,7 @@ class Link
     static constexpr std::uint32_t heartbeat_ms = 10;
     void send_input(const seld_wire_encoders &encoders);
     std::vector<seld_wire_tick_state> free_run(std::uint32_t milliseconds);
-    // The same ticks with their inputs, sensors and flags; and what happened since it was last asked.
+    // The same ticks with their inputs, sensors and flags, also when it threw; and what happened since it was last asked.
     const std::vector<seld_wire_live_tick> &live_ticks() const { return live_ticks_; }
     std::uint32_t ticks_lost() const { return live_.ticks_lost; }
     std::uint32_t ticks_missing() const
@@ -104,6 +104,7 @@ class Link
     void file_stream();
     void file_live();
     void beat();
+    void drop_given();
     seld_wire_status command(std::uint8_t action);
     void get(std::uint8_t what, std::uint16_t answer);
 
@@ -115,6 +116,7 @@ class Link
     std::uint32_t tick_ = 0;
     std::vector<seld_wire_tick_state> free_run_states_;
     std::vector<seld_wire_live_tick> live_ticks_;
+    std::size_t ticks_given_ = 0; // of both, by the last free_run()
     std::vector<seld_wire_notice> notices_;
     seld_wire_live live_{};
     std::uint32_t ticks_missing_ = 0;

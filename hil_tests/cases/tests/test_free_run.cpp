@@ -1,0 +1,211 @@
+// Claims about sessions that the rig leads (docs/rig.md): what hands do at its encoders is recorded tick by tick and replays in
+// LOCKSTEP bit for bit, also when the cable was pulled on the way; and a rig that stops ends the session with the cause.
+// The rig is the model of level 0 with a hand that pushes against powered motors.
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <unistd.h>
+
+#include "hil_tests/cases/conversation.hpp"
+#include "hil_tests/l0/sim_bench.hpp"
+#include "host/app/replay.hpp"
+#include "host/app/run.hpp"
+#include "host/link/usb_devices.hpp"
+
+extern "C" {
+#include <cmocka.h>
+}
+
+namespace
+{
+
+// A cable to a bench: it goes after so many reads, and whoever opens the device again gets a new one.
+class Cable final : public seld::Transport
+{
+  public:
+    Cable(hil::Bench &bench, std::uint32_t &reads_left) : bench_(bench), reads_left_(reads_left)
+    {
+        std::uint8_t left_behind[4096];
+        while (bench_.pipe().read(left_behind) > 0) {
+        }
+    }
+    void write(std::span<const std::uint8_t> bytes) override
+    {
+        check();
+        bench_.pipe().write(bytes);
+    }
+    std::size_t read(std::span<std::uint8_t> bytes) override
+    {
+        if (reads_left_ > 0 && --reads_left_ == 0) is_gone_ = true;
+        check();
+        return bench_.pipe().read(bytes);
+    }
+    void pass_time_ms(std::uint32_t milliseconds) override { bench_.pipe().pass_time_ms(milliseconds); }
+
+  private:
+    void check() const
+    {
+        if (is_gone_) throw seld::DeviceLost("gone");
+    }
+    hil::Bench &bench_;
+    std::uint32_t &reads_left_;
+    bool is_gone_ = false;
+};
+
+struct Trial {
+    explicit Trial(bool with_motors) : bench({})
+    {
+        choice.free_run = true;
+        choice.powers_motors = with_motors;
+        choice.opens = [this] {
+            if (++opens > 1) bench.advance(away_ms); // the rig goes on without us
+            return std::make_unique<Cable>(bench, reads_left);
+        };
+        choice.return_limit_ms = 1000;
+        seld::Link link(bench.pipe());
+        hil::set_up(link); // the rig knows its couplings
+        hil::push_by_spring_hand(bench.plant());
+        bench.plant().track(0).translation.set_hand(hil::Hand::spring);
+    }
+
+    seld::RunResult run(double seconds, const std::function<void(seld::Device &)> &before = {})
+    {
+        const seld::SceneFile scene = seld::read_scene("");
+        const std::vector<seld::Instrument> tools = {
+            seld::read_instrument("shared/examples/instruments/j_wire.toml")};
+        const seld_wire_entry entry = seld::entry_of(scene, 1, {});
+        seld::Device device(scene, tools, entry, seld::host_rig(), choice);
+        if (before) before(device);
+        const seld::RecordingHeader header = {device.identity().core_version,
+                                              device.identity().schema_hash,
+                                              0,
+                                              0,
+                                              "",
+                                              "rig",
+                                              tools,
+                                              entry,
+                                              device.rig()};
+        seld::Recorder recorder(path, header);
+        return seld::run_free_session(device, {}, seconds, &recorder, nullptr, {});
+    }
+
+    // Every tick again, on a device of the host's own.
+    void check_replay(const seld::RunResult &result)
+    {
+        const seld::Recording recording = seld::read_recording(path);
+        const seld::SceneFile scene = seld::read_scene("");
+        for (double from_s : {0.0, result.figures.ticks * 0.7e-3}) {
+            seld::Device device(scene, recording.header.tools, recording.header.entry, recording.header.rig);
+            seld::ReplaySettings settings;
+            settings.verifies = true;
+            settings.from_s = from_s;
+            const seld::ReplayResult replay = seld::replay_recording(device, recording, nullptr, settings);
+            if (replay.first_difference_tick) {
+                fail_msg("from %.1f s: tick %u: %s", from_s, unsigned{*replay.first_difference_tick},
+                         replay.difference.c_str());
+            }
+            assert_int_equal(replay.tick, result.figures.ticks);
+            if (recording.is_complete) assert_true(replay.hash == result.hash);
+        }
+    }
+
+    hil::SimBench bench;
+    seld::DeviceChoice choice;
+    std::uint32_t reads_left = 0, away_ms = 1500;
+    int opens = 0;
+    std::string path =
+        (std::filesystem::temp_directory_path() / ("seldinger_free_run_" + std::to_string(getpid()) + ".rec"))
+            .string();
+    ~Trial() { std::filesystem::remove(path); }
+};
+
+void what_hands_do_at_a_rig_replays_bit_for_bit(void **)
+{
+    for (bool with_motors : {false, true}) {
+        Trial trial(with_motors);
+        const seld::RunResult result = trial.run(2.0);
+        if (!result.stopped_by.empty()) fail_msg("%s", result.stopped_by.c_str());
+        assert_in_range(result.figures.ticks, 2000, 2060);
+        assert_int_equal(result.powered_ticks > 0, with_motors);
+        assert_true(result.pictures > 100);
+        print_message("# %s: %.1f mm inserted, %u ticks with power\n", with_motors ? "motors" : "no motors",
+                      result.figures.tools[0].inserted_m * 1e3, result.powered_ticks);
+        assert_true(result.figures.tools[0].inserted_m > 0.03); // it began with 20 mm
+        trial.check_replay(result);
+    }
+}
+
+// The rig runs on for 1.5 s without us; the session goes on from the last tick that came.
+void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
+{
+    for (std::uint32_t cut : {100u, 401u, 702u}) {
+        Trial trial(true);
+        const seld::RunResult result = trial.run(2.0, [&](seld::Device &) { trial.reads_left = cut; });
+        if (!result.stopped_by.empty()) fail_msg("%s", result.stopped_by.c_str());
+        print_message("# cut after %u reads: %u ticks, came back %u times\n", cut, result.figures.ticks,
+                      result.resumes);
+        assert_int_equal(result.resumes, 1);
+        assert_int_equal(seld::read_recording(trial.path).resumes.size(), 1);
+        assert_in_range(result.figures.ticks, 2000, 2060);
+        trial.check_replay(result);
+    }
+}
+
+// Beyond free_run_kept_max ticks a snapshot is what a resume begins with; it is part of the recording.
+void a_long_session_resumes_from_a_snapshot(void **)
+{
+    Trial trial(false);
+    trial.bench.plant().track(0).translation.move_hand(0.01);
+    const seld::RunResult result = trial.run(13.0, [&](seld::Device &) { trial.reads_left = 4700; });
+    if (!result.stopped_by.empty()) fail_msg("%s", result.stopped_by.c_str());
+    assert_int_equal(result.resumes, 1);
+    assert_true(!seld::read_recording(trial.path).snapshots.empty());
+    trial.check_replay(result);
+}
+
+void a_rig_that_stops_ends_the_session_with_the_cause(void **)
+{
+    Trial trial(true);
+    seld::RunResult result =
+        trial.run(2.0, [&](seld::Device &) { trial.bench.plant().emergency_stop = true; });
+    print_message("# %s\n", result.stopped_by.c_str());
+    assert_true(result.stopped_by.find("EMERGENCY_STOP") != std::string::npos);
+    assert_true(result.stopped_by.find("Remedy: ") != std::string::npos);
+    assert_true(result.figures.ticks < 2000);
+    assert_int_equal(seld::read_recording(trial.path).ticks.size(), result.figures.ticks);
+    if (result.figures.ticks > 0) trial.check_replay(result);
+}
+
+void motors_without_a_coupling_are_refused_with_a_remedy(void **)
+{
+    Trial trial(true);
+    seld::Link link(trial.bench.pipe());
+    link.hello();
+    link.set_rig(seld::host_rig());
+    try {
+        trial.run(1.0);
+    } catch (const seld::LinkError &error) {
+        assert_true(std::string(error.what()).find("Remedy: ") != std::string::npos);
+        return;
+    }
+    fail_msg("a rig without a coupling was powered");
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(what_hands_do_at_a_rig_replays_bit_for_bit),
+        cmocka_unit_test(a_session_goes_on_after_an_unplug_and_replays_bit_for_bit),
+        cmocka_unit_test(a_long_session_resumes_from_a_snapshot),
+        cmocka_unit_test(a_rig_that_stops_ends_the_session_with_the_cause),
+        cmocka_unit_test(motors_without_a_coupling_are_refused_with_a_remedy),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}

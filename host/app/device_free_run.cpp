@@ -1,0 +1,199 @@
+// Sessions that the device leads (FREE_RUN): its timer makes the ticks, its encoders are the hands. Every tick comes with its input,
+// so what is recorded replays in LOCKSTEP bit for bit.
+//
+// After an unplug the device has gone on without us, and part of what it did is lost. So the session goes back to the last tick
+// that came: set up, snapshot, the inputs since again in LOCKSTEP with every hash compared, then FREE_RUN with a new reference of
+// the hands. The state at that point is part of the recording.
+#include "host/app/device.hpp"
+#include "host/app/interrupt.hpp"
+#include "host/link/usb_devices.hpp"
+#include <utility>
+
+namespace seld
+{
+
+namespace
+{
+
+constexpr std::uint32_t look_ms = 5;         // the device has looked at its rig
+constexpr std::uint32_t silent_max_ms = 500; // without a tick
+constexpr std::uint32_t stop_ahead_ticks = 40, stop_limit_ms = 2000;
+
+} // namespace
+
+// The rig's own calibration and limits; couplings only where motors will hold them up.
+seld_wire_rig Device::free_run_rig(const seld_wire_rig &own) const
+{
+    seld_wire_rig rig = own;
+    bool has_coupling = false;
+    for (std::uint16_t k = 0; k < rig.tracks_count; k++) {
+        seld_wire_track &track = rig.tracks[k];
+        if (!choice_.powers_motors) {
+            track.coupling_N_per_m = track.coupling_uN_m_per_rad = 0;
+            track.coupling_mN_s_per_m = track.coupling_nN_m_s_per_rad = 0;
+        }
+        has_coupling = has_coupling || track.coupling_N_per_m > 0 || track.coupling_uN_m_per_rad > 0;
+    }
+    if (choice_.powers_motors && !has_coupling) {
+        throw LinkError(
+            "no track of the rig has a coupling, so there is nothing to power. Remedy: seldinger rig "
+            "calibrate --load rig.json with coupling and damping (docs/haptics.md), or leave "
+            "--motors out");
+    }
+    return rig;
+}
+
+void Device::start_free_run()
+{
+    if (!(identity_.capabilities & SELD_WIRE_CAPABILITY_ENCODERS)) {
+        throw LinkError(
+            "the device has no encoders of its own, so it cannot lead a session. Remedy: attach a rig, "
+            "or give a --session");
+    }
+    seld_wire_stream stream{};
+    stream.events = 1;
+    stream.nodes_every_ticks = choice_.picture_every_ticks;
+    link_->use_free_run();
+    link_->set_stream(stream);
+    link_->free_run(look_ms);
+    if (choice_.powers_motors) link_->arm_motors();
+    link_->take_notices();
+    link_->start();
+    given_tick_ = link_->tick();
+    has_hands_ = false;
+    silent_ms_ = 0;
+}
+
+void Device::give(const seld_wire_live_tick &tick, FreeRunSink &sink)
+{
+    given_tick_ = tick.state.tick;
+    silent_ms_ = 0;
+    if (choice_.may_return()) {
+        inputs_.push_back(tick.input);
+        hashes_.push_back({tick.state.hash_lane0, tick.state.hash_lane1});
+    }
+    sink.tick(tick);
+    if (snapshot_to_come_.empty() || snapshot_tick_ != given_tick_) return;
+    sink.snapshot(snapshot_tick_, snapshot_to_come_);
+    snapshot_ = std::exchange(snapshot_to_come_, {});
+    inputs_.clear();
+    hashes_.clear();
+}
+
+// Gives what came. False: ticks are missing behind the one given last.
+bool Device::take_live(FreeRunSink &sink)
+{
+    std::uint32_t expected = given_tick_ + static_cast<std::uint32_t>(without_hands_.size()) + 1;
+    for (const seld_wire_live_tick &tick : link_->live_ticks()) {
+        if (tick.state.tick < expected) continue; // given already
+        if (tick.state.tick > expected) return false;
+        expected++;
+        has_hands_ = has_hands_ || (tick.flags & SELD_WIRE_LIVE_HANDS) != 0;
+        if (!has_hands_) {
+            silent_ms_ = 0;
+            without_hands_.push_back(tick);
+            continue;
+        }
+        // Before its first reading nothing moves, and a replay takes the first one as the reference.
+        for (seld_wire_live_tick &early : without_hands_) {
+            early.input = tick.input;
+            give(early, sink);
+        }
+        without_hands_.clear();
+        give(tick, sink);
+    }
+    return true;
+}
+
+// One that is under way is waited for.
+void Device::ask_snapshot()
+{
+    if (!choice_.may_return() || inputs_.size() < free_run_kept_max || !snapshot_to_come_.empty()) return;
+    snapshot_to_come_ = link_->read_snapshot();
+    seld_wire_reader reader = seld_wire_reader_make(snapshot_to_come_.data(), snapshot_to_come_.size());
+    seld_wire_read(&reader, 4);
+    snapshot_tick_ = static_cast<std::uint32_t>(seld_wire_read(&reader, 4));
+    if (snapshot_tick_ <= given_tick_) snapshot_to_come_.clear(); // no tick came since; the next one will do
+}
+
+void Device::check_running(FreeRunSink &sink)
+{
+    bool is_changed = silent_ms_ > silent_max_ms;
+    for (const seld_wire_notice &notice : link_->take_notices())
+        is_changed = is_changed || notice.kind == SELD_WIRE_EVENT_STATE;
+    if (!is_changed) return;
+    const seld_wire_status status = link_->read_status();
+    if (status.state == SELD_WIRE_STATE_RUNNING && silent_ms_ <= silent_max_ms) return;
+    link_->free_run(look_ms); // what was still under way
+    take_live(sink);
+    const std::string at = " at tick " + std::to_string(given_tick_);
+    if (status.state == SELD_WIRE_STATE_FAULT) {
+        throw LinkError("the rig stopped" + at + ": " + seld_wire_fault_name(status.fault_code) + ": " +
+                        seld_wire_fault_text(status.fault_code) +
+                        ". Remedy: " + seld_wire_fault_remedy(status.fault_code));
+    }
+    throw LinkError("the rig makes no more ticks" + at + "; it is " + seld_wire_state_name(status.state) +
+                    ". Remedy: begin the session again; somebody else may have stopped it");
+}
+
+void Device::resume_free(FreeRunSink &sink)
+{
+    std::uint32_t attempt = 0;
+    without_hands_.clear();
+    snapshot_to_come_.clear();
+    for (;;) {
+        try {
+            resume();
+            link_->stop();
+            link_->use_free_run();
+            const std::vector<std::uint8_t> state = link_->read_snapshot();
+            snapshot_ = state;
+            inputs_.clear();
+            hashes_.clear();
+            sink.resumed(given_tick_, state);
+            start_free_run();
+            return;
+        } catch (const DeviceLost &) {
+            if (is_interrupted() || ++attempt >= resumes_max) throw;
+        }
+    }
+}
+
+void Device::run_free(std::uint32_t milliseconds, FreeRunSink &sink)
+{
+    if (!pipe_) throw LinkError("the device is gone, and the session with it. Remedy: begin it again");
+    bool is_whole = true;
+    try {
+        ask_snapshot();
+        link_->free_run(milliseconds);
+        silent_ms_ += milliseconds;
+        is_whole = take_live(sink);
+        if (is_whole) check_running(sink);
+    } catch (const DeviceLost &) {
+        take_live(sink);
+        if (!choice_.may_return() || is_interrupted()) throw;
+        pipe_.reset();
+        is_whole = false;
+    }
+    if (is_whole) return;
+    if (!choice_.may_return())
+        throw LinkError("ticks after tick " + std::to_string(given_tick_) + " were lost on the way");
+    resume_free(sink);
+}
+
+void Device::stop_free(FreeRunSink &sink)
+{
+    const std::uint32_t last = link_->read_status().tick + stop_ahead_ticks;
+    link_->stop_at(last);
+    for (std::uint32_t ms = 0; ms < stop_limit_ms && given_tick_ < last; ms += look_ms) {
+        link_->free_run(look_ms);
+        if (!take_live(sink)) break;
+    }
+    for (seld_wire_live_tick &tick : without_hands_) give(tick, sink);
+    without_hands_.clear();
+    if (given_tick_ != last)
+        throw LinkError("the rig's last ticks did not come; the recording is complete up to tick " +
+                        std::to_string(given_tick_));
+}
+
+} // namespace seld

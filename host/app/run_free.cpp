@@ -1,0 +1,133 @@
+// A session that the device leads: its ticks are recorded as they come, its pictures shown as they come.
+#include "host/app/interrupt.hpp"
+#include "host/app/run.hpp"
+#include <chrono>
+#include <cstdio>
+
+namespace seld
+{
+
+namespace
+{
+
+using Clock = std::chrono::steady_clock;
+
+class FreeRunner final : private FreeRunSink
+{
+  public:
+    FreeRunner(Device &device, const ViewState &view, Recorder *recorder, FrameSink *sink,
+               const RunSettings &settings)
+        : device_(device), view_(view), recorder_(recorder), sink_(sink), settings_(settings)
+    {
+    }
+
+    RunResult run(double seconds)
+    {
+        const Clock::time_point begin = Clock::now();
+        const double ticks_wanted = seconds * 1e3;
+        if (recorder_) recorder_->view(0, view_);
+        try {
+            while ((seconds == 0.0 || figures_.ticks < ticks_wanted) && !is_interrupted()) {
+                device_.run_free(round_ms, *this);
+                record_hash();
+                picture_when_it_came();
+                show_progress();
+            }
+            result_.was_interrupted = seconds > 0.0 && figures_.ticks < ticks_wanted;
+            device_.stop_free(*this);
+            result_.hash = device_.link().read_hash64().hash;
+            if (recorder_) recorder_->finish(figures_.ticks, result_.hash);
+        } catch (const LinkError &error) {
+            result_.stopped_by = error.what(); // the recording ends where the rig did
+        }
+        read_faults();
+        if (sink_) sink_->finish();
+        result_.figures = figures_;
+        result_.resumes = device_.resumes();
+        result_.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+        if (settings_.shows_progress) std::fprintf(stderr, "\r%60s\r", "");
+        return result_;
+    }
+
+  private:
+    static constexpr std::uint32_t round_ms = 8; // a host that is silent for 30 ms fades the forces
+
+    void tick(const seld_wire_live_tick &tick) override
+    {
+        figures_.take(tick.state);
+        state_ = tick.state;
+        input_ = tick.input;
+        result_.late_ticks += (tick.flags & SELD_WIRE_LIVE_LATE) != 0;
+        result_.powered_ticks += (tick.flags & SELD_WIRE_LIVE_POWERED) != 0;
+        if (recorder_) recorder_->tick(tick.input, tick.state);
+        const bool is_pressed = (tick.input.buttons & 1) != 0;
+        if (is_pressed == view_.is_fluoro_on) return;
+        view_.is_fluoro_on = is_pressed;
+        if (recorder_) recorder_->view(tick.state.tick, view_);
+    }
+
+    void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes) override
+    {
+        if (recorder_) recorder_->snapshot(tick, bytes);
+    }
+
+    void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes) override
+    {
+        if (recorder_) recorder_->resumed(tick, bytes);
+    }
+
+    // A hash may come before the ticks that it belongs to, and those may never come.
+    void record_hash()
+    {
+        const auto hash = device_.link().last_hash64();
+        if (!recorder_ || !hash || hash->tick <= hash_tick_ || hash->tick > figures_.ticks) return;
+        hash_tick_ = hash->tick;
+        recorder_->hash(hash->tick, hash->hash);
+    }
+
+    void picture_when_it_came()
+    {
+        const std::uint32_t tick = device_.link().nodes().tick;
+        if (tick == picture_tick_) return;
+        picture_tick_ = tick;
+        result_.pictures++;
+        if (sink_) sink_->frame(session_frame(device_, state_, input_, view_));
+    }
+
+    void show_progress()
+    {
+        if (!settings_.shows_progress || figures_.ticks - shown_tick_ < 1000) return;
+        shown_tick_ = figures_.ticks;
+        std::fprintf(stderr, "\r%6.1f s, %u pictures", figures_.ticks * 1e-3, unsigned{result_.pictures});
+    }
+
+    void read_faults()
+    {
+        try {
+            result_.faults = device_.link().read_fault_log();
+        } catch (const LinkError &) {
+            // A rig that is gone has no log to read.
+        }
+    }
+
+    Device &device_;
+    ViewState view_;
+    Recorder *recorder_;
+    FrameSink *sink_;
+    const RunSettings &settings_;
+    RunResult result_;
+    SessionFigures figures_;
+    seld_wire_tick_state state_{};
+    seld_wire_encoders input_{};
+    std::uint32_t hash_tick_ = 0, picture_tick_ = 0, shown_tick_ = 0;
+};
+
+} // namespace
+
+RunResult run_free_session(Device &device, const ViewState &view, double seconds, Recorder *recorder,
+                           FrameSink *sink, const RunSettings &settings)
+{
+    return FreeRunner(device, view, recorder, sink, settings).run(seconds);
+}
+
+} // namespace seld
