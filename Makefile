@@ -2,6 +2,7 @@
 #   BUILD=build/clang CC=clang CXX=clang++   another compiler in its own folder
 #   OPT=-O0 CORE_OPT=-O0 BUILD=build/O0      another optimisation level: other flags need a folder of their own
 #   SAN=address,undefined BUILD=build/san    sanitizers
+#   DEBUG=-g                                 what debuggers are told (make test: -g1, lines only)
 #   V=1                                      show whole commands
 #   PACKAGES=skip                            do not look for missing Debian packages
 #   JOBS=4                                   parallel jobs of make test, fuzz and bench (default: one per core)
@@ -11,6 +12,7 @@ CXX      := $(if $(filter default,$(origin CXX)),g++,$(CXX))
 OPT      ?= -O2
 CORE_OPT ?= -O3
 SAN      ?=
+DEBUG    ?= -g
 PACKAGES ?= install
 JOBS     ?= $(shell nproc)
 SECONDS  ?= 60
@@ -18,10 +20,10 @@ USB_ID   ?= 1209:0001
 
 WARN     := -Wall -Wextra -Wshadow -Werror
 SANFLAGS := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer)
-CFLAGS   := -std=c11 -g $(WARN) -Wpedantic -Wvla -Wmissing-prototypes -I. -MMD -MP $(SANFLAGS)
+CFLAGS   := -std=c11 $(DEBUG) $(WARN) -Wpedantic -Wvla -Wmissing-prototypes -I. -MMD -MP $(SANFLAGS)
 # gcc 12 sees overlapping copies in std::string's operator+ at -O3 that are not there (its bug 105329).
 CXXWARN  := $(if $(findstring clang,$(CXX)),,-Wno-restrict)
-CXXFLAGS := -std=c++20 -g $(WARN) $(CXXWARN) -I. -isystem /usr/include/eigen3 -MMD -MP -ffp-contract=off $(SANFLAGS)
+CXXFLAGS := -std=c++20 $(DEBUG) $(WARN) $(CXXWARN) -I. -isystem /usr/include/eigen3 -MMD -MP -ffp-contract=off $(SANFLAGS)
 LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
@@ -216,13 +218,15 @@ $(foreach t,$(FUZZ_TARGETS),$(eval $(call fuzz_rule,$(t))))
 fuzz-programs: $(foreach t,$(FUZZ_TARGETS),$(call test_program,$(t)) $(call test_program,$(t))_seeds) ## build the fuzz targets (needs clang)
 
 QUIET_MAKE = $(MAKE) --no-print-directory PACKAGES=skip -j$(JOBS)
-SAN_MAKE   = $(QUIET_MAKE) BUILD=$(BUILD)/san SAN=address,undefined OPT=-O1 CORE_OPT=-O1
-FUZZ_MAKE  = $(QUIET_MAKE) BUILD=$(BUILD)/fuzz CC=clang CXX=clang++ SAN=fuzzer-no-link,address,undefined OPT=-O1 CORE_OPT=-O1
+# Lines are enough for a sanitizer's report; whole debug information makes compiling a third longer.
+TEST_MAKE  = $(QUIET_MAKE) DEBUG=-g1
+SAN_MAKE   = $(TEST_MAKE) BUILD=$(BUILD)/san SAN=address,undefined OPT=-O1 CORE_OPT=-O1
+FUZZ_MAKE  = $(TEST_MAKE) BUILD=$(BUILD)/fuzz CC=clang CXX=clang++ SAN=fuzzer-no-link,address,undefined OPT=-O1 CORE_OPT=-O1
 
 # What does not build is reported by run_tests.py as failed, with everything else run all the same.
 test: packages-build packages-test packages-matrix packages-usb ## build and run every test, also under the sanitizers, and a short fuzz run
 	@status=0; \
-	$(QUIET_MAKE) -k $(PROGRAMS) tests-build || status=1; \
+	$(TEST_MAKE) -k $(PROGRAMS) tests-build || status=1; \
 	$(SAN_MAKE) -k tests-build-san hil-programs || status=1; \
 	$(FUZZ_MAKE) -k fuzz-programs || status=1; \
 	tools/check/run_tests.py --build $(BUILD) --jobs $(JOBS) --scripts $(SCRIPT_TESTS) --programs $(ALL_TEST_PROGRAMS:$(BUILD)/test/%=%) \
@@ -269,7 +273,7 @@ bench: packages-build packages-run packages-bench packages-matrix ## measure; wr
 
 # --- Cortex-M7 image: docs/bench.md, "The Cortex-M7's budget" ---------------------------------------------------------
 M7_CC      := arm-none-eabi-gcc
-M7_FLAGS   := -mcpu=cortex-m7 -mthumb -mfloat-abi=soft -std=c11 -g $(WARN) -I. -MMD -MP -ffreestanding -fno-tree-loop-distribute-patterns \
+M7_FLAGS   := -mcpu=cortex-m7 -mthumb -mfloat-abi=soft -std=c11 $(DEBUG) $(WARN) -I. -MMD -MP -ffreestanding -fno-tree-loop-distribute-patterns \
               -fstack-usage -fcallgraph-info=su
 M7_SOURCES := $(wildcard firmware/core/*.c firmware/port/mps2_an500/*.c)
 M7_IMAGE   := $(BUILD)/m7/budget_image.elf
