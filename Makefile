@@ -73,6 +73,8 @@ $(BUILD)/obj/firmware/core/%.c.o: CFLAGS += -ffreestanding $(if $(findstring cla
 USB_ID_FLAGS := -DSELD_USB_VENDOR_ID=0x$(word 1,$(subst :, ,$(USB_ID))) -DSELD_USB_PRODUCT_ID=0x$(word 2,$(subst :, ,$(USB_ID)))
 $(BUILD)/obj/firmware/app/usb/%.c.o: CFLAGS += $(USB_ID_FLAGS)
 $(BUILD)/obj/host/link/%.cpp.o $(BUILD)/obj/host/app/%.cpp.o: CXXFLAGS += $(USB_ID_FLAGS)
+# The command line's parser is half a minute of templates that run once: not optimised, half of that.
+$(BUILD)/obj/host/app/cli.cpp.o $(BUILD)/obj/host/app/cli_rig.cpp.o: OPT := -O0
 # Loops over pixels become vector code; neither flag changes a value.
 $(BUILD)/obj/host/xray/%.cpp.o: OPT := -O3
 $(BUILD)/obj/host/xray/%.cpp.o: CXXFLAGS += -fno-math-errno -fno-trapping-math
