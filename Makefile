@@ -49,7 +49,7 @@ HOST_LINK     := -lpng -lglfw -lusb-1.0 -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: dissector all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil install-udev
+.PHONY: dissector all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig install-udev
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -106,6 +106,10 @@ $(eval $(call program,vcsim3,tools/vcsim3/main.cpp,$(VCSIM3_LIBS),-lpng))
 $(eval $(call program,docs,tools/docs/main.cpp tools/docs/dissector.cpp,shared/wire,))
 HIL_PROGRAM := $(BUILD)/bin/hil
 $(HIL_PROGRAM): $(call objects,hil_tests/cases/main.cpp $(HIL_REFERENCE)) $(foreach lib,$(HIL_LIBS),$(call lib_file,$(lib)))
+	@mkdir -p $(@D)
+	$(Q) $(CXX) $^ -o $@ $(LDFLAGS) -lm $(HOST_LINK)
+HIL_RIG := $(BUILD)/bin/hil_rig
+$(HIL_RIG): $(call objects,hil_tests/rig/main.cpp) $(foreach lib,$(HIL_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $(@D)
 	$(Q) $(CXX) $^ -o $@ $(LDFLAGS) -lm $(HOST_LINK)
 HIL_CAMPAIGN := $(BUILD)/bin/hil_campaign
@@ -179,7 +183,7 @@ tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS
 
 # --- the USB side against the host's libraries: docs/usb.md --------------------------------------------------------------
 HIL_FOLDER := $(BUILD)/hil
-USB_CHECKS := $(HIL_FOLDER)/app_check $(HIL_FOLDER)/usb_check $(HIL_FOLDER)/hid_check_hidraw $(HIL_FOLDER)/hid_check_libusb
+USB_CHECKS := $(HIL_FOLDER)/unplug $(HIL_FOLDER)/app_check $(HIL_FOLDER)/usb_check $(HIL_FOLDER)/hid_check_hidraw $(HIL_FOLDER)/hid_check_libusb
 define hil_rule
 $(HIL_FOLDER)/$(1): $(call objects,$(2)) $(foreach lib,$(DEVICE_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $$(@D)
@@ -187,6 +191,7 @@ $(HIL_FOLDER)/$(1): $(call objects,$(2)) $(foreach lib,$(DEVICE_LIBS),$(call lib
 endef
 $(eval $(call hil_rule,bridge,hil_tests/l3/bridge.c,-lusbredirparser))
 $(eval $(call hil_rule,usb_check,hil_tests/library/usb_check.c hil_tests/library/check.c,-lusb-1.0))
+$(eval $(call hil_rule,unplug,hil_tests/library/unplug.c,-lusb-1.0))
 $(eval $(call hil_rule,app_check,hil_tests/library/app_check.c hil_tests/library/check.c $(REFERENCE),-lusb-1.0 -lm))
 $(eval $(call hil_rule,hid_check_hidraw,hil_tests/library/hid_check.c hil_tests/library/check.c,-lhidapi-hidraw))
 $(eval $(call hil_rule,hid_check_libusb,hil_tests/library/hid_check.c hil_tests/library/check.c,-lhidapi-libusb))
@@ -195,16 +200,14 @@ $(BUILD)/obj/hil_tests/l2/%.c.o: CFLAGS += $(patsubst -I%,-isystem %,$(shell pkg
 $(eval $(call hil_rule,mock_bus,$(wildcard hil_tests/l2/*.c),-lumockdev -lgobject-2.0 -lglib-2.0))
 hil-programs: $(HIL_FOLDER)/bridge $(HIL_FOLDER)/mock_bus $(USB_CHECKS) ## build the programs of hil-mock and hil-guest
 
-hil-mock: packages-usb packages-matrix ## libusb and hidapi see the device by umockdev, on a machine without USB
-	@$(QUIET_MAKE) hil-programs $(IMAGE)
+hil-mock: packages-usb packages-hil ## level L2: libusb and hidapi see the device by umockdev, on a machine without USB
+	@$(QUIET_MAKE) $(HIL_LEVELS) hil-programs
 	@HIL=$(HIL_FOLDER) hil_tests/l2/test_l2.sh
+	@$(HIL_PROGRAM) --level L2 $(HIL_L2)
 
-hil-guest: packages-usb packages-matrix ## the device behind a real Linux: Debian's kernel in QEMU, xHCI, libusb, hidapi
-	@$(QUIET_MAKE) hil-programs $(IMAGE)
-	@hil_tests/l3/run_guest.py --bridge $(HIL_FOLDER)/bridge --kernel $(HIL_FOLDER)/kernel --here hil_tests/l3/checks.sh
-	@hil_tests/l3/run_guest.py --bridge $(HIL_FOLDER)/bridge --kernel $(HIL_FOLDER)/kernel --app hil_tests/l3/checks_app.sh
-	@hil_tests/usb/with_image.py $(IMAGE) hil_tests/l3/run_guest.py --bridge $(HIL_FOLDER)/bridge --kernel $(HIL_FOLDER)/kernel \
-	    --mailbox '{mailbox}' hil_tests/l3/checks_app.sh
+hil-guest: packages-usb packages-hil ## level L3: the device behind a real Linux: Debian's kernel in QEMU, xHCI, libusb, hidapi
+	@$(QUIET_MAKE) $(HIL_LEVELS) hil-programs $(SCENE)
+	@$(HIL_PROGRAM) --level L3 $(HIL_L3)
 
 # A fuzz target (fuzz_*.c) is one libFuzzer program and one that writes its first inputs: docs/testing.md.
 FUZZ_TARGETS := $(wildcard firmware/tests/fuzz_*.c shared/*/tests/fuzz_*.c hil_tests/fuzz_*.c)
@@ -310,13 +313,29 @@ $(BUILD)/firmware/obj/%.c.o: %.c
 $(IMAGE): $(IMAGE_SOURCES:%=$(BUILD)/firmware/obj/%.o) $(IMAGE_FOLDER)/device.ld
 	$(Q) $(M7_CC) -mcpu=cortex-m7 -mthumb -mfloat-abi=soft -nostdlib -Wl,--gc-sections -T $(IMAGE_FOLDER)/device.ld $(filter %.o,$^) -o $@ -lgcc
 
-HIL_LEVELS := $(HIL_PROGRAM) $(HIL_CAMPAIGN) $(IMAGE)
+HIL_LEVELS := $(HIL_RIG) $(HIL_PROGRAM) $(HIL_CAMPAIGN) $(IMAGE) $(BUILD)/bin/seldinger
+HIL_LED ?= 15# seconds of a session that the rig leads
+ON_USB := BUILD=$(BUILD) HIL=$(HIL_FOLDER) SECONDS_LED=$(HIL_LED) hil_tests/on_usb.sh
+hil_also = --also "$(1) $(3) $(ON_USB) $(1) $(2)"
+hil_usb = $(call hil_also,$(1),checks,libusb_and_hidapi) $(call hil_also,$(1),app,the_whole_app) $(call hil_also,$(1),cases,the_same_cases_on_the_image) \
+          $(call hil_also,$(1),aorta,aorta_session_by_seldinger) $(call hil_also,$(1),free_run,a_session_that_the_rig_leads) \
+          $(call hil_also,$(1),unplug,unplugged_in_a_session) $(call hil_also,$(1),two,two_rigs_by_serial_number)
+HIL_L2 := $(call hil_usb,L2)
+HIL_L3 := $(call hil_usb,L3)
 
-hil: packages-build packages-run packages-hil packages-usb ## every level of emulation with every case, and the aorta session: docs/hil.md
+hil: packages-build packages-run packages-hil packages-usb packages-matrix ## every level of emulation with every case, and the aorta session: docs/hil.md
 	@$(QUIET_MAKE) $(HIL_LEVELS) hil-programs
 	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
-	@$(HIL_PROGRAM) --scene $(SCENE) --also "L0 faults_on_purpose $(HIL_CAMPAIGN)" --also "L2 libusb_and_hidapi_by_umockdev HIL=$(HIL_FOLDER) hil_tests/l2/test_l2.sh" \
-	    --also "L3 Debians_kernel_in_qemu $(MAKE) --no-print-directory PACKAGES=skip hil-guest"
+	@$(HIL_PROGRAM) --scene $(SCENE) --also "L0 faults_on_purpose $(HIL_CAMPAIGN)" $(HIL_L2) $(HIL_L3) \
+	    --also "L4 one_hash_on_five_machines tools/check/matrix.py --short --jobs $(JOBS)"
+
+hil-full: ## make hil with sessions of a minute led by the rig, and all faults at L2 and L3
+	@SHORT="--pause 1" LIMIT=600 $(MAKE) --no-print-directory hil HIL_LED=60
+
+hil-rig: packages-build packages-run packages-usb ## the cases that need no plant on a rig of metal: make hil-rig SERIAL=...
+	@$(QUIET_MAKE) $(HIL_PROGRAM)
+	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
+	@$(HIL_PROGRAM) --level rig --serial "$(SERIAL)" --scene $(SCENE)
 
 # The real board's image, never run on hardware: docs/porting.md
 RT1062_IMAGE   := $(BUILD)/firmware/seldinger-imxrt1062.elf

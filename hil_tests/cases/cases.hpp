@@ -20,6 +20,9 @@ class Failure : public std::runtime_error
 // Figures of a case, for the table: "power off after 5 ms".
 struct Report {
     std::string text;
+    std::string hash;              // of the aorta session
+    double worst_instructions = 0; // of a tick
+    int cases = 1, passed = 1;     // of a command that ran several
     void add(const std::string &figure) { text += (text.empty() ? "" : "; ") + figure; }
 };
 
@@ -27,11 +30,13 @@ struct CaseOptions {
     double pause_s = 0.2;        // how long a pause lasts in our time
     std::uint32_t ticks = 400;   // of sessions in LOCKSTEP
     std::uint32_t free_ms = 600; // of sessions in FREE_RUN
+    std::uint32_t spread = 1;    // of the rig's faults every so many, where time is short
 };
 
 struct Case {
     const char *name;
     void (*run)(Level &level, const CaseOptions &options, Report &report);
+    bool needs_plant = true; // false: also on a rig of metal, whose hands rest and whose sensors are well
 };
 
 std::span<const Case> all_cases();

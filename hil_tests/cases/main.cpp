@@ -2,15 +2,18 @@
 #include "hil_tests/cases/budget.hpp"
 #include "hil_tests/cases/cases.hpp"
 #include "hil_tests/cases/conversation.hpp"
+#include "hil_tests/cases/remote_bench.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include "host/app/interrupt.hpp"
 #include "host/link/sim_transport.hpp"
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <sys/wait.h>
 #include <vector>
 
 namespace
@@ -19,7 +22,7 @@ namespace
 using Clock = std::chrono::steady_clock;
 
 struct Options {
-    std::string level, case_name, debugger;
+    std::string level, case_name, debugger, bench, serial;
     std::vector<std::string> also;
     bool lists = false, only_aorta = false, without_aorta = false;
     std::uint32_t ticks_max = UINT32_MAX;
@@ -28,8 +31,16 @@ struct Options {
 };
 
 struct Row {
-    std::string level, name, figures, failure;
+    std::string level, name, failure;
+    hil::Report report;
     double seconds;
+};
+
+// One line per level.
+struct Sum {
+    std::string level, hash;
+    int cases = 0, passed = 0;
+    double seconds = 0.0, worst_instructions = 0.0;
 };
 
 class Table
@@ -49,7 +60,8 @@ class Table
             failure = error.what();
         }
         const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-        rows_.push_back({level, name, report.text, failure, seconds});
+        if (!failure.empty() && report.passed == report.cases) report.passed = 0;
+        rows_.push_back({level, name, failure, report, seconds});
         if (!failure.empty()) std::fprintf(stderr, "     FAILED: %s\n", failure.c_str());
     }
 
@@ -60,16 +72,40 @@ class Table
         std::printf("\n%-5s %-6s %7s  %s\n", "level", "result", "s", "case: figures");
         for (const Row &row : rows_) {
             failed += !row.failure.empty();
-            std::printf("%-5s %-6s %7.2f  %s: %s\n", row.level.c_str(), row.failure.empty() ? "ok" : "FAILED",
-                        row.seconds, row.name.c_str(),
-                        row.failure.empty() ? row.figures.c_str() : row.failure.c_str());
+            std::printf("%-5s %-6s %7.2f  %s: %s%s%s\n", row.level.c_str(),
+                        row.failure.empty() ? "ok" : "FAILED", row.seconds, row.name.c_str(),
+                        row.failure.c_str(), row.failure.empty() || row.report.text.empty() ? "" : "; ",
+                        row.report.text.c_str());
         }
+        print_sums();
         std::printf("%zu passed, %d failed%s\n", rows_.size() - static_cast<std::size_t>(failed), failed,
                     seld::is_interrupted() ? ", interrupted" : "");
         return failed;
     }
 
   private:
+    void print_sums() const
+    {
+        std::vector<Sum> sums;
+        for (const Row &row : rows_) {
+            const auto there = std::find_if(sums.begin(), sums.end(),
+                                            [&](const Sum &sum) { return sum.level == row.level; });
+            Sum &sum = there != sums.end() ? *there : sums.emplace_back(Sum{.level = row.level, .hash = {}});
+            sum.cases += row.report.cases;
+            sum.passed += row.report.passed;
+            sum.seconds += row.seconds;
+            if (!row.report.hash.empty() && sum.hash.empty()) sum.hash = row.report.hash;
+            sum.worst_instructions = std::max(sum.worst_instructions, row.report.worst_instructions);
+        }
+        std::printf("\n%-5s %6s %6s %8s  %-16s  %s\n", "level", "cases", "passed", "s", "aorta session",
+                    "worst instructions of a tick");
+        for (const Sum &sum : sums) {
+            std::printf("%-5s %6d %6d %8.2f  %-16s  %s\n", sum.level.c_str(), sum.cases, sum.passed,
+                        sum.seconds, sum.hash.empty() ? "-" : sum.hash.c_str(),
+                        sum.worst_instructions > 0 ? hil::text("%.0f", sum.worst_instructions).c_str() : "-");
+        }
+    }
+
     std::vector<Row> rows_;
 };
 
@@ -85,6 +121,7 @@ std::string hex(std::uint64_t hash)
 
 void check_hash(const hil::AortaRun &expected, const hil::AortaRun &run, hil::Report &report)
 {
+    report.hash = hex(run.hash);
     report.add(hil::text("%u ticks, hash %s, %.1f times real time", unsigned{run.ticks},
                          hex(run.hash).c_str(), run.ticks * 1e-3 / run.seconds));
     hil::check(run.hash == expected.hash && run.ticks == expected.ticks,
@@ -98,6 +135,7 @@ void judge_instructions(const hil::AortaRun &run, hil::Report &report)
     const double median = hil::quantile_of(run.tick_instructions, 0.5),
                  rare = hil::quantile_of(run.tick_instructions, 0.999),
                  most = hil::quantile_of(run.tick_instructions, 1.0);
+    report.worst_instructions = most;
     std::size_t twice = 0;
     for (std::uint16_t solves : run.tick_solves) twice += solves > 1;
     report.add(hil::text("%u elements: median %.0f, p99.9 %.0f, max %.0f instructions per tick, %zu of %zu "
@@ -115,10 +153,17 @@ void run_aorta(const Options &options, Table &table)
         expected = hil::run_aorta(pipe, options.files, options.ticks_max);
         check_hash(expected, expected, report);
     });
+    if (options.ticks_max == UINT32_MAX) setenv("AORTA_HASH", hex(expected.hash).c_str(), 1);
     if (is_wanted(options.level, "L0")) {
         table.run("L0", "aorta_session", [&](hil::Report &report) {
             hil::SimBench bench({});
             check_hash(expected, hil::run_aorta(bench.pipe(), options.files, options.ticks_max), report);
+        });
+    }
+    if (options.level == "rig") {
+        table.run("rig", "aorta_session", [&](hil::Report &report) {
+            const auto bench = hil::MetalLevel(options.serial).make({});
+            check_hash(expected, hil::run_aorta(bench->pipe(), options.files, options.ticks_max), report);
         });
     }
     if (!is_wanted(options.level, "L1")) return;
@@ -149,24 +194,53 @@ void run_aorta(const Options &options, Table &table)
     }
 }
 
+// What a command says while it runs goes on to the user; its cases are counted, and its figures are the lines with a dash behind
+// the number sign ("#- 3,000 round trips/s").
+void follow(const std::string &command, hil::Report &report)
+{
+    std::FILE *pipe = popen((command + " 2>&1").c_str(), "r");
+    hil::check(pipe != nullptr, "'%s' cannot be started", command.c_str());
+    char buffer[1024];
+    report.cases = report.passed = 0;
+    while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) {
+        std::fputs(buffer, stderr);
+        std::string line(buffer);
+        line.erase(line.find_last_not_of("\r\n") + 1);
+        // TAP, or a row of a table as this program's.
+        const bool is_row = line.size() > 12 && line[0] == 'L' && line[2] == ' ';
+        const bool is_ok = line.starts_with("ok ") || (is_row && line.compare(6, 6, "ok    ") == 0);
+        const bool is_not_ok = line.starts_with("not ok ") || (is_row && line.compare(6, 6, "FAILED") == 0);
+        report.cases += is_ok || is_not_ok;
+        report.passed += is_ok;
+        if (line.starts_with("# link.")) report.add(line.substr(2));
+        if (line.starts_with("#- ")) report.add(line.substr(3));
+        if (line.starts_with("# final hash ")) report.hash = line.substr(line.find_last_of(' ') + 1);
+    }
+    const int status = pclose(pipe);
+    if (report.cases == 0) report.cases = report.passed = 1;
+    hil::check(status == 0, "'%s' ended with %d", command.c_str(),
+               WIFEXITED(status) ? WEXITSTATUS(status) : status);
+}
+
 void run_commands(const Options &options, Table &table)
 {
     for (const std::string &words : options.also) {
         const std::size_t first = words.find(' '), second = words.find(' ', first + 1);
         if (first == std::string::npos || second == std::string::npos) continue;
-        const std::string command = words.substr(second + 1);
-        table.run(words.substr(0, first), words.substr(first + 1, second - first - 1),
-                  [&](hil::Report &report) {
-                      const int status = std::system((command + " 1>&2").c_str());
-                      hil::check(status == 0, "'%s' ended with %d", command.c_str(), status);
-                      report.add(command);
-                  });
+        const std::string level = words.substr(0, first);
+        if (!is_wanted(options.level, level.c_str())) continue;
+        table.run(level, words.substr(first + 1, second - first - 1),
+                  [&](hil::Report &report) { follow(words.substr(second + 1), report); });
     }
 }
 
 void parse(CLI::App &app, Options &options)
 {
-    app.add_option("--level", options.level, "Only this level: L0 or L1")->check(CLI::IsMember({"L0", "L1"}));
+    app.add_option("--level", options.level,
+                   "Only this level; the cases of L2 and L3 need a --bench, rig is one on USB here")
+        ->check(CLI::IsMember({"L0", "L1", "L2", "L3", "rig"}));
+    app.add_option("--bench", options.bench, "L2, L3: the bench of a hil_rig, whose device is on USB here");
+    app.add_option("--serial", options.serial, "L2, L3, rig: of the device, with several");
     app.add_option("--case", options.case_name, "Only this case");
     app.add_option("--gdb", options.debugger, "Socket on which the emulated device waits for gdb");
     app.add_flag("--list", options.lists, "Names of the cases");
@@ -179,6 +253,9 @@ void parse(CLI::App &app, Options &options)
     app.add_option("--ticks", options.cases.ticks, "Ticks of sessions in LOCKSTEP")->capture_default_str();
     app.add_option("--free-run", options.cases.free_ms, "Milliseconds of sessions in FREE_RUN")
         ->capture_default_str();
+    app.add_option("--spread", options.cases.spread, "Of the rig's faults only every so many")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 1000));
     app.add_option("--also", options.also,
                    "\"LEVEL NAME COMMAND\": one more row, passed when the command ends with 0")
         ->expected(1)
@@ -208,10 +285,16 @@ int main(int argc, char **argv)
     hil::SimLevel l0;
     hil::EmulatedLevel l1(0, options.debugger);
     bool is_known = options.case_name.empty();
-    for (hil::Level *level : {static_cast<hil::Level *>(&l0), static_cast<hil::Level *>(&l1)}) {
+    hil::RemoteLevel remote(options.level, options.bench, options.serial);
+    std::vector<hil::Level *> levels = {&l0, &l1};
+    hil::MetalLevel metal(options.serial);
+    if (!options.bench.empty()) levels = {&remote};
+    if (options.level == "rig") levels = {&metal};
+    for (hil::Level *level : levels) {
         for (const hil::Case &one : hil::all_cases()) {
             if (!is_wanted(options.case_name, one.name)) continue;
             is_known = true;
+            if (level == &metal && one.needs_plant) continue;
             if (options.only_aorta || !is_wanted(options.level, level->name())) continue;
             table.run(level->name(), one.name,
                       [&](hil::Report &report) { one.run(*level, options.cases, report); });
@@ -222,7 +305,6 @@ int main(int argc, char **argv)
         return 2;
     }
     if (options.case_name.empty() && !options.without_aorta) run_aorta(options, table);
-    if (options.case_name.empty() && options.level.empty() && !options.only_aorta)
-        run_commands(options, table);
+    if (options.case_name.empty() && !options.only_aorta) run_commands(options, table);
     return table.print() == 0 && !seld::is_interrupted() ? 0 : 1;
 }

@@ -92,10 +92,12 @@ const Fault sensor_faults[] = {
     {"supply of the motors gone", [](Plant &p) { p.supply_good = false; }},
 };
 
-void every_fault_of_the_rig_is_safe_in_5_ms_and_latched(Level &level, const CaseOptions &, Report &report)
+void every_fault_of_the_rig_is_safe_in_5_ms_and_latched(Level &level, const CaseOptions &options,
+                                                        Report &report)
 {
-    int worst_ms = 0;
-    for (const Fault &fault : sensor_faults) {
+    int worst_ms = 0, faults = 0;
+    for (std::size_t i = 0; i < std::size(sensor_faults); i += options.spread, faults++) {
+        const Fault &fault = sensor_faults[i];
         Running session(level);
         fault.inject(session.bench->plant());
         const int ms = session.time_to_safe_ms(100);
@@ -106,7 +108,7 @@ void every_fault_of_the_rig_is_safe_in_5_ms_and_latched(Level &level, const Case
         session.check_latched();
         worst_ms = std::max(worst_ms, ms);
     }
-    report.add(text("%zu faults, safe after %d ms at most", std::size(sensor_faults), worst_ms));
+    report.add(text("%d faults, safe after %d ms at most", faults, worst_ms));
 }
 
 // A debugger stops the processor; the power stage watches the drive line by itself, and the device finds out afterwards.

@@ -1,6 +1,7 @@
 // Sessions: the same hashes wherever the device runs, and time that may stand still.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
+#include <chrono>
 
 namespace hil
 {
@@ -68,8 +69,34 @@ void a_free_run_closes_the_loop_as_at_level_0(Level &level, const CaseOptions &o
                     places_m[1] * 1e3, peaks_N[1]));
 }
 
+// Question and answer, one after the other, for a second of ours: every one is answered, and none is lost on the way.
+void every_question_is_answered(Level &level, const CaseOptions &, Report &report)
+{
+    using Clock = std::chrono::steady_clock;
+    const auto bench = level.make({});
+    seld::Link link(bench->pipe());
+    link.hello();
+    const seld_wire_status before = link.read_status();
+    const Clock::time_point begin = Clock::now();
+    int count = 0;
+    while (Clock::now() - begin < std::chrono::seconds(1)) {
+        link.read_status();
+        count++;
+    }
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    const seld_wire_status after = link.read_status();
+    check(after.frames_bad == before.frames_bad && after.sequence_gaps == before.sequence_gaps &&
+              after.transmit_dropped == before.transmit_dropped,
+          "of %d questions %u came broken, %u not at all, %u answers were not sent", count,
+          unsigned{after.frames_bad - before.frames_bad},
+          unsigned{after.sequence_gaps - before.sequence_gaps},
+          unsigned{after.transmit_dropped - before.transmit_dropped});
+    report.add(text("%.0f round trips/s of the whole link", count / seconds));
+}
+
 constexpr Case cases[] = {
-    {"lockstep_gives_the_hash_of_the_host_alone", lockstep_gives_the_hash_of_the_host_alone},
+    {"lockstep_gives_the_hash_of_the_host_alone", lockstep_gives_the_hash_of_the_host_alone, false},
+    {"every_question_is_answered", every_question_is_answered, false},
     {"a_pause_in_lockstep_changes_nothing", a_pause_in_lockstep_changes_nothing},
     {"a_free_run_closes_the_loop_as_at_level_0", a_free_run_closes_the_loop_as_at_level_0},
 };

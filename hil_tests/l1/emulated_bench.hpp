@@ -21,8 +21,6 @@ class EmulatedBench final : public Bench
     seld_port_outputs restart() override;
 
   private:
-    seld_port_outputs outputs_now();
-
     seld::Emulator emulator_;
     seld::EmulatedTransport pipe_;
 };

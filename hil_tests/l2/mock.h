@@ -1,5 +1,4 @@
-/* What the files of level L2 share: the device, its transfers, and the nodes under which programs see it. One lock guards it
- * all; programs' calls are answered by umockdev's thread, the bus moves in another.
+/* What the files of level L2 share: a device, its transfers, and the nodes under which programs see it. One lock guards each; programs' calls are answered by umockdev's thread, the bus moves in another.
  *
  * Programs poll their nodes, and a plain file is always ready: then libusb would spin. So a node is a FIFO: /dev/bus/usb/...
  * is ready for writing (that is how usbfs says it) while a transfer is done and not reaped, and full otherwise; /dev/hidraw0
@@ -33,7 +32,9 @@ typedef struct mock {
     UMockdevTestbed *testbed;
     UMockdevIoctlBase *usbfs, *hidraw;
     char *root;
-    bool is_plugged, is_over;
+    bool is_plugged;
+    unsigned number; /* of the device, from 0 */
+    char usb_path[64], hid_path[96], usb_node[32], hid_node[32];
 
     mock_urb *first; /* in the order they were sent */
     int usbfs_fifo, hidraw_fifo;

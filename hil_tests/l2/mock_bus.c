@@ -1,10 +1,12 @@
-/* Level L2: runs a program that sees a rig on USB, on a machine without USB. umockdev, loaded into the program, sends its calls
- * to /dev/bus/usb and /dev/hidraw0 here; here they become tokens for the device on the mailbox. The program and its libraries
+/* Level L2: runs a program that sees rigs on USB, on a machine without USB. umockdev, loaded into the program, sends its calls
+ * to /dev/bus/usb and /dev/hidraw* here; here they become tokens for the device on the mailbox. The program and its libraries
  * are the ones that ship.
  *
  *   umockdev-wrapper mock_bus --here -- PROGRAM ARGUMENT...     the loop-back rig
  *   umockdev-wrapper mock_bus --app -- PROGRAM ARGUMENT...      the whole app
  *   umockdev-wrapper mock_bus --mailbox FILE:OFFSET -- PROGRAM ARGUMENT...
+ *
+ * Several devices may be named, --here and --app once each.
  *
  * The exit code is the program's; 1 when the device does not come up, 2 for bad arguments.
  *
@@ -15,18 +17,18 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
-#define USB_PATH "/devices/usb1/1-1"
-#define HID_PATH USB_PATH "/1-1:1.0/0003:1209:0001.0001"
-#define USB_NODE "/dev/bus/usb/001/002"
-#define HID_NODE "/dev/hidraw0"
+enum { STEP_us = 100, PROGRAM_SECONDS = 200, DEVICES_MAX = 4 };
 
-enum { STEP_us = 100, PROGRAM_SECONDS = 60 };
+static mock mocks[DEVICES_MAX];
+static unsigned mock_count;
+static atomic_bool is_over;
 
 /* --- the tree of devices, as udev and sysfs tell it --- */
 static void append_hex(GString *text, const uint8_t *bytes, uint32_t count)
@@ -47,25 +49,31 @@ static char *read_serial(mock *m)
 
 static char *describe(mock *m, const uint8_t *descriptors, uint32_t count)
 {
-    GString *text =
-        g_string_new("P: " USB_PATH "\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\n"
-                     "E: BUSNUM=001\nE: DEVNUM=002\nE: DEVNAME=" USB_NODE "\nE: MAJOR=189\nE: MINOR=1\n"
-                     "A: busnum=1\\n\nA: devnum=2\\n\nA: bConfigurationValue=1\\n\nA: speed=480\\n\n");
+    GString *text = g_string_new(NULL);
     char *serial = read_serial(m);
+    g_string_append_printf(text,
+                           "P: %s\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\n"
+                           "E: BUSNUM=001\nE: DEVNUM=%03u\nE: DEVNAME=%s\nE: MAJOR=189\nE: MINOR=%u\n"
+                           "A: busnum=1\\n\nA: devnum=%u\\n\nA: bConfigurationValue=1\\n\nA: speed=480\\n\n",
+                           m->usb_path, m->number + 2, m->usb_node, m->number + 1, m->number + 2);
     g_string_append_printf(
         text,
         "A: idVendor=%02x%02x\\n\nA: idProduct=%02x%02x\\n\nA: serial=%s\\n\nH: descriptors=", descriptors[9],
         descriptors[8], descriptors[11], descriptors[10], serial);
     append_hex(text, descriptors, count);
-    g_string_append(text,
-                    "\n\nP: " USB_PATH
-                    "/1-1:1.0\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_interface\nA: bInterfaceNumber=00\\n\n");
     g_string_append_printf(text,
-                           "\nP: " HID_PATH "\nE: SUBSYSTEM=hid\nE: HID_ID=0003:0000%02X%02X:0000%02X%02X\n"
+                           "\n\nP: %s/1-%u:1.0\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_interface\nA: "
+                           "bInterfaceNumber=00\\n\n",
+                           m->usb_path, m->number + 1);
+    g_string_append_printf(text,
+                           "\nP: %s\nE: SUBSYSTEM=hid\nE: HID_ID=0003:0000%02X%02X:0000%02X%02X\n"
                            "E: HID_NAME=Seldinger rig\nE: HID_UNIQ=%s\n",
-                           descriptors[9], descriptors[8], descriptors[11], descriptors[10], serial);
-    g_string_append(text, "\nP: " HID_PATH "/hidraw/hidraw0\nE: SUBSYSTEM=hidraw\nE: DEVNAME=" HID_NODE
-                          "\nE: MAJOR=244\nE: MINOR=0\nL: device=../../../0003:1209:0001.0001\n\n");
+                           m->hid_path, descriptors[9], descriptors[8], descriptors[11], descriptors[10],
+                           serial);
+    g_string_append_printf(text,
+                           "\nP: %s/hidraw/hidraw%u\nE: SUBSYSTEM=hidraw\nE: DEVNAME=%s"
+                           "\nE: MAJOR=244\nE: MINOR=%u\nL: device=../../../0003:1209:0001.%04u\n\n",
+                           m->hid_path, m->number, m->hid_node, m->number, m->number + 1);
     g_free(serial);
     return g_string_free(text, FALSE);
 }
@@ -113,6 +121,13 @@ static bool enumerate(mock *m, uint8_t *descriptors, uint32_t *count)
     return usb_host_control(host, &configure, NULL, &device) == USB_OK;
 }
 
+static void tell(mock *m, const char *what)
+{
+    char *path = g_strdup_printf("/sys%s", m->usb_path);
+    umockdev_testbed_uevent(m->testbed, path, what);
+    g_free(path);
+}
+
 static bool plug(mock *m)
 {
     uint8_t descriptors[1024];
@@ -127,32 +142,36 @@ static bool plug(mock *m)
         return false;
     }
     g_free(text);
-    m->usbfs_fifo = make_fifo(m, USB_NODE);
-    m->hidraw_fifo = make_fifo(m, HID_NODE);
+    m->usbfs_fifo = make_fifo(m, m->usb_node);
+    m->hidraw_fifo = make_fifo(m, m->hid_node);
     m->usbfs_is_full = false;
     m->report_count = 0;
     m->is_plugged = m->usbfs_fifo >= 0 && m->hidraw_fifo >= 0 &&
-                    umockdev_testbed_attach_ioctl(m->testbed, USB_NODE, m->usbfs, NULL) &&
-                    umockdev_testbed_attach_ioctl(m->testbed, HID_NODE, m->hidraw, NULL);
+                    umockdev_testbed_attach_ioctl(m->testbed, m->usb_node, m->usbfs, NULL) &&
+                    umockdev_testbed_attach_ioctl(m->testbed, m->hid_node, m->hidraw, NULL);
     mock_usbfs_unplugged(m); /* nothing is under way: the node is filled */
-    umockdev_testbed_uevent(m->testbed, "/sys" USB_PATH, "add");
+    tell(m, "add");
     return m->is_plugged;
 }
 
 static void unplug(mock *m)
 {
-    static const char *const paths[] = {"/sys" USB_PATH, "/sys" USB_PATH "/1-1:1.0", "/sys" HID_PATH,
-                                        "/sys" HID_PATH "/hidraw/hidraw0"};
     m->is_plugged = false;
     m->hidraw_is_reading = false;
     mock_usbfs_unplugged(m);
-    umockdev_testbed_uevent(m->testbed, "/sys" USB_PATH, "remove");
-    umockdev_testbed_detach_ioctl(m->testbed, USB_NODE, NULL);
-    umockdev_testbed_detach_ioctl(m->testbed, HID_NODE, NULL);
-    for (int i = (int)G_N_ELEMENTS(paths) - 1; i >= 0; i--)
+    tell(m, "remove");
+    umockdev_testbed_detach_ioctl(m->testbed, m->usb_node, NULL);
+    umockdev_testbed_detach_ioctl(m->testbed, m->hid_node, NULL);
+    char *const paths[] = {g_strdup_printf("/sys%s/hidraw/hidraw%u", m->hid_path, m->number),
+                           g_strdup_printf("/sys%s", m->hid_path),
+                           g_strdup_printf("/sys%s/1-%u:1.0", m->usb_path, m->number + 1),
+                           g_strdup_printf("/sys%s", m->usb_path)};
+    for (unsigned i = 0; i < G_N_ELEMENTS(paths); i++) {
         umockdev_testbed_remove_device(m->testbed, paths[i]);
-    remove_node(m, USB_NODE);
-    remove_node(m, HID_NODE);
+        g_free(paths[i]);
+    }
+    remove_node(m, m->usb_node);
+    remove_node(m, m->hid_node);
     close(m->usbfs_fifo);
     close(m->hidraw_fifo);
 }
@@ -171,7 +190,7 @@ static void *run_bus(void *context)
 {
     mock *m = context;
     const struct timespec pause = {0, STEP_us * 1000};
-    for (bool is_over = false; !is_over;) {
+    while (!is_over) {
         pthread_mutex_lock(&m->lock);
         const usb_host *host = m->peer.host;
         usb_peer_run(&m->peer);
@@ -184,7 +203,6 @@ static void *run_bus(void *context)
             plug(m);
         mock_hidraw_step(m);
         while (usb_urbs_step(&m->urbs)) usb_peer_run(&m->peer);
-        is_over = m->is_over;
         pthread_mutex_unlock(&m->lock);
         nanosleep(&pause, NULL);
     }
@@ -208,47 +226,79 @@ static int run_program(char **arguments)
     return 1;
 }
 
+/* --- devices --- */
+static void name_nodes(mock *m, unsigned number)
+{
+    m->number = number;
+    snprintf(m->usb_path, sizeof m->usb_path, "/devices/usb1/1-%u", number + 1);
+    snprintf(m->hid_path, sizeof m->hid_path, "/devices/usb1/1-%u/1-%u:1.0/0003:1209:0001.%04u", number + 1,
+             number + 1, number + 1);
+    snprintf(m->usb_node, sizeof m->usb_node, "/dev/bus/usb/001/%03u", number + 2);
+    snprintf(m->hid_node, sizeof m->hid_node, "/dev/hidraw%u", number);
+}
+
+/* NULL, or what is wrong. `used` words name devices. */
+static const char *open_devices(int count, char **words, int *used)
+{
+    const char *wrong = NULL;
+    *used = 0;
+    while (wrong == NULL && mock_count < DEVICES_MAX && *used < count && strcmp(words[*used], "--") != 0) {
+        int more = 0;
+        wrong = usb_peer_open(&mocks[mock_count].peer, count - *used, words + *used, &more);
+        name_nodes(&mocks[mock_count], mock_count);
+        mock_count++;
+        *used += more;
+    }
+    if (wrong == NULL && mock_count == 0) wrong = "no device is named";
+    if (wrong == NULL && (*used + 1 >= count || strcmp(words[*used], "--") != 0))
+        wrong = "a program comes behind --";
+    return wrong;
+}
+
+static void make_nodes(mock *m, UMockdevTestbed *testbed)
+{
+    pthread_mutex_init(&m->lock, NULL);
+    m->testbed = testbed;
+    m->root = umockdev_testbed_get_root_dir(testbed);
+    m->usbfs = umockdev_ioctl_base_new();
+    m->hidraw = umockdev_ioctl_base_new();
+    g_signal_connect(m->usbfs, "handle-ioctl", G_CALLBACK(mock_usbfs_ioctl), m);
+    g_signal_connect(m->usbfs, "client-vanished", G_CALLBACK(mock_usbfs_vanished), m);
+    g_signal_connect(m->hidraw, "handle-ioctl", G_CALLBACK(mock_hidraw_ioctl), m);
+    g_signal_connect(m->hidraw, "handle-read", G_CALLBACK(mock_hidraw_read), m);
+    g_signal_connect(m->hidraw, "handle-write", G_CALLBACK(mock_hidraw_write), m);
+    g_signal_connect(m->hidraw, "client-connected", G_CALLBACK(mock_hidraw_connected), m);
+    g_signal_connect(m->hidraw, "client-vanished", G_CALLBACK(mock_hidraw_vanished), m);
+    m->urbs = (usb_urbs){.host = m->peer.host, .complete = on_complete, .context = m};
+}
+
 int main(int argc, char **argv)
 {
-    static mock m;
-    pthread_t bus;
+    pthread_t buses[DEVICES_MAX];
     int used = 0;
-    const char *wrong = usb_peer_open(&m.peer, argc - 1, argv + 1, &used);
-    if (wrong == NULL && (argc < used + 3 || strcmp(argv[used + 1], "--") != 0))
-        wrong = "a program comes behind --";
+    const char *wrong = open_devices(argc - 1, argv + 1, &used);
     if (wrong != NULL) {
         fprintf(stderr,
-                "mock_bus: %s\nusage: mock_bus (--here | --app | --mailbox FILE[:OFFSET]) -- PROGRAM\n",
+                "mock_bus: %s\nusage: mock_bus (--here | --app[=SERIAL] | --mailbox FILE[:OFFSET])... -- "
+                "PROGRAM\n",
                 wrong);
         return 2;
     }
-    pthread_mutex_init(&m.lock, NULL);
-    m.testbed = umockdev_testbed_new();
+    UMockdevTestbed *testbed = umockdev_testbed_new();
     if (!umockdev_in_mock_environment()) {
         fprintf(stderr, "mock_bus: run it by umockdev-wrapper\n");
         return 2;
     }
-    m.root = umockdev_testbed_get_root_dir(m.testbed);
-    m.usbfs = umockdev_ioctl_base_new();
-    m.hidraw = umockdev_ioctl_base_new();
-    g_signal_connect(m.usbfs, "handle-ioctl", G_CALLBACK(mock_usbfs_ioctl), &m);
-    g_signal_connect(m.usbfs, "client-vanished", G_CALLBACK(mock_usbfs_vanished), &m);
-    g_signal_connect(m.hidraw, "handle-ioctl", G_CALLBACK(mock_hidraw_ioctl), &m);
-    g_signal_connect(m.hidraw, "handle-read", G_CALLBACK(mock_hidraw_read), &m);
-    g_signal_connect(m.hidraw, "handle-write", G_CALLBACK(mock_hidraw_write), &m);
-    g_signal_connect(m.hidraw, "client-connected", G_CALLBACK(mock_hidraw_connected), &m);
-    g_signal_connect(m.hidraw, "client-vanished", G_CALLBACK(mock_hidraw_vanished), &m);
-    m.urbs = (usb_urbs){.host = m.peer.host, .complete = on_complete, .context = &m};
-    if (!plug(&m)) {
+    for (unsigned i = 0; i < mock_count; i++) {
+        make_nodes(&mocks[i], testbed);
+        if (plug(&mocks[i])) continue;
         fprintf(stderr, "mock_bus: no device answers\n");
         return 1;
     }
-    pthread_create(&bus, NULL, run_bus, &m);
+    for (unsigned i = 0; i < mock_count; i++) pthread_create(&buses[i], NULL, run_bus, &mocks[i]);
     const int result = run_program(argv + used + 2);
-    pthread_mutex_lock(&m.lock);
-    m.is_over = true;
-    pthread_mutex_unlock(&m.lock);
-    pthread_join(bus, NULL);
-    g_object_unref(m.testbed);
+    is_over = true;
+    for (unsigned i = 0; i < mock_count; i++) pthread_join(buses[i], NULL);
+    g_object_unref(testbed);
     return result;
 }

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Debian's own kernel for the guest of level L3: fetches the packages, takes out of them what the guest needs.
 
-  kernel.py FOLDER     leaves FOLDER/vmlinux and FOLDER/initrd; does nothing when they are there
+  kernel.py FOLDER     leaves FOLDER/vmlinux and FOLDER/initrd; does nothing when they are there and of this program
 
 The kernel is the one that the package linux-image-amd64 depends on today. It is unpacked, never installed. vmlinux is the
 payload of vmlinuz: without the real-mode stub and its own unpacking the guest boots three seconds sooner. The initrd holds
-busybox, the modules for 9p, xHCI and HID with all that they depend on, and an init that runs one command in the host's own
-file tree, read-only."""
+busybox, the modules for 9p, xHCI, HID and a virtual serial port with all that they depend on, and an init that runs one script in
+the host's own file tree, read-only, with a folder of the host to write into at /mnt."""
+import hashlib
 import io
 import lzma
 import os
@@ -15,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 
-MODULES = ["virtio_pci", "9pnet_virtio", "9p", "xhci_pci", "usbhid", "hid_generic", "usbmon"]
+MODULES = ["virtio_pci", "virtio_console", "9pnet_virtio", "9p", "xhci_pci", "usbhid", "hid_generic", "usbmon"]
 XZ_MAGIC = b"\xfd7zXZ\x00"
 
 # What comes out of the serial line between the two marks is the command's; the last line is its exit code.
@@ -27,10 +28,10 @@ INIT = """#!/bin/sh
 for module in $(/bin/busybox cat /modules/order); do /bin/busybox insmod /modules/$module || echo "guest: no $module"; done
 /bin/busybox mount -t 9p -o trans=virtio,version=9p2000.L,ro,msize=262144 host /host || echo "guest: no file tree"
 for place in proc sys dev; do /bin/busybox mount -o bind /$place /host/$place; done
-command=$(/bin/busybox sed -n 's/.*seldinger_command=\\([^ ]*\\).*/\\1/p' /proc/cmdline)
-folder=$(/bin/busybox sed -n 's/.*seldinger_folder=\\([^ ]*\\).*/\\1/p' /proc/cmdline)
+/bin/busybox mount -t 9p -o trans=virtio,version=9p2000.L,msize=262144 out /host/mnt || echo "guest: nowhere to write"
+script=$(/bin/busybox sed -n 's/.*seldinger_script=\\([^ ]*\\).*/\\1/p' /proc/cmdline)
 echo "guest: up $(/bin/busybox cut -d' ' -f1 /proc/uptime)"
-/bin/busybox chroot /host /bin/sh -c "cd $folder && exec /bin/sh $command"
+/bin/busybox chroot /host /bin/sh "$script"
 echo "guest: exit $?"
 /bin/busybox poweroff -f
 """
@@ -144,9 +145,13 @@ def write(path, data):
 
 def prepare(folder):
     """(vmlinux, initrd), made when they are missing."""
-    vmlinux, initrd = os.path.join(folder, "vmlinux"), os.path.join(folder, "initrd")
-    if os.path.exists(vmlinux) and os.path.exists(initrd):
-        return vmlinux, initrd
+    vmlinux, initrd, stamp = (os.path.join(folder, name) for name in ("vmlinux", "initrd", "made_by"))
+    with open(os.path.abspath(__file__), "rb") as file:
+        made_by = hashlib.sha256(file.read()).hexdigest()
+    if all(os.path.exists(path) for path in (vmlinux, initrd, stamp)):
+        with open(stamp, encoding="ascii") as file:
+            if file.read() == made_by:
+                return vmlinux, initrd
     os.makedirs(folder, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder) as unpacked:
         fetch(unpacked)
@@ -155,6 +160,7 @@ def prepare(folder):
         with open(os.path.join(root, "boot", kernels[0]), "rb") as file:
             write(vmlinux, extract_vmlinux(file.read()))
         write(initrd, make_initrd(root))
+        write(stamp, made_by.encode())
     return vmlinux, initrd
 
 

@@ -1,18 +1,20 @@
 #!/usr/bin/env python3
-"""Level L3: runs shell commands in a virtual machine with Debian's kernel that has the device on its USB.
+"""Level L3: runs a command in a virtual machine with Debian's kernel that has rigs on its USB.
 
-  run_guest.py [--bridge PROGRAM] [--kernel FOLDER] [--seconds N] (--here | --app | --mailbox FILE[:OFFSET]) SCRIPT
+  run_guest.py [options] (--here | --app | --mailbox FILE[:OFFSET])... -- COMMAND ARGUMENT...
 
-QEMU emulates an x86-64 PC with an xHCI controller; the bridge hands it the device by usbredir. SCRIPT, a file below the
-current folder, is run by sh in the guest, with the host's file tree mounted read-only, so it runs the very programs of the
-build tree. Its output is printed; the exit code is its own, or 1 when something did not come up or took too long. Nothing
-outlives the deadline."""
+QEMU emulates an x86-64 PC with an xHCI controller; a bridge hands it each device by usbredir. COMMAND runs in the guest in
+the current folder, with the host's file tree mounted read-only, so it runs the very programs of the build tree; --out's folder
+is /mnt there, and may be written. Its output is printed as it comes; the exit code is its own, or 1 when something did not
+come up or took too long. Nothing outlives the deadline."""
 import argparse
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -21,13 +23,21 @@ import kernel
 MEMORY_MB = 384
 
 
-def qemu_command(vmlinux, initrd, socket, script):
-    line = "console=ttyS0 quiet panic=-1 tsc=unstable no_timer_check seldinger_folder=%s seldinger_command=%s" % (os.getcwd(), script)
-    return ["qemu-system-x86_64", "-M", "pc", "-cpu", "max", "-m", str(MEMORY_MB), "-nodefaults", "-no-user-config", "-display", "none",
-            "-serial", "stdio", "-no-reboot", "-kernel", vmlinux, "-initrd", initrd, "-append", line,
-            "-fsdev", "local,id=host,path=/,security_model=none,readonly=on,multidevs=remap",
-            "-device", "virtio-9p-pci,fsdev=host,mount_tag=host",
-            "-device", "qemu-xhci", "-chardev", "socket,id=device,path=" + socket, "-device", "usb-redir,chardev=device"]
+def qemu_command(options, folder, sockets):
+    line = ("console=ttyS0 quiet panic=-1 tsc=unstable no_timer_check seldinger_script=" + os.path.join(folder, "script"))
+    vmlinux, initrd = kernel.prepare(options.kernel)
+    command = ["qemu-system-x86_64", "-M", "pc", "-cpu", "max", "-m", str(MEMORY_MB), "-nodefaults", "-no-user-config", "-display", "none",
+               "-serial", "stdio", "-no-reboot", "-kernel", vmlinux, "-initrd", initrd, "-append", line,
+               "-fsdev", "local,id=host,path=/,security_model=none,readonly=on,multidevs=remap",
+               "-device", "virtio-9p-pci,fsdev=host,mount_tag=host",
+               "-fsdev", "local,id=out,path=%s,security_model=none" % (options.out or folder),
+               "-device", "virtio-9p-pci,fsdev=out,mount_tag=out", "-device", "qemu-xhci"]
+    for i, socket in enumerate(sockets):
+        command += ["-chardev", "socket,id=device%d,path=%s" % (i, socket), "-device", "usb-redir,chardev=device%d" % i]
+    if options.channel:
+        command += ["-device", "virtio-serial-pci", "-chardev", "socket,id=channel,path=" + options.channel,
+                    "-device", "virtserialport,chardev=channel"]
+    return command
 
 
 def wait_for(path, process, seconds):
@@ -49,49 +59,82 @@ def stop(process):
             process.wait()
 
 
-def run_guest(options, script):
-    """(exit code, output) of the script; a reason instead of output when the guest did not come that far."""
-    vmlinux, initrd = kernel.prepare(options.kernel)
-    device = ["--mailbox", options.mailbox] if options.mailbox else ["--app" if options.app else "--here"]
-    with tempfile.TemporaryDirectory() as folder:
-        socket = os.path.join(folder, "usb")
-        bridge = subprocess.Popen([options.bridge, socket] + device)
-        try:
+def write_script(path, command):
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("cd %s && exec %s\n" % (shlex.quote(os.getcwd()), " ".join(shlex.quote(word) for word in command)))
+
+
+def watch(guest, deadline):
+    """The command's exit code, its output printed line by line; None when the guest did not come that far."""
+    late = threading.Timer(max(deadline - time.monotonic(), 0), guest.kill)
+    late.start()
+    code = None
+    for line in guest.stdout:
+        text = line.decode("utf-8", "replace").replace("\r", "").rstrip("\n")
+        ended = re.match(r"guest: exit (\d+)$", text)
+        if ended:
+            code = int(ended.group(1))
+        elif not re.match(r"guest: up |\[ *[0-9.]+\] (reboot|random)", text):
+            print(text, flush=True)
+    guest.wait()
+    late.cancel()
+    return code
+
+
+def run_guest(options, folder):
+    deadline = time.monotonic() + options.seconds
+    write_script(os.path.join(folder, "script"), options.command)
+    sockets = [os.path.join(folder, "usb%d" % i) for i in range(len(options.devices))]
+    bridges, guest = [], None
+    try:
+        for socket, device in zip(sockets, options.devices):
+            bridges.append(subprocess.Popen([options.bridge, socket] + device))
+        for socket, bridge in zip(sockets, bridges):
             if not wait_for(socket, bridge, 5):
-                return 1, "the bridge did not start"
-            done = subprocess.run(qemu_command(vmlinux, initrd, socket, script), stdin=subprocess.DEVNULL,
-                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=options.seconds, check=False)
-            text = done.stdout.decode("utf-8", "replace").replace("\r", "")
-        except subprocess.TimeoutExpired as late:
-            text = (late.stdout or b"").decode("utf-8", "replace").replace("\r", "")
-            return 1, text + "\nthe guest did not end within %d s" % options.seconds
-        finally:
+                print("run_guest: the bridge did not start", file=sys.stderr)
+                return 1
+        guest = subprocess.Popen(qemu_command(options, folder, sockets), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                 stderr=subprocess.STDOUT)
+        code = watch(guest, deadline)
+        if code is None:
+            print("run_guest: the guest ended, or was ended after %d s, without an exit code" % options.seconds, file=sys.stderr)
+            return 1
+        for bridge in bridges:
             try:
                 bridge.wait(2)
             except subprocess.TimeoutExpired:
                 pass
-            stop(bridge)
-    ended = re.search(r"^guest: exit (\d+)$", text, re.M)
-    if not ended:
-        return 1, text + "\nthe guest ended without an exit code"
-    return int(ended.group(1)) or (1 if bridge.returncode else 0), text
+        return code or (1 if any(bridge.returncode for bridge in bridges) else 0)
+    finally:
+        for process in bridges + ([guest] if guest else []):
+            stop(process)
 
 
-def main():
+def parse(arguments):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bridge", default="build/hil/bridge", help="default: build/hil/bridge")
     parser.add_argument("--kernel", default="build/hil/kernel", help="folder of vmlinux and initrd (default: build/hil/kernel)")
     parser.add_argument("--seconds", type=int, default=60, help="deadline (default: 60)")
-    device = parser.add_mutually_exclusive_group(required=True)
-    device.add_argument("--here", action="store_true", help="the loop-back rig inside the bridge")
-    device.add_argument("--app", action="store_true", help="the whole app inside the bridge")
-    device.add_argument("--mailbox", metavar="FILE[:OFFSET]", help="a mailbox in shared memory")
-    parser.add_argument("script")
-    options = parser.parse_args()
+    parser.add_argument("--out", metavar="FOLDER", help="what the guest may write into")
+    parser.add_argument("--channel", metavar="SOCKET", help="what the guest's /dev/vport0p1 talks to")
+    parser.add_argument("--here", dest="devices", action="append_const", const=["--here"], help="the loop-back rig inside the bridge")
+    parser.add_argument("--app", dest="devices", action="append", nargs="?", const=["--app"], metavar="SERIAL",
+                        type=lambda serial: ["--app=" + serial], help="the whole app inside the bridge")
+    parser.add_argument("--mailbox", dest="devices", action="append", type=lambda place: ["--mailbox", place],
+                        metavar="FILE[:OFFSET]", help="a mailbox in shared memory")
+    parser.add_argument("command", nargs="+")
+    options = parser.parse_args(arguments)
+    if not options.devices:
+        parser.error("name a device: --here, --app or --mailbox")
+    return options
+
+
+def main():
+    options = parse(sys.argv[1:])
     begin = time.monotonic()
-    code, text = run_guest(options, options.script)
-    print(text.strip())
-    print("# boot to verdict %.1f s" % (time.monotonic() - begin))
+    with tempfile.TemporaryDirectory() as folder:
+        code = run_guest(options, folder)
+    print("#- boot to verdict %.1f s" % (time.monotonic() - begin))
     return code
 
 

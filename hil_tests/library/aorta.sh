@@ -10,6 +10,7 @@ hash="${AORTA_HASH:-$("$build/bin/seldinger" run --quiet $session | sed -n "$fin
 output=$("$build/bin/seldinger" run --quiet --device "usb${RIG_SERIAL:+:$RIG_SERIAL}" $session "$@" 2>&1)
 status=$?
 got=$(echo "$output" | sed -n "$final")
+echo "$output" | sed -n 's/^wall clock */#- /p; s/^device  */#- /p'
 echo "$output" | grep -e '^ticks' -e '^final' -e '^wall' -e '^device' | sed 's/^/# /'
 if [ $status = 0 ] && [ -n "$hash" ] && [ "$hash" = "$got" ]; then
     echo "ok 1 - the_aorta_session_on_usb_has_the_hash_of_the_host_alone"

@@ -58,7 +58,7 @@ static usb_result control(usb_device *device, uint8_t request, uint16_t value)
     return usb_host_control(&device->host, &setup, NULL, &none);
 }
 
-bool usb_device_start(usb_device *device)
+bool usb_device_start(usb_device *device, const char *serial)
 {
     static _Alignas(8) uint8_t slots[2][USB_DEVICE_SLOT_BYTES];
     memset(device, 0, sizeof *device);
@@ -69,7 +69,7 @@ bool usb_device_start(usb_device *device)
         .inputs = no_rig,
         .outputs = take_outputs,
         .now_us = now_us,
-        .serial = "USB-0001",
+        .serial = serial,
         .scene_slots = {slots[0], slots[1]},
         .scene_slot_bytes = USB_DEVICE_SLOT_BYTES,
     };
@@ -90,7 +90,7 @@ bool usb_device_start(usb_device *device)
 
 bool usb_device_open(usb_device *device)
 {
-    if (!usb_device_start(device)) return false;
+    if (!usb_device_start(device, "USB-0001")) return false;
     if (usb_host_bus(&device->host, SELD_MAILBOX_RESET_HIGH) != USB_OK || control(device, 5, 1) != USB_OK)
         return false;
     device->host.address = 1;

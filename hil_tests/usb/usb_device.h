@@ -28,7 +28,7 @@ typedef struct usb_device {
 } usb_device;
 
 /* Power up, on the bus; the host is there and has not reset it yet. False: the stack refused its configuration. */
-bool usb_device_start(usb_device *device);
+bool usb_device_start(usb_device *device, const char *serial);
 
 /* The same, then reset, address, configuration; the zero that begins the stream is read. False: something was refused. */
 bool usb_device_open(usb_device *device);

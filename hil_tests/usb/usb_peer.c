@@ -40,11 +40,11 @@ static void burst(usb_rig *rig)
     }
 }
 
-void usb_peer_open_app(usb_peer *peer)
+void usb_peer_open_app(usb_peer *peer, const char *serial)
 {
     memset(peer, 0, sizeof *peer);
     peer->kind = USB_PEER_APP;
-    usb_device_start(&peer->app);
+    usb_device_start(&peer->app, serial);
     peer->host = &peer->app.host;
     peer->next_tick_ns = usb_peer_now_ns() + MS_ns;
 }
@@ -127,8 +127,8 @@ const char *usb_peer_open(usb_peer *peer, int count, char **words, int *used)
         usb_peer_open_here(peer);
         return NULL;
     }
-    if (count >= 1 && strcmp(words[0], "--app") == 0) {
-        usb_peer_open_app(peer);
+    if (count >= 1 && (strcmp(words[0], "--app") == 0 || strncmp(words[0], "--app=", 6) == 0)) {
+        usb_peer_open_app(peer, words[0][5] == '=' ? words[0] + 6 : "USB-0001");
         return NULL;
     }
     *used = 2;

@@ -30,13 +30,13 @@ int64_t usb_peer_now_ns(void);
  * value2 bytes. */
 void usb_peer_open_here(usb_peer *peer);
 
-/* The app in this process, with milliseconds by the clock. */
-void usb_peer_open_app(usb_peer *peer);
+/* The app in this process, with milliseconds by the clock. There can be one. */
+void usb_peer_open_app(usb_peer *peer, const char *serial);
 
 /* A mailbox at `offset` of a file that is large enough. NULL, or what is wrong. */
 const char *usb_peer_open_file(usb_peer *peer, const char *path, uint64_t offset);
 
-/* By the words of a command line: "--here", "--app", or "--mailbox" and FILE[:OFFSET]. Counts the words that were used. NULL, or
+/* By the words of a command line: "--here", "--app", "--app=SERIAL", or "--mailbox" and FILE[:OFFSET]. Counts the words that were used. NULL, or
  * what is wrong. */
 const char *usb_peer_open(usb_peer *peer, int count, char **words, int *used);
 

@@ -69,7 +69,7 @@ void add_motors(CLI::App &command, bool &motors, bool &yes)
 {
     command.add_flag(
         "--motors", motors,
-        "With --free-run: power the tracks that have a coupling (docs/haptics.md), after a typed yes");
+        "With --free-run: power the tracks whose damping the rig knows (docs/rig.md), after a typed yes");
     command.add_flag("--yes", yes, "Power the motors without asking");
 }
 

@@ -7,6 +7,7 @@
 #include "host/app/device.hpp"
 #include "host/app/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
+#include <algorithm>
 #include <utility>
 
 namespace seld
@@ -18,6 +19,24 @@ namespace
 constexpr std::uint32_t look_ms = 5;         // the device has looked at its rig
 constexpr std::uint32_t silent_max_ms = 500; // without a tick
 constexpr std::uint32_t stop_ahead_ticks = 40, stop_limit_ms = 2000;
+// A coupling that all five situations of docs/haptics.md were found quiet with.
+constexpr std::uint32_t coupling_N_per_m = 800, coupling_uN_m_per_rad = 2000;
+
+// Four fifths of the stiffest spring that the device takes: stiffness x (half a tick + lag of the actuator) <= own damping.
+std::uint32_t passive(std::uint32_t damping, std::uint32_t lag_us, std::uint32_t wanted)
+{
+    const std::uint64_t stiffest = std::uint64_t{damping} * 1000 / (500 + lag_us);
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, stiffest * 4 / 5));
+}
+
+// A coupling that the rig was given stays.
+void couple(seld_wire_track &track)
+{
+    if (track.coupling_N_per_m > 0 || track.coupling_uN_m_per_rad > 0) return;
+    track.coupling_N_per_m = passive(track.damping_mN_s_per_m, track.actuator_lag_us, coupling_N_per_m);
+    track.coupling_uN_m_per_rad =
+        passive(track.damping_nN_m_s_per_rad, track.actuator_lag_us, coupling_uN_m_per_rad);
+}
 
 } // namespace
 
@@ -28,7 +47,9 @@ seld_wire_rig Device::free_run_rig(const seld_wire_rig &own) const
     bool has_coupling = false;
     for (std::uint16_t k = 0; k < rig.tracks_count; k++) {
         seld_wire_track &track = rig.tracks[k];
-        if (!choice_.powers_motors) {
+        if (choice_.powers_motors) {
+            couple(track);
+        } else {
             track.coupling_N_per_m = track.coupling_uN_m_per_rad = 0;
             track.coupling_mN_s_per_m = track.coupling_nN_m_s_per_rad = 0;
         }
@@ -36,9 +57,9 @@ seld_wire_rig Device::free_run_rig(const seld_wire_rig &own) const
     }
     if (choice_.powers_motors && !has_coupling) {
         throw LinkError(
-            "no track of the rig has a coupling, so there is nothing to power. Remedy: seldinger rig "
-            "calibrate --load rig.json with coupling and damping (docs/haptics.md), or leave "
-            "--motors out");
+            "the rig does not know the own damping of any track, so no safe coupling can be chosen. "
+            "Remedy: seldinger rig calibrate --load a rig.json with the damping as measured "
+            "(docs/haptics.md), or leave --motors out");
     }
     return rig;
 }

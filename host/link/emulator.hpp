@@ -43,6 +43,7 @@ class Emulator
 
     rig_page &page() { return *reinterpret_cast<rig_page *>(memory_ + RIG_PAGE_OFFSET); }
     std::uint8_t *memory() { return memory_; } // RIG_MEMORY_BYTES
+    std::string memory_path() const { return folder_ + "/memory"; }
 
     // Stand still and go on, as under a debugger. No instruction is done in between.
     void pause();

@@ -220,7 +220,9 @@ bool UsbWatch::wait_for(const std::string &serial, std::uint32_t milliseconds,
 {
     const Clock::time_point end = Clock::now() + std::chrono::milliseconds(milliseconds);
     for (;;) {
-        for (const UsbRig &rig : rigs()) {
+        // A context learns of new devices from the system's device manager, and a container may have none: a fresh one looks.
+        const UsbContext fresh = usb_context();
+        for (const UsbRig &rig : usb_rigs(fresh.get())) {
             if (rig.trouble.empty() && (serial.empty() || rig.serial == serial)) return true;
         }
         const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();

@@ -283,6 +283,19 @@ void UsbTransport::write(std::span<const std::uint8_t> bytes)
     }
 }
 
+void UsbTransport::flush()
+{
+    std::unique_lock<std::mutex> hold(lock_);
+    const auto is_done = [&] {
+        return failure_ != 0 ||
+               std::none_of(writes_.begin(), writes_.end(),
+                            [](const std::unique_ptr<Slot> &slot) { return slot->is_flying; });
+    };
+    if (!changed_.wait_for(hold, std::chrono::milliseconds(2 * limits_.write_ms), is_done))
+        failure_ = LIBUSB_ERROR_TIMEOUT;
+    if (failure_ != 0) throw_failure();
+}
+
 std::size_t UsbTransport::read(std::span<std::uint8_t> bytes)
 {
     std::unique_lock<std::mutex> hold(lock_);

@@ -33,6 +33,8 @@ class UsbTransport final : public Transport
     std::size_t read(std::span<std::uint8_t> bytes) override;
     // Sleeps; after it a read takes what has come and does not wait, until the next write.
     void pass_time_ms(std::uint32_t milliseconds) override;
+    // Until the device has taken everything that was written.
+    void flush();
     const std::string &serial() const { return serial_; } // as the device says
 
     static constexpr std::size_t transfer_bytes = 1 << 14;

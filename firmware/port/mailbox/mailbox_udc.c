@@ -234,3 +234,11 @@ void seld_mailbox_udc_init(seld_mailbox_udc *controller, seld_mailbox *mailbox, 
     seld_mailbox_write(&half->boot_count, seld_mailbox_read(&half->boot_count) + 1);
     seld_mailbox_write(&half->magic, SELD_MAILBOX_MAGIC);
 }
+
+seld_mailbox_demand seld_mailbox_udc_demand(const seld_mailbox_udc *controller)
+{
+    const seld_mailbox *mailbox = controller->mailbox;
+    if (seld_mailbox_read(&mailbox->host.bus) != mailbox->device.bus_done) return SELD_MAILBOX_BRINGS_WORK;
+    if (seld_mailbox_read(&mailbox->host.token) == mailbox->device.token_done) return SELD_MAILBOX_IDLE;
+    return mailbox->host.token_kind == SELD_MAILBOX_IN ? SELD_MAILBOX_ASKS_DATA : SELD_MAILBOX_BRINGS_WORK;
+}

@@ -32,4 +32,13 @@ typedef struct seld_mailbox_udc {
  * A start while a host is waiting leaves its token without an answer, as a device that loses power does. */
 void seld_mailbox_udc_init(seld_mailbox_udc *controller, seld_mailbox *mailbox, bool can_high_speed);
 
+/* What an idle loop may look at instead of polling: whether the host asks for something, and whether that may bring the device
+ * work (it may not when the host only asks for data). */
+typedef enum seld_mailbox_demand {
+    SELD_MAILBOX_IDLE,
+    SELD_MAILBOX_ASKS_DATA,
+    SELD_MAILBOX_BRINGS_WORK,
+} seld_mailbox_demand;
+seld_mailbox_demand seld_mailbox_udc_demand(const seld_mailbox_udc *controller);
+
 #endif

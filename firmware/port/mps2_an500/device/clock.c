@@ -57,10 +57,12 @@ static bool is_plants(void)
 }
 
 /* When the plant makes time, waiting for it takes none: what lies between two pieces of work is not counted, so that the
- * clock shows the same however long we were kept waiting. */
-void clock_work_begin(void)
+ * clock shows the same however long we were kept waiting. The count, for telling how long the work took. */
+uint32_t clock_work_begin(void)
 {
-    if (is_plants()) clock.counts_last = clock_counts();
+    const uint32_t now = clock_counts();
+    if (is_plants()) clock.counts_last = now;
+    return now;
 }
 
 /* The plant's millisecond has begun; a device that is late with its work stays late. */

@@ -25,8 +25,8 @@ void console_hex(const char *name, uint64_t value, int digits);
 void clock_start(void);
 uint32_t clock_counts(void); /* of RIG_CLOCK_HZ; wraps */
 uint32_t clock_us(void);
-void clock_work_begin(void);    /* before bytes or an edge are worked on */
-uint32_t clock_edges_due(void); /* milliseconds that have begun and are not done */
+uint32_t clock_work_begin(void); /* before bytes or an edge are worked on */
+uint32_t clock_edges_due(void);  /* milliseconds that have begun and are not done */
 void clock_edge_begin(void);
 void clock_edge_done(void);
 void clock_feed_watchdog(void);

@@ -12,11 +12,12 @@
 static seld_app app __attribute__((section(".hot"), aligned(8)));
 static seld_mailbox_udc controller;
 static seld_rig_usb usb;
+static bool usb_has_more; /* to do without being asked */
 static uint8_t slots[2][RIG_SLOT_BYTES] __attribute__((section(".scenes"), aligned(8)));
 static char serial[SELD_PORT_SERIAL_BYTES + 1] = "AN500-0001";
 
-/* An idle round takes some 50 instructions, a busy one some 10^8 at most; the watchdog waits for 1.5 x 10^9 cycles. */
-enum { FEED_EVERY_rounds = 1024 };
+/* An idle round takes some 50 instructions, the watchdog waits for 1.5 x 10^9 cycles; it is fed after work, too. */
+enum { FEED_EVERY_rounds = 65536 };
 
 static uint32_t now_us(void *context)
 {
@@ -92,6 +93,8 @@ static void end_receiving(uint32_t begin)
 {
     rig_write(&rig->device.receive_counts, rig->device.receive_counts + (clock_counts() - begin));
     rig_write(&rig->device.clock_us, clock_us());
+    clock_feed_watchdog();
+    usb_has_more = true; /* what the app said */
 }
 
 static void receive(void)
@@ -99,21 +102,23 @@ static void receive(void)
     const uint8_t *bytes;
     size_t count = pipe_received(&bytes);
     if (count == 0) return;
-    clock_work_begin();
-    uint32_t begin = clock_counts();
+    uint32_t begin = clock_work_begin();
     seld_app_receive(&app, bytes, count);
     end_receiving(begin);
     pipe_release(count);
 }
 
-/* Only what came to the app is work: how often a host asks for what is not there yet is not the plant's business. */
+/* Only what came to the app is work: how often a host asks for what is not there yet is not the plant's business. The clock is read
+ * only where work may come: that costs an emulator more than all the rest of a round. */
 static void poll_usb(void)
 {
+    const seld_mailbox_demand demand = seld_mailbox_udc_demand(&controller);
+    if (demand == SELD_MAILBOX_IDLE && !usb_has_more) return;
+    const bool may_work = usb_has_more || demand == SELD_MAILBOX_BRINGS_WORK;
     const uint32_t works = usb.works;
-    clock_work_begin();
-    uint32_t begin = clock_counts();
-    seld_rig_usb_poll(&usb);
-    if (usb.works != works) end_receiving(begin);
+    uint32_t begin = may_work ? clock_work_begin() : 0;
+    usb_has_more = seld_rig_usb_poll(&usb);
+    if (usb.works != works) end_receiving(may_work ? begin : clock_work_begin());
 }
 
 static void tick(void)
@@ -123,11 +128,13 @@ static void tick(void)
     uint32_t begin = clock_counts();
     seld_app_timer(&app);
     seld_rig_usb_timer(&usb);
+    usb_has_more = true; /* a report, and what the app said */
     uint32_t counts = clock_counts() - begin;
     rig_write(&rig->device.clock_us, clock_us());
     rig_write(&rig->device.edge_counts, counts);
     if (counts > rig->device.edge_counts_max) rig_write(&rig->device.edge_counts_max, counts);
     clock_edge_done();
+    clock_feed_watchdog();
 }
 
 int main(void)

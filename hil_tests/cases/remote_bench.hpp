@@ -1,0 +1,79 @@
+// Levels 2 and 3: the device is in an emulator elsewhere (hil_rig) and is reached by the host's real USB code; the plant is here.
+//
+// Time is the plant's. What was written has been taken by the device before the next millisecond begins; what the device says
+// meanwhile comes a little later, in order and whole.
+// May include: bench.hpp, hil_tests/l1/bench_server.hpp, host/link. Called by: the program hil.
+#pragma once
+#include "hil_tests/cases/bench.hpp"
+#include "hil_tests/l1/bench_server.hpp"
+#include "host/link/usb_transport.hpp"
+
+namespace hil
+{
+
+// The pipe to a hil_rig: its bench socket, or in a guest the port of a virtual serial line.
+class BenchChannel
+{
+  public:
+    explicit BenchChannel(const std::string &path); // throws std::runtime_error
+    ~BenchChannel();
+    BenchChannel(const BenchChannel &) = delete;
+    BenchChannel &operator=(const BenchChannel &) = delete;
+    // Throws std::runtime_error: the other end is gone, or what went wrong there.
+    BenchAnswer ask(BenchOrder order, const seld_port_inputs &inputs = {}, std::uint32_t milliseconds = 0);
+
+  private:
+    int file_;
+};
+
+class RemoteBench final : public Bench, private seld::Transport
+{
+  public:
+    RemoteBench(const PlantSettings &settings, BenchChannel &channel, const std::string &serial);
+    seld::Transport &pipe() override { return *this; }
+
+  protected:
+    seld_port_outputs edge(const seld_port_inputs &inputs) override;
+    void hold(bool held) override;
+    seld_port_outputs restart() override;
+
+  private:
+    void write(std::span<const std::uint8_t> bytes) override;
+    std::size_t read(std::span<std::uint8_t> bytes) override;
+    void pass_time_ms(std::uint32_t milliseconds) override;
+    seld::UsbTransport &usb();
+
+    BenchChannel &channel_;
+    std::string serial_;
+    std::unique_ptr<seld::UsbTransport> usb_;
+    bool has_answered_ = false;
+};
+
+// A rig of metal, or what stands in for one: no plant of ours, so only cases that need none.
+class MetalLevel final : public Level
+{
+  public:
+    explicit MetalLevel(const std::string &serial) : serial_(serial) {}
+    const char *name() const override { return "rig"; }
+    std::unique_ptr<Bench> make(const PlantSettings &settings) override;
+
+  private:
+    std::string serial_;
+};
+
+class RemoteLevel final : public Level
+{
+  public:
+    RemoteLevel(const std::string &name, const std::string &channel, const std::string &serial)
+        : name_(name), path_(channel), serial_(serial)
+    {
+    }
+    const char *name() const override { return name_.c_str(); }
+    std::unique_ptr<Bench> make(const PlantSettings &settings) override;
+
+  private:
+    std::string name_, path_, serial_;
+    std::unique_ptr<BenchChannel> channel_;
+};
+
+} // namespace hil

@@ -1,0 +1,39 @@
+#!/bin/sh
+# A session that the rig leads, with power, by the program seldinger, unmodified: the stream's ticks and shapes by libusb, and beside it the
+# state of every millisecond by hidapi. Needs a rig that moves by itself (hil_rig --live), or hands. Prints TAP.
+#   free_run.sh SECONDS FOLDER      the recording is left in FOLDER
+build="${BUILD:-build}"
+seconds="$1"
+folder="$2"
+device="usb${RIG_SERIAL:+:$RIG_SERIAL}"
+count=0
+status=0
+
+verdict() {
+    count=$((count + 1))
+    [ "$1" = 0 ] && echo "ok $count - $2" && return
+    status=1
+    echo "not ok $count - $2"
+}
+
+"$build/bin/seldinger" rig calibrate --device "$device" --load hil_tests/rig/plant.json --yes >"$folder/rig.log" 2>&1
+verdict $? the_rig_takes_the_couplings_of_the_plant
+# Who watches every millisecond comes first where a machine, or the emulation of one, is short of time.
+urgent=""
+chrt -f 10 true 2>/dev/null && urgent="chrt -f 10"
+$urgent "$build/bin/seldinger" rig monitor --device "$device" --seconds "$seconds" >"$folder/monitor.log" 2>&1 &
+"$build/bin/seldinger" run --quiet --device "$device" --scene "${AORTA_SCENE:-out/aorta.scene}" --tool shared/examples/instruments/j_wire.toml \
+    --free-run "$seconds" --motors --yes --fps 60 --record "$folder/free_run.rec" >"$folder/run.log" 2>&1
+verdict $? the_session_reaches_its_end
+wait
+sed -n 's/^led by the rig */#- /p' "$folder/run.log"
+tail -1 "$folder/monitor.log" | sed 's/^/#- HID: /'
+grep -e '^ticks' -e '^final' -e '^led' -e '^device' -e 'inserted  ' -e 'hand force' "$folder/run.log" | sed 's/^/# /'
+# What is lost makes the host go back and resume; so there must be none.
+grep -q '^led by the rig' "$folder/run.log" && ! grep -q -e 'came back' -e TICKS_LOST "$folder/run.log"
+verdict $? no_tick_of_the_stream_is_lost
+tail -1 "$folder/monitor.log" | grep -q ' 0 ticks lost'
+verdict $? no_tick_of_the_state_reports_is_lost
+[ $status = 0 ] || sed 's/^/# /' "$folder"/*.log
+echo "1..$count"
+exit $status
