@@ -1,25 +1,276 @@
-/* Any conversation with the app. The input is a list of operations, so that the fuzzer reaches behind the CRC:
+/* Any host and any rig against the whole app, behind a port of its own. The input is a list of operations, so that the fuzzer
+ * reaches behind the CRC:
  *
  *   op u8:  0 .. 0x7f  a message of that type, properly framed: length u8, payload
  *           0x80       raw bytes into the pipe: length u8, bytes
- *           0x81       let time pass: milliseconds u8 (at most 63)
- *           0x82       a valid session up to RUNNING, in free space: tools u8 (modulo 3, plus 1; 0x80: with couplings)
- *           0x83       a valid step: count u8 (at most 15), translation per tick i8 x 64 um for each tool
- *           0x84       the device's own snapshot back to it with one byte changed: mask u8, place u16
+ *           0x81       milliseconds pass: u8 modulo 24, each sampling the rig
+ *           0x82       another device: u8 modulo the number of devices below, as it stands after a valid set-up
+ *           0x83       a step: ticks u8 modulo 6, then per tool translation i8 x 64 um a tick
+ *           0x84       a good snapshot with bytes changed: count u8 modulo 4, then mask u8, place u16 each
  *           0x85       what the rig's sensors say: attached u8, then per track translation, rotation, force i8, sensors u8, and
  *                      lines u8
- *           0x86       FREE_RUN with powered motors: 0 u8
+ *           0x86       FREE_RUN with powered motors, by both steps: 0 u8
  *           0x87       a pipe with this much room: hundreds of bytes u8
+ *           0x88       a long message: type u8, length u16, payload
+ *           0x89       an order without a frame, as HID gives it: action u8
+ *           0x8a       every millisecond's work takes this long: u8 x 50 us
  *
- * At most 64 operations, so that an input ends in time. */
+ * At most 48 operations, so that an input ends in time. Devices are built once and copied: building a line for every input
+ * took a hundred times as long as what is looked for. After every write of the outputs the promises of docs/faults.md hold:
+ * no power but in FREE_RUN and RUNNING, no force beyond limit and slew, the drive line still without power. */
+#include "firmware/app/app.h"
 #include "firmware/tests/reference/client.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count);
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity);
 
-enum { OPERATIONS_MAX = 64, SLOT_BYTES = 4096 };
+enum { OPERATIONS_MAX = 48, SLOT_BYTES = 4096, ROOM_BYTES = 1 << 18, DEVICES = 7, SENT_MAX = 100000 };
+
+static seld_app app, devices[DEVICES];
+static uint8_t snapshots[SELD_TOOL_MAX]
+                        [SELD_APP_SNAPSHOT_BYTES]; /* of coupled devices with one, two and three tools */
+static uint8_t slots[2][SLOT_BYTES];
+static struct rig {
+    seld_port_inputs inputs;
+    bool is_attached, last_drive;
+    seld_port_motor last[SELD_PORT_TOOL_MAX];
+    uint32_t now_us, work_us;
+    size_t room, sent;
+} rig;
+
+static void promise(bool kept)
+{
+    if (!kept) abort();
+}
+
+/* --- the port --- */
+
+static size_t transmit_room(void *context)
+{
+    (void)context;
+    return rig.room;
+}
+
+static client *listener; /* while devices are built */
+static uint8_t heard[1 << 17];
+static size_t heard_begin, heard_end;
+
+static bool transmit(void *context, const uint8_t *frame, size_t frame_bytes)
+{
+    (void)context;
+    promise(frame_bytes > 1 && frame[frame_bytes - 1] == 0 && memchr(frame, 0, frame_bytes - 1) == NULL);
+    if (frame_bytes > rig.room) return false;
+    rig.sent += frame_bytes;
+    if (listener == NULL) return true;
+    if (heard_begin == heard_end) heard_begin = heard_end = 0;
+    promise(frame_bytes <= sizeof heard - heard_end);
+    memcpy(heard + heard_end, frame, frame_bytes);
+    heard_end += frame_bytes;
+    return true;
+}
+
+static bool inputs(void *context, seld_port_inputs *sample)
+{
+    (void)context;
+    rig.now_us += rig.work_us;
+    if (rig.is_attached) *sample = rig.inputs;
+    return rig.is_attached;
+}
+
+static int32_t size_of(int32_t value)
+{
+    return value < 0 ? -value : value;
+}
+
+/* Limit, and growth in one write: a force may begin and fall at once, and it may turn its sign within the slew limit. */
+static void check_motor(int32_t value, int32_t last, int32_t limit, int32_t slew)
+{
+    promise(size_of(value) <= limit);
+    promise(size_of(value) <= slew || (size_of(value) <= size_of(last) + slew && (value > 0) == (last > 0)));
+}
+
+static void outputs(void *context, const seld_port_outputs *out)
+{
+    (void)context;
+    promise(!out->enable || (app.state == SELD_WIRE_STATE_RUNNING && app.mode == SELD_WIRE_MODE_FREE_RUN &&
+                             rig.is_attached && app.is_greeted));
+    promise(out->enable || out->drive == rig.last_drive);
+    promise(out->lamp <= SELD_PORT_LAMP_FAULT);
+    for (int k = 0; k < SELD_PORT_TOOL_MAX; k++) {
+        const seld_port_motor *motor = &out->motors[k];
+        promise(out->enable || (motor->axial_mN == 0 && motor->torque_uN_m == 0));
+        check_motor(motor->axial_mN, rig.last[k].axial_mN, SELD_APP_FORCE_LIMIT_mN,
+                    SELD_APP_FORCE_SLEW_mN_per_tick);
+        check_motor(motor->torque_uN_m, rig.last[k].torque_uN_m, SELD_APP_TORQUE_LIMIT_uN_m,
+                    SELD_APP_TORQUE_SLEW_uN_m_per_tick);
+        promise(size_of(motor->axial_mN) <= app.tracks[k].force_limit_mN &&
+                size_of(motor->torque_uN_m) <= app.tracks[k].torque_limit_uN_m);
+        rig.last[k] = *motor;
+    }
+    rig.last_drive = out->drive;
+}
+
+static uint32_t now_us(void *context)
+{
+    (void)context;
+    return rig.now_us;
+}
+
+static const seld_port port = {
+    .transmit = transmit,
+    .transmit_room = transmit_room,
+    .inputs = inputs,
+    .outputs = outputs,
+    .now_us = now_us,
+    .serial = "fuzz",
+    .scene_slots = {slots[0], slots[1]},
+    .scene_slot_bytes = SLOT_BYTES,
+};
+
+static void millisecond(void)
+{
+    rig.now_us += SELD_TICK_us;
+    seld_app_timer(&app);
+}
+
+/* --- messages --- */
+
+static void send(uint16_t type, const uint8_t *payload, size_t length)
+{
+    static uint8_t frame[SELD_WIRE_FRAME_MAX];
+    const seld_wire_header header = {(uint16_t)(app.sequence_in + 1), 0, type};
+    seld_app_receive(&app, frame, seld_wire_frame_encode(&header, payload, length, frame, sizeof frame));
+}
+
+static void command(uint8_t action, uint32_t code)
+{
+    uint8_t payload[SELD_WIRE_BYTES_command];
+    const seld_wire_command message = {action, code, 0};
+    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    seld_wire_put_command(&writer, &message);
+    send(SELD_WIRE_TYPE_command, payload, writer.length);
+}
+
+static void power(void)
+{
+    command(SELD_WIRE_ACTION_STOP, 0);
+    command(SELD_WIRE_ACTION_FREE_RUN, 0);
+    rig.is_attached = true;
+    rig.inputs = (seld_port_inputs){.supply_good = true, .stage_on = true};
+    millisecond();
+    command(SELD_WIRE_ACTION_ARM_MOTORS, 0);
+    command(SELD_WIRE_ACTION_CONFIRM, app.arm_code);
+    command(SELD_WIRE_ACTION_START, 0);
+}
+
+/* --- devices: fresh; one, two and three tools; with couplings; powered; waiting for a scene --- */
+
+static void write_pipe(void *context, const uint8_t *bytes, size_t count)
+{
+    (void)context;
+    seld_app_receive(&app, bytes, count);
+}
+
+static size_t read_pipe(void *context, uint8_t *bytes, size_t capacity)
+{
+    (void)context;
+    size_t count = heard_end - heard_begin < capacity ? heard_end - heard_begin : capacity;
+    memcpy(bytes, heard + heard_begin, count);
+    heard_begin += count;
+    return count;
+}
+
+/* Short tools of few elements: a tick of them costs a tenth of a real one. */
+static void short_tools(seld_wire_tools *tools, uint16_t count)
+{
+    client_plain_tools(tools, count);
+    for (uint16_t k = 0; k < count; k++) {
+        seld_wire_instrument *tool = &tools->tools[k];
+        tool->element_tip_um = tool->element_shaft_um = 8000;
+        tool->element_fine_um = 0;
+        tool->knots[1].arc_um = 60000;
+    }
+}
+
+static void build_device(client *c, uint16_t tools_count, bool is_coupled)
+{
+    static seld_wire_tools tools;
+    seld_wire_status status;
+    client_hello(c, seld_wire_schema_hash());
+    promise(client_receive(c) == SELD_WIRE_TYPE_hello_reply);
+    if (is_coupled) {
+        seld_wire_track track = client_plain_track();
+        track.seal_mN = 2000; /* the sheath holds the tool, so that a push is felt at once */
+        const seld_wire_track tracks[] = {track, track, track};
+        client_rig(c, tracks, SELD_WIRE_TOOL_MAX);
+        promise(client_expect_status(c, &status));
+    }
+    short_tools(&tools, tools_count);
+    client_tools(c, &tools);
+    promise(client_expect_status(c, &status));
+    client_entry(c, 20000);
+    promise(client_expect_status(c, &status));
+    client_command(c, SELD_WIRE_ACTION_ARM);
+    promise(client_expect_status(c, &status));
+    client_command(c, SELD_WIRE_ACTION_START);
+    promise(client_expect_status(c, &status) && status.state == SELD_WIRE_STATE_RUNNING);
+}
+
+static void forget(void)
+{
+    heard_begin = heard_end = 0;
+    rig = (struct rig){.room = ROOM_BYTES};
+}
+
+static void take_snapshot(uint8_t *snapshot)
+{
+    const uint8_t what = SELD_WIRE_GET_SNAPSHOT;
+    heard_begin = heard_end = 0;
+    send(SELD_WIRE_TYPE_get, &what, 1);
+    memcpy(snapshot, app.snapshot, SELD_APP_SNAPSHOT_BYTES);
+}
+
+static void build_devices(void)
+{
+    static client c;
+    const client_pipe pipe = {NULL, write_pipe, read_pipe};
+    listener = &c;
+    for (int i = 0; i < DEVICES; i++) {
+        client_open_pipe(&c, &pipe);
+        forget();
+        seld_app_init(&app, &port);
+        if (i > 0) build_device(&c, (uint16_t)(1 + (i - 1) % SELD_WIRE_TOOL_MAX), i > 3);
+        if (i == 4) power(); /* one coupled tool, powered, a hand that pushes */
+        for (int ms = 0; i == 4 && ms < 20; ms++) {
+            rig.inputs.hands[0].translation_counts += 200;
+            rig.inputs.tracks[0].force_raw = app.motors[0].axial_mN;
+            millisecond();
+        }
+        if (i == 6) command(SELD_WIRE_ACTION_STOP, 0);
+        devices[i] = app;
+        if (i > 3) take_snapshot(snapshots[i - 4]);
+    }
+    promise(devices[4].is_driving && devices[4].motors[0].axial_mN > 500);
+    listener = NULL;
+}
+
+static void choose_device(uint8_t which)
+{
+    const seld_app *device = &devices[which % DEVICES];
+    forget();
+    app = *device;
+    rig.last_drive = app.drive_level;
+    for (int k = 0; k < SELD_PORT_TOOL_MAX && app.is_driving; k++)
+        rig.last[k] = (seld_port_motor){app.motors[k].axial_mN, app.motors[k].torque_uN_m};
+    rig.is_attached = app.has_rig;
+    rig.inputs = app.rig;
+    rig.now_us = app.edge_us;
+}
+
+/* --- operations --- */
 
 typedef struct input {
     const uint8_t *bytes;
@@ -33,6 +284,17 @@ static uint8_t take(input *in)
     return *in->bytes++;
 }
 
+static uint16_t take16(input *in)
+{
+    const uint8_t low = take(in);
+    return (uint16_t)(low | take(in) << 8);
+}
+
+static int32_t take_signed(input *in, int32_t scale)
+{
+    return ((int32_t)take(in) - 128) * scale;
+}
+
 static const uint8_t *take_block(input *in, size_t *length)
 {
     const uint8_t *block = in->bytes;
@@ -42,128 +304,124 @@ static const uint8_t *take_block(input *in, size_t *length)
     return block;
 }
 
-static void step(client *c, input *in, uint8_t count)
+static void step(input *in, uint8_t count)
 {
-    static const int32_t begin[SELD_WIRE_TOOL_MAX];
-    seld_wire_status status = {0};
+    static seld_wire_step message;
+    static uint8_t payload[SELD_WIRE_BYTES_step];
     int32_t per_tick[SELD_WIRE_TOOL_MAX];
-    for (int k = 0; k < SELD_WIRE_TOOL_MAX; k++) per_tick[k] = ((int32_t)take(in) - 128) * 64;
-    client_get(c, SELD_WIRE_GET_STATUS);
-    client_expect_status(c, &status);
-    client_step_each(c, status.tick, count % 16, begin, per_tick);
+    for (uint32_t k = 0; k < app.tool_count; k++) per_tick[k] = take_signed(in, 64);
+    message =
+        (seld_wire_step){.tick = app.core.words.tick, .want_nodes = count & 0x80, .inputs_count = count % 6};
+    for (uint16_t i = 0; i < message.inputs_count; i++) {
+        message.inputs[i].hands_count = (uint16_t)app.tool_count;
+        for (uint32_t k = 0; k < app.tool_count; k++)
+            message.inputs[i].hands[k].translation_counts = (i + 1) * per_tick[k];
+    }
+    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    promise(seld_wire_put_step(&writer, &message));
+    send(SELD_WIRE_TYPE_step, payload, writer.length);
 }
 
-/* Behind the CRC of the upload: the head's and the core's own checks decide. */
-static void restore_damaged(client *c, input *in, uint8_t mask)
+/* As if the chunks had come: behind the CRC the checks of head and core decide. */
+static void restore_damaged(input *in, uint8_t count)
 {
-    size_t place = take(in);
-    place += (size_t)take(in) << 8;
-    client_command(c, SELD_WIRE_ACTION_STOP);
-    while (client_receive(c) != 0) {
+    command(SELD_WIRE_ACTION_STOP, 0);
+    if (app.state != SELD_WIRE_STATE_ARMED || app.tool_count == 0) return;
+    memcpy(app.snapshot, snapshots[app.tool_count - 1], sizeof app.snapshot);
+    for (uint8_t i = 0; i < count % 4; i++) {
+        const uint8_t mask = take(in);
+        app.snapshot[take16(in) % SELD_APP_SNAPSHOT_BYTES] ^= mask;
     }
-    if (!client_read_snapshot(c) || c->snapshot_bytes == 0) return;
-    c->snapshot[place % c->snapshot_bytes] ^= mask;
-    client_write_snapshot(c);
-    while (client_receive(c) != 0) {
-    }
-    client_command(c, SELD_WIRE_ACTION_START);
+    const uint32_t bytes = SELD_APP_SNAPSHOT_BYTES;
+    app.snapshot_upload = (seld_upload){bytes, bytes, seld_wire_crc32(0, app.snapshot, bytes), true};
+    const uint8_t end[] = {bytes & 0xff, bytes >> 8 & 0xff, bytes >> 16 & 0xff, 0};
+    send(SELD_WIRE_TYPE_snapshot_end, end, sizeof end);
+    command(SELD_WIRE_ACTION_START, 0);
 }
 
-static void set_rig(client *c, input *in, uint8_t attached)
+static void set_rig(input *in, uint8_t attached)
 {
-    static seld_port_inputs rig;
-    if (attached == 0) {
-        seld_sim_set_inputs(c->sim, NULL);
-        return;
-    }
+    rig.is_attached = attached != 0;
+    if (attached == 0) return;
     for (int k = 0; k < SELD_PORT_TOOL_MAX; k++) {
-        rig.hands[k].translation_counts += ((int32_t)take(in) - 128) * 64;
-        rig.hands[k].rotation_counts += ((int32_t)take(in) - 128) * 16;
-        rig.tracks[k].force_raw = ((int32_t)take(in) - 128) * 32;
+        seld_port_hand *hand = &rig.inputs.hands[k];
+        seld_port_track *track = &rig.inputs.tracks[k];
+        hand->translation_counts =
+            (int32_t)((uint32_t)hand->translation_counts + (uint32_t)take_signed(in, 64));
+        hand->rotation_counts = (int32_t)((uint32_t)hand->rotation_counts + (uint32_t)take_signed(in, 16));
+        track->force_raw = take_signed(in, 32);
         const uint8_t sensors = take(in);
-        rig.tracks[k].translation_sensor = sensors & 3;
-        rig.tracks[k].rotation_sensor = sensors >> 2 & 3;
-        rig.tracks[k].force_sensor = sensors >> 4 & 3;
-        rig.tracks[k].over_current = sensors >> 6 & 1;
+        track->translation_sensor = sensors & 3;
+        track->rotation_sensor = sensors >> 2 & 3;
+        track->force_sensor = sensors >> 4 & 3;
+        track->over_current = sensors >> 6 & 1;
     }
     const uint8_t lines = take(in);
-    rig.emergency_stop = lines & 1;
-    rig.supply_good = !(lines & 2);
-    rig.stage_on = !(lines & 4);
-    rig.local_unlock = lines & 8;
-    seld_sim_set_inputs(c->sim, &rig);
+    rig.inputs.emergency_stop = lines & 1;
+    rig.inputs.supply_good = !(lines & 2);
+    rig.inputs.stage_on = !(lines & 4);
+    rig.inputs.local_unlock = lines & 8;
 }
 
-static void drain(client *c)
+static void operate(input *in)
 {
-    while (client_receive(c) != 0) {
-    }
-}
-
-static void power(client *c)
-{
-    const seld_port_inputs rig = seld_sim_healthy_inputs();
-    client_command(c, SELD_WIRE_ACTION_STOP);
-    client_command(c, SELD_WIRE_ACTION_FREE_RUN);
-    seld_sim_set_inputs(c->sim, &rig);
-    seld_sim_timer(c->sim, 1);
-    drain(c);
-    client_arm_motors(c);
-    client_command(c, SELD_WIRE_ACTION_START);
-}
-
-static void begin_session(client *c, uint8_t argument)
-{
-    if (argument & 0x80) {
-        const seld_wire_track track = client_plain_track();
-        const seld_wire_track tracks[] = {track, track, track};
-        client_hello(c, seld_wire_schema_hash());
-        client_rig(c, tracks, SELD_WIRE_TOOL_MAX);
-        drain(c);
-    }
-    client_start_tools(c, (uint16_t)(1 + (argument & 0x7f) % SELD_WIRE_TOOL_MAX));
-}
-
-static void operate(client *c, input *in)
-{
-    uint8_t op = take(in);
-    uint8_t argument = take(in);
+    const uint8_t op = take(in), argument = take(in);
     size_t length = argument;
     if (op < 0x80) {
         const uint8_t *payload = take_block(in, &length);
-        client_send(c, op, payload, length);
+        send(op, payload, length);
     } else if (op == 0x80) {
         const uint8_t *raw = take_block(in, &length);
-        seld_sim_write(c->sim, raw, length);
+        seld_app_receive(&app, raw, length);
     } else if (op == 0x81) {
-        seld_sim_timer(c->sim, argument % 64);
+        for (int ms = 0; ms < argument % 24; ms++) millisecond();
     } else if (op == 0x82) {
-        begin_session(c, argument);
+        choose_device(argument);
     } else if (op == 0x83) {
-        step(c, in, argument);
+        step(in, argument);
     } else if (op == 0x84) {
-        restore_damaged(c, in, argument);
+        restore_damaged(in, argument);
     } else if (op == 0x85) {
-        set_rig(c, in, argument);
+        set_rig(in, argument);
     } else if (op == 0x86) {
-        power(c);
+        power();
     } else if (op == 0x87) {
-        seld_sim_set_pipe(c->sim, (size_t)argument * 100);
+        rig.room = (size_t)argument * 100;
+    } else if (op == 0x88) {
+        length = take16(in);
+        const uint8_t *payload = take_block(in, &length);
+        send(argument, payload, length < SELD_WIRE_PAYLOAD_MAX ? length : SELD_WIRE_PAYLOAD_MAX);
+    } else if (op == 0x89) {
+        seld_app_order(&app, argument);
+    } else if (op == 0x8a) {
+        rig.work_us = argument * 50u;
     }
-    while (client_receive(c) != 0) {
-    }
+}
+
+static void check_books(void)
+{
+    promise(app.state <= SELD_WIRE_STATE_FAULT && app.mode <= SELD_WIRE_MODE_FREE_RUN);
+    promise(app.tool_count <= SELD_TOOL_MAX && app.fault_count <= SELD_APP_FAULT_MAX);
+    promise(app.queue.count <= SELD_APP_LIVE_QUEUE_ticks && app.queue.event_count <= SELD_APP_EVENT_QUEUE);
+    promise(app.scene_upload.received_bytes <= app.scene_upload.expected_bytes);
+    promise(app.snapshot_upload.received_bytes <= app.snapshot_upload.expected_bytes);
+    promise(!app.is_driving || app.state == SELD_WIRE_STATE_RUNNING);
+    for (uint16_t i = 0; i < app.fault_count; i++) promise(app.faults[i].code != SELD_FAULT_CODE_INTERNAL);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count)
 {
-    static client c;
+    if (devices[0].port == NULL) build_devices();
     input in = {bytes, count};
-    client_open(&c, SLOT_BYTES);
-    if (c.sim == NULL) return 0;
-    for (int i = 0; i < OPERATIONS_MAX && in.left > 0; i++) operate(&c, &in);
-    client_close(&c);
+    choose_device(0);
+    for (int i = 0; i < OPERATIONS_MAX && in.left > 0 && rig.sent < SENT_MAX; i++) {
+        operate(&in);
+        check_books();
+    }
     return 0;
 }
+
+/* --- seeds --- */
 
 enum {
     STOP = SELD_WIRE_ACTION_STOP,
@@ -175,32 +433,55 @@ enum {
 /* A command as an operation: code and tick are 0. */
 #define COMMAND(action) 0x16, SELD_WIRE_BYTES_command, action, 0, 0, 0, 0, 0, 0, 0, 0
 
-/* A session, back to READY, then one message framed as an operation: what a mutation of set-up begins with. */
+/* A device back in READY, then one long message as an operation: what a mutation of set-up begins with. */
 static size_t message_seed(uint8_t type, const seld_wire_writer *writer, uint8_t *bytes)
 {
-    const uint8_t begin[] = {0x82, 0, COMMAND(STOP), COMMAND(RESET), type, (uint8_t)writer->length};
+    const uint8_t begin[] = {0x82, 1,    COMMAND(STOP),           COMMAND(RESET),
+                             0x88, type, (uint8_t)writer->length, (uint8_t)(writer->length >> 8)};
     memcpy(bytes, begin, sizeof begin);
     memcpy(bytes + sizeof begin, writer->bytes, writer->length);
     return sizeof begin + writer->length;
 }
 
-/* `tools` with two knots each, and `rig` with a coupling on each track. */
-static size_t tools_seed(uint16_t count, uint8_t *bytes)
+/* A wire as they are sold: a shaped tip, a taper and a shaft, with 2 + `knots` knots. */
+static void shaped_wire(seld_wire_tools *tools, uint16_t knots)
+{
+    short_tools(tools, 1);
+    seld_wire_instrument *wire = &tools->tools[0];
+    const seld_wire_knot shaft = wire->knots[0];
+    wire->knots_count = (uint16_t)(2 + knots);
+    for (uint16_t i = 0; i < wire->knots_count; i++) {
+        seld_wire_knot *knot = &wire->knots[i];
+        *knot = shaft;
+        knot->arc_um = 80000u * i / (knots + 1u);
+        knot->bend_stiffness_nN_m2 = 20000u + 90000u * i;
+        knot->twist_stiffness_nN_m2 = knot->bend_stiffness_nN_m2;
+        if (i < 3) knot->rest_curvature1_per_m_milli = 60000;
+    }
+    wire->element_tip_um = 2000;
+    wire->element_fine_um = 10000;
+}
+
+/* `tools`: plain ones of two knots, then one with a shape. */
+static size_t tools_seed(uint16_t which, uint8_t *bytes)
 {
     static seld_wire_tools tools;
-    uint8_t payload[256];
-    client_plain_tools(&tools, count);
+    static uint8_t payload[SELD_WIRE_BYTES_tools];
+    if (which <= SELD_WIRE_TOOL_MAX)
+        short_tools(&tools, which);
+    else
+        shaped_wire(&tools, which);
     seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
     return seld_wire_put_tools(&writer, &tools) ? message_seed(SELD_WIRE_TYPE_tools, &writer, bytes) : 0;
 }
 
 static size_t rig_seed(uint16_t count, uint8_t *bytes)
 {
-    uint8_t payload[256];
-    seld_wire_rig rig = {.tracks_count = count};
-    for (uint16_t k = 0; k < count; k++) rig.tracks[k] = client_plain_track();
+    uint8_t payload[SELD_WIRE_BYTES_rig];
+    seld_wire_rig message = {.tracks_count = count};
+    for (uint16_t k = 0; k < count; k++) message.tracks[k] = client_plain_track();
     seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    return seld_wire_put_rig(&writer, &rig) ? message_seed(SELD_WIRE_TYPE_rig, &writer, bytes) : 0;
+    return seld_wire_put_rig(&writer, &message) ? message_seed(SELD_WIRE_TYPE_rig, &writer, bytes) : 0;
 }
 
 static size_t seed_of(const uint8_t *seed, size_t count, uint8_t *bytes)
@@ -217,39 +498,40 @@ static size_t seed_of(const uint8_t *seed, size_t count, uint8_t *bytes)
 
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
-    if (capacity < 512) return 0;
+    if (capacity < 4096) return 0;
     switch (index) {
     case 0:
-        SEED(0x82, 0, 0x83, 15, 140, 128, 128, 0x83, 15, 100, 128, 128);
+        SEED(0x82, 1, 0x83, 5, 140, 0x83, 5, 100);
     case 1:
-        SEED(0x82, 0, COMMAND(STOP), COMMAND(FREE), COMMAND(START));
+        SEED(0x82, 1, COMMAND(STOP), COMMAND(FREE), COMMAND(START), 0x81, 23);
     case 2:
-        SEED(0x82, 0, 0x30, 1, 5, 0x30, 1, 2, 0x81, 63);
+        SEED(0x82, 1, 0x30, 1, 5, 0x30, 1, 2, 0x81, 23);
     case 3: /* an upload, cut and taken up again */
-        SEED(0x82, 0, COMMAND(RESET), 0x10, 8, 64, 0, 0, 0, 1, 2, 3, 4, 0x11, 10, 0, 0, 0, 0, 4, 0, 9, 9, 9,
+        SEED(0x82, 1, COMMAND(RESET), 0x10, 8, 64, 0, 0, 0, 1, 2, 3, 4, 0x11, 10, 0, 0, 0, 0, 4, 0, 9, 9, 9,
              9, 0x30, 1, 9, 0x10, 8, 64, 0, 0, 0, 1, 2, 3, 4, 0x12, 4, 64, 0, 0, 0);
     case 4:
-        SEED(0x82, 2, 0x83, 15, 140, 120, 130, 0x83, 15, 100, 150, 128, 0x30, 1, 7, 0x30, 1, 5);
-    case 5:
-        SEED(0x82, 1, 0x83, 15, 135, 120, 128, 0x84, 1, 130, 0, 0x83, 15, 128, 128, 128);
+        SEED(0x82, 3, 0x83, 5, 140, 120, 130, 0x83, 0x85, 100, 150, 128, 0x30, 1, 7, 0x30, 1, 3);
+    case 5: /* snapshots, damaged in hands, motors, couplings, energies and in the core */
+        SEED(0x82, 2, 0x83, 5, 135, 120, 0x84, 1, 1, 130, 0, 0x83, 5, 128, 128);
     case 6:
-        SEED(0x82, 2, 0x83, 15, 120, 140, 125, 0x84, 0x80, 16, 1, 0x83, 15, 128, 128, 128);
+        SEED(0x82, 5, 0x83, 5, 120, 140, 0x84, 3, 4, 50, 0, 0x40, 100, 0, 0x80, 110, 1, 0x83, 5, 128, 128);
     case 7:
-        SEED(0x82, 2, COMMAND(STOP), COMMAND(FREE), COMMAND(START), 0x81, 40);
-    case 8: /* coupled, with its snapshot damaged in the coupling's part */
-        SEED(0x82, 0x80, 0x83, 15, 140, 128, 128, 0x84, 4, 50, 0, 0x83, 15, 120, 128, 128, 0x84, 0x40, 100, 0,
-             0x83, 15, 1, 1, 1);
-    case 9: /* powered, a hand that moves, then a sensor that fails */
-        SEED(0x82, 0x80, 0x86, 0, 0x85, 1, 140, 130, 128, 0, 128, 128, 128, 0, 128, 128, 128, 0, 0, 0x81, 20,
-             0x85, 1, 140, 130, 160, 16, 128, 128, 128, 0, 128, 128, 128, 0, 0, 0x81, 5, COMMAND(RESET));
-    case 10: /* a stream with events and pictures through a narrow pipe */
-        SEED(0x82, 0x82, 0x26, 3, 1, 2, 0, 0x86, 0, 0x87, 60, 0x81, 63, 0x81, 63, 0x87, 255, 0x81, 63, 0x30,
-             1, 8, 0x30, 1, 10);
-    case 11: /* the two steps, with a wrong code and a STOP to come */
-        SEED(0x82, 0x80, 0x86, 0, 0x16, 9, 3, 0, 0, 0, 0, 30, 0, 0, 0, 0x81, 50, 0x16, 9, 7, 0, 0, 0, 0, 0, 0,
-             0, 0, 0x16, 9, 8, 1, 2, 3, 4, 0, 0, 0, 0, COMMAND(START));
+        SEED(0x82, 3, 0x84, 0, 0, 0x84, 2, 0x80, 80, 1, 1, 0, 9, 0x83, 5, 1, 1, 1);
+    case 8: /* powered: a hand that moves, then a sensor that fails */
+        SEED(0x82, 4, 0x85, 1, 140, 130, 140, 0, 128, 128, 128, 0, 128, 128, 128, 0, 0, 0x81, 8, 0x85, 1, 140,
+             130, 160, 16, 128, 128, 128, 0, 128, 128, 128, 0, 0, 0x81, 5, COMMAND(RESET));
+    case 9: /* a stream with events and pictures through a narrow pipe */
+        SEED(0x82, 4, 0x26, 3, 1, 2, 0, 0x87, 60, 0x81, 23, 0x81, 23, 0x87, 255, 0x81, 23, 0x30, 1, 8, 0x30,
+             1, 10, 0x30, 1, 6);
+    case 10: /* the two steps, with a wrong code and a STOP to come */
+        SEED(0x82, 6, 0x86, 0, 0x16, 9, 3, 0, 0, 0, 0, 30, 0, 0, 0, 0x81, 12, 0x16, 9, 7, 0, 0, 0, 0, 0, 0, 0,
+             0, 0x16, 9, 8, 1, 2, 3, 4, 0, 0, 0, 0, COMMAND(START));
+    case 11: /* a host that falls silent and comes back; orders by HID */
+        SEED(0x82, 4, 0x81, 23, 0x81, 23, 0x30, 1, 1, 0x81, 9, 0x89, 3, 0x89, 4, 0x86, 0);
+    case 12: /* work that takes too long, and a processor that stood still */
+        SEED(0x82, 4, 0x8a, 21, 0x81, 3, 0x8a, 120, 0x81, 2, COMMAND(RESET));
     default:
-        if (index < 14) return tools_seed((uint16_t)(index - 11), bytes);
-        return index < 17 ? rig_seed((uint16_t)(index - 13), bytes) : 0;
+        if (index < 18) return tools_seed((uint16_t)(index - 12), bytes);
+        return index < 21 ? rig_seed((uint16_t)(index - 17), bytes) : 0;
     }
 }

@@ -1,0 +1,358 @@
+// Fuzz target: the host's side of the wire against any device. The input is a list of things a host asks for, and behind each what
+// the device says to it:
+//
+//   call u8 modulo 20, then answers until the call ends:
+//     0 silence: what is under way fails           3 the same with the last byte repeated: length u16, times u8
+//     1 raw bytes: length u8, bytes                4 any type, answering another frame: type u8, back u8, length u8, payload
+//     2 the message that is waited for:            5 raw bytes as 1, then the answer as 2
+//       length u8, payload
+//     6 .. a message of type u8 without being asked: length u8, payload
+//
+// Whatever a device says, a call ends, by a result or by a LinkError with a text, and the books of the host agree.
+#include "host/link/link.hpp"
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count);
+extern "C" std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_t capacity);
+
+namespace
+{
+
+constexpr int calls_max = 16;
+
+void promise(bool kept)
+{
+    if (!kept) std::abort();
+}
+
+class Input
+{
+  public:
+    Input(const std::uint8_t *bytes, std::size_t count) : bytes_(bytes), left_(count) {}
+    bool is_empty() const { return left_ == 0; }
+    std::uint8_t take()
+    {
+        if (left_ == 0) return 0;
+        left_--;
+        return *bytes_++;
+    }
+    std::span<const std::uint8_t> block(std::size_t count)
+    {
+        count = std::min(count, left_);
+        const std::span<const std::uint8_t> taken(bytes_, count);
+        bytes_ += count;
+        left_ -= count;
+        return taken;
+    }
+
+  private:
+    const std::uint8_t *bytes_;
+    std::size_t left_;
+};
+
+// What a host that is asked for `type` waits for.
+std::uint16_t answer_of(std::uint16_t type, std::uint8_t what)
+{
+    static constexpr std::uint16_t gets[] = {0,
+                                             SELD_WIRE_TYPE_status,
+                                             SELD_WIRE_TYPE_nodes,
+                                             SELD_WIRE_TYPE_node_table,
+                                             SELD_WIRE_TYPE_hash64,
+                                             SELD_WIRE_TYPE_snapshot_end,
+                                             SELD_WIRE_TYPE_fault_log,
+                                             SELD_WIRE_TYPE_contacts,
+                                             SELD_WIRE_TYPE_rig,
+                                             SELD_WIRE_TYPE_set_up,
+                                             SELD_WIRE_TYPE_sensors};
+    if (type == SELD_WIRE_TYPE_hello) return SELD_WIRE_TYPE_hello_reply;
+    if (type == SELD_WIRE_TYPE_step) return SELD_WIRE_TYPE_ticks;
+    if (type == SELD_WIRE_TYPE_get && what < std::size(gets)) return gets[what];
+    return SELD_WIRE_TYPE_status;
+}
+
+class FuzzedDevice final : public seld::Transport
+{
+  public:
+    explicit FuzzedDevice(Input &in) : in_(in) {}
+
+    // The host's frames are good: their first bytes, without COBS, say what is waited for.
+    void write(std::span<const std::uint8_t> bytes) override
+    {
+        std::uint8_t body[9] = {};
+        std::size_t place = 0, code = bytes[0];
+        for (std::size_t i = 1; i < bytes.size() && place < sizeof body; i++, place++) {
+            body[place] = --code > 0 ? bytes[i] : std::uint8_t{0};
+            if (code == 0) code = bytes[i];
+        }
+        if (place < sizeof body) return; // the zero before a HELLO
+        asked_ = static_cast<std::uint16_t>(body[0] | body[1] << 8);
+        answer_ = answer_of(static_cast<std::uint16_t>(body[4] | body[5] << 8), body[8]);
+    }
+
+    std::size_t read(std::span<std::uint8_t> bytes) override
+    {
+        ready_.clear();
+        if (!in_.is_empty()) say(in_.take());
+        promise(ready_.size() <= bytes.size());
+        std::copy(ready_.begin(), ready_.end(), bytes.begin());
+        return ready_.size();
+    }
+
+    void pass_time_ms(std::uint32_t) override {}
+
+  private:
+    void say(std::uint8_t how)
+    {
+        if (how == 0) return;
+        if (how == 1 || how == 5) raw(in_.block(in_.take()));
+        if (how == 2 || how == 5) frame(answer_, asked_, in_.block(in_.take()));
+        if (how == 3) {
+            const auto low = in_.take(), high = in_.take(), times = in_.take();
+            const auto begin = in_.block(low | (high % 8) << 8);
+            std::vector<std::uint8_t> payload(begin.begin(), begin.end());
+            payload.resize(payload.size() + 8u * times, payload.empty() ? 0 : payload.back());
+            frame(answer_, asked_, payload);
+        }
+        if (how == 4) {
+            const std::uint8_t type = in_.take(), back = in_.take();
+            frame(type, static_cast<std::uint16_t>(asked_ - back), in_.block(in_.take()));
+        }
+        if (how >= 6) frame(in_.take(), 0, in_.block(in_.take()));
+    }
+
+    void raw(std::span<const std::uint8_t> bytes) { ready_.insert(ready_.end(), bytes.begin(), bytes.end()); }
+
+    void frame(std::uint16_t type, std::uint16_t answers, std::span<const std::uint8_t> payload)
+    {
+        static std::uint8_t bytes[SELD_WIRE_FRAME_MAX];
+        const seld_wire_header header = {++sequence_, answers, type};
+        const std::size_t size = seld_wire_frame_encode(
+            &header, payload.data(), std::min<std::size_t>(payload.size(), SELD_WIRE_PAYLOAD_MAX), bytes,
+            sizeof bytes);
+        raw({bytes, size});
+    }
+
+    Input &in_;
+    std::vector<std::uint8_t> ready_;
+    std::uint16_t sequence_ = 0, asked_ = 0, answer_ = 0;
+};
+
+void call(seld::Link &link, std::uint8_t which)
+{
+    static const std::vector<std::uint8_t> scene(1100, 7), snapshot(1100, 9);
+    static const seld_wire_instrument tool{};
+    static const seld_wire_encoders inputs[3] = {};
+    switch (which % 20) {
+    case 0:
+        promise(link.hello().accepted != 0);
+        break;
+    case 1:
+        link.load_scene(scene);
+        break;
+    case 2:
+        link.load_tools({&tool, 1});
+        break;
+    case 3:
+        link.set_entry({});
+        break;
+    case 4:
+        link.set_rig({});
+        break;
+    case 5:
+        link.arm();
+        break;
+    case 6:
+        link.start();
+        break;
+    case 7:
+        promise(link.step(inputs, true).size() == 3);
+        break;
+    case 8:
+        link.free_run(25);
+        break;
+    case 9:
+        link.stop();
+        break;
+    case 10:
+        link.read_snapshot();
+        break;
+    case 11:
+        link.write_snapshot(snapshot);
+        break;
+    case 12:
+        link.read_fault_log();
+        break;
+    case 13:
+        link.read_contacts();
+        break;
+    case 14:
+        link.read_nodes();
+        break;
+    case 15:
+        link.read_hash64();
+        break;
+    case 16:
+        link.arm_motors();
+        break;
+    case 17:
+        link.read_sensors();
+        break;
+    case 18:
+        link.read_set_up();
+        break;
+    default:
+        link.read_rig();
+        break;
+    }
+}
+
+void check_books(seld::Link &link)
+{
+    promise(link.nodes().positions_count <= SELD_WIRE_MAX_nodes_positions);
+    promise(link.node_table().arcs_m_q30_count <= SELD_WIRE_MAX_node_table_arcs_m_q30);
+    promise(link.take_notices().size() <= seld::Link::notices_max);
+    promise(link.live_ticks().size() <= seld::Link::live_ticks_max);
+    for (const seld_wire_live_tick &live : link.live_ticks())
+        promise(live.state.tools_count <= SELD_WIRE_TOOL_MAX);
+}
+
+// --- seeds: a session that goes well, and some that do not ---
+
+class Script
+{
+  public:
+    Script &ask(std::uint8_t which)
+    {
+        bytes.push_back(which);
+        return *this;
+    }
+    template <class Message, class Put> Script &answer(const Message &message, Put put, std::uint8_t type = 0)
+    {
+        std::uint8_t payload[SELD_WIRE_PAYLOAD_MAX];
+        seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+        promise(put(&writer, &message));
+        if (type != 0) {
+            bytes.insert(bytes.end(), {6, type, static_cast<std::uint8_t>(writer.length)});
+        } else {
+            bytes.insert(bytes.end(), {3, static_cast<std::uint8_t>(writer.length),
+                                       static_cast<std::uint8_t>(writer.length >> 8), 0});
+        }
+        bytes.insert(bytes.end(), payload, payload + writer.length);
+        return *this;
+    }
+    Script &status(std::uint8_t state, std::uint32_t tick)
+    {
+        seld_wire_status status{};
+        status.state = state;
+        status.tick = tick;
+        status.arm_code = 77;
+        return answer(status, seld_wire_put_status);
+    }
+    Script &hello()
+    {
+        seld_wire_hello_reply reply{};
+        reply.accepted = 1;
+        reply.snapshot_bytes = 40000;
+        return ask(0).answer(reply, seld_wire_put_hello_reply);
+    }
+    std::vector<std::uint8_t> bytes;
+};
+
+seld_wire_tick_state tick_state(std::uint32_t tick)
+{
+    seld_wire_tick_state state{};
+    state.tick = tick;
+    state.tools_count = 1;
+    return state;
+}
+
+Script lockstep()
+{
+    Script script;
+    seld_wire_node_table table{};
+    table.arcs_m_q30_count = 3;
+    seld_wire_ticks ticks{};
+    ticks.states_count = 3;
+    for (std::uint32_t i = 0; i < 3; i++) ticks.states[i] = tick_state(i + 1);
+    script.hello().ask(1).answer(seld_wire_set_up{}, seld_wire_put_set_up).status(1, 0).status(1, 0);
+    script.ask(2).status(1, 0).ask(3).status(1, 0).ask(4).status(1, 0);
+    script.ask(5).status(2, 0).answer(table, seld_wire_put_node_table).ask(6).status(3, 0);
+    script.ask(7).answer(ticks, seld_wire_put_ticks).ask(9).status(2, 3);
+    return script;
+}
+
+Script free_run()
+{
+    Script script;
+    seld_wire_live live{};
+    live.ticks_count = 2;
+    live.ticks[0].state = tick_state(1);
+    live.ticks[1].state = tick_state(2);
+    seld_wire_notice notice{};
+    notice.number = 1;
+    script.hello().ask(16).status(2, 0).status(2, 0).ask(6).status(3, 0).ask(8);
+    script.answer(live, seld_wire_put_live, SELD_WIRE_TYPE_live);
+    script.answer(notice, seld_wire_put_notice, SELD_WIRE_TYPE_notice);
+    script.answer(live, seld_wire_put_live, SELD_WIRE_TYPE_live);
+    return script;
+}
+
+Script reading()
+{
+    Script script;
+    seld_wire_snapshot_chunk chunk{};
+    chunk.data_count = 20;
+    const seld_wire_snapshot_begin begin = {5, 20, seld_wire_crc32(0, chunk.data, 20)};
+    script.hello().ask(10).answer(begin, seld_wire_put_snapshot_begin, SELD_WIRE_TYPE_snapshot_begin);
+    script.answer(chunk, seld_wire_put_snapshot_chunk, SELD_WIRE_TYPE_snapshot_chunk);
+    script.answer(seld_wire_snapshot_end{20}, seld_wire_put_snapshot_end);
+    script.ask(11).status(2, 0).status(2, 5).ask(12).answer(seld_wire_fault_log{}, seld_wire_put_fault_log);
+    script.ask(13).answer(seld_wire_contacts{}, seld_wire_put_contacts);
+    script.ask(14).answer(seld_wire_nodes{}, seld_wire_put_nodes);
+    script.ask(15).answer(seld_wire_hash64{5, 6}, seld_wire_put_hash64);
+    script.ask(17).answer(seld_wire_sensors{}, seld_wire_put_sensors);
+    script.ask(19).answer(seld_wire_rig{}, seld_wire_put_rig);
+    return script;
+}
+
+Script refused()
+{
+    Script script;
+    script.hello().ask(6);
+    script.answer(seld_wire_reject{SELD_WIRE_TYPE_command, SELD_REJECT_WRONG_STATE, 1, 2},
+                  seld_wire_put_reject, SELD_WIRE_TYPE_reject);
+    script.bytes.insert(script.bytes.end(),
+                        {4, SELD_WIRE_TYPE_reject, 0, 12, 0x16, 0, 4, 0, 1, 0, 0, 0, 2, 0, 0, 0});
+    script.bytes.insert(script.bytes.end(), {0, 1, 5, 9, 1, 2, 3, 0});
+    return script;
+}
+
+} // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
+{
+    Input in(bytes, count);
+    FuzzedDevice device(in);
+    seld::Link link(device);
+    for (int i = 0; i < calls_max && !in.is_empty(); i++) {
+        try {
+            call(link, in.take());
+        } catch (const seld::LinkError &error) {
+            promise(*error.what() != '\0');
+        }
+        check_books(link);
+    }
+    return 0;
+}
+
+std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_t capacity)
+{
+    static Script (*const scripts[])() = {lockstep, free_run, reading, refused};
+    if (index >= std::size(scripts)) return 0;
+    const Script script = scripts[index]();
+    promise(script.bytes.size() <= capacity);
+    std::copy(script.bytes.begin(), script.bytes.end(), bytes);
+    return script.bytes.size();
+}
