@@ -41,7 +41,7 @@ Link::Link(Transport &transport)
 // --- frames out and in ---
 
 template <class Message, class Put>
-void Link::send_message(std::uint16_t type, const Message &message, Put put)
+void Link::send_message(std::uint16_t type, const Message &message, Put put, bool goes_on)
 {
     seld_wire_writer writer = seld_wire_writer_make(outgoing_.data(), outgoing_.size());
     if (!put(&writer, &message)) {
@@ -49,6 +49,7 @@ void Link::send_message(std::uint16_t type, const Message &message, Put put)
             format("%s does not fit a message: a list is too long", seld_wire_message_name(type)));
     }
     send(type, writer);
+    if (!goes_on) asked_from_ = sequence_;
 }
 
 void Link::send(std::uint16_t type, const seld_wire_writer &payload)
@@ -59,6 +60,15 @@ void Link::send(std::uint16_t type, const seld_wire_writer &payload)
         seld_wire_frame_encode(&header, payload.bytes, payload.length, frame_.data(), frame_.size());
     has_spoken_ = true;
     transport_.write({frame_.data(), bytes});
+}
+
+// A device that talks without end is as bad as a silent one: `frames` counts down to what no honest one says at once.
+bool Link::receive_one_of(std::uint32_t &frames)
+{
+    if (!receive()) return false;
+    if (frames-- > 0) return true;
+    throw LinkError(
+        "the device talks without end and does not answer; take it off the bus, and use another firmware");
 }
 
 bool Link::receive()
@@ -137,11 +147,16 @@ void Link::file_live()
     live_ = live;
     for (std::uint16_t i = 0; i < live.ticks_count; i++) {
         const std::uint32_t tick = live.ticks[i].state.tick;
-        if (tick <= tick_) continue;
-        ticks_missing_ += tick - tick_ - 1;
+        if (live_tick_ && tick <= *live_tick_) continue;
+        if (live_tick_) ticks_missing_ += tick - *live_tick_ - 1;
+        live_tick_ = tick;
+        tick_ = std::max(tick_, tick);
+        if (live_ticks_.size() == live_ticks_max) { // nobody takes them
+            ticks_missing_++;
+            continue;
+        }
         live_ticks_.push_back(live.ticks[i]);
         free_run_states_.push_back(live.ticks[i].state);
-        tick_ = tick;
     }
 }
 
@@ -157,16 +172,22 @@ void Link::file_stream()
     case SELD_WIRE_TYPE_notice: {
         seld_wire_notice notice;
         if (!seld_wire_decode_notice(payload, length, &notice)) broken("notice");
+        if (notices_.size() == notices_max) notices_.erase(notices_.begin());
         notices_.push_back(notice);
         break;
     }
     case SELD_WIRE_TYPE_snapshot_begin:
-        if (!seld_wire_decode_snapshot_begin(payload, length, &snapshot_begin_)) broken("snapshot_begin");
+        if (!seld_wire_decode_snapshot_begin(payload, length, &snapshot_begin_) ||
+            snapshot_begin_.snapshot_bytes > snapshot_bytes_max) {
+            snapshot_begin_ = {};
+            broken("snapshot_begin");
+        }
         snapshot_.clear();
         break;
     case SELD_WIRE_TYPE_snapshot_chunk: {
         seld_wire_snapshot_chunk chunk;
-        if (!seld_wire_decode_snapshot_chunk(payload, length, &chunk) || chunk.offset != snapshot_.size()) {
+        if (!seld_wire_decode_snapshot_chunk(payload, length, &chunk) || chunk.offset != snapshot_.size() ||
+            chunk.data_count > snapshot_begin_.snapshot_bytes - snapshot_.size()) {
             broken("snapshot_chunk");
         }
         snapshot_.insert(snapshot_.end(), chunk.data, chunk.data + chunk.data_count);
@@ -185,13 +206,23 @@ void Link::file_stream()
     }
 }
 
+// About an earlier request, whose answer came too late, or about an order that did not come in a frame.
+bool Link::is_late_refusal() const
+{
+    if (decoder_.header.type != SELD_WIRE_TYPE_reject) return false;
+    const auto since = static_cast<std::uint16_t>(decoder_.header.answers - asked_from_);
+    const auto asked = static_cast<std::uint16_t>(sequence_ - asked_from_);
+    return decoder_.header.answers == 0 || since > asked;
+}
+
 void Link::receive_answer(std::uint16_t type)
 {
-    for (;;) {
-        if (!receive()) {
+    for (std::uint32_t frames = frames_at_once_max;;) {
+        if (!receive_one_of(frames)) {
             throw LinkError(format("the device does not answer (waiting for %s); check cable, power and port",
                                    seld_wire_message_name(type)));
         }
+        if (is_late_refusal()) continue;
         file_frame();
         if (decoder_.header.type == type && decoder_.header.answers == sequence_) return;
     }
@@ -199,14 +230,37 @@ void Link::receive_answer(std::uint16_t type)
 
 // --- handshake and set-up ---
 
-seld_wire_hello_reply Link::hello()
+// True: answered. What else comes belongs to a conversation that is over, whole or torn.
+bool Link::ask_hello(const seld_wire_hello &hello)
 {
     const std::uint8_t end_of_frame = 0; // of one that a host before us, or a cut cable, left unfinished
+    seld_wire_decoder_init(&decoder_);
+    incoming_position_ = incoming_count_ = 0;
+    live_tick_.reset();
     transport_.write({&end_of_frame, 1});
+    send_message(SELD_WIRE_TYPE_hello, hello, seld_wire_put_hello);
+    for (std::uint32_t frames = frames_at_once_max; receive_one_of(frames);) {
+        if (decoder_.header.answers != sequence_) continue;
+        file_frame();
+        if (decoder_.header.type == SELD_WIRE_TYPE_hello_reply) return true;
+    }
+    return false;
+}
+
+// Whatever was lost or torn before, both sides begin anew. The reply itself is lost where it follows half a frame of a device
+// that started again: then it is asked for once more.
+seld_wire_hello_reply Link::hello()
+{
     const seld_wire_hello hello = {SELD_WIRE_PROTOCOL_MAJOR, SELD_WIRE_PROTOCOL_MINOR,
                                    seld_wire_schema_hash()};
-    send_message(SELD_WIRE_TYPE_hello, hello, seld_wire_put_hello);
-    receive_answer(SELD_WIRE_TYPE_hello_reply);
+    bool is_answered = ask_hello(hello);
+    const std::uint32_t *counts = decoder_.event_counts;
+    const bool is_torn = counts[SELD_WIRE_BAD_COBS] + counts[SELD_WIRE_BAD_SIZE] + counts[SELD_WIRE_BAD_CRC] +
+                             counts[SELD_WIRE_BAD_LENGTH] >
+                         0;
+    if (!is_answered && is_torn) is_answered = ask_hello(hello);
+    if (!is_answered)
+        throw LinkError("the device does not answer (waiting for hello_reply); check cable, power and port");
     if (!hello_reply_.accepted) {
         throw LinkError(format("device and host speak different versions: device %u.%u schema %016llx, "
                                "host %u.%u schema %016llx; install the same release on both",
@@ -237,10 +291,10 @@ void Link::load_scene(std::span<const std::uint8_t> scene)
         chunk.data_count =
             static_cast<std::uint16_t>(std::min<std::size_t>(sizeof chunk.data, bytes - offset));
         std::copy_n(scene.data() + offset, chunk.data_count, chunk.data);
-        send_message(SELD_WIRE_TYPE_scene_chunk, chunk, seld_wire_put_scene_chunk);
+        send_message(SELD_WIRE_TYPE_scene_chunk, chunk, seld_wire_put_scene_chunk, true);
     }
     const seld_wire_scene_end end = {bytes};
-    send_message(SELD_WIRE_TYPE_scene_end, end, seld_wire_put_scene_end);
+    send_message(SELD_WIRE_TYPE_scene_end, end, seld_wire_put_scene_end, true);
     receive_answer(SELD_WIRE_TYPE_status);
 }
 
@@ -290,7 +344,9 @@ seld_wire_status Link::arm()
 
 seld_wire_status Link::start()
 {
-    return command(SELD_WIRE_ACTION_START);
+    command(SELD_WIRE_ACTION_START);
+    live_tick_ = tick_;
+    return status_;
 }
 
 seld_wire_status Link::stop()
@@ -400,16 +456,18 @@ void Link::drop_given()
 std::vector<seld_wire_tick_state> Link::free_run(std::uint32_t milliseconds)
 {
     drop_given();
+    std::uint32_t frames = frames_at_once_max;
     try {
         for (std::uint32_t left = milliseconds; left > 0;) {
             const std::uint32_t slice = std::min(left, heartbeat_ms);
             beat();
             transport_.pass_time_ms(slice);
-            while (receive()) file_frame();
+            while (receive_one_of(frames)) file_frame();
+            frames = frames_at_once_max;
             left -= slice;
         }
         if (milliseconds == 0) transport_.pass_time_ms(0);
-        while (receive()) file_frame();
+        while (receive_one_of(frames)) file_frame();
     } catch (...) {
         ticks_given_ = live_ticks_.size();
         throw;
@@ -502,10 +560,10 @@ void Link::write_snapshot(std::span<const std::uint8_t> snapshot)
         chunk.data_count =
             static_cast<std::uint16_t>(std::min<std::size_t>(sizeof chunk.data, bytes - offset));
         std::copy_n(snapshot.data() + offset, chunk.data_count, chunk.data);
-        send_message(SELD_WIRE_TYPE_snapshot_chunk, chunk, seld_wire_put_snapshot_chunk);
+        send_message(SELD_WIRE_TYPE_snapshot_chunk, chunk, seld_wire_put_snapshot_chunk, true);
     }
     const seld_wire_snapshot_end end = {bytes};
-    send_message(SELD_WIRE_TYPE_snapshot_end, end, seld_wire_put_snapshot_end);
+    send_message(SELD_WIRE_TYPE_snapshot_end, end, seld_wire_put_snapshot_end, true);
     receive_answer(SELD_WIRE_TYPE_status);
     tick_ = status_.tick;
 }

@@ -43,6 +43,9 @@ class Link
 {
   public:
     static constexpr std::size_t steps_max = SELD_WIRE_MAX_step_inputs;
+    // What no honest device exceeds: frames without an answer among them, bytes of a snapshot, notices nobody took.
+    static constexpr std::uint32_t frames_at_once_max = 10000, snapshot_bytes_max = 1 << 20,
+                                   notices_max = 4096, live_ticks_max = 1 << 16;
 
     explicit Link(Transport &transport);
 
@@ -97,8 +100,11 @@ class Link
   private:
     void send(std::uint16_t type, const seld_wire_writer &payload);
     template <class Message, class Put>
-    void send_message(std::uint16_t type, const Message &message, Put put);
-    bool receive();                     // next frame into decoder_; false when the device is silent
+    void send_message(std::uint16_t type, const Message &message, Put put, bool goes_on = false);
+    bool receive(); // next frame into decoder_; false when the device is silent
+    bool receive_one_of(std::uint32_t &frames);
+    bool is_late_refusal() const;
+    bool ask_hello(const seld_wire_hello &hello);
     void receive_answer(std::uint16_t); // until this type came; others are filed, refusals throw
     void file_frame();
     void file_stream();
@@ -112,8 +118,10 @@ class Link
     seld_wire_decoder decoder_;
     std::vector<std::uint8_t> incoming_, outgoing_, frame_;
     std::size_t incoming_position_ = 0, incoming_count_ = 0;
-    std::uint16_t sequence_ = 0;
+    std::uint16_t sequence_ = 0, asked_from_ = 0; // last frame sent, and the first one of this request
     std::uint32_t tick_ = 0;
+    std::optional<std::uint32_t>
+        live_tick_; // last that came by itself; none: the next batch says where the device is
     std::vector<seld_wire_tick_state> free_run_states_;
     std::vector<seld_wire_live_tick> live_ticks_;
     std::size_t ticks_given_ = 0; // of both, by the last free_run()

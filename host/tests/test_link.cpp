@@ -1,0 +1,231 @@
+// Claims: after whatever was lost, torn or repeated on the way, HELLO begins a conversation that works, without a cable pulled;
+// what comes late is not taken for an answer; a device that talks without end, or hands over without bound, is left with an error;
+// no tick that came is lost to the recording.
+#include <algorithm>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <string>
+
+#include "host/link/link.hpp"
+
+extern "C" {
+#include <cmocka.h>
+}
+
+namespace
+{
+
+// A device that says what it is told to, as answers to the last frame of the host or unasked.
+class TalkingDevice final : public seld::Transport
+{
+  public:
+    TalkingDevice() { seld_wire_decoder_init(&decoder_); }
+
+    void write(std::span<const std::uint8_t> bytes) override
+    {
+        for (std::uint8_t byte : bytes) {
+            if (seld_wire_decoder_push(&decoder_, byte) != SELD_WIRE_FRAME) continue;
+            asked = decoder_.header.sequence;
+            asked_type = decoder_.header.type;
+            if (on_frame) on_frame();
+        }
+    }
+    std::size_t read(std::span<std::uint8_t> bytes) override
+    {
+        if (ready_.empty() && on_silence) on_silence();
+        const std::size_t count = std::min(bytes.size(), ready_.size());
+        std::copy_n(ready_.begin(), count, bytes.begin());
+        ready_.erase(ready_.begin(), ready_.begin() + static_cast<std::ptrdiff_t>(count));
+        return count;
+    }
+    void pass_time_ms(std::uint32_t) override {}
+
+    void raw(std::initializer_list<std::uint8_t> bytes) { ready_.insert(ready_.end(), bytes); }
+    template <class Message, class Put>
+    void say(std::uint16_t type, std::uint16_t answers, const Message &message, Put put)
+    {
+        std::vector<std::uint8_t> payload(SELD_WIRE_PAYLOAD_MAX), frame(SELD_WIRE_FRAME_MAX);
+        seld_wire_writer writer = seld_wire_writer_make(payload.data(), payload.size());
+        assert_true(put(&writer, &message));
+        const seld_wire_header header = {++sequence_, answers, type};
+        frame.resize(
+            seld_wire_frame_encode(&header, payload.data(), writer.length, frame.data(), frame.size()));
+        ready_.insert(ready_.end(), frame.begin(), frame.end());
+    }
+    void greet()
+    {
+        seld_wire_hello_reply reply{};
+        reply.accepted = 1;
+        say(SELD_WIRE_TYPE_hello_reply, asked, reply, seld_wire_put_hello_reply);
+    }
+    void status(std::uint16_t answers, std::uint32_t tick)
+    {
+        seld_wire_status status{};
+        status.tick = tick;
+        say(SELD_WIRE_TYPE_status, answers, status, seld_wire_put_status);
+    }
+    void refuse(std::uint16_t answers)
+    {
+        const seld_wire_reject reject = {SELD_WIRE_TYPE_command, SELD_REJECT_WRONG_STATE, 0, 0};
+        say(SELD_WIRE_TYPE_reject, answers, reject, seld_wire_put_reject);
+    }
+    void live(std::uint32_t first, std::uint16_t count)
+    {
+        seld_wire_live live{};
+        live.ticks_count = count;
+        for (std::uint16_t i = 0; i < count; i++) live.ticks[i].state.tick = first + i;
+        say(SELD_WIRE_TYPE_live, 0, live, seld_wire_put_live);
+    }
+
+    std::function<void()> on_frame, on_silence;
+    std::uint16_t asked = 0, asked_type = 0;
+
+  private:
+    seld_wire_decoder decoder_;
+    std::deque<std::uint8_t> ready_;
+    std::uint16_t sequence_ = 0;
+};
+
+// The text of the error that `call` ends with; empty: none.
+std::string error_of(const std::function<void()> &call)
+{
+    try {
+        call();
+    } catch (const seld::LinkError &error) {
+        return error.what();
+    }
+    return "";
+}
+
+bool contains(const std::string &text, const char *part)
+{
+    return text.find(part) != std::string::npos;
+}
+
+// The device started again within a frame: our decoder holds its first half, and the reply follows it without a zero.
+void hello_finds_the_device_behind_half_a_frame(void **)
+{
+    TalkingDevice device;
+    seld::Link link(device);
+    device.raw({7, 1, 2, 3});
+    assert_true(contains(error_of([&] { link.read_status(); }), "does not answer"));
+    device.on_frame = [&] { device.greet(); };
+    assert_string_equal(error_of([&] { link.hello(); }).c_str(), "");
+    device.raw({9, 1, 2, 3}); // and when the half frame comes just before the reply
+    assert_string_equal(error_of([&] { link.hello(); }).c_str(), "");
+}
+
+// Answers, refusals and broken messages of the conversation before do not disturb the new one.
+void hello_is_deaf_to_what_was_before(void **)
+{
+    TalkingDevice device;
+    seld::Link link(device);
+    device.on_frame = [&] {
+        const auto old = static_cast<std::uint16_t>(device.asked - 1);
+        device.refuse(old);
+        device.status(old, 5);
+        device.say(SELD_WIRE_TYPE_ticks, old, seld_wire_hash64{1, 2}, seld_wire_put_hash64);
+        device.say(0x7777, 0, seld_wire_hash64{1, 2}, seld_wire_put_hash64);
+        device.greet();
+    };
+    assert_string_equal(error_of([&] { link.hello(); }).c_str(), "");
+    device.on_frame = [&] { device.refuse(device.asked); };
+    assert_true(contains(error_of([&] { link.hello(); }), "WRONG_STATE"));
+}
+
+// A refusal that comes after its request was given up is not the answer to the next one; one of this request is, also when it
+// is about an earlier frame of it.
+void a_late_refusal_is_not_taken_for_an_answer(void **)
+{
+    TalkingDevice device;
+    seld::Link link(device);
+    assert_true(contains(error_of([&] { link.stop(); }), "does not answer"));
+    device.on_frame = [&] {
+        device.refuse(static_cast<std::uint16_t>(device.asked - 1));
+        device.refuse(0);
+        device.status(device.asked, 3);
+    };
+    assert_string_equal(error_of([&] { link.stop(); }).c_str(), "");
+    device.on_frame = [&] { device.refuse(device.asked); };
+    assert_true(contains(error_of([&] { link.stop(); }), "WRONG_STATE"));
+    device.on_frame = [&] {
+        if (device.asked_type == SELD_WIRE_TYPE_snapshot_begin) device.status(device.asked, 0);
+        if (device.asked_type == SELD_WIRE_TYPE_snapshot_chunk) device.refuse(device.asked);
+        if (device.asked_type == SELD_WIRE_TYPE_snapshot_end) device.status(device.asked, 0);
+    };
+    const std::vector<std::uint8_t> snapshot(100);
+    assert_true(contains(error_of([&] { link.write_snapshot(snapshot); }), "WRONG_STATE"));
+}
+
+void a_device_that_talks_without_end_is_left_with_an_error(void **)
+{
+    TalkingDevice device;
+    seld::Link link(device);
+    device.on_silence = [&] {
+        device.say(SELD_WIRE_TYPE_notice, 0, seld_wire_notice{}, seld_wire_put_notice);
+    };
+    assert_true(contains(error_of([&] { link.read_status(); }), "without end"));
+    assert_true(contains(error_of([&] { link.free_run(5); }), "without end"));
+    assert_true(contains(error_of([&] { link.hello(); }), "without end"));
+    assert_true(link.take_notices().size() == seld::Link::notices_max);
+}
+
+// A snapshot has the size that was announced, and no more than any device has.
+void a_snapshot_beyond_its_size_is_refused(void **)
+{
+    TalkingDevice device;
+    seld::Link link(device);
+    seld_wire_snapshot_begin begin = {0, 1000, 0};
+    seld_wire_snapshot_chunk chunk{};
+    chunk.data_count = SELD_WIRE_MAX_snapshot_chunk_data;
+    device.on_frame = [&] {
+        device.say(SELD_WIRE_TYPE_snapshot_begin, device.asked, begin, seld_wire_put_snapshot_begin);
+        device.say(SELD_WIRE_TYPE_snapshot_chunk, device.asked, chunk, seld_wire_put_snapshot_chunk);
+    };
+    assert_true(contains(error_of([&] { link.read_snapshot(); }), "snapshot_chunk"));
+    begin.snapshot_bytes = 0xffffffff;
+    assert_true(contains(error_of([&] { link.read_snapshot(); }), "snapshot_begin"));
+}
+
+// STOP is answered before the ticks that were still in the device's queue; they come, and are the recording's last.
+void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
+{
+    TalkingDevice device;
+    seld::Link link(device);
+    device.on_frame = [&] { device.status(device.asked, 0); };
+    link.start();
+    device.on_frame = nullptr;
+    device.live(1, 16);
+    assert_int_equal(link.free_run(0).size(), 16);
+    device.on_frame = [&] {
+        device.live(17, 2); // together with the answer
+        device.status(device.asked, 21);
+        device.live(19, 3); // and behind it
+    };
+    assert_int_equal(link.stop().tick, 21);
+    const auto last = link.free_run(0);
+    assert_int_equal(last.size(), 5);
+    assert_int_equal(last.front().tick, 17);
+    assert_int_equal(last.back().tick, 21);
+    assert_int_equal(link.ticks_missing(), 0);
+    assert_int_equal(link.free_run(0).size(), 0);
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(hello_finds_the_device_behind_half_a_frame),
+        cmocka_unit_test(hello_is_deaf_to_what_was_before),
+        cmocka_unit_test(a_late_refusal_is_not_taken_for_an_answer),
+        cmocka_unit_test(a_device_that_talks_without_end_is_left_with_an_error),
+        cmocka_unit_test(a_snapshot_beyond_its_size_is_refused),
+        cmocka_unit_test(ticks_that_come_behind_the_answer_to_stop_are_recorded),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
