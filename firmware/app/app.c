@@ -27,6 +27,8 @@ static void hello(seld_app *app, const uint8_t *payload, size_t length)
                    SELD_REJECT_MALFORMED, length, SELD_WIRE_BYTES_hello);
     app->is_greeted =
         hello.protocol_major == SELD_WIRE_PROTOCOL_MAJOR && hello.schema_hash == seld_wire_schema_hash();
+    app->arm_code = 0; /* what another conversation was allowed is not for this one */
+    app->motors_armed = false;
     if (app->is_greeted && app->state == SELD_WIRE_STATE_INIT) seld_app_set_state(app, SELD_WIRE_STATE_READY);
     if (!app->is_greeted && app->state == SELD_WIRE_STATE_RUNNING) {
         seld_app_stop(app); /* nobody is left who could stop the motors */

@@ -27,7 +27,7 @@ enum {
     SELD_APP_HOST_SILENT_ticks =
         30, /* a frame is due within this; then SELD_APP_FADE_ticks until no force is left */
     SELD_APP_FADE_ticks = 12,   /* with 8 ms for the lag of a motor: no force 50 ms after the last frame */
-    SELD_APP_CODE_ticks = 2000, /* between ARM_MOTORS and CONFIRM */
+    SELD_APP_CODE_ticks = 2000, /* between ARM_MOTORS and CONFIRM, and between CONFIRM and START */
     SELD_APP_LIVE_BATCH_ticks = 16, /* one `live` frame per 16 ms */
     SELD_APP_LIVE_QUEUE_ticks = 256,
     SELD_APP_EVENT_QUEUE = 32,
@@ -179,9 +179,9 @@ typedef struct seld_app {
     seld_port_inputs rig; /* this edge's sample */
     bool motors_armed;    /* CONFIRM came: the next START powers the motors */
     bool is_driving;
-    bool drive_level; /* of the drive line, flipped once per edge while power is wanted */
-    bool stage_was_on;
-    uint32_t drive_ticks, idle_ticks;                /* since the power was asked for, or no longer */
+    bool drive_level;                 /* of the drive line, flipped once per edge while power is wanted */
+    bool stage_was_on, stage_is_told; /* STAGE_STUCK is in the log */
+    uint32_t drive_ticks, idle_ticks; /* since the power was asked for, or no longer */
     uint32_t arm_code, arm_code_age, arm_code_count; /* code 0: none is valid */
     int32_t fade_from[SELD_TOOL_MAX][2];             /* forces when the host fell silent */
     seld_app_watch watches[SELD_TOOL_MAX];

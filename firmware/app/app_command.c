@@ -127,6 +127,7 @@ static void confirm(seld_app *app, uint32_t code)
                    app->arm_code_age, code);
     if (!may_arm_motors(app)) return;
     app->motors_armed = true;
+    app->arm_code_age = 0;
     seld_app_send_status(app, SELD_WIRE_TYPE_command);
 }
 

@@ -92,7 +92,10 @@ static void ask(seld_app *app, uint32_t k, const seld_handle *handle)
                                   (int32_t)track->wire.torque_slew_uN_m_per_tick, track->torque_limit_uN_m);
 }
 
-/* A silent host: from what was asked for when it fell silent to nothing, in a straight line, faster than any slew limit. */
+/* A silent host: from what was asked for when it fell silent to nothing, in a straight line, faster than any slew limit.
+ * Overflow: |from| <= the limits, and left_ticks <= SELD_APP_FADE_ticks while it fades: below 2^19. */
+_Static_assert((int64_t)SELD_APP_TORQUE_LIMIT_uN_m *SELD_APP_FADE_ticks <= INT32_MAX,
+               "a bound of a force in 32 bits");
 static int32_t faded(int32_t value, int32_t from, uint32_t left_ticks)
 {
     int64_t bound = seld_app_quotient((from < 0 ? -(int64_t)from : from) * left_ticks, SELD_APP_FADE_ticks);

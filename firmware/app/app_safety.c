@@ -162,13 +162,15 @@ static seld_fault_code check_track(seld_app *app, uint32_t k, int32_t *value)
     return code;
 }
 
+static bool stage_is_stuck(const seld_app *app)
+{
+    return !app->is_driving && app->has_rig && app->rig.stage_on && app->idle_ticks > STAGE_ticks;
+}
+
 static seld_fault_code check_lines(seld_app *app)
 {
     const seld_port_inputs *rig = &app->rig;
-    if (!app->is_driving) {
-        bool is_stuck = rig->stage_on && app->idle_ticks > STAGE_ticks;
-        return is_stuck ? SELD_FAULT_CODE_STAGE_STUCK : SELD_FAULT_CODE_NONE;
-    }
+    if (!app->is_driving) return stage_is_stuck(app) ? SELD_FAULT_CODE_STAGE_STUCK : SELD_FAULT_CODE_NONE;
     if (rig->emergency_stop) return SELD_FAULT_CODE_EMERGENCY_STOP;
     if (!rig->supply_good) return SELD_FAULT_CODE_SUPPLY_LOST;
     if (!rig->stage_on && (app->stage_was_on || app->drive_ticks > STAGE_ticks))
@@ -177,14 +179,29 @@ static seld_fault_code check_lines(seld_app *app)
     return SELD_FAULT_CODE_NONE;
 }
 
-/* Every edge, with this edge's sample. A fault is latched once: in FAULT only the lamp is left to tell. */
+/* A code and the permission that it gave are for somebody who is about to press START, not for whoever comes later. */
+static void age_permission(seld_app *app)
+{
+    if (app->arm_code == 0 && !app->motors_armed) return;
+    if (++app->arm_code_age <= SELD_APP_CODE_ticks) return;
+    app->arm_code = 0;
+    app->motors_armed = false;
+}
+
+/* Every edge, with this edge's sample. A fault is latched once: in FAULT nothing is left to take away, but that the
+ * stage does not obey must be told, whatever led there. */
 void seld_app_safety_check(seld_app *app)
 {
     app->drive_ticks = app->is_driving ? app->drive_ticks + 1 : 0;
     app->idle_ticks =
         app->is_driving || app->idle_ticks == UINT32_MAX ? app->idle_ticks : app->idle_ticks + 1;
-    if (app->arm_code != 0 && ++app->arm_code_age > SELD_APP_CODE_ticks) app->arm_code = 0;
-    if (app->state == SELD_WIRE_STATE_FAULT) return;
+    age_permission(app);
+    const bool is_stuck = stage_is_stuck(app), is_told = app->stage_is_told;
+    app->stage_is_told = is_stuck;
+    if (app->state == SELD_WIRE_STATE_FAULT) {
+        if (is_stuck && !is_told) seld_app_fault(app, SELD_FAULT_CODE_STAGE_STUCK, 0, 0);
+        return;
+    }
     if (!app->has_rig) {
         if (app->is_driving) seld_app_fault(app, SELD_FAULT_CODE_RIG_LOST, 0, 0);
         return;

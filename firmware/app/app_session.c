@@ -200,10 +200,10 @@ static void free_run_tick(seld_app *app)
 void seld_app_timer(seld_app *app)
 {
     app->answers = 0;
+    const bool was_running = app->state == SELD_WIRE_STATE_RUNNING; /* before anything may end it */
     seld_app_clock_begin(app);
     app->has_rig = app->port->inputs(app->port->context, &app->rig);
     if (!app->has_rig) app->rig = (seld_port_inputs){.supply_good = false};
-    bool was_running = app->state == SELD_WIRE_STATE_RUNNING;
     seld_app_safety_check(app);
     bool is_ticking = app->mode == SELD_WIRE_MODE_FREE_RUN && app->state == SELD_WIRE_STATE_RUNNING;
     if (is_ticking) free_run_tick(app);

@@ -148,6 +148,21 @@ static void a_power_stage_that_does_not_go_off_is_told(void **state)
     expect_latched(SELD_FAULT_CODE_STAGE_STUCK);
 }
 
+/* The cause of FAULT is another one, and stays; that somebody must cut the supply by hand is in the log all the same, once. */
+static void a_stage_that_does_not_go_off_in_a_fault_is_told_too(void **state)
+{
+    (void)state;
+    power_and_push();
+    seld_sim_weld_stage(b.host.sim, true);
+    b.rig.tracks[0].over_current = true;
+    for (uint32_t i = 0; i < 2 + seld_wire_fault_safe_ms(SELD_FAULT_CODE_STAGE_STUCK); i++) bench_tick(&b);
+    expect_state(SELD_WIRE_STATE_FAULT);
+    assert_int_equal(status.fault_code, SELD_FAULT_CODE_OVER_CURRENT);
+    for (int i = 0; i < 20; i++) bench_tick(&b);
+    assert_true(bench_fault(&b, SELD_FAULT_CODE_STAGE_STUCK, &entry) != 0);
+    assert_int_equal(entry.count, 1);
+}
+
 static void a_rig_that_goes_away_takes_the_power(void **state)
 {
     (void)state;
@@ -421,6 +436,25 @@ static void a_frozen_processor_has_no_power_and_says_so_afterwards(void **state)
     expect_latched(SELD_FAULT_CODE_TICK_STALLED);
 }
 
+/* Without being asked: the host of a device that stood still hears of it as of every other end of RUNNING. */
+static void a_device_that_stood_still_says_so_by_itself(void **state)
+{
+    (void)state;
+    power_and_push();
+    seld_sim_freeze(b.host.sim, 100);
+    bench_drain(&b);
+    b.host_speaks = false;
+    bench_tick(&b);
+    bool is_told = false;
+    for (uint16_t type = client_receive(&b.host); type != 0; type = client_receive(&b.host)) {
+        if (type != SELD_WIRE_TYPE_status) continue;
+        assert_true(seld_wire_decode_status(b.host.decoder.payload, b.host.decoder.payload_bytes, &status));
+        is_told = status.state == SELD_WIRE_STATE_FAULT && status.request_type == 0;
+    }
+    assert_true(is_told);
+    assert_int_equal(status.fault_code, SELD_FAULT_CODE_TICK_STALLED);
+}
+
 /* --- our own errors, and the core's --- */
 
 static bool transmit(void *context, const uint8_t *frame, size_t bytes)
@@ -510,6 +544,7 @@ int main(void)
         TEST(a_power_stage_that_went_off_stays_off),
         TEST(a_power_stage_that_never_comes_on_is_a_fault_too),
         TEST(a_power_stage_that_does_not_go_off_is_told),
+        TEST(a_stage_that_does_not_go_off_in_a_fault_is_told_too),
         TEST(a_rig_that_goes_away_takes_the_power),
         TEST(a_lost_encoder_takes_the_power),
         TEST(a_jump_of_the_translation_takes_the_power),
@@ -527,6 +562,7 @@ int main(void)
         TEST(a_tick_that_takes_too_long_is_counted_and_changes_nothing),
         TEST(a_device_that_cannot_keep_up_takes_the_power),
         TEST(a_frozen_processor_has_no_power_and_says_so_afterwards),
+        TEST(a_device_that_stood_still_says_so_by_itself),
         TEST(an_error_of_our_own_takes_the_power_at_once),
         TEST(every_fault_of_the_core_is_logged_once),
     };

@@ -109,6 +109,30 @@ static void a_permission_is_good_for_one_start(void **state)
     refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_CONFIRMED);
 }
 
+/* Somebody confirmed and did not press START: neither a host that comes an hour later nor one that says HELLO now has that
+ * permission. */
+static void a_permission_is_not_left_lying_about(void **state)
+{
+    (void)state;
+    command(SELD_WIRE_ACTION_ARM);
+    assert_true(client_arm_motors(host));
+    for (int i = 0; i < SELD_APP_CODE_ticks; i++) bench_tick(&b);
+    assert_int_equal(bench_status(&b).motors_armed, 1);
+    bench_tick(&b);
+    assert_int_equal(bench_status(&b).motors_armed, 0);
+    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_CONFIRMED);
+    assert_true(client_arm_motors(host));
+    client_hello(host, seld_wire_schema_hash());
+    bench_drain(&b);
+    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_CONFIRMED);
+    command(SELD_WIRE_ACTION_ARM_MOTORS);
+    const uint32_t code = status.arm_code;
+    client_hello(host, seld_wire_schema_hash());
+    bench_drain(&b);
+    client_confirm(host, code);
+    expect_reject(SELD_REJECT_CODE_WRONG);
+}
+
 /* Every frame of a conversation that powers the motors, alone and twice, at a device that is armed: none of them does. */
 static void no_single_frame_powers_a_motor(void **state)
 {
@@ -457,6 +481,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(motors_need_both_steps_in_their_order_and_time),
         TEST(a_permission_is_good_for_one_start),
+        TEST(a_permission_is_not_left_lying_about),
         TEST(no_single_frame_powers_a_motor),
         TEST(an_unsafe_rig_is_not_armed_and_the_cause_is_named),
         TEST(lockstep_holds_the_motors_off),

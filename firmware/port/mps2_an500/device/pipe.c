@@ -2,7 +2,11 @@
  * the ring is long is the other side's error and empties the ring. */
 #include "firmware/port/mps2_an500/device/device.h"
 
-enum { RING_MASK = RIG_RING_BYTES - 1 };
+enum {
+    RING_MASK = RIG_RING_BYTES - 1,
+    PIECE_BYTES =
+        512, /* a packet of USB: a host that floods the ring may not keep the device from its milliseconds */
+};
 
 /* What the host sent to an earlier life is not for this one; what that one had to say is gone. */
 void pipe_start(void)
@@ -19,6 +23,7 @@ size_t pipe_received(const uint8_t **bytes)
         pipe_release(count);
         return 0;
     }
+    if (count > PIECE_BYTES) count = PIECE_BYTES;
     uint32_t at = tail & RING_MASK;
     *bytes = &rig->to_device[at];
     return count <= RIG_RING_BYTES - at ? count : RIG_RING_BYTES - at;
