@@ -75,8 +75,6 @@ $(BUILD)/obj/firmware/app/usb/%.c.o: CFLAGS += $(USB_ID_FLAGS)
 $(BUILD)/obj/host/link/%.cpp.o $(BUILD)/obj/host/app/%.cpp.o: CXXFLAGS += $(USB_ID_FLAGS)
 # The command line's parser is half a minute of templates that run once: not optimised, half of that.
 $(BUILD)/obj/host/app/cli.cpp.o $(BUILD)/obj/host/app/cli_rig.cpp.o: OPT := -O0
-# Its one number is folded at build time, which takes clang minutes with sanitizers in between.
-$(BUILD)/obj/shared/wire/wire_schema.c.o: CFLAGS := $(filter-out $(SANFLAGS) -fno-sanitize-coverage=%,$(CFLAGS))
 # Frames and codecs are loops over bytes, where comparing is half of a fuzzer's time and teaches it nothing.
 $(BUILD)/obj/shared/wire/%.c.o: CFLAGS += $(if $(findstring fuzzer,$(SAN)),-fno-sanitize-coverage=trace-cmp)
 # Loops over pixels become vector code; neither flag changes a value.
