@@ -289,7 +289,7 @@ static uint32_t next_report_tick(void)
     return report.tick;
 }
 
-/* One report a tick, none twice; a host that is late gets what waits, up to 128 ms of it and one under way. */
+/* One report a tick, none twice; a host that is late gets what waits, up to 64 ms of it and one under way. */
 static void state_reports_follow_the_ticks(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* A small scene from a closed form for cases that need a wall: a tube of 2 mm around a path with a bend.
+/* Scenes from a closed form for cases that need a wall: tubes around a path of straight pieces and bends.
  * May include: nothing. Called by: cases. */
 #ifndef SELD_HIL_TUBE_SCENE_H
 #define SELD_HIL_TUBE_SCENE_H
@@ -10,7 +10,18 @@
 extern "C" {
 #endif
 
-/* Writes the scene file; returns its size, or 0 when `capacity` is too small. The entry is the origin, along +x. */
+enum { HIL_PIECES_MAX = 4 };
+
+typedef struct hil_piece {
+    double length_m, angle_rad; /* 0: straight */
+} hil_piece;
+
+/* Writes the scene file of a closed tube; returns its size, or 0 when `capacity` is too small. The entry is the origin, along +x.
+ * `level` 0 or 1 is the refinement of the field. */
+size_t hil_scene_of(const hil_piece *pieces, uint32_t count, double radius_m, uint32_t level, uint8_t *file,
+                    size_t capacity);
+
+/* The same, of 2 mm radius with one bend. */
 size_t hil_tube_scene(uint8_t *file, size_t capacity);
 
 #ifdef __cplusplus

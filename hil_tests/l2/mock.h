@@ -32,7 +32,8 @@ typedef struct mock {
     UMockdevTestbed *testbed;
     UMockdevIoctlBase *usbfs, *hidraw;
     char *root;
-    bool is_plugged;
+    bool is_plugged, is_attached; /* the nodes of a device that went answer until it comes back */
+    int64_t unplugged_ns;
     unsigned number; /* of the device, from 0 */
     char usb_path[64], hid_path[96], usb_node[32], hid_node[32];
 

@@ -24,7 +24,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { STEP_us = 100, PROGRAM_SECONDS = 200, DEVICES_MAX = 4 };
+enum { STEP_us = 100, PROGRAM_SECONDS = 200, AWAY_ms = 500, DEVICES_MAX = 4 };
 
 static mock mocks[DEVICES_MAX];
 static unsigned mock_count;
@@ -128,10 +128,21 @@ static void tell(mock *m, const char *what)
     g_free(path);
 }
 
+/* umockdev ends a program that is in the middle of a call when its node is taken away. So the nodes of a device that went answer ENODEV
+ * until it comes back, and that not before programs had time to let go. */
+static void detach(mock *m)
+{
+    if (!m->is_attached) return;
+    umockdev_testbed_detach_ioctl(m->testbed, m->usb_node, NULL);
+    umockdev_testbed_detach_ioctl(m->testbed, m->hid_node, NULL);
+    m->is_attached = false;
+}
+
 static bool plug(mock *m)
 {
     uint8_t descriptors[1024];
     uint32_t count = 0;
+    detach(m);
     if (!enumerate(m, descriptors, &count)) return false;
     char *text = describe(m, descriptors, count);
     GError *error = NULL;
@@ -149,6 +160,7 @@ static bool plug(mock *m)
     m->is_plugged = m->usbfs_fifo >= 0 && m->hidraw_fifo >= 0 &&
                     umockdev_testbed_attach_ioctl(m->testbed, m->usb_node, m->usbfs, NULL) &&
                     umockdev_testbed_attach_ioctl(m->testbed, m->hid_node, m->hidraw, NULL);
+    m->is_attached = m->is_plugged;
     mock_usbfs_unplugged(m); /* nothing is under way: the node is filled */
     tell(m, "add");
     return m->is_plugged;
@@ -157,11 +169,10 @@ static bool plug(mock *m)
 static void unplug(mock *m)
 {
     m->is_plugged = false;
+    m->unplugged_ns = usb_peer_now_ns();
     m->hidraw_is_reading = false;
     mock_usbfs_unplugged(m);
     tell(m, "remove");
-    umockdev_testbed_detach_ioctl(m->testbed, m->usb_node, NULL);
-    umockdev_testbed_detach_ioctl(m->testbed, m->hid_node, NULL);
     char *const paths[] = {g_strdup_printf("/sys%s/hidraw/hidraw%u", m->hid_path, m->number),
                            g_strdup_printf("/sys%s", m->hid_path),
                            g_strdup_printf("/sys%s/1-%u:1.0", m->usb_path, m->number + 1),
@@ -199,7 +210,8 @@ static void *run_bus(void *context)
             (!m->is_plugged || seld_mailbox_read(&host->mailbox->device.boot_count) == host->boot_count);
         if (m->is_plugged && !is_there)
             unplug(m);
-        else if (!m->is_plugged && is_there)
+        else if (!m->is_plugged && is_there &&
+                 usb_peer_now_ns() - m->unplugged_ns > AWAY_ms * (int64_t)1000000)
             plug(m);
         mock_hidraw_step(m);
         while (usb_urbs_step(&m->urbs)) usb_peer_run(&m->peer);

@@ -35,7 +35,7 @@ enum {
     SELD_USB_STREAM_PACKET = 512,    /* of the bulk pair at high speed */
     SELD_USB_STREAM_BURST = 1 << 14, /* longest IN transfer given to the controller at once */
     SELD_USB_SERIAL_MAX = 32,        /* characters */
-    SELD_USB_REPORT_QUEUE = 128,     /* state reports that wait for a late host: 128 ms */
+    SELD_USB_REPORT_QUEUE = 64,      /* state reports that wait for a late host: 64 ms */
     SELD_USB_EVENTS_PER_POLL = 8,
     SELD_USB_OFF_MAX_ms = 10000,
 

@@ -19,6 +19,7 @@ struct Job {
     hil::Level *level;
     const hil::Case *what;
     std::string name;
+    bool is_spread = false;
 };
 
 void run(void **state)
@@ -27,7 +28,10 @@ void run(void **state)
     std::string why;
     try {
         hil::Report report;
-        job.what->run(*job.level, {}, report);
+        hil::CaseOptions options;
+        // On the image ten trials of the haptic loop take half a minute: make hil does them all.
+        if (job.is_spread) options.spread = 4;
+        job.what->run(*job.level, options, report);
         std::printf("# %s: %s\n", job.name.c_str(), report.text.c_str());
     } catch (const std::exception &error) {
         why = error.what();
@@ -46,7 +50,9 @@ int main()
     std::vector<Job> jobs;
     for (hil::Level *level : {static_cast<hil::Level *>(&l0), static_cast<hil::Level *>(&l1)}) {
         for (const hil::Case &one : hil::all_cases())
-            jobs.push_back({level, &one, std::string(level->name()) + " " + one.name});
+            jobs.push_back(
+                {level, &one, std::string(level->name()) + " " + one.name,
+                 level == &l1 && std::string(one.name) == "no_contact_situation_has_a_limit_cycle"});
     }
     std::vector<CMUnitTest> tests;
     for (Job &job : jobs) tests.push_back({job.name.c_str(), run, nullptr, nullptr, &job});
