@@ -319,7 +319,9 @@ $(IMAGE): $(IMAGE_SOURCES:%=$(BUILD)/firmware/obj/%.o) $(IMAGE_FOLDER)/device.ld
 	$(Q) $(M7_CC) -mcpu=cortex-m7 -mthumb -mfloat-abi=soft -nostdlib -Wl,--gc-sections -T $(IMAGE_FOLDER)/device.ld $(filter %.o,$^) -o $@ -lgcc
 
 HIL_LEVELS := $(HIL_RIG) $(HIL_PROGRAM) $(HIL_CAMPAIGN) $(IMAGE) $(BUILD)/bin/seldinger
-HIL_LED ?= 15# seconds of a session that the rig leads
+# Seconds of a session that the rig leads at L2 and L3, milliseconds of one in FREE_RUN at L0 and L1.
+HIL_LED  ?= 15
+HIL_FREE ?= 4000
 ON_USB := BUILD=$(BUILD) HIL=$(HIL_FOLDER) SECONDS_LED=$(HIL_LED) hil_tests/on_usb.sh
 hil_also = --also "$(1) $(3) $(ON_USB) $(1) $(2)"
 hil_usb = $(call hil_also,$(1),checks,libusb_and_hidapi) $(call hil_also,$(1),app,the_whole_app) $(call hil_also,$(1),cases,the_same_cases_on_the_image) \
@@ -331,11 +333,11 @@ HIL_L3 := $(call hil_usb,L3)
 hil: packages-build packages-run packages-hil packages-usb packages-matrix ## every level of emulation with every case, and the aorta session: docs/hil.md
 	@$(QUIET_MAKE) $(HIL_LEVELS) hil-programs
 	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
-	@$(HIL_PROGRAM) --scene $(SCENE) --also "L0 faults_on_purpose $(HIL_CAMPAIGN)" $(HIL_L2) $(HIL_L3) \
+	@$(HIL_PROGRAM) --scene $(SCENE) --free-run $(HIL_FREE) --also "L0 faults_on_purpose $(HIL_CAMPAIGN)" $(HIL_L2) $(HIL_L3) \
 	    --also "L4 one_hash_on_five_machines tools/check/matrix.py --short --jobs $(JOBS)"
 
-hil-full: ## make hil with sessions of a minute led by the rig, and all faults at L2 and L3
-	@SHORT="--pause 1" LIMIT=600 $(MAKE) --no-print-directory hil HIL_LED=60
+hil-full: ## make hil with FREE_RUN for a minute everywhere, and all faults at L2 and L3
+	@SHORT="--pause 1" LIMIT=600 $(MAKE) --no-print-directory hil HIL_LED=60 HIL_FREE=60000
 
 hil-rig: packages-build packages-run packages-usb ## the cases that need no plant on a rig of metal: make hil-rig SERIAL=...
 	@$(QUIET_MAKE) $(HIL_PROGRAM)

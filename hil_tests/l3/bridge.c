@@ -26,7 +26,7 @@
 #include "hil_tests/usb/usb_peer.h"
 #include "hil_tests/usb/usb_urbs.h"
 
-enum { CONNECT_SECONDS = 30, IDLE_us = 50 };
+enum { CONNECT_SECONDS = 30, IDLE_us = 50, TALK_us = 400, STREAM = 2 };
 
 typedef struct bridge {
     struct usbredirparser *parser;
@@ -36,6 +36,8 @@ typedef struct bridge {
     bool is_shown; /* device_connect was sent */
     bool is_dead;
     uint8_t configuration;
+    int64_t
+        stream_ns; /* when the stream's last transfer was done: the next one follows soon, and waking up takes time */
 } bridge;
 
 static uint8_t status_of(usb_result result)
@@ -283,6 +285,7 @@ static void on_complete(void *context, const usb_urb *urb)
         .length_high = (uint16_t)(urb->done >> 16),
     };
     if (urb->result == USB_DEAD) b->is_dead = true;
+    if ((urb->endpoint & 0x0f) == STREAM) b->stream_ns = usb_peer_now_ns();
     usbredirparser_send_bulk_packet(b->parser, urb->id, &answer, data_bytes > 0 ? urb->bytes : NULL,
                                     data_bytes);
     free(urb->bytes);
@@ -345,7 +348,8 @@ static int serve(bridge *b)
         while (usbredirparser_has_data_to_write(b->parser))
             if (usbredirparser_do_write(b->parser) != 0) return 0;
         struct pollfd wait = {b->socket, POLLIN, 0};
-        const struct timespec idle = {0, moved ? 0 : IDLE_us * 1000};
+        const bool is_talking = usb_peer_now_ns() - b->stream_ns < TALK_us * 1000;
+        const struct timespec idle = {0, moved || is_talking ? 0 : IDLE_us * 1000};
         if (ppoll(&wait, 1, &idle, NULL) > 0 &&
             usbredirparser_do_read(b->parser) == usbredirparser_read_io_error)
             return 0;
