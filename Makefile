@@ -334,7 +334,8 @@ hil: packages-build packages-run packages-hil packages-usb packages-matrix ## ev
 	@$(QUIET_MAKE) $(HIL_LEVELS) hil-programs
 	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
 	@$(HIL_PROGRAM) --scene $(SCENE) --free-run $(HIL_FREE) --also "L0 faults_on_purpose $(HIL_CAMPAIGN)" $(HIL_L2) $(HIL_L3) \
-	    --also "L4 one_hash_on_five_machines tools/check/matrix.py --short --jobs $(JOBS)"
+	    --also "L4 one_hash_on_five_machines tools/check/matrix.py --short --jobs $(JOBS)" \
+	    --also "L4 the_app_and_its_wire hil_tests/l4/wire_everywhere.sh"
 
 hil-full: ## make hil with FREE_RUN for a minute everywhere, and all faults at L2 and L3
 	@SHORT="--pause 1" LIMIT=600 $(MAKE) --no-print-directory hil HIL_LED=60 HIL_FREE=60000

@@ -59,6 +59,7 @@ ALLOWED = {
     "hil_tests/rig": ["hil_tests/plant", "hil_tests/l1", "host"],
     "hil_tests/l2": ["hil_tests/usb"],
     "hil_tests/l3": ["hil_tests/usb"],
+    "hil_tests/l4": ["shared/wire", "firmware/tests/reference"],
     "hil_tests/library": ["shared/wire", "firmware/tests/reference"],
     "hil_tests/usb": ["shared", "firmware/app", "firmware/port"],
 }
