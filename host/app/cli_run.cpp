@@ -101,7 +101,8 @@ int command_run(const RunOptions &options)
     watch_for_interrupt();
     DeviceChoice choice =
         is_led ? free_run_device(options.device, options.motors, options.yes) : parse_device(options.device);
-    choice.picture_every_ticks = static_cast<std::uint16_t>(1000 / picture_settings.pictures_per_second);
+    choice.picture_every_ticks = static_cast<std::uint16_t>(
+        (1000 + picture_settings.pictures_per_second - 1) / picture_settings.pictures_per_second);
     Device device(scene, tools, entry, host_rig(), choice);
 
     std::unique_ptr<SessionPictures> pictures;

@@ -21,13 +21,22 @@ RecordingHeader header_of(const Device &device, const SceneFile &scene, const st
             device.rig()};
 }
 
+// Dose and X-ray time count pictures, so a rig that leads sends as many as a script makes.
+DeviceChoice with_pictures(DeviceChoice choice, const PictureSettings &pictures)
+{
+    choice.picture_every_ticks =
+        static_cast<std::uint16_t>((1000 + pictures.pictures_per_second - 1) / pictures.pictures_per_second);
+    return choice;
+}
+
 } // namespace
 
 LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools,
                          const seld_wire_entry &entry, const std::string &record,
                          const PictureSettings &pictures, const ViewState &view, const DeviceChoice &choice)
-    : settings_(pictures), choice_(choice), device_(scene, tools, entry, host_rig(), choice),
-      pictures_(pictures, tools), hands_(tools.size()), view_(view), wanted_view_(view)
+    : settings_(pictures), choice_(with_pictures(choice, pictures)),
+      device_(scene, tools, entry, host_rig(), choice_), pictures_(pictures, tools), hands_(tools.size()),
+      view_(view), wanted_view_(view)
 {
     if (!record.empty()) {
         recorder_ = std::make_unique<Recorder>(record, header_of(device_, scene, tools, entry));

@@ -32,6 +32,10 @@ done
 cmp -s "$work/b.png" "$work/c.png" && ! cmp -s "$work/a.png" "$work/b.png"
 result $? "the same screens again are the same pixels, and the help panel shows"
 
+xvfb-run -a "$program" view --instrument "$wire" --free-run --frames 20 --record "$work/led.rec" >"$work/log" 2>&1 &&
+    "$program" replay "$work/led.rec" --verify >>"$work/log" 2>&1 && grep -q "^verified" "$work/log"
+result $? "a session that the rig leads is shown, recorded and replays bit for bit"
+
 # A person: push for a second, turn the C-arm, end.
 cat >"$work/keys.sh" <<'EOF'
 "$program" view --instrument "$wire" --record "$work/live.rec" >"$work/live" 2>&1 &
