@@ -49,7 +49,7 @@ HOST_LINK     := -lpng -lglfw -lusb-1.0 -ldl
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: dissector all run window test validate bench bench-peers thesis fuzz compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig install-udev
+.PHONY: dissector all run window test validate bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig install-udev
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -243,9 +243,19 @@ test: packages-build packages-test packages-matrix packages-usb ## build and run
 	    --sanitized $(basename $(FIRMWARE_TESTS) $(HOST_TESTS) $(HIL_TESTS)) --fuzz $(basename $(FUZZ_TARGETS)) || status=1; \
 	[ $$status = 0 ] || echo "make test: something did not build or failed, see above" >&2; exit $$status
 
-fuzz: packages-build packages-test ## look for crashing inputs, SECONDS=60 per target
+FUZZ_RUN = tools/check/run_fuzz.py --build $(BUILD)/fuzz --jobs $(JOBS)
+fuzz: packages-build packages-test ## look for crashing inputs, SECONDS=60 per target (LONG=1: 5 million inputs per target)
 	@$(FUZZ_MAKE) fuzz-programs
-	@tools/check/run_fuzz.py --build $(BUILD)/fuzz --seconds $(SECONDS) --jobs $(JOBS) $(basename $(FUZZ_TARGETS))
+	@$(FUZZ_RUN) --seconds $(SECONDS) $(if $(LONG),--executions 5000000) $(basename $(FUZZ_TARGETS))
+
+COVER = -fprofile-instr-generate -fcoverage-mapping
+fuzz-coverage: packages-build packages-test ## the lines that the committed corpora of the fuzz targets run: docs/testing.md
+	@$(TEST_MAKE) BUILD=$(BUILD)/cover CC='clang $(COVER)' CXX='clang++ $(COVER)' SAN=fuzzer-no-link OPT=-O1 CORE_OPT=-O1 fuzz-programs
+	@tools/check/run_fuzz.py --build $(BUILD)/cover --jobs 1 --coverage $(basename $(FUZZ_TARGETS))
+
+fuzz-corpus: packages-build packages-test ## what fuzzing has learnt, minimised, becomes the corpora to commit
+	@$(FUZZ_MAKE) fuzz-programs
+	@$(FUZZ_RUN) --keep $(basename $(FUZZ_TARGETS))
 
 compilers: packages-build packages-test ## replay out/demo.rec by gcc -O0, gcc -O3 and clang -O2 and compare the hashes
 	@$(QUIET_MAKE) $(PROGRAMS)

@@ -11,6 +11,7 @@ namespace
 
 constexpr std::uint32_t host_every_ms = 8, silent_ms = 30, latched_ms = 20, lasting_ms = 8;
 constexpr double hand_m_per_s = 0.1, hand_rad_per_s = 3.0, harm_N = 1.0;
+constexpr double reversed_growth_N = 12 * 0.050; // the lag that is believed, 4 ms of judging, 50 mN per ms
 
 // What the device may say to a fault of the rig; 0 in the list: nothing, if nothing came of it.
 struct Answer {
@@ -340,6 +341,12 @@ void Loop::judge()
     check(outcome_.peak_N <= force_limit_N && outcome_.peak_N_m <= torque_limit_N_m,
           "the actuator gave %.3f N and %.2f mN m, limits %.3f and %.2f", outcome_.peak_N,
           outcome_.peak_N_m * 1e3, force_limit_N, torque_limit_N_m * 1e3);
+    if (is("rig.encoder_reversed") && fault_->value == 0) {
+        // Nobody holds: what was there, or what frees the carriage, and 12 ms of the slew limit until it is judged.
+        const double there_N = std::max(harm_N, std::abs(undisturbed_.motor_N[fault_->at - 1]));
+        check(outcome_.peak_N <= there_N + reversed_growth_N, "the reversed track rose to %.3f N from %.3f N",
+              outcome_.peak_N, there_N);
+    }
     judge_recording();
     pipe_.plug();
     const seld_wire_status status = ask_status();

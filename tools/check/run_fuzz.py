@@ -1,22 +1,30 @@
 #!/usr/bin/env python3
 """Run libFuzzer targets. Called by `make fuzz` and, for a few seconds each, by run_tests.py.
 
-  run_fuzz.py --build build/fuzz --seconds 60 --jobs 2 NAME...
+  run_fuzz.py --build build/fuzz --seconds 60 --jobs 2 NAME...      so long each
+  run_fuzz.py --build build/fuzz --executions 5000000 NAME...       so many inputs each, however long it takes
+  run_fuzz.py --build build/fuzz --coverage NAME...                 what the committed corpus reaches
+  run_fuzz.py --build build/fuzz --keep NAME...                     what was learnt, minimised, becomes the committed corpus
 
-BUILD/test/NAME is the fuzz program, BUILD/test/NAME_seeds DIRECTORY writes its valid inputs. What the fuzzer learns is
-kept in BUILD/corpus/NAME; an input that crashes is kept under out/fuzz and the command to reproduce it is printed.
+BUILD/test/NAME is the fuzz program, BUILD/test/NAME_seeds DIRECTORY writes its valid inputs, NAME.corpus has those that a longer
+run found: one input per line, in base64. What the fuzzer learns is kept in BUILD/corpus/NAME; an input that crashes is kept
+under out/fuzz and the command to reproduce it is printed.
 """
 import argparse
+import base64
 import concurrent.futures
+import json
 import os
 import re
 import subprocess
 import sys
+import tempfile
 
 CRASH_FOLDER = os.path.join("out", "fuzz")
 RSS_LIMIT_MB = 2048
 INPUT_TIME_LIMIT_S = 10
 OUTPUT_LINES = 40
+INPUT_BYTES_MAX = 4096  # longer inputs are slower and reach nothing more
 
 
 def write_seeds(build, name, corpus):
@@ -30,7 +38,78 @@ def write_seeds(build, name, corpus):
     return None
 
 
-def run_target(build, name, seconds):
+def write_corpus(name, corpus):
+    """The inputs of NAME.corpus into the folder."""
+    path = name + ".corpus"
+    if not os.path.exists(path):
+        return
+    with open(path, encoding="ascii") as file:
+        for number, line in enumerate(file):
+            with open(os.path.join(corpus, "kept-%04d" % number), "wb") as out:
+                out.write(base64.b64decode(line.strip(), validate=True))
+
+
+def keep_corpus(build, name):
+    """Inputs that together reach every edge that BUILD/corpus/NAME reaches, short ones first, become NAME.corpus. (ok, text)
+
+    libFuzzer's merge notes in its control file which edges an input is the first to reach: those that are first to any stay."""
+    program, learnt = os.path.join(build, "test", name), os.path.join(build, "corpus", name)
+    inputs = []
+    with tempfile.TemporaryDirectory() as folder:
+        control, merged = os.path.join(folder, "control"), os.path.join(folder, "merged")
+        os.mkdir(merged)
+        done = subprocess.run([program, "-merge=1", "-merge_control_file=" + control, "-max_len=%d" % INPUT_BYTES_MAX,
+                               merged, learnt],
+                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+        if done.returncode != 0:
+            return False, done.stdout.decode("utf-8", "replace")
+        with open(control, encoding="utf-8") as file:
+            lines = file.read().splitlines()
+        files = lines[2:2 + int(lines[0])]
+        for words in (line.split() for line in lines[2 + len(files):]):
+            if words[0] != "COV" or len(words) < 3:
+                continue
+            with open(files[int(words[1])], "rb") as file:
+                inputs.append(file.read())
+    inputs.sort(key=lambda data: (len(data), data))
+    with open(name + ".corpus", "w", encoding="ascii") as out:
+        out.writelines(base64.b64encode(data).decode("ascii") + "\n" for data in inputs)
+    return True, "%d inputs, %d bytes" % (len(inputs), sum(len(data) for data in inputs))
+
+
+def show_coverage(build, name):
+    """Lines of the code under test that seeds and NAME.corpus run, by folder. The program is built for counting. (ok, text)"""
+    program = os.path.join(build, "test", name)
+    with tempfile.TemporaryDirectory() as folder:
+        corpus, counts = os.path.join(folder, "corpus"), os.path.join(folder, "counts")
+        os.mkdir(corpus)
+        problem = write_seeds(build, name, corpus)
+        if problem:
+            return False, problem
+        write_corpus(name, corpus)
+        steps = [[program, "-runs=0", "-max_len=%d" % INPUT_BYTES_MAX, corpus],
+                 ["llvm-profdata", "merge", "-o", counts, counts + ".raw"],
+                 ["llvm-cov", "export", "-summary-only", "-instr-profile=" + counts, program]]
+        for step in steps:
+            done = subprocess.run(step, env=dict(os.environ, LLVM_PROFILE_FILE=counts + ".raw"), stdin=subprocess.DEVNULL,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+            if done.returncode != 0:
+                return False, "%s: %s" % (" ".join(step), done.stderr.decode("utf-8", "replace"))
+        inputs = len(os.listdir(corpus))
+    lines = {}
+    for file in json.loads(done.stdout)["data"][0]["files"]:
+        place, count = os.path.relpath(file["filename"]), file["summary"]["lines"]
+        if place.startswith("..") or "tests/" in place or count["covered"] == 0:
+            continue
+        covered, total = lines.get(os.path.dirname(place), (0, 0))
+        lines[os.path.dirname(place)] = (covered + count["covered"], total + count["count"])
+    text = ["%d inputs" % inputs]
+    for folder, (covered, total) in sorted(lines.items()):
+        text.append("    %-24s %5d of %5d lines, %3.0f %%" % (folder, covered, total, 100.0 * covered / total))
+    return bool(lines), "\n".join(text)
+
+
+def run_target(build, name, seconds, executions=0):
     """(ok, text): text says what was run and, after a crash, how to see it again."""
     program = os.path.join(build, "test", name)
     if not os.access(program, os.X_OK):
@@ -41,14 +120,17 @@ def run_target(build, name, seconds):
     problem = write_seeds(build, name, corpus)
     if problem:
         return False, problem
+    write_corpus(name, corpus)
+    limit = "-runs=%d" % executions if executions else "-max_total_time=%d" % seconds
     prefix = os.path.join(CRASH_FOLDER, os.path.basename(name) + "-")
-    command = [program, "-max_total_time=%d" % seconds, "-timeout=%d" % INPUT_TIME_LIMIT_S, "-print_final_stats=1",
+    command = [program, limit, "-max_len=%d" % INPUT_BYTES_MAX, "-entropic_scale_per_exec_time=1", "-timeout=%d" % INPUT_TIME_LIMIT_S, "-print_final_stats=1",
                "-rss_limit_mb=%d" % RSS_LIMIT_MB, "-artifact_prefix=" + prefix, corpus]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
     lines = done.stdout.decode("utf-8", "replace").splitlines()
     if done.returncode == 0:
         runs = [line.rsplit(":", 1)[1].strip() for line in lines if "number_of_executed_units" in line]
-        return True, "%s inputs in %d s, nothing found" % (runs[0] if runs else "?", seconds)
+        edges = [found.group(1) for found in (re.search(r" cov: (\d+) ", line) for line in lines) if found]
+        return True, "%s inputs, nothing found, %s edges reached" % (runs[0] if runs else "?", edges[-1] if edges else "?")
     text = lines[-OUTPUT_LINES:]
     for line in lines:
         written = re.search(r"Test unit written to (\S+)", line)
@@ -61,19 +143,28 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default="build/fuzz", help="build folder (default: build/fuzz)")
     parser.add_argument("--seconds", type=int, default=60, help="time per target (default: 60)")
+    parser.add_argument("--executions", type=int, default=0, help="inputs per target instead of a time (default: 0, none)")
+    parser.add_argument("--coverage", action="store_true", help="only show what the committed corpus reaches")
+    parser.add_argument("--keep", action="store_true", help="only write what was learnt to NAME.corpus")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="targets at a time (default: cores)")
     parser.add_argument("names", nargs="*", metavar="NAME")
     options = parser.parse_args()
-    if options.seconds < 1:
-        print("run_fuzz: --seconds must be at least 1, not %d" % options.seconds, file=sys.stderr)
+    if options.seconds < 1 or options.executions < 0:
+        print("run_fuzz: --seconds must be at least 1 and --executions at least 0, not %d and %d"
+              % (options.seconds, options.executions), file=sys.stderr)
         return 2
     if not options.names:
         print("run_fuzz: no fuzz targets (fuzz_*.c) found", file=sys.stderr)
         return 1
     found = 0
+    work, arguments = run_target, (options.seconds, options.executions)
+    if options.coverage or options.keep:
+        work, arguments = show_coverage if options.coverage else keep_corpus, ()
     with concurrent.futures.ThreadPoolExecutor(max(1, options.jobs)) as pool:
-        futures = {pool.submit(run_target, options.build, name, options.seconds): name for name in options.names}
-        print("%d targets, %d s each, %d at a time" % (len(futures), options.seconds, max(1, options.jobs)), flush=True)
+        futures = {pool.submit(work, options.build, name, *arguments): name for name in options.names}
+        each = "%d inputs each" % options.executions if options.executions else "%d s each" % options.seconds
+        print("%d targets, %s, %d at a time" % (len(futures), each if arguments else "corpus only", max(1, options.jobs)),
+              flush=True)
         for future in concurrent.futures.as_completed(futures):
             ok, text = future.result()
             found += not ok
