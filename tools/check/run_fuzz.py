@@ -123,7 +123,8 @@ def run_target(build, name, seconds, executions=0):
     write_corpus(name, corpus)
     limit = "-runs=%d" % executions if executions else "-max_total_time=%d" % seconds
     prefix = os.path.join(CRASH_FOLDER, os.path.basename(name) + "-")
-    command = [program, limit, "-max_len=%d" % INPUT_BYTES_MAX, "-entropic_scale_per_exec_time=1", "-timeout=%d" % INPUT_TIME_LIMIT_S, "-print_final_stats=1",
+    command = [program, limit, "-max_len=%d" % INPUT_BYTES_MAX, "-entropic_scale_per_exec_time=1",
+               "-timeout=%d" % INPUT_TIME_LIMIT_S, "-print_final_stats=1",
                "-rss_limit_mb=%d" % RSS_LIMIT_MB, "-artifact_prefix=" + prefix, corpus]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
     lines = done.stdout.decode("utf-8", "replace").splitlines()
