@@ -1,0 +1,80 @@
+// One run of the X-ray room as it was acquired: what cine loops, masks and files are made of. The room fills it frame by
+// frame, host/dicom writes it. Plain data, no behaviour. May include: carm. Called by: host/app, host/dicom, tests.
+#pragma once
+#include "host/xray/carm.hpp"
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace seld
+{
+
+enum class RunKind { fluoro, cine, dsa };
+
+// How raw pixel values relate to the X-ray intensity at the detector: LIN, LOG and DISP of PS3.3 C.8.7.1.1.2.
+enum class PixelRelation {
+    linear,      // proportional to it
+    logarithmic, // proportional to its logarithm
+    display,     // changed for viewing, no fixed relation
+};
+
+// The open field on the picture, in pixels from the left and top edge. Rectangle or circle.
+struct RunCollimator {
+    bool is_circular = false;
+    int left = 0, right = 0, top = 0, bottom = 0; // open columns [left, right), rows [top, bottom)
+    double centre_x_px = 0.0, centre_y_px = 0.0;  // of the circle; the middle of pixel 0 is 0.5
+    double radius_px = 0.0;
+};
+
+struct RunFrame {
+    std::uint32_t tick = 0;         // of the session, ms: when the pulse began
+    CArm carm;                      // angles, table (isocentre_m), SID, SOD and field at that moment
+    double tube_voltage_kV = 0.0;   // peak
+    double tube_current_mA = 0.0;   // mean over the pulse
+    double pulse_ms = 0.0;          // width of the pulse
+    double air_kerma_uGy = 0.0;     // at the reference point, 15 cm from the isocentre toward the tube
+    double kap_Gy_cm2 = 0.0;        // kerma times area, the same at every distance
+    std::vector<std::uint16_t> raw; // size*size, row 0 on top
+};
+
+// In the order in which the beam meets them. Words as in PS3.3 C.8.7.10, Filter Material: "copper", "aluminum".
+struct RunFilter {
+    std::string material;
+    double thickness_mm = 0.0;
+};
+
+struct RunContrast {
+    std::string agent;         // "iohexol"
+    double iodine_mg_ml = 0.0; // of the injected fluid
+    double volume_ml = 0.0;    // injected during the run
+    double flow_ml_s = 0.0;
+    std::uint32_t tick_begin = 0; // of the session
+    double duration_s = 0.0;
+};
+
+// Masks of a DSA run: the mean of these frames is subtracted from every other one, moved by the shift.
+struct RunMask {
+    std::vector<int> frames; // counted from 0 within the run; at least one
+    double shift_x_px = 0.0; // the mask is moved so far to the right ...
+    double shift_y_px = 0.0; // ... and down before it is subtracted
+};
+
+struct XrayRun {
+    RunKind kind = RunKind::fluoro;
+    int number = 1;            // within the session, from 1
+    int size = 0;              // pixels along each edge, the same in every frame
+    double pulses_per_s = 0.0; // nominal; frames may be further apart, their ticks say when they were
+    PixelRelation relation = PixelRelation::linear;
+    int bits = 16;              // stored per pixel: 8, 10, 12 or 16
+    double window_centre = 0.0; // raw values: how a viewer shows the run at first
+    double window_width = 0.0;
+    RunCollimator collimator;
+    std::vector<RunFilter> filters;
+    double focal_spot_mm = 0.0;  // nominal; 0: not known
+    std::optional<RunMask> mask; // DSA
+    std::optional<RunContrast> contrast;
+    std::vector<RunFrame> frames; // in order of time
+};
+
+} // namespace seld
