@@ -252,7 +252,7 @@ void draw_clipped(const Camera &camera, const std::array<Eigen::Vector3f, 3> &ve
 }
 
 // True when the chunk's sphere lies outside one side of the pyramid of rays.
-bool is_outside(const Camera &camera, const RasterChunk &chunk)
+bool is_outside(const Camera &camera, const MeshChunk &chunk)
 {
     Eigen::Vector3f centre = chunk.centre_um - camera.source;
     float depth = dot(camera.forward, centre.x(), centre.y(), centre.z());
@@ -266,11 +266,11 @@ bool is_outside(const Camera &camera, const RasterChunk &chunk)
 
 } // namespace
 
-void raster_chunk(const RasterMeshes &meshes, const RasterChunk &chunk, const View &view, std::int32_t *sums)
+void raster_chunk(const BodyMeshes &meshes, const MeshChunk &chunk, const View &view, std::int32_t *sums)
 {
     const Camera camera = make_camera(view);
     if (is_outside(camera, chunk)) return;
-    std::array<Corner, 3 * raster_chunk_triangles> corners;
+    std::array<Corner, 3 * mesh_chunk_triangles> corners;
     const Eigen::Vector3f *vertices = meshes.vertices_um.data() + chunk.vertex_begin;
     bool all_plain = true;
     for (std::uint32_t i = 0; i < chunk.vertex_count; ++i) {

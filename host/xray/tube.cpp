@@ -111,8 +111,8 @@ double chord_mm(const Piece &piece, const Vector3d &ray)
 class TubePainter
 {
   public:
-    TubePainter(const View &view, TubePicture &picture)
-        : picture_(picture), focal_pixels_(view.source_detector_m / view.pixel_m), half_(0.5 * view.size),
+    TubePainter(const View &view, ToolPaths &paths)
+        : paths_(paths), focal_pixels_(view.source_detector_m / view.pixel_m), half_(0.5 * view.size),
           size_(view.size)
     {
     }
@@ -120,8 +120,7 @@ class TubePainter
     // The part of the piece between two radii, filled to the share `fill`.
     void draw(const Piece &piece, const Material material, double inner_mm, double fill)
     {
-        std::vector<std::int32_t> &sums = picture_.sums[static_cast<int>(material)];
-        if (sums.empty()) sums.assign(static_cast<std::size_t>(size_) * size_, 0);
+        const std::size_t own = slot(material), blood = slot(Material::blood);
         Piece hole = piece;
         hole.radius_mm = inner_mm;
         const double near_mm = std::min(piece.a_mm.z(), piece.b_mm.z()) - piece.radius_mm;
@@ -132,11 +131,16 @@ class TubePainter
         const double pad = 1.6 * piece.radius_mm * focal_pixels_ / near_mm + 1.0;
         const int x0 = first_pixel(std::min(ax, bx) - pad), x1 = last_pixel(std::max(ax, bx) + pad);
         const int y0 = first_pixel(std::min(ay, by) - pad), y1 = last_pixel(std::max(ay, by) + pad);
+        std::array<std::int32_t, tool_rays> rays;
         for (int y = y0; y <= y1; ++y)
             for (int x = x0; x <= x1; ++x) {
                 if (is_far(x + 0.5, y + 0.5, ax, ay, bx, by, pad)) continue;
-                const std::int32_t sum = pixel_sum(piece, hole, fill, x, y);
-                if (sum > 0) add(sums, y * size_ + x, sum);
+                if (!find_rays(piece, hole, fill, x, y, rays)) continue;
+                std::int32_t *of_pixel = entry(y * size_ + x);
+                for (int k = 0; k < tool_rays; ++k) {
+                    of_pixel[own * tool_rays + k] += rays[k];
+                    of_pixel[blood * tool_rays + k] -= rays[k];
+                }
             }
     }
 
@@ -156,29 +160,41 @@ class TubePainter
         return ex * ex + ey * ey > pad * pad;
     }
 
-    std::int32_t pixel_sum(const Piece &piece, const Piece &hole, double fill, int x, int y) const
+    // Filled chord of each ray of a pixel, in 1/1024 mm; false when all are 0.
+    bool find_rays(const Piece &piece, const Piece &hole, double fill, int x, int y,
+                   std::array<std::int32_t, tool_rays> &rays) const
     {
-        std::int32_t sum = 0;
+        std::int32_t any = 0;
         for (int j = 0; j < grid; ++j)
             for (int i = 0; i < grid; ++i) {
                 Vector3d ray(x + (i + 0.5) / grid - half_, half_ - y - (j + 0.5) / grid, focal_pixels_);
                 ray /= std::sqrt(ray.squaredNorm());
                 double chord = chord_mm(piece, ray);
                 if (chord > 0.0 && hole.radius_mm > 0.0) chord -= chord_mm(hole, ray);
-                sum += static_cast<std::int32_t>(chord * fill * 1024.0 + 0.5);
+                rays[j * grid + i] = static_cast<std::int32_t>(chord * fill * 1024.0 + 0.5);
+                any |= rays[j * grid + i];
             }
-        return sum;
+        return any != 0;
     }
 
-    void add(std::vector<std::int32_t> &sums, int pixel, std::int32_t sum)
+    std::size_t slot(Material material) const
     {
-        sums[pixel] += sum;
-        if (picture_.is_touched[pixel]) return;
-        picture_.is_touched[pixel] = 1;
-        picture_.touched.push_back(pixel);
+        const auto &materials = paths_.materials;
+        return std::find(materials.begin(), materials.end(), material) - materials.begin();
     }
 
-    TubePicture &picture_;
+    std::int32_t *entry(int pixel)
+    {
+        std::int32_t &place = paths_.entry[pixel];
+        if (place < 0) {
+            place = static_cast<std::int32_t>(paths_.pixels.size());
+            paths_.pixels.push_back(pixel);
+            paths_.q10mm.resize(paths_.q10mm.size() + paths_.ints_per_pixel(), 0);
+        }
+        return paths_.q10mm.data() + static_cast<std::size_t>(place) * paths_.ints_per_pixel();
+    }
+
+    ToolPaths &paths_;
     double focal_pixels_, half_;
     int size_;
 };
@@ -268,33 +284,35 @@ void draw_tool(TubePainter &painter, const RadiopaqueInstrument &tool, const std
     }
 }
 
-} // namespace
-
-void TubePicture::clear(int new_size)
+// Empty paths of this size, with a place for every material that the tools name.
+void restart(ToolPaths &paths, int size, std::span<const RadiopaqueInstrument> tools)
 {
-    const std::size_t pixels = static_cast<std::size_t>(new_size) * new_size;
-    if (size != new_size) {
-        for (auto &sum : sums) sum.clear();
-        is_touched.assign(pixels, 0);
-    } else {
-        for (std::int32_t pixel : touched) {
-            is_touched[pixel] = 0;
-            for (auto &sum : sums)
-                if (!sum.empty()) sum[pixel] = 0;
+    if (paths.size == size)
+        for (std::int32_t pixel : paths.pixels) paths.entry[pixel] = -1;
+    else
+        paths.entry.assign(static_cast<std::size_t>(size) * size, -1);
+    paths.size = size;
+    paths.pixels.clear();
+    paths.q10mm.clear();
+    paths.materials = {Material::blood};
+    for (const RadiopaqueInstrument &tool : tools)
+        for (const RadiopaqueSection &section : tool.sections) {
+            auto &known = paths.materials;
+            if (std::find(known.begin(), known.end(), section.material) == known.end())
+                known.push_back(section.material);
         }
-    }
-    size = new_size;
-    touched.clear();
 }
 
+} // namespace
+
 void draw_tools(std::span<const RadiopaqueInstrument> tools, const WireFrame &wire, const View &view,
-                TubePicture &picture)
+                ToolPaths &paths)
 {
-    picture.clear(view.size);
+    restart(paths, view.size, tools);
     const std::vector<Point> nodes = to_camera(wire, view);
     if (nodes.size() < 2) return;
     const std::vector<Point> line = refine(nodes);
-    TubePainter painter(view, picture);
+    TubePainter painter(view, paths);
     for (std::size_t k = 0; k < tools.size(); ++k) {
         const double tip_arc_m = k < wire.tip_arc_m.size() ? wire.tip_arc_m[k] : 0.0;
         if (!std::isfinite(tip_arc_m)) continue;

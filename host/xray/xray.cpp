@@ -1,7 +1,8 @@
 // One picture: kept view of the patient, instrument on top, photons, grey values.
 #include "host/xray/xray.hpp"
-#include "host/xray/cache.hpp"
+#include "host/xray/chain.hpp"
 #include "host/xray/parallel.hpp"
+#include "host/xray/raster_paths.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -17,15 +18,6 @@ std::string describe(const Body &body, std::size_t index)
     return "body " + std::to_string(index) + " \"" + body.name + "\"";
 }
 
-int channel_of(RasterMeshes &meshes, RasterChannel wanted)
-{
-    for (std::size_t i = 0; i < meshes.channels.size(); ++i)
-        if (meshes.channels[i].own == wanted.own && meshes.channels[i].parent == wanted.parent)
-            return static_cast<int>(i);
-    meshes.channels.push_back(wanted);
-    return static_cast<int>(meshes.channels.size()) - 1;
-}
-
 XraySettings held_settings(const XraySettings &settings)
 {
     XraySettings held = settings;
@@ -36,61 +28,32 @@ XraySettings held_settings(const XraySettings &settings)
     return held;
 }
 
-// Replaces the body's signal by that behind the instrument; draws into cache.tube_signal in the order of touched pixels.
-void attenuate_instrument(XrayCache &cache)
+// Puts the tools' values into the signal, and takes them out again when called a second time.
+void swap_tools(XrayChain &chain)
 {
-    const TubePicture &tube = cache.tube;
-    cache.tube_signal.resize(tube.touched.size());
-    std::vector<float> scatter(cache.size);
-    int scatter_row = -1;
-    for (std::size_t i = 0; i < tube.touched.size(); ++i) {
-        const std::int32_t pixel = tube.touched[i];
-        std::array<float, material_count> path{};
-        for (int m = 0; m < material_count; ++m)
-            if (!cache.paths[m].empty()) path[m] = static_cast<float>(cache.paths[m][pixel]);
-        float metal = 0.0f;
-        for (int m = 0; m < material_count; ++m) {
-            if (tube.sums[m].empty()) continue;
-            const float chord = static_cast<float>(tube.sums[m][pixel]) * (1.0f / tube_rays);
-            path[m] += chord;
-            metal += chord;
-        }
-        // The instrument lies in blood, which it displaces.
-        float &blood = path[static_cast<int>(Material::blood)];
-        blood = std::max(blood - metal, 0.0f);
-        const int row = pixel / cache.size;
-        if (row != scatter_row) slow_row(cache.scatter_slow, cache.size, row, scatter.data());
-        scatter_row = row;
-        cache.tube_signal[i] = transmission(path) + scatter[pixel % cache.size];
-    }
+    const std::vector<std::int32_t> &pixels = chain.paths.tools().pixels;
+    for (std::size_t i = 0; i < pixels.size(); ++i) std::swap(chain.signal[pixels[i]], chain.tool_signal[i]);
 }
 
-// Puts the instrument's values into the signal, and takes them out again when called a second time.
-void swap_instrument(XrayCache &cache)
+void count_all(const XrayChain &chain, const XraySettings &settings, std::uint64_t seed, XrayPicture &picture)
 {
-    for (std::size_t i = 0; i < cache.tube.touched.size(); ++i)
-        std::swap(cache.signal[cache.tube.touched[i]], cache.tube_signal[i]);
-}
-
-void count_all(const XrayCache &cache, const XraySettings &settings, std::uint64_t seed, XrayPicture &picture)
-{
-    const int size = cache.size;
+    const int size = chain.size;
     const std::uint32_t key = noise_key(seed, picture.tick);
     const auto photons_open = static_cast<float>(picture.photons_open);
-    run_on_threads(cache.threads, [&](int thread) {
+    run_on_threads(chain.threads, [&](int thread) {
         std::vector<float> expected(size);
-        const RowRange rows = rows_of_thread(thread, cache.threads, size);
+        const RowRange rows = rows_of_thread(thread, chain.threads, size);
         for (int row = rows.begin; row < rows.end; ++row) {
             const std::size_t begin = static_cast<std::size_t>(row) * size;
             std::uint16_t *photons = picture.photons.data() + begin;
-            for (int x = 0; x < size; ++x) expected[x] = cache.signal[begin + x] * photons_open;
+            for (int x = 0; x < size; ++x) expected[x] = chain.signal[begin + x] * photons_open;
             if (settings.beam.noise)
                 count_row(expected.data(), size, key, static_cast<std::uint32_t>(begin), photons);
             else
                 for (int x = 0; x < size; ++x)
                     photons[x] = static_cast<std::uint16_t>(std::min(expected[x] + 0.5f, 65535.0f));
-            std::fill(photons, photons + cache.open[row].begin, std::uint16_t{0});
-            std::fill(photons + cache.open[row].end, photons + size, std::uint16_t{0});
+            std::fill(photons, photons + chain.open[row].begin, std::uint16_t{0});
+            std::fill(photons + chain.open[row].end, photons + size, std::uint16_t{0});
         }
     });
 }
@@ -113,13 +76,13 @@ struct Curve {
     float slope, level, keep_slow, log_mean, log_open;
 };
 
-Curve make_curve(const XrayCache &cache, const XrayDisplay &display, double photons_open)
+Curve make_curve(const XrayChain &chain, const XrayDisplay &display, double photons_open)
 {
     Curve curve;
     curve.slope = static_cast<float>(0.70 * std::clamp(display.contrast, 0.1, 10.0));
     curve.level = static_cast<float>(0.12 + std::clamp(display.brightness, -1.0, 1.0));
     curve.keep_slow = static_cast<float>(1.0 - std::clamp(display.harmonise, 0.0, 1.0));
-    curve.log_mean = static_cast<float>(cache.log_mean);
+    curve.log_mean = static_cast<float>(chain.log_mean);
     curve.log_open = log2_positive(static_cast<float>(photons_open) * 36.0f);
     return curve;
 }
@@ -136,34 +99,35 @@ void display_row(const Curve &curve, const float *blurred, const float *slow, in
     }
 }
 
-void display_all(const XrayCache &cache, const XraySettings &settings, XrayPicture &picture)
+void display_all(const XrayChain &chain, const XraySettings &settings, XrayPicture &picture)
 {
-    const int size = cache.size;
-    const Curve curve = make_curve(cache, settings.display, picture.photons_open);
-    run_on_threads(cache.threads, [&](int thread) {
+    const int size = chain.size;
+    const Curve curve = make_curve(chain, settings.display, picture.photons_open);
+    run_on_threads(chain.threads, [&](int thread) {
         std::vector<float> scratch(2 * size + 2), slow(size);
-        const RowRange rows = rows_of_thread(thread, cache.threads, size);
+        const RowRange rows = rows_of_thread(thread, chain.threads, size);
         for (int row = rows.begin; row < rows.end; ++row) {
             std::uint8_t *grey = picture.grey.data() + static_cast<std::size_t>(row) * size;
-            slow_row(cache.log_slow, size, row, slow.data());
+            slow_row(chain.log_slow, size, row, slow.data());
             blur_row(picture, row, scratch.data() + size, scratch.data());
             display_row(curve, scratch.data(), slow.data(), size, grey);
-            std::fill(grey, grey + cache.open[row].begin, std::uint8_t{0});
-            std::fill(grey + cache.open[row].end, grey + size, std::uint8_t{0});
+            std::fill(grey, grey + chain.open[row].begin, std::uint8_t{0});
+            std::fill(grey + chain.open[row].end, grey + size, std::uint8_t{0});
         }
     });
 }
 
 // Automatic exposure: the dose behind the patient is held, however thick he is.
-void set_exposure(const XrayCache &cache, const XraySettings &settings, XrayPicture &picture)
+void set_exposure(const XrayChain &chain, const XraySettings &settings, XrayPicture &picture)
 {
-    const double pixel_mm2 = cache.view.pixel_m * cache.view.pixel_m * 1e6;
+    const double pixel_mm2 = chain.paths.view().pixel_m * chain.paths.view().pixel_m * 1e6;
     const double wanted = settings.beam.dose_per_frame_nGy / kerma_behind_patient_nGy_mm2 * pixel_mm2;
-    const double log_mean = std::max(cache.log_mean, measuring_floor_log2);
+    const double log_mean = std::max(chain.log_mean, measuring_floor_log2);
     // A power of two of a double would need libm: the polynomial's result is taken as it is.
     picture.photons_open =
         wanted / static_cast<double>(exp2_negative(static_cast<float>(std::max(-log_mean, 0.0))));
-    const double nearer = cache.view.source_detector_m / (cache.view.source_isocentre_m - 0.15);
+    const double nearer =
+        chain.paths.view().source_detector_m / (chain.paths.view().source_isocentre_m - 0.15);
     picture.air_kerma_uGy = picture.photons_open / pixel_mm2 * kerma_open_nGy_mm2 * nearer * nearer * 1e-3;
 }
 
@@ -196,7 +160,7 @@ bool XrayScene::set_bodies(const Bodies &bodies, std::string &error)
     for (std::size_t i = 0; i < bodies.bodies.size(); ++i) {
         const Body &body = bodies.bodies[i];
         const int parent = body.parent >= 0 ? materials[body.parent] : -1;
-        append_body(meshes.raster, body, channel_of(meshes.raster, {materials[i], parent}));
+        append_body(meshes.bodies, body, materials[i], parent);
     }
     *meshes_ = std::move(meshes);
     return true;
@@ -204,14 +168,16 @@ bool XrayScene::set_bodies(const Bodies &bodies, std::string &error)
 
 std::size_t XrayScene::triangle_count() const
 {
-    return meshes_->raster.triangles.size();
+    return meshes_->bodies.triangles.size();
 }
 
 Xray::Xray(const XrayScene &scene, int threads)
 {
     const int processors = static_cast<int>(std::thread::hardware_concurrency());
     const int count = threads > 0 ? threads : std::clamp(processors, 1, 4);
-    cache_ = std::make_unique<XrayCache>(scene.meshes().raster, std::min(count, 16));
+    const BodyMeshes &meshes = scene.meshes().bodies;
+    const int held = std::min(count, 16);
+    chain_ = std::make_unique<XrayChain>(meshes, std::make_unique<RasterPaths>(meshes, held), held);
 }
 Xray::~Xray() = default;
 
@@ -219,36 +185,40 @@ void Xray::render(const XraySettings &settings, std::span<const RadiopaqueInstru
                   const WireFrame &wire, std::uint64_t seed, XrayPicture &picture)
 {
     const XraySettings held = held_settings(settings);
-    XrayCache &cache = *cache_;
-    fill_cache(cache, held);
-    draw_tools(tools, wire, cache.view, cache.tube);
+    XrayChain &chain = *chain_;
+    see(chain, held, tools, wire);
     picture.size = held.size;
     picture.tick = wire.tick;
     picture.grey.resize(static_cast<std::size_t>(held.size) * held.size);
     picture.photons.resize(picture.grey.size());
-    set_exposure(cache, held, picture);
-    attenuate_instrument(cache);
-    swap_instrument(cache);
-    count_all(cache, held, seed, picture);
-    swap_instrument(cache);
-    display_all(cache, held, picture);
+    set_exposure(chain, held, picture);
+    attenuate_tools(chain);
+    swap_tools(chain);
+    count_all(chain, held, seed, picture);
+    swap_tools(chain);
+    display_all(chain, held, picture);
 }
 
 std::vector<std::int32_t> Xray::body_path_q10mm(Material material) const
 {
-    return cache_->paths[static_cast<int>(material)];
+    return chain_->paths.bodies()[static_cast<int>(material)];
 }
 
 std::vector<std::int32_t> Xray::instrument_path_q10mm(Material material) const
 {
-    std::vector<std::int32_t> path = cache_->tube.sums[static_cast<int>(material)];
-    for (std::int32_t &value : path) value = (value + tube_rays / 2) / tube_rays;
+    const ToolPaths &tools = chain_->paths.tools();
+    const auto place = std::find(tools.materials.begin(), tools.materials.end(), material);
+    if (place == tools.materials.end()) return {};
+    const std::size_t slot = place - tools.materials.begin();
+    std::vector<std::int32_t> path(static_cast<std::size_t>(tools.size) * tools.size, 0);
+    for (std::size_t i = 0; i < tools.pixels.size(); ++i)
+        path[tools.pixels[i]] = (tools.sum(i, slot) + tool_rays / 2) / tool_rays;
     return path;
 }
 
 bool Xray::last_render_used_cache() const
 {
-    return cache_->was_used;
+    return chain_->was_kept;
 }
 
 } // namespace seld

@@ -81,7 +81,7 @@ struct XrayPicture {
 };
 
 class XrayScene;
-struct XrayCache;
+struct XrayChain;
 
 // Immutable after set_bodies; shared by any number of Xray.
 class XrayScene
@@ -121,7 +121,7 @@ class Xray
     bool last_render_used_cache() const;
 
   private:
-    std::unique_ptr<XrayCache> cache_;
+    std::unique_ptr<XrayChain> chain_;
 };
 
 } // namespace seld

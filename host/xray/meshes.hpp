@@ -1,0 +1,47 @@
+// The scene's bodies as drawing wants them: chunks of neighbouring triangles, so that what lies outside the field is
+// skipped as a whole. Made once per scene, then only read, by any number of threads and back ends.
+#pragma once
+#include "host/model/bodies.hpp"
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace seld
+{
+
+// Bodies of one material inside one other share a channel: a sum is theirs, and is taken from the parent's material.
+struct MeshChannel {
+    int own = 0;     // material
+    int parent = -1; // material, -1: air
+};
+
+// A few hundred neighbouring triangles with the vertices they use.
+struct MeshChunk {
+    std::uint32_t vertex_begin = 0, vertex_count = 0;
+    std::uint32_t triangle_begin = 0, triangle_count = 0;
+    int channel = 0;
+    int body = 0; // index in Bodies
+    Eigen::Vector3f centre_um = Eigen::Vector3f::Zero();
+    float radius_um = 0.0f;
+};
+
+struct BodyMeshes {
+    std::vector<MeshChannel> channels;
+    std::vector<int> channel_of_body;
+    std::vector<MeshChunk> chunks;            // body after body
+    std::vector<Eigen::Vector3f> vertices_um; // whole micrometres: exact in float; chunk after chunk
+    std::vector<std::uint32_t> body_vertex;   // of each: its index in its Body::vertices_um
+    std::vector<std::array<std::uint16_t, 3>>
+        triangles; // into the chunk's vertices; anticlockwise from outside
+};
+
+inline constexpr int mesh_chunk_triangles = 512;
+
+// Adds the next body of Bodies, cut into chunks. `own` and `parent` are materials; parent -1: air.
+void append_body(BodyMeshes &meshes, const Body &body, int own, int parent);
+
+// Gives a body other vertices (as many as it had); its triangles stay.
+void move_body(BodyMeshes &meshes, int body, std::span<const Eigen::Vector3i> vertices_um);
+
+} // namespace seld
