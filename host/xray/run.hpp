@@ -1,5 +1,5 @@
 // One run of the X-ray room as it was acquired: what cine loops, masks and files are made of. The room fills it frame by
-// frame, host/dicom writes it. Plain data, no behaviour. May include: carm. Called by: host/app, host/dicom, tests.
+// frame, host/dicom writes it. Plain data. May include: carm. Called by: host/app, host/dicom, tests.
 #pragma once
 #include "host/xray/carm.hpp"
 #include <cstdint>
@@ -66,6 +66,8 @@ struct XrayRun {
     int size = 0;              // pixels along each edge, the same in every frame
     double pulses_per_s = 0.0; // nominal; frames may be further apart, their ticks say when they were
     PixelRelation relation = PixelRelation::linear;
+    // Logarithmic only, see make_logarithmic(): for every raw value, one proportional to the intensity.
+    std::vector<std::uint16_t> to_linear;
     int bits = 16;              // stored per pixel: 8, 10, 12 or 16
     double window_centre = 0.0; // raw values: how a viewer shows the run at first
     double window_width = 0.0;
@@ -76,5 +78,11 @@ struct XrayRun {
     std::optional<RunContrast> contrast;
     std::vector<RunFrame> frames; // in order of time
 };
+
+// Raw values of a linear run with 16 bits become 65535/16 log2(1 + value), and its window with them: one step is 0.017 %
+// of the intensity, and a plain difference of two frames is what DSA wants, also in viewers that know nothing of logs.
+void make_logarithmic(XrayRun &run);
+// The table by which it does so, 65,536 entries, and the one back.
+const std::vector<std::uint16_t> &logarithm_table();
 
 } // namespace seld

@@ -1,0 +1,27 @@
+// Unique identifiers out of what they name: the same content gets the same UID, other content another. Form 2.25 of
+// PS3.5 B.2, a 128-bit number without a registered root. May include: nothing. Called by: xa_file, tests.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace seld
+{
+
+// FNV-1a with 128 bits (draft-eastlake-fnv): of everything given to it, in order.
+class Digest
+{
+  public:
+    void add(const void *bytes, std::size_t count);
+    void add(std::string_view text); // with its length, so that "ab", "c" is not "a", "bc"
+    // 32 hexadecimal digits.
+    std::string hex() const;
+    // "2.25." and the decimal number of a UUID of version 8 (RFC 9562) made of the digest; at most 44 characters.
+    std::string uid() const;
+
+  private:
+    unsigned __int128 value_ =
+        (static_cast<unsigned __int128>(0x6c62272e07bb0142ULL) << 64) | 0x62b821756295c58dULL;
+};
+
+} // namespace seld

@@ -1,0 +1,17 @@
+// The attributes of a run, module by module, as PS3.3 A.14 lists them. Needs DCMTK. Called by: xa_file.
+#pragma once
+#include "host/dicom/xa_file.hpp"
+#include <dcmtk/config/osconfig.h>
+#include <dcmtk/dcmdata/dcdatset.h>
+
+namespace seld
+{
+
+// Throws std::invalid_argument, with what contradicts what, when the run is not one.
+void check_run(const XrayRun &run);
+
+// Everything but the pixels.
+void put_attributes(DcmDataset &dataset, const XrayRun &run, const XaStudy &study, const Digest &content,
+                    int instance);
+
+} // namespace seld

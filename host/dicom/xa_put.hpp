@@ -1,0 +1,50 @@
+// Attributes into a DICOM item, one short call each; numbers as the standard writes them. Called by: xa_attributes, xa_beam.
+#pragma once
+#include <cstdint>
+#include <dcmtk/config/osconfig.h>
+#include <dcmtk/dcmdata/dcdatset.h>
+#include <dcmtk/dcmdata/dcdeftag.h>
+#include <string>
+#include <vector>
+
+namespace seld
+{
+
+// "0.625": as many digits as say something, at most the 16 characters of a DS.
+std::string decimal_string(double value);
+
+class XaItem
+{
+  public:
+    explicit XaItem(DcmItem &item) : item_(item) {}
+
+    void text(const DcmTagKey &tag, const std::string &value);
+    void empty(const DcmTagKey &tag); // type 2: not known
+    void decimal(const DcmTagKey &tag, double value);
+    void decimals(const DcmTagKey &tag, const std::vector<double> &values);
+    // Type 2: empty when the value is 0, that is not known.
+    void decimal_if_known(const DcmTagKey &tag, double value);
+    void whole(const DcmTagKey &tag, long value);                                // IS
+    void shorts(const DcmTagKey &tag, const std::vector<std::uint16_t> &values); // US
+    void floats(const DcmTagKey &tag, const std::vector<float> &values);         // FL
+    void private_longs(std::uint16_t element, const std::vector<std::uint32_t> &values);
+    void private_doubles(std::uint16_t element, const std::vector<double> &values);
+    DcmItem &item() { return item_; }
+
+  private:
+    DcmItem &item_;
+};
+
+// The private block: what the classic XA object has no attribute for, one value per frame (docs/output.md).
+inline constexpr std::uint16_t private_group = 0x0023;
+inline constexpr const char *private_creator = "SELDINGER 1.0";
+
+// The beam: tube, dose, filter, collimator, table, C-arm (xa_beam.cpp).
+struct XrayRun;
+void put_acquisition(XaItem &item, const XrayRun &run);
+void put_collimator(XaItem &item, const XrayRun &run);
+void put_table(XaItem &item, const XrayRun &run);
+void put_positioner(XaItem &item, const XrayRun &run);
+void put_frames_private(XaItem &item, const XrayRun &run);
+
+} // namespace seld
