@@ -1,20 +1,28 @@
-// Figures of the beam and of every material, written by tools/check/make_attenuation.py.
+// How strongly every material attenuates, in steps of 1 keV; written by tools/check/make_attenuation.py.
+// May include: materials. Called by: spectrum, beam_table, tests.
 #pragma once
 #include "host/xray/materials.hpp"
 
 namespace seld
 {
 
-inline constexpr int beam_bin_count = 5;
+inline constexpr int energy_count = 110;
+// Middle of a 1 keV step: 15.5 .. 124.5 keV.
+constexpr double energy_keV(int index)
+{
+    return 15.5 + index;
+}
 
-// Share of the photons detected without a patient that fall into each energy bin; they add up to 1.
-extern const float beam_share[beam_bin_count];
+extern const float attenuation_per_cm[material_count][energy_count];
 
-// log2(1/transmission) of 1/1024 mm of material in each bin.
-extern const float attenuation_log2_per_q10mm[material_count][beam_bin_count];
+// Highest K edge of the material between iodine's (33.2 keV) and the end of the table; 0 without one.
+extern const float edge_keV[material_count];
 
-// Air kerma that comes with one detected photon per mm2: behind 20 cm of soft tissue, and in the open beam.
-extern const double kerma_behind_patient_nGy_mm2;
-extern const double kerma_open_nGy_mm2;
+// Filters, scintillator (density of the crystal), anode, and air's mass energy absorption for kerma.
+extern const float aluminium_per_cm[energy_count];
+extern const float copper_per_cm[energy_count];
+extern const float caesium_iodide_per_cm[energy_count];
+extern const float anode_cm2_per_g[energy_count];
+extern const float air_absorption_cm2_per_g[energy_count];
 
 } // namespace seld

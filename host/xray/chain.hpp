@@ -1,5 +1,11 @@
 // The signal chain's state between frames: from path lengths (paths.hpp) to the signal at the detector.
+//
+//     paths ─> transmission ─┬─> focal spot, pixel ─┬─> signal ─> photons ─> scintillator ─> lag ─> raw ─> shown ─> grey
+//                            └─> scatter ───────────┘   (here)    (detector, readout)
+//
+// May include: everything below xray. Called by: xray.cpp.
 #pragma once
+#include "host/xray/blur.hpp"
 #include "host/xray/detector.hpp"
 #include "host/xray/path_keeper.hpp"
 #include "host/xray/xray.hpp"
@@ -11,6 +17,16 @@ struct XrayScene::Meshes {
     BodyMeshes bodies;
 };
 
+// What a signal of the bodies is made for, besides the paths.
+struct SignalKey {
+    XrayTechnique technique; // voltage, copper and focal spot alone
+    bool scatter = true;
+    bool circular_field = false;
+    double collimator_share = 0.0;
+
+    bool operator==(const SignalKey &) const = default;
+};
+
 struct XrayChain {
     XrayChain(const BodyMeshes &meshes, std::unique_ptr<BodyPaths> back_end, int thread_count)
         : paths(meshes, std::move(back_end), thread_count), threads(thread_count)
@@ -18,29 +34,45 @@ struct XrayChain {
     }
 
     PathKeeper paths;
+    Exposure exposure;
     int threads;
 
-    // What the kept signal was made for, besides the paths.
-    bool was_kept = false;
+    bool was_kept = false; // the bodies' signal, by the last render
+    bool is_filled = false;
+    SignalKey key;
+    BeamTable beam;
     int size = 0;
-    bool circular_field = false;
-    double collimator_share = 0.0;
 
-    // The kept signal of the bodies.
+    // The exposure on which a single picture of these paths settles.
+    bool is_settled = false;
+    ExposureDemand settled_demand;
+    SignalKey settled_key;
+    ExposureChoice settled;
+
+    // The kept signal of the bodies, as shares of the open beam behind the grid.
     std::vector<OpenColumns> open;
-    std::vector<float> scatter_slow; // scattered photons, share of the open beam, coarse grid
-    std::vector<float> signal;       // primary and scattered photons, share of the open beam
-    std::vector<float> log_slow;     // slow part of log2(signal), coarse grid
-    double log_mean = 0.0;           // log2(signal) over the measuring field
-
-    // Buffers.
-    std::vector<float> primary, log_signal;
-    std::vector<float> tool_signal; // at the pixels of paths.tools()
+    std::vector<float> transmission;  // of each pixel's middle
+    std::vector<float> primary;       // the same behind focal spot and pixel
+    std::vector<float> scatter_cells; // coarse grid
+    std::vector<float> signal;        // primary and scattered
+    std::vector<float> log_slow;      // slow part of log2(signal), coarse grid
+    double log_mean = 0.0;            // log2(signal) over the measuring field
+    std::vector<float> log_signal;    // buffer
+    std::vector<float> tool_signal;   // at the pixels of paths.tools()
 };
 
-// Makes paths and signal those of these settings; the signal is without the tools.
-void see(XrayChain &chain, const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
-         const WireFrame &wire);
+// Diameter of the round field that automatic exposure measures, share of the picture.
+inline constexpr double measuring_field_share = 0.65;
+
+// Draws the paths. Everything kept is given up when they or the field have changed.
+void see_paths(XrayChain &chain, const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
+               const WireFrame &wire);
+
+// The technique on which automatic exposure comes to rest in this view, whatever was before.
+ExposureChoice settle_exposure(XrayChain &chain, const XraySettings &settings, const ExposureDemand &demand);
+
+// Makes the bodies' signal for this technique; does nothing when it is there.
+void see_signal(XrayChain &chain, const XraySettings &settings, const XrayTechnique &technique);
 
 // Signal behind the tools, for each pixel that they touch: chain.tool_signal.
 void attenuate_tools(XrayChain &chain);

@@ -3,6 +3,7 @@
 #include "host/xray/chain.hpp"
 #include "host/xray/parallel.hpp"
 #include "host/xray/raster_paths.hpp"
+#include "host/xray/readout.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -10,8 +11,6 @@ namespace seld
 {
 namespace
 {
-
-constexpr double measuring_floor_log2 = -13.0; // the tube cannot give more than this asks for
 
 std::string describe(const Body &body, std::size_t index)
 {
@@ -25,6 +24,8 @@ XraySettings held_settings(const XraySettings &settings)
     held.size = held_size(settings.size);
     held.beam.collimator_share = std::clamp(settings.beam.collimator_share, 0.2, 1.0);
     held.beam.dose_per_frame_nGy = std::clamp(settings.beam.dose_per_frame_nGy, 0.1, 1e5);
+    held.beam.frame_period_ms = std::clamp(settings.beam.frame_period_ms, 1.0, 1e4);
+    if (held.beam.fixed_technique) held.beam.fixed_technique = held_technique(*held.beam.fixed_technique);
     return held;
 }
 
@@ -45,90 +46,68 @@ void count_all(const XrayChain &chain, const XraySettings &settings, std::uint64
         const RowRange rows = rows_of_thread(thread, chain.threads, size);
         for (int row = rows.begin; row < rows.end; ++row) {
             const std::size_t begin = static_cast<std::size_t>(row) * size;
-            std::uint16_t *photons = picture.photons.data() + begin;
+            std::uint32_t *photons = picture.photons.data() + begin;
             for (int x = 0; x < size; ++x) expected[x] = chain.signal[begin + x] * photons_open;
             if (settings.beam.noise)
                 count_row(expected.data(), size, key, static_cast<std::uint32_t>(begin), photons);
             else
                 for (int x = 0; x < size; ++x)
-                    photons[x] = static_cast<std::uint16_t>(std::min(expected[x] + 0.5f, 65535.0f));
-            std::fill(photons, photons + chain.open[row].begin, std::uint16_t{0});
-            std::fill(photons + chain.open[row].end, photons + size, std::uint16_t{0});
+                    photons[x] = static_cast<std::uint32_t>(static_cast<std::int32_t>(
+                        std::min(expected[x] + 0.5f, static_cast<float>(photons_max))));
+            std::fill(photons, photons + chain.open[row].begin, 0u);
+            std::fill(photons + chain.open[row].end, photons + size, 0u);
         }
     });
 }
 
-// Light spread of the scintillator: [1 4 1]/6 along both axes. Sum of nine weighted counts, 36 per photon.
-void blur_row(const XrayPicture &picture, int row, float *column, float *blurred)
+double square(double value)
 {
-    const int size = picture.size;
-    const int above = std::max(row - 1, 0), below = std::min(row + 1, size - 1);
-    const std::uint16_t *a = picture.photons.data() + static_cast<std::size_t>(above) * size;
-    const std::uint16_t *b = picture.photons.data() + static_cast<std::size_t>(row) * size;
-    const std::uint16_t *c = picture.photons.data() + static_cast<std::size_t>(below) * size;
-    for (int x = 0; x < size; ++x) column[x + 1] = static_cast<float>(a[x] + 4 * b[x] + c[x]);
-    column[0] = column[1];
-    column[size + 1] = column[size];
-    for (int x = 0; x < size; ++x) blurred[x] = column[x] + 4.0f * column[x + 1] + column[x + 2];
+    return value * value;
 }
 
-struct Curve {
-    float slope, level, keep_slow, log_mean, log_open;
-};
-
-Curve make_curve(const XrayChain &chain, const XrayDisplay &display, double photons_open)
+double open_pixels(const XrayChain &chain)
 {
-    Curve curve;
-    curve.slope = static_cast<float>(0.70 * std::clamp(display.contrast, 0.1, 10.0));
-    curve.level = static_cast<float>(0.12 + std::clamp(display.brightness, -1.0, 1.0));
-    curve.keep_slow = static_cast<float>(1.0 - std::clamp(display.harmonise, 0.0, 1.0));
-    curve.log_mean = static_cast<float>(chain.log_mean);
-    curve.log_open = log2_positive(static_cast<float>(photons_open) * 36.0f);
-    return curve;
+    std::int64_t count = 0;
+    for (const OpenColumns &row : chain.open) count += row.end - row.begin;
+    return static_cast<double>(count);
 }
 
-// Log image, slow changes held down, then an S-curve: few photons (bone, metal) are dark.
-void display_row(const Curve &curve, const float *blurred, const float *slow, int size, std::uint8_t *grey)
+ExposureDemand demand_of(const XraySettings &settings)
 {
-    for (int x = 0; x < size; ++x) {
-        const float share_log2 = log2_positive(blurred[x] + 18.0f) - curve.log_open;
-        const float value = (share_log2 - slow[x]) + curve.keep_slow * (slow[x] - curve.log_mean);
-        const float t = value * curve.slope + curve.level;
-        const float s = t / std::sqrt(1.0f + t * t); // -1 .. 1
-        grey[x] = static_cast<std::uint8_t>(static_cast<std::int32_t>(128.0f + 127.0f * s));
-    }
+    return {settings.beam.mode, settings.beam.dose_per_frame_nGy, settings.beam.frame_period_ms,
+            settings.carm.source_detector_m, settings.carm.source_isocentre_m};
 }
 
-void display_all(const XrayChain &chain, const XraySettings &settings, XrayPicture &picture)
+// Photons, gain and dose that come with a technique.
+void expose(XrayChain &chain, const XraySettings &settings, const ExposureChoice &choice,
+            XrayPicture &picture)
 {
-    const int size = chain.size;
-    const Curve curve = make_curve(chain, settings.display, picture.photons_open);
-    run_on_threads(chain.threads, [&](int thread) {
-        std::vector<float> scratch(2 * size + 2), slow(size);
-        const RowRange rows = rows_of_thread(thread, chain.threads, size);
-        for (int row = rows.begin; row < rows.end; ++row) {
-            std::uint8_t *grey = picture.grey.data() + static_cast<std::size_t>(row) * size;
-            slow_row(chain.log_slow, size, row, slow.data());
-            blur_row(picture, row, scratch.data() + size, scratch.data());
-            display_row(curve, scratch.data(), slow.data(), size, grey);
-            std::fill(grey, grey + chain.open[row].begin, std::uint8_t{0});
-            std::fill(grey + chain.open[row].end, grey + size, std::uint8_t{0});
-        }
-    });
+    const View &view = chain.paths.view();
+    const double pixel_mm2 = square(view.pixel_m * 1e3);
+    picture.technique = choice.technique;
+    picture.is_underexposed = choice.is_limited;
+    picture.photons_open = open_quanta_mm2(chain.beam, choice.technique, view.source_detector_m) * pixel_mm2;
+    // The gain is one of charge: it is set for a beam of 75 kV and 0.2 mm copper.
+    const BeamTable &reference = chain.exposure.table(75.0, 0.2);
+    const double wanted_keV = settings.beam.dose_per_frame_nGy / reference.patient_nGy_quantum_mm2 *
+                              pixel_mm2 * reference.quantum_keV;
+    picture.raw_per_photon = raw_of_wanted_dose / wanted_keV * chain.beam.quantum_keV;
+    picture.air_kerma_uGy = reference_kerma_uGy(chain.beam, choice.technique, view.source_isocentre_m);
+    const double nearer = (view.source_isocentre_m - reference_point_m) / view.source_detector_m;
+    picture.kap_Gy_cm2 =
+        picture.air_kerma_uGy * 1e-6 * open_pixels(chain) * pixel_mm2 * 1e-2 * square(nearer);
 }
 
-// Automatic exposure: the dose behind the patient is held, however thick he is.
-void set_exposure(const XrayChain &chain, const XraySettings &settings, XrayPicture &picture)
+// Another size or field reads other pixels, whose traps are empty.
+void prepare_lag(const XraySettings &settings, std::uint32_t tick, XrayMemory &memory)
 {
-    const double pixel_mm2 = chain.paths.view().pixel_m * chain.paths.view().pixel_m * 1e6;
-    const double wanted = settings.beam.dose_per_frame_nGy / kerma_behind_patient_nGy_mm2 * pixel_mm2;
-    const double log_mean = std::max(chain.log_mean, measuring_floor_log2);
-    // A power of two of a double would need libm: the polynomial's result is taken as it is.
-    picture.photons_open =
-        wanted / static_cast<double>(exp2_negative(static_cast<float>(std::max(-log_mean, 0.0))));
-    const double nearer =
-        chain.paths.view().source_detector_m / (chain.paths.view().source_isocentre_m - 0.15);
-    picture.air_kerma_uGy = picture.photons_open / pixel_mm2 * kerma_open_nGy_mm2 * nearer * nearer * 1e-3;
+    const std::size_t pixels = static_cast<std::size_t>(settings.size) * settings.size;
+    const bool goes_on = memory.is_used && memory.size == settings.size &&
+                         memory.field_m == settings.carm.field_m && memory.trapped.size() == pixels;
+    if (!goes_on) memory.trapped.assign(pixels, 0.0f);
+    if (!goes_on) memory.tick = tick;
+    memory.size = settings.size;
+    memory.field_m = settings.carm.field_m;
 }
 
 } // namespace
@@ -184,19 +163,45 @@ Xray::~Xray() = default;
 void Xray::render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
                   const WireFrame &wire, std::uint64_t seed, XrayPicture &picture)
 {
+    make_picture(settings, tools, wire, seed, nullptr, picture);
+}
+
+void Xray::render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
+                  const WireFrame &wire, std::uint64_t seed, XrayMemory &memory, XrayPicture &picture)
+{
+    make_picture(settings, tools, wire, seed, &memory, picture);
+}
+
+void Xray::make_picture(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
+                        const WireFrame &wire, std::uint64_t seed, XrayMemory *memory, XrayPicture &picture)
+{
     const XraySettings held = held_settings(settings);
     XrayChain &chain = *chain_;
-    see(chain, held, tools, wire);
+    see_paths(chain, held, tools, wire);
+    const ExposureDemand demand = demand_of(held);
+    ExposureChoice choice;
+    if (held.beam.fixed_technique)
+        choice.technique = *held.beam.fixed_technique;
+    else if (memory)
+        choice = chain.exposure.choose(demand, memory->exposure);
+    else
+        choice = settle_exposure(chain, held, demand);
+    see_signal(chain, held, choice.technique);
     picture.size = held.size;
     picture.tick = wire.tick;
-    picture.grey.resize(static_cast<std::size_t>(held.size) * held.size);
-    picture.photons.resize(picture.grey.size());
-    set_exposure(chain, held, picture);
+    expose(chain, held, choice, picture);
     attenuate_tools(chain);
     swap_tools(chain);
+    picture.photons.resize(static_cast<std::size_t>(held.size) * held.size);
     count_all(chain, held, seed, picture);
     swap_tools(chain);
-    display_all(chain, held, picture);
+    if (memory) prepare_lag(held, wire.tick, *memory);
+    read_out(chain, held.display, memory, picture);
+    if (!memory) return;
+    if (!held.beam.fixed_technique)
+        chain.exposure.follow(choice.technique, exp2_double(chain.log_mean), memory->exposure);
+    memory->tick = wire.tick;
+    memory->is_used = true;
 }
 
 std::vector<std::int32_t> Xray::body_path_q10mm(Material material) const

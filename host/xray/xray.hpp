@@ -1,21 +1,24 @@
-// X-ray pictures of bodies and tools: path lengths, polychromatic attenuation, quantum noise,
-// display.
+// X-ray pictures of bodies and tools: path lengths, tube spectrum, exposure control, scatter, blur, quantum noise, lag, display.
 //
 //   XrayScene scene; scene.set_bodies(bodies, error);
 //   Xray xray(scene, threads);
-//   xray.render(view_settings, tools, frame, seed, picture);
+//   xray.render(settings, tools, frame, seed, picture);            one picture by itself
+//   XrayMemory memory;                                             {}: generator and detector as switched on
+//   xray.render(settings, tools, frame, seed, memory, picture);    one of a sequence; memory goes on
 //
-// A picture is a pure function of (bodies, tools, wire frame, settings, seed, wire frame's tick): the
+// A picture is a pure function of (bodies, tools, wire frame, settings, seed, wire frame's tick, memory): the
 // same bytes for any number of threads, compiler and optimisation level. Path lengths of the bodies are kept
 // while the C-arm stands still. May include: host/model. Called by: host/app, tests. See docs/xray.md.
 #pragma once
 #include "host/model/bodies.hpp"
 #include "host/model/wire_frame.hpp"
 #include "host/xray/carm.hpp"
+#include "host/xray/exposure.hpp"
 #include "host/xray/materials.hpp"
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -48,9 +51,15 @@ struct RadiopaqueInstrument {
 RadiopaqueInstrument guidewire_look(double tip_m = 0.03);
 
 struct XrayBeam {
-    double dose_per_frame_nGy =
-        40.0; // at the detector, behind the patient: automatic exposure holds it. Fluoro 20 .. 60
+    ExposureMode mode = ExposureMode::fluoro;
+    // Behind patient and grid, mean over the measuring field: what automatic exposure aims at and what the detector's gain is
+    // set for. Usual: fluoroscopy 20 .. 60, cine 100 .. 250, DSA 500 .. 3000.
+    double dose_per_frame_nGy = 40.0;
+    double frame_period_ms = 1000.0 / 15.0; // for the limit of the dose rate
+    // Taken instead of automatic exposure: by hand, or locked while a DSA run is on. Held within the tube's limits.
+    std::optional<XrayTechnique> fixed_technique;
     bool noise = true;
+    bool scatter = true;
     bool circular_field = false;    // round image intensifier instead of a square flat detector
     double collimator_share = 0.97; // open part of the field along each axis, 0.2 .. 1
 };
@@ -59,6 +68,9 @@ struct XrayDisplay {
     double contrast = 1.0;   // slope of the display curve
     double brightness = 0.0; // -1 .. 1
     double harmonise = 0.65; // 0: plain log image; towards 1: slow changes of density are levelled out
+    // Of the 12-bit values `shown`, as DICOM PS3.3 C.11.2.1.2 defines them: those between level -+ window/2 get all greys.
+    double window = 4096.0;
+    double level = 2048.0;
 };
 
 struct XraySettings {
@@ -71,13 +83,38 @@ struct XraySettings {
 // The edge a picture really gets: within 64 .. 2048, a multiple of 16.
 int held_size(int size);
 
+// Raw values are 14 bits; the dose asked for gives this one.
+inline constexpr std::uint16_t raw_max = 16383;
+inline constexpr double raw_of_wanted_dose = 1024.0;
+
+// All pictures size*size, row 0 on top.
 struct XrayPicture {
     int size = 0;
     std::uint32_t tick = 0;
-    std::vector<std::uint8_t> grey;     // size*size, row 0 on top
-    std::vector<std::uint16_t> photons; // counted per pixel, 0 outside the collimator
-    double photons_open = 0.0;          // what an unattenuated pixel would count at this exposure
-    double air_kerma_uGy = 0.0; // of this frame at the reference point, 15 cm from the isocentre to the tube
+    std::vector<std::uint8_t> grey;   // on the screen
+    std::vector<std::uint16_t> shown; // before window and level, 12 bits
+    std::vector<std::uint16_t>
+        raw; // of the detector, 14 bits, in proportion to the quanta; behind blur and lag
+    std::vector<std::uint32_t>
+        photons; // quanta drawn per pixel, before the scintillator's blur; 0 outside the collimator
+
+    double photons_open = 0.0;   // what an unattenuated pixel counts on average
+    double raw_per_photon = 0.0; // gain
+    XrayTechnique technique;
+    bool is_underexposed = false; // automatic exposure is at a limit
+    double air_kerma_uGy =
+        0.0;                 // of this frame at the reference point, 15 cm from the isocentre toward the tube
+    double kap_Gy_cm2 = 0.0; // kerma times the collimated field's area, the same at every distance
+};
+
+// What generator and detector remember from picture to picture. Plain data: a copy saves it, {} resets it.
+struct XrayMemory {
+    bool is_used = false;
+    ExposureState exposure;
+    std::uint32_t tick = 0;     // of the last picture
+    int size = 0;               // of `trapped`
+    double field_m = 0.0;       // another field or size reads other pixels: their traps are empty
+    std::vector<float> trapped; // quanta held back by the photodiodes
 };
 
 class XrayScene;
@@ -114,6 +151,11 @@ class Xray
     void render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
                 const WireFrame &wire, std::uint64_t seed, XrayPicture &picture);
 
+    // The next picture of a sequence: exposure follows the pictures before, the detector lags. Without `memory` automatic
+    // exposure has settled and nothing lags.
+    void render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
+                const WireFrame &wire, std::uint64_t seed, XrayMemory &memory, XrayPicture &picture);
+
     // Path lengths of the last render in 1/1024 mm, size*size each: bodies (nested ones taken out of their
     // parents) and instrument. Empty when the material is absent.
     std::vector<std::int32_t> body_path_q10mm(Material material) const;
@@ -121,6 +163,9 @@ class Xray
     bool last_render_used_cache() const;
 
   private:
+    void make_picture(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
+                      const WireFrame &wire, std::uint64_t seed, XrayMemory *memory, XrayPicture &picture);
+
     std::unique_ptr<XrayChain> chain_;
 };
 

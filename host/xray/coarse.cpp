@@ -1,0 +1,84 @@
+// The coarse grid's sums, blurs and interpolation.
+#include "host/xray/coarse.hpp"
+#include <algorithm>
+
+namespace seld
+{
+namespace
+{
+
+// Sums of five neighbours along one axis; what lies outside the grid has no weight.
+void blur_five(std::vector<float> &grid, int cells, int dx, int dy)
+{
+    std::vector<float> pass(grid.size());
+    for (int cy = 0; cy < cells; ++cy)
+        for (int cx = 0; cx < cells; ++cx) {
+            float sum = 0.0f;
+            for (int k = -2; k <= 2; ++k) {
+                const int x = cx + k * dx, y = cy + k * dy;
+                if (x >= 0 && x < cells && y >= 0 && y < cells) sum += grid[y * cells + x];
+            }
+            pass[cy * cells + cx] = sum;
+        }
+    grid.swap(pass);
+}
+
+} // namespace
+
+CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open)
+{
+    const int cells = size / coarse_cell;
+    CoarseSums sums;
+    sums.sum.assign(static_cast<std::size_t>(cells) * cells, 0.0f);
+    sums.count.assign(sums.sum.size(), 0.0f);
+    for (int y = 0; y < size; ++y) {
+        const float *row = values.data() + static_cast<std::size_t>(y) * size;
+        float *sum = sums.sum.data() + static_cast<std::size_t>(y / coarse_cell) * cells;
+        float *count = sums.count.data() + static_cast<std::size_t>(y / coarse_cell) * cells;
+        for (int cx = 0; cx < cells; ++cx) {
+            const int begin = std::max(cx * coarse_cell, open[y].begin);
+            const int end = std::min((cx + 1) * coarse_cell, open[y].end);
+            float part = 0.0f;
+            for (int x = begin; x < end; ++x) part += row[x];
+            sum[cx] += part;
+            count[cx] += static_cast<float>(std::max(end - begin, 0));
+        }
+    }
+    return sums;
+}
+
+std::vector<float> slow_part(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open)
+{
+    const int cells = size / coarse_cell;
+    CoarseSums sums = coarse_sums(values, size, open);
+    for (int repeat = 0; repeat < 2; ++repeat)
+        for (std::vector<float> *grid : {&sums.sum, &sums.count}) {
+            blur_five(*grid, cells, 1, 0);
+            blur_five(*grid, cells, 0, 1);
+        }
+    for (std::size_t i = 0; i < sums.sum.size(); ++i)
+        sums.sum[i] = sums.count[i] > 0.0f ? sums.sum[i] / sums.count[i] : 0.0f;
+    return std::move(sums.sum);
+}
+
+void slow_row(const std::vector<float> &grid, int size, int row, float *out)
+{
+    constexpr int half = coarse_cell / 2;
+    const int cells = size / coarse_cell;
+    const int steps = std::clamp(2 * row + 1 - coarse_cell, 0, 2 * coarse_cell * (cells - 1));
+    const int cell = std::min(steps / (2 * coarse_cell), cells - 2);
+    const float share = static_cast<float>(steps - cell * 2 * coarse_cell) * (0.5f / coarse_cell);
+    const float *upper = grid.data() + static_cast<std::size_t>(cell) * cells, *lower = upper + cells;
+    float left = upper[0] + share * (lower[0] - upper[0]);
+    std::fill(out, out + half, left);
+    for (int c = 1; c < cells; ++c) {
+        const float right = upper[c] + share * (lower[c] - upper[c]);
+        const float step = (right - left) * (0.5f / coarse_cell);
+        float *begin = out + c * coarse_cell - half;
+        for (int k = 0; k < coarse_cell; ++k) begin[k] = left + step * static_cast<float>(2 * k + 1);
+        left = right;
+    }
+    std::fill(out + size - half, out + size, left);
+}
+
+} // namespace seld

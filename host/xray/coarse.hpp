@@ -1,0 +1,29 @@
+// What changes slowly over a picture, on a grid of cells of 8x8 pixels: scatter, and the display's slow part.
+// May include: nothing. Called by: scatter, chain, display.
+#pragma once
+#include <vector>
+
+namespace seld
+{
+
+inline constexpr int coarse_cell = 8; // pixels
+
+// The open part of the field: columns [begin, end) of a row.
+struct OpenColumns {
+    int begin = 0, end = 0;
+};
+
+// Of each cell the sum over its open pixels, and how many they are. Both have (size/8)^2 values.
+struct CoarseSums {
+    std::vector<float> sum, count;
+};
+CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open);
+
+// Means over about a tenth of the picture: two passes of five cells along both axes. Closed pixels have no weight.
+std::vector<float> slow_part(const std::vector<float> &values, int size,
+                             const std::vector<OpenColumns> &open);
+
+// Row of the bilinear continuation of a grid to full size.
+void slow_row(const std::vector<float> &grid, int size, int row, float *out);
+
+} // namespace seld
