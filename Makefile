@@ -279,6 +279,14 @@ $(call bench_program,$(1)): $(call objects,$(1) firmware/bench/bench.c $(REFEREN
 	$$(Q) $(CC) $$^ -o $$@ $(LDFLAGS) -lm
 endef
 $(foreach b,$(BENCHES),$(eval $(call bench_rule,$(b))))
+# Those of the host.
+HOST_BENCHES := $(wildcard host/bench/bench_*.cpp)
+define host_bench_rule
+$(call bench_program,$(1)): $(call objects,$(1) firmware/bench/bench.c) $(foreach lib,$(HOST_LIBS),$(call lib_file,$(lib)))
+	@mkdir -p $$(@D)
+	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) $(HOST_LINK)
+endef
+$(foreach b,$(HOST_BENCHES),$(eval $(call host_bench_rule,$(b))))
 
 PEER_ROD := $(BUILD)/bench/peer_rod
 $(eval $(call bench_rule,firmware/bench/peer_rod.c))
@@ -288,8 +296,8 @@ bench-peers: packages-build packages-peers ## the same rod by other simulators (
 	@tools/bench/run_peers.py --environment $(BUILD)/peers --ours $(PEER_ROD)
 
 bench: packages-build packages-run packages-bench packages-matrix ## measure; writes out/bench.tsv and prints it (CASES=text: only names with it)
-	@$(QUIET_MAKE) $(PROGRAMS) $(foreach b,$(BENCHES),$(call bench_program,$(b))) $(M7_IMAGE) $(BUDGET_MAKE)
-	@tools/bench/run_bench.py --build $(BUILD) --cases '$(CASES)' $(foreach b,$(BENCHES),$(call bench_program,$(b)))
+	@$(QUIET_MAKE) $(PROGRAMS) $(foreach b,$(BENCHES) $(HOST_BENCHES),$(call bench_program,$(b))) $(M7_IMAGE) $(BUDGET_MAKE)
+	@tools/bench/run_bench.py --build $(BUILD) --cases '$(CASES)' $(foreach b,$(BENCHES) $(HOST_BENCHES),$(call bench_program,$(b)))
 
 # --- Cortex-M7 image: docs/bench.md, "The Cortex-M7's budget" ---------------------------------------------------------
 M7_CC      := arm-none-eabi-gcc

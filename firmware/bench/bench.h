@@ -5,6 +5,13 @@
 
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#define BENCH_NORETURN [[noreturn]]
+#else
+#define BENCH_NORETURN _Noreturn
+#endif
+
 /* A function that callgrind finds by name: neither inlined nor cloned. */
 #if defined(__clang__)
 #define BENCH_MEASURED __attribute__((noinline, used))
@@ -24,12 +31,16 @@ struct bench_case {
 };
 
 /* Ends the program with exit code 1 and a sentence when a case cannot be measured. */
-_Noreturn void bench_fail(const char *sentence);
+BENCH_NORETURN void bench_fail(const char *sentence);
 
 /* Monotonic clock in microseconds. */
 double bench_now_us(void);
 
 /* `list` prints the cases, `run N` runs one. Returns the exit code: 0 ok, 2 usage. */
 int bench_main(int argc, char **argv, const bench_case *cases, size_t case_count);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -16,7 +16,7 @@ struct MeshChannel {
     int parent = -1; // material, -1: air
 };
 
-// A few hundred neighbouring triangles with the vertices they use.
+// About a hundred neighbouring triangles with the vertices they use.
 struct MeshChunk {
     std::uint32_t vertex_begin = 0, vertex_count = 0;
     std::uint32_t triangle_begin = 0, triangle_count = 0;
@@ -36,7 +36,7 @@ struct BodyMeshes {
         triangles; // into the chunk's vertices; anticlockwise from outside
 };
 
-inline constexpr int mesh_chunk_triangles = 512;
+inline constexpr int mesh_chunk_triangles = 128;
 
 // Adds the next body of Bodies, cut into chunks. `own` and `parent` are materials; parent -1: air.
 void append_body(BodyMeshes &meshes, const Body &body, int own, int parent);

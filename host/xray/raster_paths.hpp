@@ -1,6 +1,6 @@
 // The reference back end: the integer rasteriser on all cores. Equal sums for any number of threads.
 #pragma once
-#include "host/xray/paths.hpp"
+#include "host/xray/raster.hpp"
 
 namespace seld
 {
@@ -8,7 +8,7 @@ namespace seld
 class RasterPaths : public BodyPaths
 {
   public:
-    RasterPaths(const BodyMeshes &meshes, int threads) : meshes_(&meshes), threads_(threads) {}
+    RasterPaths(const BodyMeshes &meshes, int threads);
 
     std::string_view name() const override { return "raster"; }
     void move(int body, std::span<const Eigen::Vector3i> vertices_um) override;
@@ -16,13 +16,23 @@ class RasterPaths : public BodyPaths
               PathPictures &pictures, std::string &error) override;
 
   private:
-    void sum_chunks(const View &view, std::span<const std::uint8_t> is_drawn);
-    void resolve_row(const View &view, const PixelRect &rect, int row, PathForm form, PathPictures &pictures);
+    // One thread's sums of a tile, and which channels have any.
+    struct Tile {
+        std::vector<std::int32_t> sums; // [channel][tile_ints]
+        std::vector<std::uint8_t> has_channel;
+    };
+    void project(const Camera &camera, std::span<const std::uint8_t> is_drawn, const PixelRect &rect);
+    void sum_tile(const Camera &camera, const PixelRect &rect, Tile &tile) const;
+    void resolve_tile(const View &view, const PixelRect &rect, const Tile &tile, PathForm form,
+                      PathPictures &pictures) const;
 
     const BodyMeshes *meshes_;
     std::unique_ptr<BodyMeshes> moved_; // own copy, from the first move on
+    RasterVertices vertices_;
+    std::vector<int> materials_; // that any channel names
     int threads_;
-    std::vector<std::vector<std::int32_t>> sums_; // [thread], channel after channel
+    Projection projection_;
+    std::vector<Tile> tiles_; // of each thread
 };
 
 } // namespace seld

@@ -1,0 +1,43 @@
+// Eight numbers at a time, by the vector types that gcc and clang share, and code compiled twice: the same bits on any
+// processor, quicker where it has vectors of that width. No fused multiply-add, so nothing rounds differently.
+#pragma once
+#include <cstdint>
+
+namespace seld
+{
+
+inline constexpr int lane_count = 8;
+typedef std::int32_t Lanes_i __attribute__((vector_size(32)));
+typedef float Lanes_f __attribute__((vector_size(32)));
+typedef std::int32_t Lanes_i_anywhere __attribute__((vector_size(32), aligned(4), may_alias));
+
+inline constexpr Lanes_i lane_index = {0, 1, 2, 3, 4, 5, 6, 7};
+
+#if defined(__x86_64__)
+#define SELD_HAS_AVX2 1
+// Functions in between may use AVX2; call them only where the processor has it.
+#if defined(__clang__)
+#define SELD_AVX2_BEGIN                                                                                      \
+    _Pragma("clang attribute push(__attribute__((target(\"avx2\"))), apply_to = function)")
+#define SELD_AVX2_END _Pragma("clang attribute pop")
+#else
+#define SELD_AVX2_BEGIN _Pragma("GCC push_options") _Pragma("GCC target(\"avx2\")")
+#define SELD_AVX2_END _Pragma("GCC pop_options")
+#endif
+#endif
+
+// SELD_WIDE: a function of plain loops that the compiler turns into vectors is compiled twice, the second time for AVX2, and
+// the processor chooses when the program starts: too early for the sanitizers.
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define SELD_WIDE
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__x86_64__)
+#define SELD_WIDE
+#endif
+#ifndef SELD_WIDE
+#define SELD_WIDE __attribute__((target_clones("avx2", "default")))
+#endif
+
+} // namespace seld
