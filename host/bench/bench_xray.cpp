@@ -81,15 +81,19 @@ class Bench
     }
     void look(const Look &at, int size)
     {
+        settings_.beam.fixed_technique =
+            XrayTechnique(); // else it would settle between the frames that are compared
         settings_.carm.primary_deg = at.primary_deg;
         settings_.carm.secondary_deg = at.secondary_deg;
         settings_.carm.isocentre_m = {0.0, at.y_m, 0.0};
         settings_.size = size;
     }
+    // The next picture of a sequence, lag included.
     void render(int frame)
     {
-        const WireFrame wire = wire_at(0.0005 * (frame % 16));
-        xray_->render(settings_, wires_, wire, 7, picture_);
+        WireFrame wire = wire_at(0.0005 * (frame % 16));
+        wire.tick = static_cast<std::uint32_t>(67 * ++frames_);
+        xray_->render(settings_, wires_, wire, 7, memory_, picture_);
     }
     bool was_kept() const { return xray_->last_render_used_cache(); }
     std::size_t triangle_count() const { return scene_.triangle_count(); }
@@ -100,6 +104,8 @@ class Bench
     XraySettings settings_;
     std::vector<RadiopaqueInstrument> wires_ = {guidewire_look()};
     XrayPicture picture_;
+    XrayMemory memory_;
+    int frames_ = 0;
 };
 
 constexpr int is_kept = 1 << 16;

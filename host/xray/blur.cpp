@@ -1,6 +1,7 @@
 // Kernels from MTF curves, and their application.
 #include "host/xray/blur.hpp"
 #include "host/xray/float_math.hpp"
+#include "host/xray/lanes.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -88,8 +89,8 @@ template <class Curve> BlurKernel fit_kernel(Curve curve)
 }
 
 template <class Value>
-void blur_row_of(const Value *picture, int size, int row, const BlurKernel &kernel, float *scratch,
-                 float *out)
+inline __attribute__((always_inline)) void blur_row_of(const Value *picture, int size, int row,
+                                                       const BlurKernel &kernel, float *scratch, float *out)
 {
     constexpr int margin = blur_radius_max;
     auto line = [&](int at) {
@@ -149,13 +150,14 @@ BlurKernel kernel_of_scintillator(double pixel_mm)
     return fit_kernel([&](double cycles) { return mtf_of_scintillator(cycles / pixel_mm); });
 }
 
-void blur_row(const float *picture, int size, int row, const BlurKernel &kernel, float *scratch, float *out)
+SELD_WIDE void blur_row(const float *picture, int size, int row, const BlurKernel &kernel, float *scratch,
+                        float *out)
 {
     blur_row_of(picture, size, row, kernel, scratch, out);
 }
 
-void blur_row(const std::uint32_t *picture, int size, int row, const BlurKernel &kernel, float *scratch,
-              float *out)
+SELD_WIDE void blur_row(const std::uint32_t *picture, int size, int row, const BlurKernel &kernel,
+                        float *scratch, float *out)
 {
     blur_row_of(picture, size, row, kernel, scratch, out);
 }

@@ -1,5 +1,6 @@
 // From path lengths to the signal at the detector: attenuation, blur, scatter, what automatic exposure measures.
 #include "host/xray/chain.hpp"
+#include "host/xray/lanes.hpp"
 #include "host/xray/parallel.hpp"
 #include "host/xray/scatter.hpp"
 #include <algorithm>
@@ -43,6 +44,15 @@ void scatter(XrayChain &chain, bool is_on)
     for (float &value : chain.scatter_cells) value *= grid_scatter_to_primary;
 }
 
+SELD_WIDE void add_row(int size, float *primary, float *signal, float *logarithm)
+{
+    for (int x = 0; x < size; ++x) {
+        primary[x] = primary[x] > 0.0f ? primary[x] : 0.0f; // the kernels have negative taps
+        signal[x] = signal[x] + primary[x];
+        logarithm[x] = log2_positive(signal[x] + 1e-9f);
+    }
+}
+
 void blur_and_add(XrayChain &chain)
 {
     const View &view = chain.paths.view();
@@ -61,11 +71,7 @@ void blur_and_add(XrayChain &chain)
             float *signal = chain.signal.data() + begin, *logarithm = chain.log_signal.data() + begin;
             blur_row(chain.transmission.data(), chain.size, row, kernel, scratch.data(), primary);
             slow_row(chain.scatter_cells, chain.size, row, signal);
-            for (int x = 0; x < chain.size; ++x) {
-                primary[x] = primary[x] > 0.0f ? primary[x] : 0.0f; // the kernels have negative taps
-                signal[x] = signal[x] + primary[x];
-                logarithm[x] = log2_positive(signal[x] + 1e-9f);
-            }
+            add_row(chain.size, primary, signal, logarithm);
         }
     });
     chain.log_slow = slow_part(chain.log_signal, chain.size, chain.open);

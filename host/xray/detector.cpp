@@ -1,5 +1,6 @@
 // Attenuation and counting.
 #include "host/xray/detector.hpp"
+#include "host/xray/lanes.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -67,25 +68,43 @@ float transmission(const BeamTable &beam, const std::array<float, material_count
     return share;
 }
 
-void transmission_row(const BeamTable &beam, const std::array<const std::int32_t *, material_count> &paths,
-                      int size, float *share)
+// A loop of its own: among others, compilers do not turn it into vectors.
+__attribute__((noinline)) SELD_WIDE static void add_scaled(const float *from, float factor, int count,
+                                                           float *to)
 {
-    for (int x = 0; x < size; x += lanes) {
-        float exponent[beam_energy_count][lanes] = {};
+    for (int i = 0; i < count; ++i) to[i] += factor * from[i];
+}
+
+SELD_WIDE void transmission_row(const BeamTable &beam,
+                                const std::array<const std::int32_t *, material_count> &paths, int size,
+                                float *share)
+{
+    constexpr int block = 64; // long enough to be a loop of vectors, short enough for the nearest cache
+    float path[material_count][block], exponent[block], sum[block];
+    for (int begin = 0; begin < size; begin += block) {
+        const int columns = std::min(block, size - begin);
+        // Only what these pixels have of the materials.
+        int present[material_count], count = 0;
         for (int m = 0; m < material_count; ++m) {
             if (!paths[m]) continue;
+            const std::int32_t *line = paths[m] + begin;
             std::int32_t any = 0;
-            for (int i = 0; i < lanes; ++i) any |= paths[m][x + i];
+            for (int i = 0; i < columns; ++i) any |= line[i];
             if (any == 0) continue;
-            float path[lanes];
-            for (int i = 0; i < lanes; ++i) path[i] = static_cast<float>(paths[m][x + i]);
-            for (int k = 0; k < beam_energy_count; ++k)
-                for (int i = 0; i < lanes; ++i) exponent[k][i] += beam.log2_per_q10mm[m][k] * path[i];
+            for (int i = 0; i < columns; ++i) path[count][i] = static_cast<float>(line[i]);
+            present[count++] = m;
         }
-        float sum[lanes] = {};
-        for (int k = 0; k < beam_energy_count; ++k)
-            for (int i = 0; i < lanes; ++i) sum[i] += beam.share[k] * exp2_negative(exponent[k][i]);
-        std::copy_n(sum, lanes, share + x);
+        for (int i = 0; i < columns; ++i) sum[i] = 0.0f;
+        for (int k = 0; k < beam_energy_count; ++k) {
+            for (int i = 0; i < columns; ++i) exponent[i] = 0.0f;
+            for (int j = 0; j < count; ++j) {
+                const float per_length = beam.log2_per_q10mm[present[j]][k];
+                add_scaled(path[j], per_length, columns, exponent);
+            }
+            const float weight = beam.share[k];
+            for (int i = 0; i < columns; ++i) sum[i] += weight * exp2_negative(exponent[i]);
+        }
+        for (int i = 0; i < columns; ++i) share[begin + i] = sum[i];
     }
 }
 
@@ -101,8 +120,8 @@ std::uint32_t count_photons(float expected, std::uint32_t key, std::uint32_t pix
     return static_cast<std::uint32_t>(count_many(expected, bell(key, pixel)) + 0.5f);
 }
 
-void count_row(const float *expected, int size, std::uint32_t key, std::uint32_t first_pixel,
-               std::uint32_t *photons)
+SELD_WIDE void count_row(const float *expected, int size, std::uint32_t key, std::uint32_t first_pixel,
+                         std::uint32_t *photons)
 {
     for (int x = 0; x < size; x += lanes) {
         float counts[lanes];

@@ -1,6 +1,7 @@
 // Row by row on all threads: each row needs its neighbours' photons only.
 #include "host/xray/readout.hpp"
 #include "host/xray/lag.hpp"
+#include "host/xray/lanes.hpp"
 #include "host/xray/parallel.hpp"
 #include <algorithm>
 #include <cmath>
@@ -30,7 +31,7 @@ Curve make_curve(const XrayChain &chain, const XrayDisplay &display, const XrayP
     return curve;
 }
 
-void quantise_row(const float *signal, int size, float gain, std::uint16_t *raw)
+SELD_WIDE void quantise_row(const float *signal, int size, float gain, std::uint16_t *raw)
 {
     for (int x = 0; x < size; ++x) {
         const float value = signal[x] * gain + 0.5f;
@@ -41,8 +42,8 @@ void quantise_row(const float *signal, int size, float gain, std::uint16_t *raw)
 }
 
 // Log image, slow changes held down, then an S-curve: few photons (bone, metal) are dark. Then window and level.
-void display_row(const Curve &curve, const std::uint16_t *raw, const float *slow, int size,
-                 std::uint16_t *shown, std::uint8_t *grey)
+SELD_WIDE void display_row(const Curve &curve, const std::uint16_t *raw, const float *slow, int size,
+                           std::uint16_t *shown, std::uint8_t *grey)
 {
     for (int x = 0; x < size; ++x) {
         const float signal = static_cast<float>(static_cast<std::int32_t>(raw[x])) + 0.5f;
