@@ -9,10 +9,11 @@ namespace seld
 {
 
 struct WireNode {
-    Eigen::Vector3d position_m; // patient frame: +x left, +y head, +z anterior
-    double arc_m = 0.0;         // rest arc length from the leading tip
-    double radius_m = 0.0;      // outer radius of the outermost tool there
-    double depth_m = 0.0;       // contact depth, > 0 in contact (0 when unknown)
+    Eigen::Vector3d position_m;      // patient frame: +x left, +y head, +z anterior
+    double arc_m = 0.0;              // rest arc length from the leading tip
+    double radius_m = 0.0;           // outer radius of the outermost tool there
+    double depth_m = 0.0;            // contact depth, > 0 in contact (0 when unknown)
+    double contrast_mg_per_ml = 0.0; // iodine in the blood around
 };
 
 struct WireFrame {

@@ -211,10 +211,9 @@ float behind_tools(const XrayChain &chain, std::size_t touched)
 
 } // namespace
 
-void see_paths(XrayChain &chain, const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
-               const WireFrame &wire)
+void see_paths(XrayChain &chain, const XraySettings &settings, const XrayFrame &frame)
 {
-    const bool are_new = chain.paths.see(settings.carm, settings.size, tools, wire);
+    const bool are_new = chain.paths.see(settings.carm, settings.size, frame);
     const SignalKey field = key_of(settings, {});
     const bool is_field_new = chain.size != settings.size ||
                               chain.key.circular_field != field.circular_field ||

@@ -65,8 +65,7 @@ struct XrayChain {
 inline constexpr double measuring_field_share = 0.65;
 
 // Draws the paths. Everything kept is given up when they or the field have changed.
-void see_paths(XrayChain &chain, const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
-               const WireFrame &wire);
+void see_paths(XrayChain &chain, const XraySettings &settings, const XrayFrame &frame);
 
 // The technique on which automatic exposure comes to rest in this view, whatever was before.
 ExposureChoice settle_exposure(XrayChain &chain, const XraySettings &settings, const ExposureDemand &demand);

@@ -71,6 +71,7 @@ void append_body(BodyMeshes &meshes, const Body &body, int own, int parent)
     const int channel = channel_of(meshes, {own, parent});
     const int index = static_cast<int>(meshes.channel_of_body.size());
     meshes.channel_of_body.push_back(channel);
+    meshes.vertex_counts.push_back(body.vertices_um.size());
     if (body.triangles.empty()) return;
     const std::vector<std::uint32_t> order = triangle_order(body);
     for (std::size_t begin = 0; begin < order.size(); begin += mesh_chunk_triangles) {
@@ -109,6 +110,17 @@ void move_body(BodyMeshes &meshes, int body, std::span<const Eigen::Vector3i> ve
             meshes.vertices_um[i] = vertices_um[meshes.body_vertex[i]].cast<float>();
         set_sphere(meshes, chunk);
     }
+}
+
+std::vector<Eigen::Vector3i> body_vertices_um(const BodyMeshes &meshes, int body)
+{
+    std::vector<Eigen::Vector3i> vertices(meshes.vertex_counts[body], Eigen::Vector3i::Zero());
+    for (const MeshChunk &chunk : meshes.chunks) {
+        if (chunk.body != body) continue;
+        for (std::uint32_t i = chunk.vertex_begin; i < chunk.vertex_begin + chunk.vertex_count; ++i)
+            vertices[meshes.body_vertex[i]] = meshes.vertices_um[i].cast<int>();
+    }
+    return vertices;
 }
 
 } // namespace seld

@@ -29,6 +29,7 @@ struct MeshChunk {
 struct BodyMeshes {
     std::vector<MeshChannel> channels;
     std::vector<int> channel_of_body;
+    std::vector<std::size_t> vertex_counts;   // of each body
     std::vector<MeshChunk> chunks;            // body after body
     std::vector<Eigen::Vector3f> vertices_um; // whole micrometres: exact in float; chunk after chunk
     std::vector<std::uint32_t> body_vertex;   // of each: its index in its Body::vertices_um
@@ -43,5 +44,8 @@ void append_body(BodyMeshes &meshes, const Body &body, int own, int parent);
 
 // Gives a body other vertices (as many as it had); its triangles stay.
 void move_body(BodyMeshes &meshes, int body, std::span<const Eigen::Vector3i> vertices_um);
+
+// The body's vertices as they are, in the order of Body::vertices_um; those that no triangle uses are 0.
+std::vector<Eigen::Vector3i> body_vertices_um(const BodyMeshes &meshes, int body);
 
 } // namespace seld

@@ -1,16 +1,14 @@
-// Tools as swept round tubes on one centreline: chord lengths along the rays, exact for cylinders cut at their joints'
-// bisecting planes, so that neighbouring pieces neither overlap nor leave a gap. 3x3 rays per pixel.
+// Tools on the wire and curves as swept round tubes: chord lengths along the rays, exact for cylinders cut at their joints'
+// bisecting planes, so that neighbouring pieces neither overlap nor leave a gap.
 #pragma once
-#include "host/model/wire_frame.hpp"
+#include "host/xray/moved.hpp"
 #include "host/xray/paths.hpp"
-#include "host/xray/xray.hpp"
-#include <span>
 
 namespace seld
 {
 
-// Replaces `paths` by those of the tools in this view. What they are made of displaces blood.
-void draw_tools(std::span<const RadiopaqueInstrument> tools, const WireFrame &wire, const View &view,
-                ToolPaths &paths);
+// Replaces `paths` by those of the frame's tools and curves in this view. They take the place of `displaced` (blood, or the
+// tissue where no blood is drawn), with the iodine that the wire's nodes say is in it.
+void draw_tubes(const XrayFrame &frame, const View &view, Material displaced, ToolPaths &paths);
 
 } // namespace seld

@@ -163,21 +163,21 @@ Xray::~Xray() = default;
 void Xray::render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
                   const WireFrame &wire, std::uint64_t seed, XrayPicture &picture)
 {
-    make_picture(settings, tools, wire, seed, nullptr, picture);
+    render(settings, XrayFrame{tools, wire}, seed, nullptr, picture);
 }
 
 void Xray::render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
                   const WireFrame &wire, std::uint64_t seed, XrayMemory &memory, XrayPicture &picture)
 {
-    make_picture(settings, tools, wire, seed, &memory, picture);
+    render(settings, XrayFrame{tools, wire}, seed, &memory, picture);
 }
 
-void Xray::make_picture(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
-                        const WireFrame &wire, std::uint64_t seed, XrayMemory *memory, XrayPicture &picture)
+void Xray::render(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed,
+                  XrayMemory *memory, XrayPicture &picture)
 {
     const XraySettings held = held_settings(settings);
     XrayChain &chain = *chain_;
-    see_paths(chain, held, tools, wire);
+    see_paths(chain, held, frame);
     const ExposureDemand demand = demand_of(held);
     ExposureChoice choice;
     if (held.beam.fixed_technique)
@@ -188,19 +188,19 @@ void Xray::make_picture(const XraySettings &settings, std::span<const Radiopaque
         choice = settle_exposure(chain, held, demand);
     see_signal(chain, held, choice.technique);
     picture.size = held.size;
-    picture.tick = wire.tick;
+    picture.tick = frame.wire.tick;
     expose(chain, held, choice, picture);
     attenuate_tools(chain);
     swap_tools(chain);
     picture.photons.resize(static_cast<std::size_t>(held.size) * held.size);
     count_all(chain, held, seed, picture);
     swap_tools(chain);
-    if (memory) prepare_lag(held, wire.tick, *memory);
+    if (memory) prepare_lag(held, frame.wire.tick, *memory);
     read_out(chain, held.display, memory, picture);
     if (!memory) return;
     if (!held.beam.fixed_technique)
         chain.exposure.follow(choice.technique, exp2_double(chain.log_mean), memory->exposure);
-    memory->tick = wire.tick;
+    memory->tick = frame.wire.tick;
     memory->is_used = true;
 }
 

@@ -11,10 +11,9 @@
 // while the C-arm stands still. May include: host/model. Called by: host/app, tests. See docs/xray.md.
 #pragma once
 #include "host/model/bodies.hpp"
-#include "host/model/wire_frame.hpp"
 #include "host/xray/carm.hpp"
 #include "host/xray/exposure.hpp"
-#include "host/xray/materials.hpp"
+#include "host/xray/moved.hpp"
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -25,30 +24,6 @@
 
 namespace seld
 {
-
-// One stretch of a tool by arc length from its own tip. A coil is a tube that metal fills partly.
-struct RadiopaqueSection {
-    double arc_begin_m = 0.0;
-    double arc_end_m = 3.0;
-    Material material = Material::steel;
-    double fill = 0.75;        // share of the cross-section filled by the material, 0 .. 1
-    double radius_share = 1.0; // of the tool's outer radius
-};
-
-// Radii at an arc length from the tool's own tip, linear in between; two at the same place make a step.
-struct RadiopaqueRadius {
-    double arc_m = 0.0;
-    double outer_m = 0.0;
-    double inner_m = 0.0; // of the lumen, where nothing is drawn; 0: solid
-};
-
-struct RadiopaqueInstrument {
-    std::vector<RadiopaqueSection> sections; // may overlap: a core wire inside a coil
-    std::vector<RadiopaqueRadius> radii;     // empty: the nodes' radius, solid
-};
-
-// Steel core and coil, with the last `tip_m` of the coil in platinum: the look of a working guidewire.
-RadiopaqueInstrument guidewire_look(double tip_m = 0.03);
 
 struct XrayBeam {
     ExposureMode mode = ExposureMode::fluoro;
@@ -156,16 +131,17 @@ class Xray
     void render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
                 const WireFrame &wire, std::uint64_t seed, XrayMemory &memory, XrayPicture &picture);
 
+    // The same with all that can move: struts, contrast medium, beating bodies. `memory` may be null.
+    void render(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayMemory *memory,
+                XrayPicture &picture);
+
     // Path lengths of the last render in 1/1024 mm, size*size each: bodies (nested ones taken out of their
-    // parents) and instrument. Empty when the material is absent.
+    // parents), and tools with curves, below 0 where they displace. Empty when the material is absent.
     std::vector<std::int32_t> body_path_q10mm(Material material) const;
     std::vector<std::int32_t> instrument_path_q10mm(Material material) const;
     bool last_render_used_cache() const;
 
   private:
-    void make_picture(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
-                      const WireFrame &wire, std::uint64_t seed, XrayMemory *memory, XrayPicture &picture);
-
     std::unique_ptr<XrayChain> chain_;
 };
 
