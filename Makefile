@@ -49,7 +49,7 @@ HOST_LINK     := -lpng -lglfw -lusb-1.0 -ldl -ldcmdata -lofstd
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: dissector all run window test validate bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig install-udev
+.PHONY: dissector all run window test validate bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig install-udev bench-xray-peers
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -294,6 +294,16 @@ $(eval $(call bench_rule,firmware/bench/peer_rod.c))
 bench-peers: packages-build packages-peers ## the same rod by other simulators (fetched into build/peers) and by ours: out/bench_peers.tsv
 	@$(QUIET_MAKE) $(PEER_ROD)
 	@tools/bench/run_peers.py --environment $(BUILD)/peers --ours $(PEER_ROD)
+
+PEER_XRAY := $(BUILD)/bench/peer_xray
+$(PEER_XRAY): $(call objects,host/bench/peer_xray.cpp) $(foreach lib,$(HOST_LIBS),$(call lib_file,$(lib)))
+	@mkdir -p $(@D)
+	$(Q) $(CXX) $^ -o $@ $(LDFLAGS) $(HOST_LINK)
+
+bench-xray-peers: packages-build packages-xraypeers ## our transmission pictures and gVirtualXray's (fetched into build/xray_peers): out/bench_xray_peers.tsv
+	@$(QUIET_MAKE) $(PEER_XRAY)
+	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE:.scene=.bodies)
+	@tools/bench/run_xray_peers.py --environment $(BUILD)/xray_peers --ours $(PEER_XRAY) --bodies $(SCENE:.scene=.bodies)
 
 bench: packages-build packages-run packages-bench packages-matrix ## measure; writes out/bench.tsv and prints it (CASES=text: only names with it)
 	@$(QUIET_MAKE) $(PROGRAMS) $(foreach b,$(BENCHES) $(HOST_BENCHES),$(call bench_program,$(b))) $(M7_IMAGE) $(BUDGET_MAKE)
