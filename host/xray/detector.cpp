@@ -69,8 +69,7 @@ float transmission(const BeamTable &beam, const std::array<float, material_count
 }
 
 // A loop of its own: among others, compilers do not turn it into vectors.
-__attribute__((noinline)) SELD_WIDE static void add_scaled(const float *from, float factor, int count,
-                                                           float *to)
+SELD_WIDE static void add_scaled(const float *from, float factor, int count, float *to)
 {
     for (int i = 0; i < count; ++i) to[i] += factor * from[i];
 }

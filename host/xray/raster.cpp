@@ -80,7 +80,7 @@ SELD_WIDE void keep_triangles(const std::array<std::uint16_t, 3> *triangles, std
             const std::int32_t high = std::max(std::max(as[axis], bs[axis]), cs[axis]);
             from[axis] = std::max((low + half - 1) >> subpixel_bits, first[axis]);
             to[axis] = std::min((high - half) >> subpixel_bits, last[axis]);
-            is_large |= high - low > tile_size * subpixels; // products of differences then pass 2^30
+            is_large |= high - low > 64 * subpixels; // products of differences then pass 2^30
         }
         if (from[0] > to[0] || from[1] > to[1]) continue;
         kept[kept_count++] = {static_cast<std::int16_t>(from[0]), static_cast<std::int16_t>(from[1]),

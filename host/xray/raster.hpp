@@ -43,7 +43,7 @@ inline std::int32_t snap(float pixels)
 struct KeptTriangle {
     std::int16_t x0, y0, x1, y1;
     std::uint16_t index;    // in the chunk
-    std::uint16_t is_large; // more than a tile wide or high: products of differences may pass 2^31
+    std::uint16_t is_large; // more than 64 pixels wide or high: products of differences may pass 2^31
 };
 
 // The corners are stored by coordinate, each chunk's on its own and filled up to whole lanes.
@@ -73,9 +73,9 @@ void project_chunk(const BodyMeshes &meshes, const RasterVertices &vertices, std
                    const Camera &camera, const PixelRect &rect, Projection &projection);
 
 // A tile's sums, one picture per channel; the columns beyond its width take what lanes spill.
-inline constexpr int tile_size = 64;
-inline constexpr int tile_stride = tile_size + 8;
-inline constexpr int tile_ints = tile_size * tile_stride;
+inline constexpr int tile_columns = 128, tile_rows = 64;
+inline constexpr int tile_stride = tile_columns + 8;
+inline constexpr int tile_ints = tile_rows * tile_stride;
 
 // Adds the part of the chunk that lies in `tile` to `sums`, whose first entry is pixel (tile.x0, tile.y0).
 void raster_tile(const BodyMeshes &meshes, const RasterVertices &vertices, std::size_t index,

@@ -24,6 +24,21 @@ SELD_WIDE void oblique_row(const View &view, int row, int begin, int end, float 
     }
 }
 
+// A channel's row, added to a material or taken from it.
+struct SignedRow {
+    const std::int32_t *line;
+    std::int32_t sign; // 0: added, -1: taken
+};
+
+SELD_WIDE void add_rows(std::span<const SignedRow> rows, int count, std::int32_t *to)
+{
+    for (int x = 0; x < count; ++x) to[x] = (rows[0].line[x] ^ rows[0].sign) - rows[0].sign;
+    for (const SignedRow &row : rows.subspan(1)) {
+        const std::int32_t *line = row.line, sign = row.sign;
+        for (int x = 0; x < count; ++x) to[x] += (line[x] ^ sign) - sign;
+    }
+}
+
 SELD_WIDE void lengthen_row(const std::int32_t *from, const float *oblique, int count, std::int32_t *to)
 {
     for (int x = 0; x < count; ++x) {
@@ -32,18 +47,13 @@ SELD_WIDE void lengthen_row(const std::int32_t *from, const float *oblique, int 
     }
 }
 
-SELD_WIDE void add_row(const std::int32_t *from, int count, std::int32_t sign, std::int32_t *to)
-{
-    for (int x = 0; x < count; ++x) to[x] += (from[x] ^ sign) - sign;
-}
-
 } // namespace
 
 void finish_row(const View &view, int row, int begin, int end, std::int32_t *line)
 {
-    float oblique[tile_size];
-    for (int x = begin; x < end; x += tile_size) {
-        const int count = std::min(tile_size, end - x);
+    float oblique[tile_columns];
+    for (int x = begin; x < end; x += tile_columns) {
+        const int count = std::min(tile_columns, end - x);
         oblique_row(view, row, x, x + count, oblique);
         lengthen_row(line + x, oblique, count, line + x);
     }
@@ -101,33 +111,44 @@ void RasterPaths::sum_tile(const Camera &camera, const PixelRect &rect, Tile &ti
     }
 }
 
-// Adds each channel to its material and takes it from its parent's.
-void RasterPaths::resolve_tile(const View &view, const PixelRect &rect, const Tile &tile, PathForm form,
-                               PathPictures &pictures) const
+// One material's part of the tile: each channel of its own added, those of its children taken.
+void RasterPaths::resolve_material(const View &view, const PixelRect &rect, const Tile &tile, int material,
+                                   PathForm form, PathPictures &pictures) const
 {
     const int columns = rect.x1 - rect.x0;
-    float oblique[tile_size];
-    for (int row = rect.y0; row < rect.y1; ++row) {
-        const std::size_t begin = static_cast<std::size_t>(row) * view.size + rect.x0;
-        if (form == PathForm::ray_lengths) oblique_row(view, row, rect.x0, rect.x1, oblique);
-        for (int material : materials_) {
-            std::int32_t sum[tile_size] = {};
-            bool has_any = false;
-            for (std::size_t i = 0; i < meshes_->channels.size(); ++i) {
-                const MeshChannel &channel = meshes_->channels[i];
-                if (!tile.has_channel[i] || channel.own == channel.parent) continue;
-                if (channel.own != material && channel.parent != material) continue;
-                const std::int32_t *line = tile.sums.data() + i * tile_ints + (row - rect.y0) * tile_stride;
-                add_row(line, columns, channel.own == material ? 0 : -1, sum);
-                has_any = true;
-            }
-            std::int32_t *to = pictures[material].data() + begin;
-            if (form == PathForm::ray_lengths && has_any)
-                lengthen_row(sum, oblique, columns, to);
-            else
-                std::copy_n(sum, columns, to);
-        }
+    std::vector<SignedRow> rows;
+    for (std::size_t i = 0; i < meshes_->channels.size(); ++i) {
+        const MeshChannel &channel = meshes_->channels[i];
+        if (!tile.has_channel[i] || channel.own == channel.parent) continue;
+        const std::int32_t *sums = tile.sums.data() + i * tile_ints;
+        if (channel.own == material) rows.push_back({sums, 0});
+        if (channel.parent == material) rows.push_back({sums, -1});
     }
+    const bool is_one = rows.size() == 1 && rows[0].sign == 0;
+    std::int32_t sum[tile_columns];
+    for (int row = rect.y0; row < rect.y1; ++row) {
+        std::int32_t *to = pictures[material].data() + static_cast<std::size_t>(row) * view.size + rect.x0;
+        if (rows.empty()) {
+            std::fill_n(to, columns, 0);
+            continue;
+        }
+        const bool is_done = form == PathForm::axis_sums;
+        if (!is_one || is_done) add_rows(rows, columns, is_done ? to : sum);
+        if (!is_done)
+            lengthen_row(is_one ? rows[0].line : sum, tile.oblique.data() + (row - rect.y0) * tile_columns,
+                         columns, to);
+        for (SignedRow &of : rows) of.line += tile_stride;
+    }
+}
+
+void RasterPaths::resolve_tile(const View &view, const PixelRect &rect, Tile &tile, PathForm form,
+                               PathPictures &pictures) const
+{
+    tile.oblique.resize(tile_rows * tile_columns);
+    if (form == PathForm::ray_lengths)
+        for (int row = rect.y0; row < rect.y1; ++row)
+            oblique_row(view, row, rect.x0, rect.x1, tile.oblique.data() + (row - rect.y0) * tile_columns);
+    for (int material : materials_) resolve_material(view, rect, tile, material, form, pictures);
 }
 
 bool RasterPaths::draw(const View &view, std::span<const std::uint8_t> is_drawn, const PixelRect &rect,
@@ -136,13 +157,14 @@ bool RasterPaths::draw(const View &view, std::span<const std::uint8_t> is_drawn,
     if (rect.is_empty()) return true;
     const Camera camera = make_camera(view);
     project(camera, is_drawn, rect);
-    const int across = (rect.x1 - rect.x0 + tile_size - 1) / tile_size;
-    const int down = (rect.y1 - rect.y0 + tile_size - 1) / tile_size;
+    const int across = (rect.x1 - rect.x0 + tile_columns - 1) / tile_columns;
+    const int down = (rect.y1 - rect.y0 + tile_rows - 1) / tile_rows;
     std::atomic<int> next = 0;
     run_on_threads(threads_, [&](int thread) {
         for (int i = next++; i < across * down; i = next++) {
-            const int x = rect.x0 + i % across * tile_size, y = rect.y0 + i / across * tile_size;
-            const PixelRect tile = {x, y, std::min(x + tile_size, rect.x1), std::min(y + tile_size, rect.y1)};
+            const int x = rect.x0 + i % across * tile_columns, y = rect.y0 + i / across * tile_rows;
+            const PixelRect tile = {x, y, std::min(x + tile_columns, rect.x1),
+                                    std::min(y + tile_rows, rect.y1)};
             sum_tile(camera, tile, tiles_[thread]);
             resolve_tile(view, tile, tiles_[thread], form, pictures);
         }

@@ -20,11 +20,14 @@ class RasterPaths : public BodyPaths
     struct Tile {
         std::vector<std::int32_t> sums; // [channel][tile_ints]
         std::vector<std::uint8_t> has_channel;
+        std::vector<float> oblique; // of each pixel: ray's length over depth
     };
     void project(const Camera &camera, std::span<const std::uint8_t> is_drawn, const PixelRect &rect);
     void sum_tile(const Camera &camera, const PixelRect &rect, Tile &tile) const;
-    void resolve_tile(const View &view, const PixelRect &rect, const Tile &tile, PathForm form,
+    void resolve_tile(const View &view, const PixelRect &rect, Tile &tile, PathForm form,
                       PathPictures &pictures) const;
+    void resolve_material(const View &view, const PixelRect &rect, const Tile &tile, int material,
+                          PathForm form, PathPictures &pictures) const;
 
     const BodyMeshes *meshes_;
     std::unique_ptr<BodyMeshes> moved_; // own copy, from the first move on

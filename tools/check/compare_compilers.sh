@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The whole program computes the same bits whatever compiles it: `seldinger replay RECORDING --verify` prints the same final
-# hash when built by gcc -O0, gcc -O3 and clang -O2, and at any speed. Called by `make compilers`; takes minutes, since it
-# builds three programs (build/compilers/NAME) and plays the recording in real time.
+# hash when built by gcc -O0, gcc -O3 and clang -O2, and at any speed; and the X-ray picture of host/tests/test_xray.cpp has one
+# hash, by 1, 2, 3 and 7 threads. Called by `make compilers`; takes minutes, since it builds three programs
+# (build/compilers/NAME) and plays the recording in real time.
 # usage: compare_compilers.sh [RECORDING]     default: out/demo.rec, as `make run` leaves it
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
@@ -17,6 +18,7 @@ if [ ! -f "$recording" ]; then
 fi
 
 hashes=()
+pictures=()
 replay() { # replay TITLE PROGRAM OPTIONS...
     local title="$1" program="$2" output hash
     shift 2
@@ -33,16 +35,29 @@ replay() { # replay TITLE PROGRAM OPTIONS...
     hashes+=("$hash")
 }
 
+picture() { # picture TITLE PROGRAM
+    local output hash
+    output="$("$2" 2>&1)"
+    hash="$(sed -n 's/^# hash //p' <<<"$output")"
+    if [ -z "$hash" ]; then
+        printf '%-24s FAILED: no hash of a picture in: %s\n' "$1" "$output"
+        exit 1
+    fi
+    printf '%-24s %s\n' "$1 picture" "$hash"
+    pictures+=("$hash")
+}
+
 variant() { # variant NAME CC CXX LEVEL
     local build="build/compilers/$1"
     echo "building $1 ..."
     if ! make --no-print-directory -s -j"$jobs" PACKAGES=skip BUILD="$build" CC="$2" CXX="$3" OPT="$4" CORE_OPT="$4" \
-        "$build/bin/seldinger" >"build/compilers-$1.log" 2>&1; then
+        "$build/bin/seldinger" "$build/test/host/tests/test_xray" >"build/compilers-$1.log" 2>&1; then
         tail -n 20 "build/compilers-$1.log" >&2
         echo "compare_compilers: $1 does not build; the whole log is build/compilers-$1.log" >&2
         exit 1
     fi
     replay "$1" "$build/bin/seldinger"
+    picture "$1" "$build/test/host/tests/test_xray"
 }
 
 mkdir -p build
@@ -53,10 +68,16 @@ for speed in slow paused 1; do
     replay "gcc-O3 --speed $speed" build/compilers/gcc-O3/bin/seldinger --speed "$speed"
 done
 
+for hash in "${pictures[@]}"; do
+    if [ "$hash" != "${pictures[0]}" ]; then
+        echo "the hashes of the picture differ" >&2
+        exit 1
+    fi
+done
 for hash in "${hashes[@]}"; do
     if [ "$hash" != "${hashes[0]}" ]; then
         echo "the hashes differ" >&2
         exit 1
     fi
 done
-echo "all ${#hashes[@]} hashes agree"
+echo "all ${#hashes[@]} hashes agree, and ${#pictures[@]} of the picture"
