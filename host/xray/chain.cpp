@@ -39,7 +39,7 @@ void scatter(XrayChain &chain, bool is_on)
         chain.scatter_cells.assign(cells * cells, 0.0f);
         return;
     }
-    chain.scatter_cells = scatter_part(coarse_sums(chain.transmission, chain.size, chain.open),
+    chain.scatter_cells = scatter_part(coarse_sums(chain.transmission, chain.size, chain.open, chain.threads),
                                        chain.size / coarse_cell, pixel_mm(chain) * coarse_cell);
     for (float &value : chain.scatter_cells) value *= grid_scatter_to_primary;
 }
@@ -53,7 +53,26 @@ SELD_WIDE void add_row(int size, float *primary, float *signal, float *logarithm
     }
 }
 
-void blur_and_add(XrayChain &chain)
+// Columns of a row that automatic exposure looks at: open, and in the round measuring field.
+OpenColumns measured_columns(const XrayChain &chain, int row)
+{
+    const double half = 0.5 * chain.size, reach = half * measuring_field_share, y = row + 0.5 - half;
+    const double square = reach * reach - y * y;
+    if (square < 0.0) return {};
+    const double width = std::sqrt(square);
+    return {std::max(static_cast<int>(std::ceil(half - width - 0.5)), chain.open[row].begin),
+            std::min(static_cast<int>(std::floor(half + width - 0.5)) + 1, chain.open[row].end)};
+}
+
+// Logarithms are added in 1/65536, so that their sum is exact in any order.
+SELD_WIDE std::int64_t sum_of_logarithms(const float *logarithm, int count)
+{
+    std::int64_t sum = 0;
+    for (int x = 0; x < count; ++x) sum += static_cast<std::int32_t>(logarithm[x] * 65536.0f);
+    return sum;
+}
+
+void blur_add_and_measure(XrayChain &chain)
 {
     const View &view = chain.paths.view();
     const BlurKernel kernel = kernel_before_photons({pixel_mm(chain), chain.key.technique.focal_spot_mm,
@@ -62,6 +81,8 @@ void blur_and_add(XrayChain &chain)
     chain.primary.resize(pixels);
     chain.signal.resize(pixels);
     chain.log_signal.resize(pixels);
+    std::vector<std::int64_t> sums(chain.size, 0);
+    std::vector<std::int64_t> counts(chain.size, 0);
     run_on_threads(chain.threads, [&](int thread) {
         std::vector<float> scratch(chain.size + 2 * blur_radius_max);
         const RowRange rows = rows_of_thread(thread, chain.threads, chain.size);
@@ -72,69 +93,44 @@ void blur_and_add(XrayChain &chain)
             blur_row(chain.transmission.data(), chain.size, row, kernel, scratch.data(), primary);
             slow_row(chain.scatter_cells, chain.size, row, signal);
             add_row(chain.size, primary, signal, logarithm);
+            const OpenColumns measured = measured_columns(chain, row);
+            if (measured.begin >= measured.end) continue;
+            counts[row] = measured.end - measured.begin;
+            sums[row] = sum_of_logarithms(logarithm + measured.begin, measured.end - measured.begin);
         }
     });
-    chain.log_slow = slow_part(chain.log_signal, chain.size, chain.open);
-}
-
-bool is_measured(double x, double y, double half)
-{
-    const double reach = half * measuring_field_share;
-    return (x - half) * (x - half) + (y - half) * (y - half) <= reach * reach;
-}
-
-// Mean of logarithms in 1/65536, so that the sum is exact in any order.
-class LogMean
-{
-  public:
-    void add(float log2_signal)
-    {
-        sum_ += static_cast<std::int64_t>(log2_signal * 65536.0f);
-        ++count_;
+    std::int64_t sum = 0, count = 0;
+    for (int row = 0; row < chain.size; ++row) {
+        sum += sums[row];
+        count += counts[row];
     }
-    double value() const
-    {
-        return count_ > 0 ? static_cast<double>(sum_) / static_cast<double>(count_) / 65536.0 : 0.0;
-    }
-
-  private:
-    std::int64_t sum_ = 0, count_ = 0;
-};
-
-void measure_exposure(XrayChain &chain)
-{
-    const double half = 0.5 * chain.size;
-    LogMean mean;
-    for (int row = 0; row < chain.size; ++row)
-        for (int x = chain.open[row].begin; x < chain.open[row].end; ++x)
-            if (is_measured(x + 0.5, row + 0.5, half))
-                mean.add(chain.log_signal[static_cast<std::size_t>(row) * chain.size + x]);
-    chain.log_mean = mean.value();
+    chain.log_mean = count > 0 ? static_cast<double>(sum) / static_cast<double>(count) / 65536.0 : 0.0;
+    chain.log_slow = slow_part(chain.log_signal, chain.size, chain.open, chain.threads);
 }
 
-// Transmission of one pixel of each cell of the coarse grid, where it is open.
-CoarseSums sample_cells(const XrayChain &chain, const BeamTable &beam)
+// Transmission of the pixel in the middle of each of cells x cells squares, where it is open.
+CoarseSums sample_cells(const XrayChain &chain, const BeamTable &beam, int cells)
 {
-    const int cells = chain.size / coarse_cell, padded = (cells + 15) / 16 * 16;
+    const int cell = chain.size / cells, padded = (cells + 15) / 16 * 16;
     CoarseSums samples;
     samples.sum.assign(static_cast<std::size_t>(cells) * cells, 0.0f);
     samples.count.assign(samples.sum.size(), 0.0f);
     std::vector<std::int32_t> gathered(static_cast<std::size_t>(padded) * material_count);
     std::vector<float> share(padded);
     for (int cy = 0; cy < cells; ++cy) {
-        const int row = cy * coarse_cell + coarse_cell / 2;
+        const int row = cy * cell + cell / 2;
         std::array<const std::int32_t *, material_count> paths{};
         for (int m = 0; m < material_count; ++m) {
             if (chain.paths.bodies()[m].empty()) continue;
+            const std::int32_t *from =
+                chain.paths.bodies()[m].data() + static_cast<std::size_t>(row) * chain.size + cell / 2;
             std::int32_t *line = gathered.data() + static_cast<std::size_t>(m) * padded;
-            for (int cx = 0; cx < cells; ++cx)
-                line[cx] = chain.paths.bodies()[m][static_cast<std::size_t>(row) * chain.size +
-                                                   cx * coarse_cell + coarse_cell / 2];
+            for (int cx = 0; cx < cells; ++cx) line[cx] = from[cx * cell];
             paths[m] = line;
         }
         transmission_row(beam, paths, padded, share.data());
         for (int cx = 0; cx < cells; ++cx) {
-            const int x = cx * coarse_cell + coarse_cell / 2;
+            const int x = cx * cell + cell / 2;
             if (x < chain.open[row].begin || x >= chain.open[row].end) continue;
             samples.sum[cy * cells + cx] = share[cx] * (coarse_cell * coarse_cell);
             samples.count[cy * cells + cx] = coarse_cell * coarse_cell;
@@ -143,22 +139,27 @@ CoarseSums sample_cells(const XrayChain &chain, const BeamTable &beam)
     return samples;
 }
 
-// What measure_exposure would find, from one pixel per cell: log2 of the share.
+// What blur_add_and_measure finds, from about 32 x 32 pixels: log2 of the share.
 double sampled_log_mean(const XrayChain &chain, const BeamTable &beam, bool with_scatter)
 {
-    const int cells = chain.size / coarse_cell;
-    const CoarseSums samples = sample_cells(chain, beam);
+    int cell = coarse_cell;
+    while (chain.size % (2 * cell) == 0 && chain.size / (2 * cell) >= 32) cell *= 2;
+    const int cells = chain.size / cell;
+    const CoarseSums samples = sample_cells(chain, beam, cells);
     std::vector<float> scattered(samples.sum.size(), 0.0f);
-    if (with_scatter) scattered = scatter_part(samples, cells, pixel_mm(chain) * coarse_cell);
-    LogMean mean;
-    for (int cy = 0; cy < cells; ++cy)
+    if (with_scatter) scattered = scatter_part(samples, cells, pixel_mm(chain) * cell);
+    double sum = 0.0, count = 0.0;
+    for (int cy = 0; cy < cells; ++cy) {
+        const OpenColumns measured = measured_columns(chain, cy * cell + cell / 2);
         for (int cx = 0; cx < cells; ++cx) {
-            const int i = cy * cells + cx;
-            if (!(samples.count[i] > 0.0f) || !is_measured(cx + 0.5, cy + 0.5, 0.5 * cells)) continue;
-            mean.add(log2_positive(samples.sum[i] * (1.0f / (coarse_cell * coarse_cell)) +
-                                   grid_scatter_to_primary * scattered[i] + 1e-9f));
+            const int x = cx * cell + cell / 2, i = cy * cells + cx;
+            if (x < measured.begin || x >= measured.end) continue;
+            sum += static_cast<double>(log2_positive(samples.sum[i] * (1.0f / (coarse_cell * coarse_cell)) +
+                                                     grid_scatter_to_primary * scattered[i] + 1e-9f));
+            count += 1.0;
         }
-    return mean.value();
+    }
+    return count > 0.0 ? sum / count : 0.0;
 }
 
 SignalKey key_of(const XraySettings &settings, const XrayTechnique &technique)
@@ -173,39 +174,63 @@ SignalKey key_of(const XraySettings &settings, const XrayTechnique &technique)
     return key;
 }
 
+using Exponents = std::array<float, beam_energy_count>;
+
+// -log2 of what the bodies let through.
+Exponents behind_bodies(const XrayChain &chain, std::int32_t pixel)
+{
+    Exponents exponent{};
+    for (int m = 0; m < material_count; ++m) {
+        if (chain.paths.bodies()[m].empty()) continue;
+        const auto path = static_cast<float>(chain.paths.bodies()[m][pixel]);
+        for (int k = 0; k < beam_energy_count; ++k) exponent[k] += chain.beam.log2_per_q10mm[m][k] * path;
+    }
+    return exponent;
+}
+
+float transmitted(const BeamTable &beam, const Exponents &exponent)
+{
+    float sum = 0.0f;
+    for (int k = 0; k < beam_energy_count; ++k)
+        sum += beam.share[k] * exp2_negative(exponent[k] > 0.0f ? exponent[k] : 0.0f);
+    return sum;
+}
+
+// Rays whose exponents differ by less count as one: the mean of the powers and the power of the mean differ by 1e-4 of it.
+constexpr float ray_spread_max = 0.1f;
+
 // Several rays through each pixel: what they let through is averaged, since a mean of lengths would let thin metal through
-// too little.
+// too little. Inside a wide column of contrast they are nearly the same, and their mean will do.
 float behind_tools(const XrayChain &chain, std::size_t touched)
 {
     const ToolPaths &tools = chain.paths.tools();
     const PathPictures &bodies = chain.paths.bodies();
     const std::int32_t pixel = tools.pixels[touched];
-    float exponent[beam_energy_count][tool_rays];
-    for (int k = 0; k < beam_energy_count; ++k) {
-        float body = 0.0f;
-        for (int m = 0; m < material_count; ++m)
-            if (!bodies[m].empty())
-                body += chain.beam.log2_per_q10mm[m][k] * static_cast<float>(bodies[m][pixel]);
-        for (int ray = 0; ray < tool_rays; ++ray) exponent[k][ray] = body;
-    }
+    const Exponents body = behind_bodies(chain, pixel);
+    Exponents mean = body;
+    std::array<Exponents, tool_rays> ray_exponent;
+    ray_exponent.fill(body);
+    float spread = 0.0f;
     for (std::size_t slot = 0; slot < tools.materials.size(); ++slot) {
         const int m = static_cast<int>(tools.materials[slot]);
+        const Exponents &per_length = chain.beam.log2_per_q10mm[m];
         const std::int32_t there = bodies[m].empty() ? 0 : bodies[m][pixel];
         const std::int32_t *length = tools.q10mm.data() + touched * tools.ints_per_pixel() + slot * tool_rays;
-        float added[tool_rays];
-        for (int ray = 0; ray < tool_rays; ++ray) // no more can be displaced than there is
-            added[ray] = static_cast<float>(std::max(length[ray], -there));
-        for (int k = 0; k < beam_energy_count; ++k)
-            for (int ray = 0; ray < tool_rays; ++ray)
-                exponent[k][ray] += chain.beam.log2_per_q10mm[m][k] * added[ray];
+        float low = 0.0f, high = 0.0f, sum = 0.0f;
+        for (int ray = 0; ray < tool_rays; ++ray) {
+            // No more can be displaced than there is.
+            const auto added = static_cast<float>(std::max(length[ray], -there));
+            low = ray == 0 ? added : std::min(low, added);
+            high = ray == 0 ? added : std::max(high, added);
+            sum += added;
+            for (int k = 0; k < beam_energy_count; ++k) ray_exponent[ray][k] += per_length[k] * added;
+        }
+        for (int k = 0; k < beam_energy_count; ++k) mean[k] += per_length[k] * (sum * (1.0f / tool_rays));
+        spread += (high - low) * *std::max_element(per_length.begin(), per_length.end());
     }
+    if (spread < ray_spread_max) return transmitted(chain.beam, mean);
     float sum = 0.0f;
-    for (int k = 0; k < beam_energy_count; ++k) {
-        float part = 0.0f;
-        for (int ray = 0; ray < tool_rays; ++ray)
-            part += exp2_negative(exponent[k][ray] > 0.0f ? exponent[k][ray] : 0.0f);
-        sum += chain.beam.share[k] * part;
-    }
+    for (const Exponents &exponent : ray_exponent) sum += transmitted(chain.beam, exponent);
     return sum * (1.0f / tool_rays);
 }
 
@@ -256,8 +281,7 @@ void see_signal(XrayChain &chain, const XraySettings &settings, const XrayTechni
     chain.beam = chain.exposure.table(technique.tube_voltage_kV, technique.copper_mm);
     attenuate(chain);
     scatter(chain, settings.beam.scatter);
-    blur_and_add(chain);
-    measure_exposure(chain);
+    blur_add_and_measure(chain);
     chain.is_filled = true;
 }
 

@@ -1,5 +1,6 @@
 // The coarse grid's sums, blurs and interpolation.
 #include "host/xray/coarse.hpp"
+#include "host/xray/parallel.hpp"
 #include <algorithm>
 
 namespace seld
@@ -25,32 +26,37 @@ void blur_five(std::vector<float> &grid, int cells, int dx, int dy)
 
 } // namespace
 
-CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open)
+CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open,
+                       int threads)
 {
     const int cells = size / coarse_cell;
     CoarseSums sums;
     sums.sum.assign(static_cast<std::size_t>(cells) * cells, 0.0f);
     sums.count.assign(sums.sum.size(), 0.0f);
-    for (int y = 0; y < size; ++y) {
-        const float *row = values.data() + static_cast<std::size_t>(y) * size;
-        float *sum = sums.sum.data() + static_cast<std::size_t>(y / coarse_cell) * cells;
-        float *count = sums.count.data() + static_cast<std::size_t>(y / coarse_cell) * cells;
-        for (int cx = 0; cx < cells; ++cx) {
-            const int begin = std::max(cx * coarse_cell, open[y].begin);
-            const int end = std::min((cx + 1) * coarse_cell, open[y].end);
-            float part = 0.0f;
-            for (int x = begin; x < end; ++x) part += row[x];
-            sum[cx] += part;
-            count[cx] += static_cast<float>(std::max(end - begin, 0));
+    run_on_threads(threads, [&](int thread) {
+        const RowRange range = rows_of_thread(thread, threads, cells);
+        for (int y = range.begin * coarse_cell; y < range.end * coarse_cell; ++y) {
+            const float *row = values.data() + static_cast<std::size_t>(y) * size;
+            float *sum = sums.sum.data() + static_cast<std::size_t>(y / coarse_cell) * cells;
+            float *count = sums.count.data() + static_cast<std::size_t>(y / coarse_cell) * cells;
+            for (int cx = 0; cx < cells; ++cx) {
+                const int begin = std::max(cx * coarse_cell, open[y].begin);
+                const int end = std::min((cx + 1) * coarse_cell, open[y].end);
+                float part = 0.0f;
+                for (int x = begin; x < end; ++x) part += row[x];
+                sum[cx] += part;
+                count[cx] += static_cast<float>(std::max(end - begin, 0));
+            }
         }
-    }
+    });
     return sums;
 }
 
-std::vector<float> slow_part(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open)
+std::vector<float> slow_part(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open,
+                             int threads)
 {
     const int cells = size / coarse_cell;
-    CoarseSums sums = coarse_sums(values, size, open);
+    CoarseSums sums = coarse_sums(values, size, open, threads);
     for (int repeat = 0; repeat < 2; ++repeat)
         for (std::vector<float> *grid : {&sums.sum, &sums.count}) {
             blur_five(*grid, cells, 1, 0);

@@ -1,5 +1,5 @@
 // What changes slowly over a picture, on a grid of cells of 8x8 pixels: scatter, and the display's slow part.
-// May include: nothing. Called by: scatter, chain, display.
+// May include: parallel. Called by: scatter, chain, display.
 #pragma once
 #include <vector>
 
@@ -17,11 +17,12 @@ struct OpenColumns {
 struct CoarseSums {
     std::vector<float> sum, count;
 };
-CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open);
+CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open,
+                       int threads = 1);
 
 // Means over about a tenth of the picture: two passes of five cells along both axes. Closed pixels have no weight.
-std::vector<float> slow_part(const std::vector<float> &values, int size,
-                             const std::vector<OpenColumns> &open);
+std::vector<float> slow_part(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open,
+                             int threads = 1);
 
 // Row of the bilinear continuation of a grid to full size.
 void slow_row(const std::vector<float> &grid, int size, int row, float *out);

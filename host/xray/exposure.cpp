@@ -98,6 +98,12 @@ double reference_kerma_uGy(const BeamTable &table, const XrayTechnique &techniqu
     return table.air_kerma_uGy_mAs * technique.charge_mAs() / square(source_isocentre_m - reference_point_m);
 }
 
+double Exposure::wanted_quanta_mm2(double dose_nGy, const BeamTable &beam)
+{
+    const BeamTable &reference = table(75.0, 0.2);
+    return dose_nGy / reference.patient_nGy_quantum_mm2 * reference.quantum_keV / beam.quantum_keV;
+}
+
 const BeamTable &Exposure::table(double tube_voltage_kV, double copper_mm)
 {
     const int kV = static_cast<int>(std::floor(tube_voltage_kV + 0.5));
@@ -118,7 +124,7 @@ Exposure::Candidate Exposure::on_curve(const ExposureDemand &demand, double wate
     technique.copper_mm = copper_mm;
     const double brought =
         open_quanta_mm2(beam, technique, demand.source_detector_m) * signal_behind(beam, water_cm);
-    double share = demand.dose_nGy / beam.patient_nGy_quantum_mm2 / brought;
+    double share = wanted_quanta_mm2(demand.dose_nGy, beam) / brought;
     candidate.is_enough = share <= 1.0;
     if (demand.mode == ExposureMode::fluoro) {
         const double kerma_uGy = reference_kerma_uGy(beam, technique, demand.source_isocentre_m);

@@ -37,7 +37,7 @@ struct XrayTechnique {
 // What one pulse has to do.
 struct ExposureDemand {
     ExposureMode mode = ExposureMode::fluoro;
-    double dose_nGy = 40.0; // behind patient and grid, mean over the measuring field
+    double dose_nGy = 40.0; // behind patient and grid, mean over the measuring field; see wanted_quanta_mm2
     double frame_period_ms = 1000.0 / 15.0;
     double source_detector_m = 1.05;
     double source_isocentre_m = 0.75;
@@ -73,6 +73,10 @@ class Exposure
     void follow(const XrayTechnique &technique, double signal_share, ExposureState &state);
     // The same without delay, for a single picture.
     void jump(const XrayTechnique &technique, double signal_share, ExposureState &state);
+
+    // Quanta per mm2 of this beam that give the signal which `dose_nGy` gives in the beam that detector and control are
+    // calibrated with: 75 kV, 0.2 mm copper, behind 20 cm of tissue.
+    double wanted_quanta_mm2(double dose_nGy, const BeamTable &beam);
 
     // Voltage is taken to whole kilovolts, as generators do.
     const BeamTable &table(double tube_voltage_kV, double copper_mm);

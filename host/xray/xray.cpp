@@ -87,11 +87,9 @@ void expose(XrayChain &chain, const XraySettings &settings, const ExposureChoice
     picture.technique = choice.technique;
     picture.is_underexposed = choice.is_limited;
     picture.photons_open = open_quanta_mm2(chain.beam, choice.technique, view.source_detector_m) * pixel_mm2;
-    // The gain is one of charge: it is set for a beam of 75 kV and 0.2 mm copper.
-    const BeamTable &reference = chain.exposure.table(75.0, 0.2);
-    const double wanted_keV = settings.beam.dose_per_frame_nGy / reference.patient_nGy_quantum_mm2 *
-                              pixel_mm2 * reference.quantum_keV;
-    picture.raw_per_photon = raw_of_wanted_dose / wanted_keV * chain.beam.quantum_keV;
+    picture.raw_per_photon =
+        raw_of_wanted_dose /
+        (chain.exposure.wanted_quanta_mm2(settings.beam.dose_per_frame_nGy, chain.beam) * pixel_mm2);
     picture.air_kerma_uGy = reference_kerma_uGy(chain.beam, choice.technique, view.source_isocentre_m);
     const double nearer = (view.source_isocentre_m - reference_point_m) / view.source_detector_m;
     picture.kap_Gy_cm2 =
