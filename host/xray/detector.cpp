@@ -68,42 +68,101 @@ float transmission(const BeamTable &beam, const std::array<float, material_count
     return share;
 }
 
-// A loop of its own: among others, compilers do not turn it into vectors.
+// Loops of their own: among others, compilers do not turn them into vectors.
+
+// Not 0 when any of them is.
+SELD_WIDE static std::int32_t take(const std::int32_t *from, int count, float *to)
+{
+    std::int32_t any = 0;
+    for (int i = 0; i < count; ++i) {
+        to[i] = static_cast<float>(from[i]);
+        any |= from[i];
+    }
+    return any;
+}
+
 SELD_WIDE static void add_scaled(const float *from, float factor, int count, float *to)
 {
     for (int i = 0; i < count; ++i) to[i] += factor * from[i];
 }
 
-SELD_WIDE void transmission_row(const BeamTable &beam,
-                                const std::array<const std::int32_t *, material_count> &paths, int size,
-                                float *share)
+SELD_WIDE static void add_passed(const float *exponent, float weight, int count, float *sum)
 {
-    constexpr int block = 64; // long enough to be a loop of vectors, short enough for the nearest cache
-    float path[material_count][block], exponent[block], sum[block];
-    for (int begin = 0; begin < size; begin += block) {
-        const int columns = std::min(block, size - begin);
-        // Only what these pixels have of the materials.
-        int present[material_count], count = 0;
+    for (int i = 0; i < count; ++i) sum[i] += weight * exp2_negative(exponent[i]);
+}
+
+// Both at once for three and for six materials.
+SELD_WIDE static void add_passed_three(const float *const *path, const float *factor, float weight, int count,
+                                       float *sum)
+{
+    const float *p0 = path[0], *p1 = path[1], *p2 = path[2];
+    const float f0 = factor[0], f1 = factor[1], f2 = factor[2];
+    for (int i = 0; i < count; ++i) sum[i] += weight * exp2_negative(f0 * p0[i] + f1 * p1[i] + f2 * p2[i]);
+}
+
+SELD_WIDE static void add_passed_six(const float *const *path, const float *factor, float weight, int count,
+                                     float *sum)
+{
+    const float *p0 = path[0], *p1 = path[1], *p2 = path[2], *p3 = path[3], *p4 = path[4], *p5 = path[5];
+    const float f0 = factor[0], f1 = factor[1], f2 = factor[2], f3 = factor[3], f4 = factor[4],
+                f5 = factor[5];
+    for (int i = 0; i < count; ++i)
+        sum[i] += weight *
+                  exp2_negative(f0 * p0[i] + f1 * p1[i] + f2 * p2[i] + f3 * p3[i] + f4 * p4[i] + f5 * p5[i]);
+}
+
+namespace
+{
+
+constexpr int fused_max = 6;
+constexpr int block = 64; // columns: long enough to be a loop of vectors, short enough for the nearest cache
+
+// What some columns of a row have of the materials, and no others; filled up with nothing to six.
+struct PresentPaths {
+    float path[material_count + fused_max][block];
+    const float *pointer[fused_max];
+    int material[material_count];
+    int count = 0;
+
+    PresentPaths(const std::array<const std::int32_t *, material_count> &paths, int begin, int columns)
+    {
         for (int m = 0; m < material_count; ++m) {
             if (!paths[m]) continue;
-            const std::int32_t *line = paths[m] + begin;
-            std::int32_t any = 0;
-            for (int i = 0; i < columns; ++i) any |= line[i];
-            if (any == 0) continue;
-            for (int i = 0; i < columns; ++i) path[count][i] = static_cast<float>(line[i]);
-            present[count++] = m;
+            if (take(paths[m] + begin, columns, path[count]) != 0) material[count++] = m;
         }
-        for (int i = 0; i < columns; ++i) sum[i] = 0.0f;
+        for (int j = count; j < fused_max; ++j) std::fill_n(path[j], columns, 0.0f);
+        for (int j = 0; j < fused_max; ++j) pointer[j] = path[j];
+    }
+    float factor(const BeamTable &beam, int j, int energy) const
+    {
+        return j < count ? beam.log2_per_q10mm[material[j]][energy] : 0.0f;
+    }
+};
+
+} // namespace
+
+void transmission_row(const BeamTable &beam, const std::array<const std::int32_t *, material_count> &paths,
+                      int size, float *share)
+{
+    for (int begin = 0; begin < size; begin += block) {
+        const int columns = std::min(block, size - begin);
+        const PresentPaths present(paths, begin, columns);
+        float *sum = share + begin;
+        std::fill_n(sum, columns, 0.0f);
         for (int k = 0; k < beam_energy_count; ++k) {
-            for (int i = 0; i < columns; ++i) exponent[i] = 0.0f;
-            for (int j = 0; j < count; ++j) {
-                const float per_length = beam.log2_per_q10mm[present[j]][k];
-                add_scaled(path[j], per_length, columns, exponent);
-            }
             const float weight = beam.share[k];
-            for (int i = 0; i < columns; ++i) sum[i] += weight * exp2_negative(exponent[i]);
+            float factors[fused_max];
+            for (int j = 0; j < fused_max; ++j) factors[j] = present.factor(beam, j, k);
+            if (present.count <= fused_max) {
+                auto add = present.count <= 3 ? add_passed_three : add_passed_six;
+                add(present.pointer, factors, weight, columns, sum);
+                continue;
+            }
+            float exponent[block] = {};
+            for (int j = 0; j < present.count; ++j)
+                add_scaled(present.path[j], present.factor(beam, j, k), columns, exponent);
+            add_passed(exponent, weight, columns, sum);
         }
-        for (int i = 0; i < columns; ++i) share[begin + i] = sum[i];
     }
 }
 

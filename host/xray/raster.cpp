@@ -48,8 +48,9 @@ SELD_WIDE bool project_corners(const Camera &camera, const float *x_um, const fl
             const float scale = focal / depth;
             const float u = middle + (right.x() * x + right.y() * y + right.z() * z) * scale;
             const float v = middle - (up.x() * x + up.y() * y + up.z() * z) * scale;
-            is_far |=
-                (depth >= near_um) & (std::fabs(u) <= guard_pixels) & (std::fabs(v) <= guard_pixels) ? 0 : 1;
+            const bool is_plain =
+                (depth >= near_um) & (std::fabs(u) <= guard_pixels) & (std::fabs(v) <= guard_pixels);
+            is_far |= is_plain ? 0 : 1;
             // Held, since a conversion of what does not fit is undefined; such a chunk is drawn the slow way.
             const float held_u = u < guard_pixels ? (u > -guard_pixels ? u : -guard_pixels) : guard_pixels;
             const float held_v = v < guard_pixels ? (v > -guard_pixels ? v : -guard_pixels) : guard_pixels;

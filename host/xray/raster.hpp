@@ -2,7 +2,7 @@
 // The sums are int32 in 1/1024 mm along the central axis, so their total does not depend on the order of triangles.
 //
 // A picture is drawn in two passes, each shared out among threads: project_chunk puts every chunk's corners on the picture
-// and keeps the triangles that cover a pixel's centre; raster_tile draws those that meet one tile into sums that stay in
+// and keeps the triangles that cover a pixel's centre; TileRaster draws those that meet one tile into sums that stay in
 // the processor's cache.
 #pragma once
 #include "host/xray/paths.hpp"
@@ -76,11 +76,6 @@ void project_chunk(const BodyMeshes &meshes, const RasterVertices &vertices, std
 inline constexpr int tile_columns = 128, tile_rows = 64;
 inline constexpr int tile_stride = tile_columns + 8;
 inline constexpr int tile_ints = tile_rows * tile_stride;
-
-// Adds the part of the chunk that lies in `tile` to `sums`, whose first entry is pixel (tile.x0, tile.y0).
-void raster_tile(const BodyMeshes &meshes, const RasterVertices &vertices, std::size_t index,
-                 const Camera &camera, const Projection &projection, const PixelRect &tile,
-                 std::int32_t *sums);
 
 // The slow way, for triangles that reach far off the picture or behind the source.
 void raster_clipped(const Camera &camera, const std::array<Eigen::Vector3f, 3> &vertices_um,

@@ -1,7 +1,7 @@
 // Shares first the chunks, then the tiles out among threads; each pixel is written by one of them.
 #include "host/xray/raster_paths.hpp"
-#include "host/xray/lanes.hpp"
 #include "host/xray/parallel.hpp"
+#include "host/xray/raster_tile.hpp"
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -98,6 +98,7 @@ void RasterPaths::sum_tile(const Camera &camera, const PixelRect &rect, Tile &ti
 {
     tile.sums.resize(meshes_->channels.size() * tile_ints);
     tile.has_channel.assign(meshes_->channels.size(), 0);
+    TileRaster raster(*meshes_, vertices_, camera, projection_, rect);
     for (std::size_t i = 0; i < meshes_->chunks.size(); ++i) {
         const Projection::OfChunk &chunk = projection_.chunks[i];
         if (chunk.kind == Projection::Kind::nowhere || chunk.x0 >= rect.x1 || chunk.x1 < rect.x0 ||
@@ -107,8 +108,9 @@ void RasterPaths::sum_tile(const Camera &camera, const PixelRect &rect, Tile &ti
         std::int32_t *sums = tile.sums.data() + channel * tile_ints;
         if (!tile.has_channel[channel]) std::fill_n(sums, tile_ints, 0);
         tile.has_channel[channel] = 1;
-        raster_tile(*meshes_, vertices_, i, camera, projection_, rect, sums);
+        raster.add(i, sums);
     }
+    raster.finish();
 }
 
 // One material's part of the tile: each channel of its own added, those of its children taken.

@@ -1,6 +1,5 @@
 // Draws into one tile: eight triangles are set up together, then each one's rows are drawn eight pixels at a time.
-#include "host/xray/lanes.hpp"
-#include "host/xray/raster.hpp"
+#include "host/xray/raster_tile.hpp"
 #include <algorithm>
 
 namespace seld
@@ -9,21 +8,6 @@ namespace
 {
 
 constexpr int half = subpixels / 2;
-
-// Eight triangles set up together: edges and depth at the first pixel of each one's part of the tile.
-struct Batch {
-    std::int32_t ax[lane_count], ay[lane_count], bx[lane_count], by[lane_count], cx[lane_count],
-        cy[lane_count];
-    float a_inverse[lane_count], b_inverse[lane_count], c_inverse[lane_count];
-    std::int32_t column[lane_count], row[lane_count], columns[lane_count],
-        rows[lane_count]; // part of the tile
-    // Edge functions at the first pixel's centre, and their steps by one pixel; in `subpixels`, rounded down, since the steps
-    // are whole multiples and only the sign counts.
-    std::int32_t edge[3][lane_count], step_x[3][lane_count], step_y[3][lane_count];
-    float area[lane_count], slope_x[lane_count], slope_y[lane_count], low[lane_count], high[lane_count];
-    std::int32_t sign[lane_count]; // -1 for an entry, 0 for an exit
-    std::int32_t is_large;         // any of them: products need 64 bits
-};
 
 namespace plain
 {
@@ -39,7 +23,7 @@ SELD_AVX2_END
 } // namespace avx2
 #endif
 
-using DrawBatch = void (*)(Batch &batch, int count, const PixelRect &tile, std::int32_t *sums);
+using DrawBatch = void (*)(Batch &batch, const PixelRect &tile);
 
 DrawBatch choose_draw_batch()
 {
@@ -64,49 +48,52 @@ void load(Batch &batch, int k, const Corner &a, const Corner &b, const Corner &c
     batch.rows[k] = std::min<int>(kept.y1 + 1, tile.y1) - y0;
 }
 
-void raster_plain(const BodyMeshes &meshes, const MeshChunk &chunk, const Corner *corners,
-                  const Projection::OfChunk &of_chunk, const KeptTriangle *kept, const PixelRect &tile,
-                  std::int32_t *sums)
-{
-    const auto *triangles = meshes.triangles.data() + chunk.triangle_begin;
-    static const DrawBatch draw_batch = choose_draw_batch();
-    Batch batch{};
-    int count = 0;
-    for (std::uint32_t i = 0; i < of_chunk.kept_count; ++i) {
-        const KeptTriangle &triangle = kept[i];
-        if (triangle.x0 >= tile.x1 || triangle.x1 < tile.x0 || triangle.y0 >= tile.y1 ||
-            triangle.y1 < tile.y0)
-            continue;
-        const auto [a, b, c] = triangles[triangle.index];
-        load(batch, count++, corners[a], corners[b], corners[c], triangle, tile);
-        if (count < lane_count) continue;
-        draw_batch(batch, count, tile, sums);
-        count = 0;
-        batch.is_large = 0;
-    }
-    if (count > 0) draw_batch(batch, count, tile, sums);
-}
-
 } // namespace
 
-void raster_tile(const BodyMeshes &meshes, const RasterVertices &vertices, std::size_t index,
-                 const Camera &camera, const Projection &projection, const PixelRect &tile,
-                 std::int32_t *sums)
+void TileRaster::finish()
 {
-    const MeshChunk &chunk = meshes.chunks[index];
-    const Projection::OfChunk &of_chunk = projection.chunks[index];
-    const std::uint32_t begin = vertices.begin[index];
+    static const DrawBatch draw_batch = choose_draw_batch();
+    if (batch_.count > 0) draw_batch(batch_, tile_);
+    batch_.count = 0;
+    batch_.is_large = 0;
+}
+
+void TileRaster::add_plain(const MeshChunk &chunk, const Projection::OfChunk &of_chunk, const Corner *corners,
+                           std::int32_t *sums)
+{
+    const auto *triangles = meshes_.triangles.data() + chunk.triangle_begin;
+    const KeptTriangle *kept = projection_.kept.data() + chunk.triangle_begin;
+    const PixelRect tile = tile_;
+    const bool is_inside =
+        of_chunk.x0 >= tile.x0 && of_chunk.x1 < tile.x1 && of_chunk.y0 >= tile.y0 && of_chunk.y1 < tile.y1;
+    for (std::uint32_t i = 0; i < of_chunk.kept_count; ++i) {
+        const KeptTriangle &triangle = kept[i];
+        if (!is_inside && (triangle.x0 >= tile.x1 || triangle.x1 < tile.x0 || triangle.y0 >= tile.y1 ||
+                           triangle.y1 < tile.y0))
+            continue;
+        const auto [a, b, c] = triangles[triangle.index];
+        batch_.sums[batch_.count] = sums;
+        load(batch_, batch_.count++, corners[a], corners[b], corners[c], triangle, tile);
+        if (batch_.count == lane_count) finish();
+    }
+}
+
+void TileRaster::add(std::size_t index, std::int32_t *sums)
+{
+    const MeshChunk &chunk = meshes_.chunks[index];
+    const Projection::OfChunk &of_chunk = projection_.chunks[index];
+    const std::uint32_t begin = vertices_.begin[index];
     if (of_chunk.kind == Projection::Kind::plain) {
-        raster_plain(meshes, chunk, projection.corners.data() + begin, of_chunk,
-                     projection.kept.data() + chunk.triangle_begin, tile, sums);
+        add_plain(chunk, of_chunk, projection_.corners.data() + begin, sums);
         return;
     }
     auto vertex = [&](std::uint16_t i) {
-        return Eigen::Vector3f(vertices.x_um[begin + i], vertices.y_um[begin + i], vertices.z_um[begin + i]);
+        return Eigen::Vector3f(vertices_.x_um[begin + i], vertices_.y_um[begin + i],
+                               vertices_.z_um[begin + i]);
     };
     for (std::uint32_t i = 0; i < chunk.triangle_count; ++i) {
-        const auto [a, b, c] = meshes.triangles[chunk.triangle_begin + i];
-        raster_clipped(camera, {vertex(a), vertex(b), vertex(c)}, tile, sums);
+        const auto [a, b, c] = meshes_.triangles[chunk.triangle_begin + i];
+        raster_clipped(camera_, {vertex(a), vertex(b), vertex(c)}, tile_, sums);
     }
 }
 
