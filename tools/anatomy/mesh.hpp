@@ -31,10 +31,6 @@ struct MeshRequest {
  * Throws std::runtime_error when the surface is empty or leaves the bounds. */
 Mesh mesh_of(const MeshRequest &request);
 
-/* Edge collapse by quadric error (Garland and Heckbert 1997) until no collapse costs less than error_mm. Every collapse
- * keeps the surface a closed manifold (link condition) and turns no triangle by more than a right angle. Deterministic. */
-void simplify(Mesh &mesh, double error_mm);
-
 /* Empty when each edge has exactly two triangles of opposite direction; else the first fault in words. */
 std::string closed_mesh_fault(const Mesh &mesh);
 

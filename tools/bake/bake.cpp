@@ -2,6 +2,7 @@
 #include "tools/bake/bake.hpp"
 #include "host/model/output_files.hpp"
 #include "tools/bake/fault.hpp"
+#include "tools/bake/form.hpp"
 
 #include <cmath>
 #include <cstdarg>
@@ -11,6 +12,8 @@ namespace seld::bake
 {
 namespace
 {
+
+constexpr std::size_t nesting_samples = 2000; // vertices of each body
 
 __attribute__((format(printf, 1, 2))) std::string line(const char *format, ...)
 {
@@ -46,24 +49,22 @@ CurvePoint entry_of(const SceneText &text, const TriangleTree &tree)
     return entry;
 }
 
-std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, std::string &report)
+std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, std::string &report,
+                                 Progress &progress)
 {
     std::vector<BakedBody> bodies;
+    progress.stage("making the bodies", text.bodies.size());
     for (const BodyText &body : text.bodies) {
         BakedBody baked;
         baked.name = body.name;
         baked.material = body.material;
         for (std::size_t i = 0; i < text.bodies.size(); ++i)
             if (text.bodies[i].name == body.inside) baked.parent = static_cast<int>(i);
-        if (body.is_lumen) {
-            baked.mesh = lumen;
-        } else {
-            baked.mesh = load_mesh(body.mesh);
-            check_closed(baked.mesh, body.mesh.cap);
-            report += notes_of(baked.mesh);
-        }
+        baked.mesh = body.is_lumen ? lumen : form_body(body, bodies, report);
         bodies.push_back(std::move(baked));
+        progress.step(bodies.size());
     }
+    progress.finish();
     return bodies;
 }
 
@@ -108,7 +109,8 @@ void check_files(const SceneText &text, const Options &options)
     for (const std::filesystem::path &file : text.lumen.centrelines)
         inputs.push_back({"the lumen", file.string()});
     for (const BodyText &body : text.bodies) {
-        if (!body.is_lumen) inputs.push_back({"body '" + body.name + "'", body.mesh.file.string()});
+        if (!body.is_lumen && !body.is_marrow)
+            inputs.push_back({"body '" + body.name + "'", body.mesh.file.string()});
     }
     check_outputs(inputs, {{"--output", options.output.string()},
                            {"the bodies of --output", bodies_file(options.output).string()},
@@ -136,7 +138,7 @@ Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progres
 
 std::string bake(const Options &options, Progress &progress)
 {
-    const SceneText text = read_scene_text(options.scene, options.data);
+    const SceneText text = read_scene_text(options.scene, options.folders);
     check_files(text, options);
     std::string report = line("scene             %s", text.name.c_str());
     const Mesh surface = lumen_surface(text, report, progress);
@@ -159,7 +161,8 @@ std::string bake(const Options &options, Progress &progress)
     report += referee_report(measure_contact(field.view(), tree, options.poses, options.seed, progress),
                              options.seed);
 
-    const std::vector<BakedBody> bodies = bodies_of(text, surface, report);
+    const std::vector<BakedBody> bodies = bodies_of(text, surface, report, progress);
+    report += nesting_report(bodies, nesting_samples);
     Bytes picture;
     if (!bodies.empty()) picture = bodies_bytes(text, bodies);
     if (!options.surface.empty()) write_ply(surface, options.surface);

@@ -9,8 +9,9 @@ namespace seld::bake
 {
 
 struct Options {
-    std::filesystem::path scene, output, data,
+    std::filesystem::path scene, output,
         surface; // surface: also write the lumen's mesh there (PLY), or empty
+    Folders folders;
     std::uint64_t seed = 1;
     std::size_t poses = 10000;
     std::size_t points = 200000;

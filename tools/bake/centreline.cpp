@@ -96,8 +96,10 @@ try {
         line.points_mm.push_back(placement.place(
             {finite(position[0], where), finite(position[1], where), finite(position[2], where)}, unit_mm));
     }
+    // Scales that differ make a round section an oval one: the circle of the same volume is kept.
+    const double scale = std::cbrt(placement.scale.prod());
     for (double radius : radii_of(markup, line.name, points.size()))
-        line.radii_mm.push_back(radius * unit_mm * placement.scale);
+        line.radii_mm.push_back(radius * unit_mm * scale);
     check_sizes(line, unit_mm);
     return line;
 } catch (const json::exception &fault) {

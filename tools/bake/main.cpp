@@ -13,6 +13,8 @@ namespace
 constexpr const char *examples =
     "Examples:\n"
     "  bake shared/examples/steve_iliac_arch.toml --data ../shared/anatomy -o out/steve.scene\n"
+    "  bake shared/examples/real_patient.toml -o out/real.scene      real bones, heart and vessels, where "
+    "they are\n"
     "  bake aorta/scene.toml -o aorta.scene --surface aorta.ply      also keep the lumen's surface\n"
     "Exit codes: 0 done, 1 the input is unusable (the message says why), 2 usage.\n";
 
@@ -27,7 +29,7 @@ std::string data_folder()
 int main(int argc, char **argv)
 {
     seld::bake::Options options;
-    options.data = data_folder();
+    options.folders = {data_folder(), "build/anatomy/aorta"};
     std::string surface;
     CLI::App app{
         "bake: makes the binary scene of a lumen (and the bodies of its picture) from a text and meshes or "
@@ -36,7 +38,10 @@ int main(int argc, char **argv)
     app.add_option("SCENE", options.scene, "the scene's text, a TOML file (docs/scene.md)")->required();
     app.add_option("-o,--output", options.output, "the scene to write; bodies go beside it as .bodies")
         ->required();
-    app.add_option("--data", options.data, "folder that paths beginning with data: are in")
+    app.add_option("--data", options.folders.data, "folder that paths beginning with data: are in")
+        ->capture_default_str();
+    app.add_option("--shipped", options.folders.shipped,
+                   "folder that paths beginning with shipped: are in, as `anatomy` writes it")
         ->capture_default_str();
     app.add_option("--surface", surface, "also write the lumen's surface there (PLY, mm, patient frame)");
     app.add_option("--seed", options.seed, "of the random points and poses of the report")

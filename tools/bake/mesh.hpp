@@ -39,9 +39,12 @@ void check_extent(const Mesh &mesh, const std::string &unit);
 // One vertex for equal positions; triangles without area dropped (noted).
 void weld(Mesh &mesh);
 
-// Closed, every edge in exactly two triangles of opposite sense; openings are capped when `cap` and flat. Turns a mesh
+// Closed, every edge in exactly two triangles of opposite sense; openings are capped as `cap` allows. Turns a mesh
 // inside out when its volume is negative (noted). Throws Fault otherwise.
-void check_closed(Mesh &mesh, bool cap);
+void check_closed(Mesh &mesh, Cap cap);
+
+// Only the openings, for a mesh whose surface is made anew afterwards (solid.hpp): it may be non-manifold and cross itself.
+void cap_openings(Mesh &mesh, Cap cap);
 
 // Pairs of triangles that cross without sharing a vertex: throws Fault with the first pair and the number.
 void check_crossing(const Mesh &mesh, Progress &progress);

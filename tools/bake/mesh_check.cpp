@@ -181,24 +181,36 @@ void cap_opening(Mesh &mesh, const Loop &loop, const Opening &opening)
         mesh.triangles.push_back({loop[i], loop[(i + 1) % loop.size()], centre});
 }
 
-void close_openings(Mesh &mesh, const std::vector<Loop> &loops, bool cap)
+void close_openings(Mesh &mesh, const std::vector<Loop> &loops, Cap cap)
 {
     constexpr std::size_t named_max = 6;
     std::string list;
     for (std::size_t i = 0; i < loops.size() && i < named_max; ++i)
         list += (i ? ", " : "") + opening_text(describe(mesh, loops[i]), loops[i].size());
     if (loops.size() > named_max) list += " and " + std::to_string(loops.size() - named_max) + " more";
-    if (!cap)
+    if (cap == Cap::none)
         throw Fault(mesh.name + ": open, with " + std::to_string(loops.size()) + " openings at " + list +
-                    ": set cap = true if they are flat vessel ends, or close them in a mesh editor");
+                    ": set cap = true if they are flat vessel ends, cap = \"any\" for every other shape, or "
+                    "close them in a mesh editor");
+    double widest_mm = 0;
     for (const Loop &loop : loops) {
         const Opening opening = describe(mesh, loop);
         // Flat: within 5 % of its width, as scanners cut a vessel end.
-        if (loop.size() < 3 || opening.unevenness_mm > 0.05 * opening.across_mm)
+        const bool is_flat = loop.size() >= 3 && opening.unevenness_mm <= 0.05 * opening.across_mm;
+        if (!is_flat && cap == Cap::flat)
             throw Fault(mesh.name + ": the opening at " + opening_text(opening, loop.size()) +
-                        " is not flat, so cap = true cannot close it: close it in a mesh editor");
+                        " is not flat, so cap = true cannot close it: set cap = \"any\" to close it by a fan "
+                        "of triangles about its middle, or close it in a mesh editor");
         cap_opening(mesh, loop, opening);
-        mesh.notes.push_back("capped the opening at " + opening_text(opening, loop.size()));
+        widest_mm = std::max(widest_mm, opening.across_mm);
+        if (loops.size() <= named_max)
+            mesh.notes.push_back("capped the opening at " + opening_text(opening, loop.size()));
+    }
+    if (loops.size() > named_max) {
+        char text[96];
+        std::snprintf(text, sizeof text, "capped %zu openings, the widest %.1f mm across", loops.size(),
+                      widest_mm);
+        mesh.notes.push_back(text);
     }
 }
 
@@ -225,7 +237,7 @@ double area_mm2(const Mesh &mesh)
     return sum;
 }
 
-void check_closed(Mesh &mesh, bool cap)
+void check_closed(Mesh &mesh, Cap cap)
 {
     std::vector<Side> sides = sides_of(mesh);
     check_manifold(mesh, sides);
@@ -245,6 +257,12 @@ void check_closed(Mesh &mesh, bool cap)
     }
     if (std::abs(volume) < 1e-6 * area_mm2(mesh))
         throw Fault(mesh.name + ": encloses nothing, it is a flat or doubled sheet: export a closed surface");
+}
+
+void cap_openings(Mesh &mesh, Cap cap)
+{
+    const std::vector<Loop> loops = openings(sides_of(mesh));
+    if (!loops.empty()) close_openings(mesh, loops, cap);
 }
 
 } // namespace seld::bake

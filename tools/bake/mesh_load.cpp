@@ -35,12 +35,21 @@ void check_file(const std::filesystem::path &file)
                     " MiB: simplify the mesh, or give it in binary");
 }
 
+// A part of the file as its nodes hang together: mesh and the way from its coordinates to the file's.
+struct Piece {
+    std::string name;
+    const aiMesh *mesh;
+    aiMatrix4x4 to_file;
+};
+
 // The triangles of one part of the file. `other` counts faces that are points or lines.
-void append(const aiMesh &part, const MeshText &text, double unit_mm, Mesh &mesh, std::size_t &other)
+void append(const Piece &piece, const MeshText &text, Mesh &mesh, std::size_t &other)
 {
+    const aiMesh &part = *piece.mesh;
+    const double unit_mm = millimetres_per(text.placement.unit);
     const auto base = static_cast<std::uint32_t>(mesh.vertices_mm.size());
     for (unsigned i = 0; i < part.mNumVertices; ++i) {
-        const aiVector3D &v = part.mVertices[i];
+        const aiVector3D v = piece.to_file * part.mVertices[i];
         if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
             throw Fault(text.file.string() + ": vertex " + std::to_string(base + i) +
                         " is not a number or infinite: export the mesh again, or delete that vertex");
@@ -54,6 +63,77 @@ void append(const aiMesh &part, const MeshText &text, double unit_mm, Mesh &mesh
         }
         mesh.triangles.push_back({base + face.mIndices[0], base + face.mIndices[1], base + face.mIndices[2]});
     }
+}
+
+void collect(const aiScene &scene, const aiNode &node, const aiMatrix4x4 &above, std::vector<Piece> &pieces)
+{
+    const aiMatrix4x4 here = above * node.mTransformation;
+    for (unsigned i = 0; i < node.mNumMeshes; ++i)
+        pieces.push_back({node.mName.C_Str(), scene.mMeshes[node.mMeshes[i]], here});
+    for (unsigned i = 0; i < node.mNumChildren; ++i) collect(scene, *node.mChildren[i], here, pieces);
+}
+
+// "name" or "begin*".
+bool matches(const std::string &name, const std::string &wanted)
+{
+    if (wanted.back() != '*') return name == wanted;
+    return name.compare(0, wanted.size() - 1, wanted, 0, wanted.size() - 1) == 0;
+}
+
+std::vector<Piece> chosen(const std::vector<Piece> &pieces, const MeshText &text)
+{
+    if (text.parts.empty()) return pieces;
+    std::vector<Piece> found;
+    for (const std::string &wanted : text.parts) {
+        const std::size_t before = found.size();
+        for (const Piece &piece : pieces)
+            if (matches(piece.name, wanted)) found.push_back(piece);
+        if (found.size() > before) continue;
+        std::string list;
+        for (const Piece &piece : pieces) list += (list.empty() ? "" : ", ") + piece.name;
+        throw Fault(text.file.string() + ": has no part '" + wanted + "': its parts are " + list);
+    }
+    return found;
+}
+
+// Leaves only the connected pieces that the text wants.
+void keep_pieces(Mesh &mesh, const MeshText &text)
+{
+    std::vector<std::uint32_t> parent(mesh.vertices_mm.size());
+    std::iota(parent.begin(), parent.end(), 0u);
+    const auto root = [&](std::uint32_t vertex) {
+        while (parent[vertex] != vertex) vertex = parent[vertex] = parent[parent[vertex]];
+        return vertex;
+    };
+    for (const Triangle &t : mesh.triangles)
+        for (int k : {1, 2}) parent[root(t[k])] = root(t[0]);
+    std::vector<Eigen::AlignedBox3d> boxes(parent.size());
+    for (std::uint32_t v = 0; v < parent.size(); ++v) boxes[root(v)].extend(mesh.vertices_mm[v]);
+    std::erase_if(mesh.triangles, [&](const Triangle &t) {
+        const Eigen::AlignedBox3d &box = boxes[root(t[0])];
+        return box.diagonal().norm() < text.pieces_min_mm ||
+               (!text.pieces_mm.isEmpty() && !text.pieces_mm.contains(box.center()));
+    });
+    if (!mesh.triangles.empty()) return;
+    std::string list;
+    for (std::uint32_t v = 0; v < parent.size() && list.size() < 600; ++v)
+        if (root(v) == v) list += (list.empty() ? "" : ", ") + place_text(boxes[v].center());
+    throw Fault(mesh.name + ": no piece is left by pieces_mm and pieces_min_mm: they lie at " + list);
+}
+
+void drop_unused(Mesh &mesh)
+{
+    std::vector<std::uint32_t> renamed(mesh.vertices_mm.size(), UINT32_MAX);
+    std::vector<Eigen::Vector3d> used;
+    for (Triangle &t : mesh.triangles)
+        for (std::uint32_t &v : t) {
+            if (renamed[v] == UINT32_MAX) {
+                renamed[v] = static_cast<std::uint32_t>(used.size());
+                used.push_back(mesh.vertices_mm[v]);
+            }
+            v = renamed[v];
+        }
+    mesh.vertices_mm = std::move(used);
 }
 
 } // namespace
@@ -72,25 +152,30 @@ Mesh load_mesh(const MeshText &text)
     check_file(text.file);
     Assimp::Importer importer;
     // Only what changes no vertex: the welding is ours, so that it is the same for every format.
-    const aiScene *scene =
-        importer.ReadFile(text.file.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices);
+    const aiScene *scene = importer.ReadFile(text.file.string(), aiProcess_Triangulate);
     if (!scene)
         throw Fault(text.file.string() +
                     ": cannot be read as STL, OBJ, PLY or glTF: " + importer.GetErrorString());
     Mesh mesh;
     mesh.name = text.file.string();
     std::size_t other = 0, triangles = 0;
-    for (unsigned i = 0; i < scene->mNumMeshes; ++i) triangles += scene->mMeshes[i]->mNumFaces;
+    std::vector<Piece> pieces;
+    collect(*scene, *scene->mRootNode, aiMatrix4x4(), pieces);
+    pieces = chosen(pieces, text);
+    for (const Piece &piece : pieces) triangles += piece.mesh->mNumFaces;
     if (triangles > mesh_triangles_max)
         throw Fault(mesh.name + ": " + std::to_string(triangles) + " triangles, over " +
                     std::to_string(mesh_triangles_max) + ": simplify the mesh");
-    for (unsigned i = 0; i < scene->mNumMeshes; ++i)
-        append(*scene->mMeshes[i], text, millimetres_per(text.placement.unit), mesh, other);
+    for (const Piece &piece : pieces) append(piece, text, mesh, other);
     if (other > 0) mesh.notes.push_back(std::to_string(other) + " points or lines left out");
     if (mesh.triangles.empty())
         throw Fault(mesh.name + ": holds no triangle: export the surface, not points or lines");
     check_extent(mesh, text.placement.unit);
     weld(mesh);
+    if (!text.pieces_mm.isEmpty() || text.pieces_min_mm > 0) {
+        keep_pieces(mesh, text);
+        drop_unused(mesh);
+    }
     return mesh;
 }
 

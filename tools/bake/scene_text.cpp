@@ -3,6 +3,7 @@
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
 #include <set>
@@ -16,7 +17,7 @@ namespace
 // One table of the text, with what is needed to complain about it.
 struct Table {
     const SceneText &scene;
-    std::filesystem::path data;
+    const Folders &folders;
     std::string name; // "[lumen]"
     const toml::table &table;
 
@@ -63,16 +64,10 @@ struct Table {
         return value;
     }
 
-    bool truth(const char *key) const
-    {
-        const toml::node *node = table.get(key);
-        if (node && !node->is_boolean()) fail(node, std::string(key) + " must be true or false");
-        return node && node->value<bool>().value();
-    }
+    Eigen::Vector3d vector(const char *key) const { return vector(table.get(key), key); }
 
-    Eigen::Vector3d vector(const char *key) const
+    Eigen::Vector3d vector(const toml::node *node, const char *key) const
     {
-        const toml::node *node = table.get(key);
         const toml::array *array = node ? node->as_array() : nullptr;
         Eigen::Vector3d value;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -86,17 +81,52 @@ struct Table {
         return value;
     }
 
+    // Two opposite corners; empty when the key is missing.
+    Eigen::AlignedBox3d box(const char *key) const
+    {
+        const toml::node *node = table.get(key);
+        if (!node) return {};
+        const toml::array *array = node->as_array();
+        if (!array || array->size() != 2)
+            fail(node, std::string(key) + " must be two corners, like [[-50, 0, -50], [50, 90, 50]]");
+        const Eigen::AlignedBox3d box(vector(array->get(0), key), vector(array->get(1), key));
+        if ((box.sizes().array() <= 0).any())
+            fail(node, std::string(key) + " must name the lower corner first");
+        return box;
+    }
+
+    // A text or a list of texts.
+    std::vector<std::string> texts(const char *key) const
+    {
+        const toml::node *node = table.get(key);
+        if (!node) return {};
+        if (node->is_string()) return {text(key, "", 255)};
+        std::vector<std::string> list;
+        const toml::array *array = node->as_array();
+        for (std::size_t i = 0; array && i < array->size(); ++i)
+            list.push_back(array->get(i)->value<std::string>().value_or(""));
+        for (const std::string &word : list)
+            if (word.empty()) list.clear();
+        if (list.empty()) fail(node, std::string(key) + " must be a list of names in quotes");
+        return list;
+    }
+
     std::filesystem::path resolve(const toml::node *node, const char *key) const
     {
         const std::string written = node->value<std::string>().value_or("");
         if (written.empty()) fail(node, std::string(key) + " must be a file name in quotes");
-        const bool from_data = written.rfind("data:", 0) == 0;
-        const std::filesystem::path path =
-            from_data ? data / written.substr(5) : scene.file.parent_path() / written;
+        std::filesystem::path path = scene.file.parent_path() / written;
+        std::string advice;
+        if (written.rfind("data:", 0) == 0) {
+            path = folders.data / written.substr(5);
+            advice = ": give the data's folder with --data";
+        } else if (written.rfind("shipped:", 0) == 0) {
+            path = folders.shipped / written.substr(8);
+            advice = ": make it with `anatomy aorta -o FOLDER`, and give that folder with --shipped";
+        }
         std::error_code ignored;
         if (!std::filesystem::is_regular_file(path, ignored))
-            fail(node, std::string(key) + " names " + path.string() + ", which is no readable file" +
-                           (from_data ? ": give the data's folder with --data" : ""));
+            fail(node, std::string(key) + " names " + path.string() + ", which is no readable file" + advice);
         return path;
     }
 };
@@ -124,6 +154,35 @@ Eigen::Matrix3d axes_of(const Table &t)
     return axes;
 }
 
+Eigen::Vector3d scale_of(const Table &t)
+{
+    const toml::node *node = t.table.get("scale");
+    if (!node || !node->is_array()) return Eigen::Vector3d::Constant(t.number("scale", 1.0, 1e-3, 1e3));
+    const Eigen::Vector3d scale = t.vector("scale");
+    if (scale.minCoeff() < 1e-3 || scale.maxCoeff() > 1e3)
+        t.fail(node, "scale must be a number, or three for left, head and anterior, from 0.001 to 1000");
+    return scale;
+}
+
+// Turns about left, then head, then anterior, each right-handed about its axis.
+Eigen::Matrix3d rotation_of(const Eigen::Vector3d &deg)
+{
+    constexpr double rad_per_deg = 3.14159265358979323846 / 180;
+    return (Eigen::AngleAxisd(deg.z() * rad_per_deg, Eigen::Vector3d::UnitZ()) *
+            Eigen::AngleAxisd(deg.y() * rad_per_deg, Eigen::Vector3d::UnitY()) *
+            Eigen::AngleAxisd(deg.x() * rad_per_deg, Eigen::Vector3d::UnitX()))
+        .toRotationMatrix();
+}
+
+Cap cap_of(const Table &t)
+{
+    const toml::node *node = t.table.get("cap");
+    if (!node) return Cap::none;
+    if (node->is_string() && node->value<std::string>().value() == "any") return Cap::any;
+    if (!node->is_boolean()) t.fail(node, "cap must be true, false or \"any\"");
+    return node->value<bool>().value() ? Cap::flat : Cap::none;
+}
+
 Placement placement_of(const Table &t)
 {
     Placement placement;
@@ -131,7 +190,8 @@ Placement placement_of(const Table &t)
     if (!placement.unit.empty() && millimetres_per(placement.unit) == 0)
         t.fail(t.table.get("unit"), "unit is '" + placement.unit + "': use m, cm, mm or um");
     placement.axes = axes_of(t);
-    placement.scale = t.number("scale", 1.0, 1e-3, 1e3);
+    placement.scale = scale_of(t);
+    if (t.table.contains("rotate_deg")) placement.rotation = rotation_of(t.vector("rotate_deg"));
     if (t.table.contains("offset_mm")) placement.offset_mm = t.vector("offset_mm");
     return placement;
 }
@@ -141,7 +201,10 @@ MeshText mesh_of(const Table &t)
     MeshText mesh;
     mesh.placement = placement_of(t);
     mesh.file = t.resolve(t.table.get("mesh"), "mesh");
-    mesh.cap = t.truth("cap");
+    mesh.cap = cap_of(t);
+    mesh.parts = t.texts("parts");
+    mesh.pieces_mm = t.box("pieces_mm");
+    mesh.pieces_min_mm = t.number("pieces_min_mm", 0, 0, 1000);
     if (mesh.placement.unit.empty())
         t.fail(t.table.get("mesh"), "mesh needs its unit: add unit = \"mm\" (or m, cm, um)");
     return mesh;
@@ -149,8 +212,8 @@ MeshText mesh_of(const Table &t)
 
 LumenText lumen_of(const Table &t)
 {
-    t.only({"mesh", "unit", "centrelines", "surface_mm", "axes", "scale", "offset_mm", "cap", "tolerance_mm",
-            "level_max", "inside_mm", "outside_mm"});
+    t.only({"mesh", "unit", "centrelines", "parts", "surface_mm", "axes", "scale", "rotate_deg", "offset_mm",
+            "cap", "tolerance_mm", "level_max", "inside_mm", "outside_mm"});
     LumenText lumen;
     const toml::node *mesh = t.table.get("mesh"), *lines = t.table.get("centrelines");
     if (!mesh == !lines) t.fail(nullptr, "needs either mesh or centrelines");
@@ -193,9 +256,31 @@ EntryText entry_of(const Table &t)
     return entry;
 }
 
+FormText form_of(const Table &t)
+{
+    FormText form;
+    form.solid_mm = t.number("solid_mm", 0, 0.2, 10);
+    form.error_mm = t.number("error_mm", 0, 0.01, 10);
+    form.shell_mm = t.number("shell_mm", 0, 0.2, 20);
+    form.gap_mm = t.number("gap_mm", form.gap_mm, 0, 20);
+    form.less = t.texts("less");
+    form.close_mm = t.number("close_mm", 0, 0.2, 50);
+    form.clip_mm = t.box("clip_mm");
+    form.marrow = t.text("marrow", "trabecular_bone", SELD_SCENE_MATERIAL_BYTES - 1);
+    const bool needs_solid =
+        !form.less.empty() || form.shell_mm > 0 || form.close_mm > 0 || !form.clip_mm.isEmpty();
+    if (form.solid_mm == 0 && needs_solid)
+        t.fail(nullptr,
+               "needs solid_mm, the voxel in which close_mm, clip_mm, less and shell_mm are made: about "
+               "0.8 for bones");
+    return form;
+}
+
 BodyText body_of(const Table &t)
 {
-    t.only({"name", "mesh", "unit", "material", "inside", "axes", "scale", "offset_mm", "cap"});
+    t.only({"name",     "mesh",    "parts", "pieces_mm",  "pieces_min_mm", "unit",     "material",
+            "inside",   "axes",    "scale", "rotate_deg", "offset_mm",     "cap",      "solid_mm",
+            "close_mm", "clip_mm", "less",  "gap_mm",     "error_mm",      "shell_mm", "marrow"});
     BodyText body;
     body.name = t.text("name", "", SELD_SCENE_BODY_NAME_BYTES - 1);
     body.material = t.text("material", "", SELD_SCENE_MATERIAL_BYTES - 1);
@@ -205,15 +290,44 @@ BodyText body_of(const Table &t)
     if (!t.table.contains("mesh")) t.fail(nullptr, "'" + body.name + "' needs a mesh");
     body.is_lumen = t.text("mesh", "", 4096) == "lumen";
     if (!body.is_lumen) body.mesh = mesh_of(t);
+    body.form = form_of(t);
     return body;
+}
+
+// The body that a shell makes inside another.
+void add_marrows(SceneText &scene)
+{
+    std::vector<BodyText> all;
+    for (const BodyText &body : scene.bodies) {
+        all.push_back(body);
+        if (body.form.shell_mm == 0) continue;
+        BodyText marrow;
+        marrow.name = body.name + "_marrow";
+        marrow.material = body.form.marrow;
+        marrow.inside = body.name;
+        marrow.is_marrow = true;
+        marrow.form.solid_mm = body.form.solid_mm;
+        marrow.form.error_mm = body.form.error_mm;
+        marrow.form.shell_mm = body.form.shell_mm;
+        if (marrow.name.size() >= SELD_SCENE_BODY_NAME_BYTES)
+            throw Fault(scene.file.string() + ": the name '" + marrow.name +
+                        "' is too long: shorten that of '" + body.name + "'");
+        all.push_back(marrow);
+    }
+    scene.bodies = std::move(all);
 }
 
 void check_bodies(const SceneText &scene)
 {
     std::set<std::string> names;
-    for (const BodyText &body : scene.bodies)
+    for (const BodyText &body : scene.bodies) {
+        for (const std::string &other : body.form.less)
+            if (!names.count(other))
+                throw Fault(scene.file.string() + ": body '" + body.name + "' is less '" + other +
+                            "', which is no body above it: write that one first");
         if (!names.insert(body.name).second)
             throw Fault(scene.file.string() + ": two bodies are called '" + body.name + "': rename one");
+    }
     for (const BodyText &body : scene.bodies)
         if (!body.inside.empty() && (!names.count(body.inside) || body.inside == body.name))
             throw Fault(scene.file.string() + ": body '" + body.name + "' lies inside '" + body.inside +
@@ -242,7 +356,7 @@ double millimetres_per(const std::string &unit)
     return unit == "um" ? 1e-3 : 0.0;
 }
 
-SceneText read_scene_text(const std::filesystem::path &file, const std::filesystem::path &data)
+SceneText read_scene_text(const std::filesystem::path &file, const Folders &folders)
 {
     SceneText scene;
     scene.file = file;
@@ -258,20 +372,21 @@ SceneText read_scene_text(const std::filesystem::path &file, const std::filesyst
         throw Fault(file.string() + ":" + std::to_string(error.source().begin.line) + ": " +
                     std::string(error.description()));
     }
-    const Table top{scene, data, "the file", root};
+    const Table top{scene, folders, "the file", root};
     top.only({"scene", "lumen", "entry", "body"});
-    const Table head{scene, data, "[scene]", table_of(scene, root, "scene")};
+    const Table head{scene, folders, "[scene]", table_of(scene, root, "scene")};
     head.only({"name", "source"});
     scene.name = head.text("name", "", SELD_SCENE_NAME_BYTES - 1);
     scene.source = head.text("source", "", SELD_SCENE_SOURCE_BYTES - 1);
     if (scene.name.empty()) head.fail(nullptr, "needs a name");
-    scene.lumen = lumen_of({scene, data, "[lumen]", table_of(scene, root, "lumen")});
-    scene.entry = entry_of({scene, data, "[entry]", table_of(scene, root, "entry")});
+    scene.lumen = lumen_of({scene, folders, "[lumen]", table_of(scene, root, "lumen")});
+    scene.entry = entry_of({scene, folders, "[entry]", table_of(scene, root, "entry")});
     if (const toml::node *bodies = root.get("body")) {
         if (!bodies->is_array_of_tables()) top.fail(bodies, "has [body]: write [[body]]");
         for (const toml::node &node : *bodies->as_array())
-            scene.bodies.push_back(body_of({scene, data, "[[body]]", *node.as_table()}));
+            scene.bodies.push_back(body_of({scene, folders, "[[body]]", *node.as_table()}));
     }
+    add_marrows(scene);
     check_bodies(scene);
     return scene;
 }

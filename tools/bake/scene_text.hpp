@@ -1,7 +1,7 @@
 // The text of a scene (TOML), read and checked key by key: docs/scene.md.
 // May include: fault.hpp. Called by: bake.cpp.
 #pragma once
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -9,24 +9,35 @@
 namespace seld::bake
 {
 
-// How file coordinates become patient millimetres: axes, unit, scale, offset, in this order.
+// How file coordinates become patient millimetres: axes, unit, scale, turn, offset, in this order.
 struct Placement {
     std::string unit; // "mm"; empty for centrelines, which state theirs
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-    double scale = 1.0;
+    Eigen::Vector3d scale = Eigen::Vector3d::Ones(); // along left, head, anterior
+    Eigen::Matrix3d rotation =
+        Eigen::Matrix3d::Identity(); // about the patient's axes through the file's origin
     Eigen::Vector3d offset_mm = Eigen::Vector3d::Zero();
 
     // `unit_mm`: millimetres per unit of the file.
     Eigen::Vector3d place(const Eigen::Vector3d &file, double unit_mm) const
     {
-        return axes * file * (unit_mm * scale) + offset_mm;
+        return rotation * scale.cwiseProduct(axes * file * unit_mm) + offset_mm;
     }
 };
 
+enum class Cap {
+    none, // an opening is a fault
+    flat, // openings within 5 % of a plane are closed, others are faults
+    any,  // every opening is closed
+};
+
 struct MeshText {
-    std::filesystem::path file; // resolved
+    std::filesystem::path file;     // resolved
+    std::vector<std::string> parts; // names of nodes, may end in '*'; empty: the whole file
+    Eigen::AlignedBox3d pieces_mm;  // connected pieces whose box has its middle in it are kept; empty: all
+    double pieces_min_mm = 0;       // and only those whose box is as long across
     Placement placement;
-    bool cap = false;
+    Cap cap = Cap::none;
 };
 
 struct LumenText {
@@ -47,10 +58,24 @@ struct EntryText {
     double distance_mm = 8.0;
 };
 
+// What is made of a body's mesh before it is written, in this order. A length of 0: that step is left out.
+struct FormText {
+    double solid_mm = 0;           // voxel of the level set from which the surface is made anew
+    double close_mm = 0;           // hollows and gaps up to twice as wide are filled
+    Eigen::AlignedBox3d clip_mm;   // only what lies in it; empty: everything
+    std::vector<std::string> less; // bodies further up in the text that are taken out of this one ...
+    double gap_mm = 0.5;           // ... with so much around them
+    double error_mm = 0;           // decimated; no point of either surface is farther from the other
+    double shell_mm = 0;           // cortical shell: what lies deeper is a body of its own ...
+    std::string marrow;            // ... of this material
+};
+
 struct BodyText {
     std::string name, material, inside;
     bool is_lumen = false;
+    bool is_marrow = false; // made from the body it lies inside, form.shell_mm deep
     MeshText mesh;
+    FormText form;
 };
 
 struct SceneText {
@@ -64,7 +89,13 @@ struct SceneText {
 // Millimetres per unit, 0 for a unit nobody knows.
 double millimetres_per(const std::string &unit);
 
-// Reads and checks the text. `data` is the folder that `data:` paths begin with. Throws Fault "FILE:LINE: key ...".
-SceneText read_scene_text(const std::filesystem::path &file, const std::filesystem::path &data);
+// Folders that paths may begin with.
+struct Folders {
+    std::filesystem::path data;    // "data:", anatomy that does not ship
+    std::filesystem::path shipped; // "shipped:", the meshes that `anatomy` made
+};
+
+// Reads and checks the text. Throws Fault "FILE:LINE: key ...".
+SceneText read_scene_text(const std::filesystem::path &file, const Folders &folders);
 
 } // namespace seld::bake

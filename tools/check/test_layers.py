@@ -37,8 +37,9 @@ ALLOWED = {
     "host/app": ["host", "shared"],  # recordings and sessions hold the wire's own records
     "host/bench": ["host", "firmware/bench/bench.h"],
     "host/tests": ["host", "shared", "firmware/port/sim/sim.h", "firmware/core/core.h"],  # test_usb: a bus of sim ports
-    "tools/bake": ["shared", "host/model"] + CORE_PUBLIC,
-    "tools/anatomy": ["shared", "host/model"] + CORE_PUBLIC,
+    "tools/bake": ["shared", "host/model", "tools/mesh"] + CORE_PUBLIC,
+    "tools/anatomy": ["shared", "host/model", "tools/mesh"] + CORE_PUBLIC,
+    "tools/mesh": [],
     # core_hash.c owns the core's memory and looks into it; it also runs on a bare board.
     "tools/validate": ["firmware/core"],  # owns the memory of models and states (rig.cpp)
     "tools/check": CORE_PUBLIC + ["firmware/core/core_state.h", "firmware/port/mps2_an500"],

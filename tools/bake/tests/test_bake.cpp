@@ -122,7 +122,7 @@ Options options_in(const Folder &folder, const std::filesystem::path &scene)
     Options options;
     options.scene = scene;
     options.output = folder.path / "out.scene";
-    options.data = folder.path;
+    options.folders.data = folder.path;
     options.poses = 100;
     options.points = 2000;
     return options;
@@ -191,7 +191,7 @@ void axes_and_offset_move_the_surface(void **)
         folder.write("scene.toml",
                      scene_text_of("lumen.ply",
                                    "axes = [\"+y\", \"-x\", \"+z\"]\nscale = 0.5\noffset_mm = [1, 2, 3]")),
-        folder.path);
+        {folder.path, {}});
     std::string report;
     const Mesh mesh = lumen_surface(text, report, progress);
     // file (56, 0, 0) is the first vertex: left = +y = 0, head = -x
@@ -313,7 +313,7 @@ void stevebench_scene_keeps_its_size_and_error(void **)
     if (!std::filesystem::exists(data / "steve_bench")) skip();
     Progress progress;
     std::string report;
-    const SceneText text = read_scene_text("shared/examples/steve_iliac_arch.toml", data);
+    const SceneText text = read_scene_text("shared/examples/steve_iliac_arch.toml", {data, {}});
     const Mesh surface = lumen_surface(text, report, progress);
     const TriangleTree tree(surface);
     Field field = make_field(

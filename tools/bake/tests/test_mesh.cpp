@@ -43,10 +43,10 @@ void tree_gives_the_signed_distance_of_a_cube(void **)
 void closed_mesh_is_taken_and_an_inverted_one_turned(void **)
 {
     Mesh mesh = cube(10);
-    check_closed(mesh, false);
+    check_closed(mesh, Cap::none);
     assert_true(std::abs(volume_mm3(mesh) - 1000) < 1e-9 && mesh.notes.empty());
     for (Triangle &t : mesh.triangles) std::swap(t[0], t[1]);
-    check_closed(mesh, false);
+    check_closed(mesh, Cap::none);
     assert_true(volume_mm3(mesh) > 999);
     contains(mesh.notes.at(0), {"inside out"});
 }
@@ -55,7 +55,7 @@ void one_turned_triangle_is_turned_back(void **)
 {
     Mesh mesh = cube(10);
     std::swap(mesh.triangles[7][0], mesh.triangles[7][1]);
-    check_closed(mesh, false);
+    check_closed(mesh, Cap::none);
     assert_true(std::abs(volume_mm3(mesh) - 1000) < 1e-9);
     contains(mesh.notes.at(0), {"1 triangles turned"});
 }
@@ -63,10 +63,10 @@ void one_turned_triangle_is_turned_back(void **)
 void openings_are_told_by_place_and_capped_on_request(void **)
 {
     Mesh open = tube(6, 80, 20, 32);
-    contains(complaint([&] { check_closed(open, false); }),
+    contains(complaint([&] { check_closed(open, Cap::none); }),
              {"test mesh", "2 openings", "(0.0, 0.0, 0.0) mm (32 edges, 12.0 mm across)",
               "(0.0, 80.0, 0.0) mm", "cap = true"});
-    check_closed(open, true);
+    check_closed(open, Cap::flat);
     const double area = 32 * 36.0 / 2 * std::sin(turn / 32);
     assert_true(std::abs(volume_mm3(open) - area * 80) < 1e-6);
 }
@@ -75,7 +75,7 @@ void opening_that_is_not_flat_is_not_capped(void **)
 {
     Mesh mesh = tube(6, 80, 20, 32);
     mesh.vertices_mm[3].y() -= 4;
-    contains(complaint([&] { check_closed(mesh, true); }), {"not flat", "(32 edges", "mesh editor"});
+    contains(complaint([&] { check_closed(mesh, Cap::flat); }), {"not flat", "(32 edges", "mesh editor"});
 }
 
 void non_manifold_edge_is_named(void **)
@@ -83,7 +83,7 @@ void non_manifold_edge_is_named(void **)
     Mesh mesh = cube(10);
     mesh.vertices_mm.emplace_back(5, 5, 20);
     mesh.triangles.push_back({4, 5, 8});
-    contains(complaint([&] { check_closed(mesh, false); }),
+    contains(complaint([&] { check_closed(mesh, Cap::none); }),
              {"1 non-manifold edges", "(0.0, 0.0, 10.0) mm - (10.0, 0.0, 10.0) mm", "3 triangles",
               "2 open edges"});
 }
@@ -106,7 +106,7 @@ void one_sided_surface_is_refused(void **)
     for (std::size_t i = 0; i < kept.size(); i += 4)
         strip.triangles.insert(strip.triangles.end(), kept.begin() + static_cast<std::ptrdiff_t>(i),
                                kept.begin() + static_cast<std::ptrdiff_t>(i) + 2);
-    contains(complaint([&] { check_closed(strip, false); }), {"one-sided", "triangle"});
+    contains(complaint([&] { check_closed(strip, Cap::none); }), {"one-sided", "triangle"});
 }
 
 void crossing_triangles_are_named(void **)
@@ -128,7 +128,7 @@ void flat_sheet_is_refused(void **)
     mesh.name = "sheet";
     mesh.vertices_mm = {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}};
     mesh.triangles = {{0, 1, 2}, {0, 2, 1}};
-    contains(complaint([&] { check_closed(mesh, false); }), {"sheet", "encloses nothing"});
+    contains(complaint([&] { check_closed(mesh, Cap::none); }), {"sheet", "encloses nothing"});
 }
 
 std::string loading(const Folder &folder, const std::string &name, const std::string &content,
@@ -192,7 +192,7 @@ void equal_vertices_are_welded(void **)
     text.placement.unit = "mm";
     Mesh loaded = load_mesh(text);
     assert_int_equal(loaded.vertices_mm.size(), 8);
-    check_closed(loaded, false);
+    check_closed(loaded, Cap::none);
     assert_true(std::abs(volume_mm3(loaded) - 1000) < 1e-6);
 }
 
@@ -229,7 +229,7 @@ void surface_of_a_straight_centreline_is_a_closed_tube(void **)
     Progress progress;
     Centreline line{"line", {{0, 0, 0}, {0, 30, 0}, {0, 60, 0}}, {5, 5, 5}};
     Mesh mesh = surface_of({line}, 0.5, progress);
-    check_closed(mesh, false);
+    check_closed(mesh, Cap::none);
     const double exact = turn / 2 * 25 * 60 + 4.0 / 3 * turn / 2 * 125;
     assert_true(std::abs(volume_mm3(mesh) / exact - 1) < 0.005);
     for (const Eigen::Vector3d &v : mesh.vertices_mm) {

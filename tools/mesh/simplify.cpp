@@ -1,14 +1,18 @@
-/* Simplification by edge collapse; called by mesh_of(). See mesh.hpp for what it promises. */
-#include "tools/anatomy/mesh.hpp"
+/* Simplification by edge collapse: see simplify.hpp for what it promises. */
+#include "tools/mesh/simplify.hpp"
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <queue>
 
-namespace anatomy
+namespace seld::mesh
 {
 
 namespace
 {
+
+using Vec3 = Eigen::Vector3d;
 
 /* Sum of squared distances to planes, weighted by area: x'Ax + 2b'x + c. */
 struct Quadric {
@@ -50,7 +54,7 @@ struct Candidate {
 class Simplifier
 {
   public:
-    Simplifier(Mesh &mesh, double error_mm);
+    Simplifier(std::vector<Vec3> &vertices_mm, std::vector<Triangle> &triangles, double error_mm);
     void run();
 
   private:
@@ -63,7 +67,8 @@ class Simplifier
     void collapse(uint32_t keep, uint32_t drop, const Vec3 &point);
     void compact();
 
-    Mesh &mesh_;
+    std::vector<Vec3> &vertices_;
+    std::vector<Triangle> &triangles_;
     double limit_; // squared error allowed
     std::vector<Quadric> quadrics_;
     std::vector<std::vector<uint32_t>> triangles_of_;
@@ -73,16 +78,15 @@ class Simplifier
     std::vector<uint32_t> around_keep_, around_drop_, shared_; // reused, to spare allocations
 };
 
-Simplifier::Simplifier(Mesh &mesh, double error_mm)
-    : mesh_(mesh), limit_(error_mm * error_mm), quadrics_(mesh.vertices_mm.size()),
-      triangles_of_(mesh.vertices_mm.size()), version_(mesh.vertices_mm.size(), 0),
-      triangle_alive_(mesh.triangles.size(), true)
+Simplifier::Simplifier(std::vector<Vec3> &vertices_mm, std::vector<Triangle> &triangles, double error_mm)
+    : vertices_(vertices_mm), triangles_(triangles), limit_(error_mm * error_mm),
+      quadrics_(vertices_mm.size()), triangles_of_(vertices_mm.size()), version_(vertices_mm.size(), 0),
+      triangle_alive_(triangles.size(), true)
 {
-    for (uint32_t t = 0; t < mesh.triangles.size(); t++) {
-        const auto &corner = mesh.triangles[t];
-        const Vec3 &origin = mesh.vertices_mm[corner[0]];
-        const Vec3 normal =
-            (mesh.vertices_mm[corner[1]] - origin).cross(mesh.vertices_mm[corner[2]] - origin);
+    for (uint32_t t = 0; t < triangles.size(); t++) {
+        const auto &corner = triangles[t];
+        const Vec3 &origin = vertices_mm[corner[0]];
+        const Vec3 normal = (vertices_mm[corner[1]] - origin).cross(vertices_mm[corner[2]] - origin);
         const double area = 0.5 * normal.norm();
         for (uint32_t vertex : corner) {
             triangles_of_[vertex].push_back(t);
@@ -97,13 +101,13 @@ Vec3 Simplifier::best_point(uint32_t keep, uint32_t drop, double &cost) const
 {
     Quadric sum = quadrics_[keep];
     sum.add(quadrics_[drop]);
-    const Vec3 middle = 0.5 * (mesh_.vertices_mm[keep] + mesh_.vertices_mm[drop]);
+    const Vec3 middle = 0.5 * (vertices_[keep] + vertices_[drop]);
     const double pull = 1e-3 * sum.weight + 1e-12;
     const Eigen::Matrix3d system = sum.a + pull * Eigen::Matrix3d::Identity();
     const Vec3 right = pull * middle - sum.b;
     const Vec3 point = system.inverse() * right;
     cost = sum.weight > 0.0 ? sum.error(point) : 0.0;
-    const double span = (mesh_.vertices_mm[keep] - mesh_.vertices_mm[drop]).norm();
+    const double span = (vertices_[keep] - vertices_[drop]).norm();
     if ((point - middle).norm() <= span) return point;
     cost = sum.weight > 0.0 ? sum.error(middle) : 0.0;
     return middle;
@@ -115,7 +119,7 @@ void Simplifier::offer(uint32_t one, uint32_t other)
     double cost = 0.0;
     best_point(keep, drop, cost);
     // Long thin triangles are avoided by a slight price on length, far below the error limit.
-    const double length = (mesh_.vertices_mm[keep] - mesh_.vertices_mm[drop]).squaredNorm();
+    const double length = (vertices_[keep] - vertices_[drop]).squaredNorm();
     if (cost < limit_) queue_.push({cost + 1e-5 * length, keep, drop, version_[keep], version_[drop]});
 }
 
@@ -123,7 +127,7 @@ void Simplifier::neighbours(uint32_t vertex, std::vector<uint32_t> &found) const
 {
     found.clear();
     for (uint32_t t : triangles_of_[vertex])
-        for (uint32_t corner : mesh_.triangles[t])
+        for (uint32_t corner : triangles_[t])
             if (corner != vertex) found.push_back(corner);
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());
@@ -139,11 +143,11 @@ bool Simplifier::turns_a_triangle(uint32_t moving, uint32_t other, const Vec3 &p
 {
     constexpr double COSINE_LEAST = 0.25, SLENDERNESS_LEAST = 0.08;
     for (uint32_t t : triangles_of_[moving]) {
-        auto corner = mesh_.triangles[t];
+        auto corner = triangles_[t];
         if (std::find(corner.begin(), corner.end(), other) != corner.end()) continue;
         while (corner[0] != moving) std::rotate(corner.begin(), corner.begin() + 1, corner.end());
-        const Vec3 &b = mesh_.vertices_mm[corner[1]], &c = mesh_.vertices_mm[corner[2]];
-        const Vec3 before = (b - mesh_.vertices_mm[moving]).cross(c - mesh_.vertices_mm[moving]);
+        const Vec3 &b = vertices_[corner[1]], &c = vertices_[corner[2]];
+        const Vec3 before = (b - vertices_[moving]).cross(c - vertices_[moving]);
         const Vec3 after = (b - point).cross(c - point);
         if (after.dot(before) < COSINE_LEAST * after.norm() * before.norm()) return true;
         const double longest =
@@ -170,10 +174,10 @@ bool Simplifier::may_collapse(uint32_t keep, uint32_t drop, const Vec3 &point)
 
 void Simplifier::collapse(uint32_t keep, uint32_t drop, const Vec3 &point)
 {
-    mesh_.vertices_mm[keep] = point;
+    vertices_[keep] = point;
     quadrics_[keep].add(quadrics_[drop]);
     for (uint32_t t : triangles_of_[drop]) {
-        auto &corner = mesh_.triangles[t];
+        auto &corner = triangles_[t];
         const bool dies = std::find(corner.begin(), corner.end(), keep) != corner.end();
         if (!dies) {
             std::replace(corner.begin(), corner.end(), drop, keep);
@@ -191,7 +195,7 @@ void Simplifier::collapse(uint32_t keep, uint32_t drop, const Vec3 &point)
 
 void Simplifier::run()
 {
-    for (const auto &corner : mesh_.triangles)
+    for (const auto &corner : triangles_)
         for (int i = 0; i < 3; i++)
             if (corner[i] < corner[(i + 1) % 3]) offer(corner[i], corner[(i + 1) % 3]);
     while (!queue_.empty()) {
@@ -209,28 +213,30 @@ void Simplifier::run()
 
 void Simplifier::compact()
 {
-    std::vector<uint32_t> renamed(mesh_.vertices_mm.size(), UINT32_MAX);
-    Mesh kept;
-    for (size_t t = 0; t < mesh_.triangles.size(); t++) {
+    std::vector<uint32_t> renamed(vertices_.size(), UINT32_MAX);
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+    for (size_t t = 0; t < triangles_.size(); t++) {
         if (!triangle_alive_[t]) continue;
-        auto corner = mesh_.triangles[t];
+        Triangle corner = triangles_[t];
         for (uint32_t &vertex : corner) {
             if (renamed[vertex] == UINT32_MAX) {
-                renamed[vertex] = static_cast<uint32_t>(kept.vertices_mm.size());
-                kept.vertices_mm.push_back(mesh_.vertices_mm[vertex]);
+                renamed[vertex] = static_cast<uint32_t>(vertices.size());
+                vertices.push_back(vertices_[vertex]);
             }
             vertex = renamed[vertex];
         }
-        kept.triangles.push_back(corner);
+        triangles.push_back(corner);
     }
-    mesh_ = std::move(kept);
+    vertices_ = std::move(vertices);
+    triangles_ = std::move(triangles);
 }
 
 } // namespace
 
-void simplify(Mesh &mesh, double error_mm)
+void simplify(std::vector<Vec3> &vertices_mm, std::vector<Triangle> &triangles, double error_mm)
 {
-    Simplifier(mesh, error_mm).run();
+    Simplifier(vertices_mm, triangles, error_mm).run();
 }
 
-} // namespace anatomy
+} // namespace seld::mesh

@@ -1,0 +1,224 @@
+// Making bodies, and measuring what became of them.
+#include "tools/bake/form.hpp"
+#include "tools/bake/fault.hpp"
+#include "tools/bake/solid.hpp"
+#include "tools/mesh/simplify.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <memory>
+
+namespace seld::bake
+{
+namespace
+{
+
+__attribute__((format(printf, 1, 2))) std::string line(const char *format, ...)
+{
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    std::vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    return std::string(text) + "\n";
+}
+
+// Evenly spread numbers in 0..1 without randomness (van der Corput).
+double spread(std::size_t index, std::size_t base)
+{
+    double value = 0, share = 1;
+    for (; index > 0; index /= base) {
+        share /= static_cast<double>(base);
+        value += share * static_cast<double>(index % base);
+    }
+    return value;
+}
+
+// All vertices, and `count` points spread over the surface by area.
+std::vector<Eigen::Vector3d> sample(const Mesh &mesh, std::size_t count)
+{
+    std::vector<Eigen::Vector3d> points = mesh.vertices_mm;
+    std::vector<double> sums;
+    for (const Triangle &t : mesh.triangles) {
+        const Eigen::Vector3d a = mesh.vertices_mm[t[1]] - mesh.vertices_mm[t[0]];
+        const double area = a.cross(mesh.vertices_mm[t[2]] - mesh.vertices_mm[t[0]]).norm();
+        sums.push_back((sums.empty() ? 0 : sums.back()) + area);
+    }
+    for (std::size_t i = 1; i <= count; ++i) {
+        const auto at = std::lower_bound(sums.begin(), sums.end(), spread(i, 2) * sums.back());
+        const Triangle &t = mesh.triangles[std::min<std::size_t>(static_cast<std::size_t>(at - sums.begin()),
+                                                                 sums.size() - 1)];
+        double u = spread(i, 3), v = spread(i, 5);
+        if (u + v > 1) {
+            u = 1 - u;
+            v = 1 - v;
+        }
+        const Eigen::Vector3d &a = mesh.vertices_mm[t[0]];
+        points.push_back(a + u * (mesh.vertices_mm[t[1]] - a) + v * (mesh.vertices_mm[t[2]] - a));
+    }
+    return points;
+}
+
+void measure(const std::vector<Eigen::Vector3d> &points, const TriangleTree &tree, Deviation &found)
+{
+    for (const Eigen::Vector3d &p : points) {
+        const double distance = std::abs(tree.nearest(p).distance_mm);
+        found.mean_mm += distance;
+        ++found.points;
+        if (distance <= found.largest_mm) continue;
+        found.largest_mm = distance;
+        found.place_mm = p;
+    }
+}
+
+Deviation deviation_between(const std::vector<Eigen::Vector3d> &of_one, const TriangleTree &one,
+                            const Mesh &other, std::size_t points)
+{
+    Deviation found;
+    measure(of_one, TriangleTree(other), found);
+    measure(sample(other, points), one, found);
+    found.mean_mm /= static_cast<double>(found.points);
+    return found;
+}
+
+Mesh base_mesh(const BodyText &body, const std::vector<BakedBody> &made)
+{
+    if (body.is_marrow) {
+        const auto outer =
+            std::find_if(made.begin(), made.end(), [&](const BakedBody &b) { return b.name == body.inside; });
+        return outer->mesh;
+    }
+    Mesh mesh = load_mesh(body.mesh);
+    if (body.form.solid_mm > 0)
+        cap_openings(mesh, body.mesh.cap);
+    else
+        check_closed(mesh, body.mesh.cap);
+    return mesh;
+}
+
+Mesh remade(const BodyText &body, const Mesh &mesh, const std::vector<BakedBody> &made)
+{
+    const FormText &form = body.form;
+    if (form.solid_mm == 0) return mesh;
+    Mesh solid = offset_surface(mesh, form.solid_mm, body.is_marrow ? -form.shell_mm : 0.0);
+    if (solid.triangles.empty())
+        throw Fault(mesh.name + ": body '" + body.inside +
+                    "' is nowhere thicker than its shell: lower shell_mm");
+    if (form.close_mm > 0) solid = closed_surface(solid, form.solid_mm, form.close_mm);
+    if (!form.clip_mm.isEmpty()) solid = clipped(solid, form.clip_mm, form.solid_mm);
+    if (form.less.empty()) return solid;
+    std::vector<const Mesh *> taken;
+    for (const BakedBody &other : made)
+        if (std::find(form.less.begin(), form.less.end(), other.name) != form.less.end())
+            taken.push_back(&other.mesh);
+    return difference(solid, taken, form.solid_mm, form.gap_mm);
+}
+
+std::string form_report(const BodyText &body, const Mesh &before, const Mesh &after)
+{
+    if (body.form.solid_mm == 0 || body.is_marrow) return "";
+    return line("solid             %s: %.1f -> %.1f cm3 in voxels of %.2f mm", body.name.c_str(),
+                volume_mm3(before) / 1000, volume_mm3(after) / 1000, body.form.solid_mm);
+}
+
+} // namespace
+
+Deviation deviation(const Mesh &one, const Mesh &other, std::size_t points_each)
+{
+    return deviation_between(sample(one, points_each), TriangleTree(one), other, points_each);
+}
+
+Deviation decimate(Mesh &mesh, double error_mm)
+{
+    constexpr std::size_t points = 10000;
+    constexpr int attempts_max = 8;
+    constexpr double lower = 0.6; // the collapse's limit for the next attempt
+    const TriangleTree before(mesh);
+    const std::vector<Eigen::Vector3d> samples = sample(mesh, points);
+    double limit_mm = 0.5 * error_mm;
+    for (int attempt = 0; attempt < attempts_max; ++attempt, limit_mm *= lower) {
+        Mesh fewer = mesh;
+        seld::mesh::simplify(fewer.vertices_mm, fewer.triangles, limit_mm);
+        const Deviation found = deviation_between(samples, before, fewer, points);
+        if (found.largest_mm > error_mm) continue;
+        mesh = std::move(fewer);
+        return found;
+    }
+    return {}; // nothing could go
+}
+
+Mesh form_body(const BodyText &body, const std::vector<BakedBody> &made, std::string &report)
+{
+    const Mesh base = base_mesh(body, made);
+    for (const std::string &note : base.notes) report += "note: " + base.name + ": " + note + "\n";
+    Mesh mesh = remade(body, base, made);
+    report += form_report(body, base, mesh);
+    if (body.form.error_mm == 0) return mesh;
+    const std::size_t before = mesh.triangles.size();
+    const Deviation found = decimate(mesh, body.form.error_mm);
+    report +=
+        line("decimated         %s: %zu -> %zu triangles, off by %.3f mm on average, at most %.3f mm at %s "
+             "(%zu points, allowed %.2f)",
+             body.name.c_str(), before, mesh.triangles.size(), found.mean_mm, found.largest_mm,
+             place_text(found.place_mm).c_str(), found.points, body.form.error_mm);
+    return mesh;
+}
+
+namespace
+{
+
+struct Neighbour {
+    const BakedBody &body;
+    Eigen::AlignedBox3d box;
+    std::unique_ptr<TriangleTree> tree; // made when first asked for
+};
+
+// The deepest sample of `mesh` on the wrong side of `of`: outside (sign +1) or inside (sign -1).
+Deviation worst(const Mesh &mesh, Neighbour &of, double sign, std::size_t samples)
+{
+    Deviation found;
+    const std::size_t step = std::max<std::size_t>(1, mesh.vertices_mm.size() / samples);
+    for (std::size_t i = 0; i < mesh.vertices_mm.size(); i += step) {
+        const Eigen::Vector3d &p = mesh.vertices_mm[i];
+        if (sign < 0 && !of.box.contains(p)) continue;
+        if (!of.tree) of.tree = std::make_unique<TriangleTree>(of.body.mesh);
+        const double distance = sign * of.tree->nearest(p).distance_mm;
+        if (distance <= found.largest_mm) continue;
+        found.largest_mm = distance;
+        found.place_mm = p;
+    }
+    return found;
+}
+
+} // namespace
+
+std::string nesting_report(const std::vector<BakedBody> &bodies, std::size_t samples)
+{
+    constexpr double tolerated_mm = 0.3;
+    std::vector<Neighbour> all;
+    for (const BakedBody &body : bodies) {
+        Eigen::AlignedBox3d box;
+        for (const Eigen::Vector3d &v : body.mesh.vertices_mm) box.extend(v);
+        all.push_back({body, box, nullptr});
+    }
+    std::string report;
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+        for (std::size_t k = 0; k < bodies.size(); ++k) {
+            const bool is_parent = bodies[i].parent == static_cast<int>(k);
+            if (i == k ||
+                (!is_parent && (bodies[i].parent != bodies[k].parent || !all[i].box.intersects(all[k].box))))
+                continue;
+            const Deviation found = worst(bodies[i].mesh, all[k], is_parent ? 1 : -1, samples);
+            if (found.largest_mm <= tolerated_mm) continue;
+            report += line("warning: body '%s' reaches %.1f mm %s '%s' at %s: %s", bodies[i].name.c_str(),
+                           found.largest_mm, is_parent ? "out of" : "into", bodies[k].name.c_str(),
+                           place_text(found.place_mm).c_str(),
+                           is_parent ? "move it, or correct `inside`"
+                                     : "move it, put one inside the other, or take one out by `less`");
+        }
+    return report;
+}
+
+} // namespace seld::bake
