@@ -14,6 +14,17 @@ namespace seld
 namespace
 {
 
+void add_xray(CLI::App &command, PictureSettings &pictures)
+{
+    command
+        .add_option(
+            "--xray", pictures.xray,
+            "Who draws the path lengths: raster (no graphics driver, the same bytes everywhere), opengl "
+            "(in a window its own, else OSMesa, else EGL), opengl-osmesa, opengl-egl")
+        ->capture_default_str()
+        ->check(CLI::IsMember(path_choices));
+}
+
 void add_pictures(CLI::App &command, PictureSettings &pictures)
 {
     command.add_option(
@@ -32,6 +43,7 @@ void add_pictures(CLI::App &command, PictureSettings &pictures)
         .add_option("--threads", pictures.threads, "Threads of the X-ray, 0: one per processor, at most 4")
         ->capture_default_str()
         ->check(CLI::Range(0, 64));
+    add_xray(command, pictures);
 }
 
 void add_tools(CLI::App &command, std::string &instrument, std::vector<std::string> &tools)
@@ -139,6 +151,7 @@ void add_view(CLI::App &app, WindowOptions &options)
     command->add_option("--threads", options.pictures.threads, "Threads of the X-ray, 0: one per processor")
         ->capture_default_str()
         ->check(CLI::Range(0, 64));
+    add_xray(*command, options.pictures);
     add_inserted(*command, options.inserted_mm);
     command->add_flag(
         "--free-run", options.free_run,
@@ -245,8 +258,11 @@ int command_line(int argc, char **argv)
     add_rig(app, rig);
     CLI::App *info_command =
         app.add_subcommand("info", "What a recording, scene, instrument or session file holds");
-    info_command->add_option("file", info, "The file")->required();
-    info_command->footer("Example:\n  seldinger info out/demo.rec");
+    CLI::Option *info_file = info_command->add_option("file", info, "The file");
+    bool shows_opengl = false;
+    info_command->add_flag("--opengl", shows_opengl, "Instead: the OpenGL that --xray opengl finds here")
+        ->excludes(info_file);
+    info_command->footer("Examples:\n  seldinger info out/demo.rec\n  seldinger info --opengl");
     app.footer("Examples:\n  seldinger run --help\n  seldinger replay out/demo.rec --verify");
     try {
         app.parse(argc, argv);
@@ -260,6 +276,8 @@ int command_line(int argc, char **argv)
         if (app.got_subcommand("view")) return command_view(window);
         if (app.got_subcommand("instruments")) return command_instruments(instruments);
         if (app.got_subcommand("rig")) return command_rig(rig);
+        if (shows_opengl) return command_info_opengl();
+        if (!*info_file) throw UsageError("info: name a file, or --opengl");
         return command_info(info);
     } catch (const UsageError &error) {
         std::fprintf(stderr, "seldinger: %s\n", error.what());

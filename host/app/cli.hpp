@@ -37,6 +37,8 @@ struct InstrumentsOptions {
 int command_run(const RunOptions &options);
 int command_replay(const ReplayOptions &options);
 int command_view(WindowOptions options);
+// The OpenGL that --xray opengl would find; 1 when there is none.
+int command_info_opengl();
 int command_info(const std::string &path);
 int command_instruments(const InstrumentsOptions &options);
 

@@ -1,5 +1,6 @@
 // seldinger info
 #include "host/app/cli.hpp"
+#include "host/app/path_choice.hpp"
 #include "host/app/recording.hpp"
 #include "host/app/scene_file.hpp"
 #include "host/app/session.hpp"
@@ -78,6 +79,11 @@ void print_session(const std::string &path)
 }
 
 } // namespace
+
+int command_info_opengl()
+{
+    return print_opengl() ? 0 : 1;
+}
 
 int command_info(const std::string &path)
 {

@@ -1,6 +1,7 @@
 #include "host/app/session_pictures.hpp"
 #include "host/model/bodies.hpp"
 #include <algorithm>
+#include <cstdio>
 #include <stdexcept>
 
 namespace seld
@@ -79,7 +80,8 @@ SessionPictures::SessionPictures(const PictureSettings &settings, const std::vec
         throw std::runtime_error(error);
     }
     if (!scene_.set_bodies(bodies, error)) throw std::runtime_error(settings_.bodies_path + ": " + error);
-    xray_ = std::make_unique<Xray>(scene_, settings_.threads);
+    xray_ = std::make_unique<Xray>(scene_, settings_.threads,
+                                   paths_maker(settings_.xray, settings_.window_context));
     const bool needs_movie = !settings_.mp4_path.empty();
     if (needs_movie && !movie_.open(settings_.mp4_path, settings_.size, settings_.size,
                                     static_cast<int>(settings_.pictures_per_second), error)) {
@@ -121,6 +123,7 @@ void SessionPictures::frame(const SessionFrame &frame)
         xray.carm = carm_;
         xray.size = settings_.size;
         xray_->render(xray, looks_, frame.wire, settings_.seed, picture_);
+        tell_failure();
         has_picture_ = true;
         kerma_mGy_ += picture_.air_kerma_uGy * 1e-3;
         fluoro_s_ += period_s;
@@ -129,6 +132,15 @@ void SessionPictures::frame(const SessionFrame &frame)
     count_++;
     std::string error;
     if (movie_.is_open() && !movie_.add(image_, error)) throw std::runtime_error(error);
+}
+
+// A graphics driver that gives up does not end a session: the rasteriser goes on.
+void SessionPictures::tell_failure()
+{
+    if (told_failure_ || xray_->back_end_error().empty()) return;
+    told_failure_ = true;
+    std::fprintf(stderr, "seldinger: %s; the rasteriser draws from here on\n",
+                 xray_->back_end_error().c_str());
 }
 
 void SessionPictures::annotate(const std::string &notice, const std::vector<std::string> &panel)

@@ -4,6 +4,7 @@
 // May include: xray, picture, frame_sink. Called by: cli.
 #pragma once
 #include "host/app/frame_sink.hpp"
+#include "host/app/path_choice.hpp"
 #include "host/app/picture.hpp"
 #include "host/app/picture_overlay.hpp"
 #include "host/model/instrument.hpp"
@@ -38,6 +39,8 @@ struct PictureSettings {
     std::uint32_t pictures_per_second = 15;
     std::uint64_t seed = 1;
     int threads = 0;
+    std::string xray = "raster"; // of path_choices
+    GlOpener window_context;     // where there is a window
 };
 
 class SessionPictures final : public FrameSink
@@ -62,6 +65,7 @@ class SessionPictures final : public FrameSink
     redraw(const SessionFrame &frame); // the display again over the last X-ray, for a change of annotation
 
   private:
+    void tell_failure();
     OverlayInfo display(const SessionFrame &frame, bool is_beam_on) const;
 
     PictureSettings settings_;
@@ -78,6 +82,7 @@ class SessionPictures final : public FrameSink
     bool is_beam_on_ = false;
     XrayPicture picture_; // held while fluoroscopy is off
     bool has_picture_ = false;
+    bool told_failure_ = false;
     Image image_;
     VideoWriter movie_;
     std::uint32_t count_ = 0;

@@ -108,11 +108,13 @@ class Window
   private:
     void start()
     {
+        PictureSettings pictures = options_.pictures;
+        pictures.window_context = [this] { return screen_.context(); };
         ++session_number_;
         session_.reset(); // a rig has one host at a time
         session_ = std::make_unique<LiveSession>(scene_, tools_, entry_,
-                                                 recording_name(options_.record, session_number_),
-                                                 options_.pictures, keys_.view(), choice_);
+                                                 recording_name(options_.record, session_number_), pictures,
+                                                 keys_.view(), choice_);
         is_annotated_ = false;
     }
 

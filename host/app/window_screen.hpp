@@ -2,6 +2,7 @@
 // name: nothing of OpenGL is linked.
 #pragma once
 #include "host/app/picture.hpp"
+#include "host/xray/gl/gl_context.hpp"
 #include <functional>
 #include <memory>
 #include <string>
@@ -34,15 +35,15 @@ class Screen
     bool has_focus() const;
     void show(const Image &rgb); // uploads, draws, swaps
     Image read_back();           // the whole window as shown last
+    // The window's own context, for drawing path lengths in it. The window outlives it.
+    std::unique_ptr<GlContext> context() const;
 
   private:
-    struct Functions;
-    void load_functions();
     void build_pipeline();
     void draw();
 
     GLFWwindow *window_ = nullptr;
-    std::unique_ptr<Functions> gl_;
+    GlFunctions gl_;
     KeyHandler handler_;
     unsigned program_ = 0, array_ = 0, texture_ = 0;
     int texture_edge_ = 0;

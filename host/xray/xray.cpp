@@ -148,13 +148,18 @@ std::size_t XrayScene::triangle_count() const
     return meshes_->bodies.triangles.size();
 }
 
-Xray::Xray(const XrayScene &scene, int threads)
+Xray::Xray(const XrayScene &scene, int threads, const BodyPathsMaker &make_paths)
 {
     const int processors = static_cast<int>(std::thread::hardware_concurrency());
     const int count = threads > 0 ? threads : std::clamp(processors, 1, 4);
     const BodyMeshes &meshes = scene.meshes().bodies;
     const int held = std::min(count, 16);
-    chain_ = std::make_unique<XrayChain>(meshes, std::make_unique<RasterPaths>(meshes, held), held);
+    std::unique_ptr<BodyPaths> paths;
+    if (make_paths)
+        paths = make_paths(meshes, held);
+    else
+        paths = std::make_unique<RasterPaths>(meshes, held);
+    chain_ = std::make_unique<XrayChain>(meshes, std::move(paths), held);
 }
 Xray::~Xray() = default;
 
@@ -217,6 +222,16 @@ std::vector<std::int32_t> Xray::instrument_path_q10mm(Material material) const
     for (std::size_t i = 0; i < tools.pixels.size(); ++i)
         path[tools.pixels[i]] = (tools.sum(i, slot) + tool_rays / 2) / tool_rays;
     return path;
+}
+
+std::string_view Xray::back_end() const
+{
+    return chain_->paths.back_end();
+}
+
+const std::string &Xray::back_end_error() const
+{
+    return chain_->paths.back_end_error();
 }
 
 bool Xray::last_render_used_cache() const

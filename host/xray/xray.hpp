@@ -16,10 +16,12 @@
 #include "host/xray/moved.hpp"
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace seld
@@ -94,6 +96,11 @@ struct XrayMemory {
 
 class XrayScene;
 struct XrayChain;
+class BodyPaths;
+struct BodyMeshes;
+
+// Makes what draws the bodies (paths.hpp).
+using BodyPathsMaker = std::function<std::unique_ptr<BodyPaths>(const BodyMeshes &meshes, int threads)>;
 
 // Immutable after set_bodies; shared by any number of Xray.
 class XrayScene
@@ -117,7 +124,8 @@ class XrayScene
 class Xray
 {
   public:
-    explicit Xray(const XrayScene &scene, int threads = 0); // 0: one per processor, 4 at most
+    // `threads` 0: one per processor, 4 at most. Without a maker the bodies are drawn by RasterPaths.
+    explicit Xray(const XrayScene &scene, int threads = 0, const BodyPathsMaker &make_paths = {});
     ~Xray();
     Xray(const Xray &) = delete;
     Xray &operator=(const Xray &) = delete;
@@ -140,6 +148,8 @@ class Xray
     std::vector<std::int32_t> body_path_q10mm(Material material) const;
     std::vector<std::int32_t> instrument_path_q10mm(Material material) const;
     bool last_render_used_cache() const;
+    std::string_view back_end() const;         // who draws the bodies
+    const std::string &back_end_error() const; // why the one asked for was given up; empty: it was not
 
   private:
     std::unique_ptr<XrayChain> chain_;

@@ -33,6 +33,7 @@ ALLOWED = {
     "host/link": ["shared", "firmware/port/sim/sim.h", "firmware/port/mps2_an500/rig_page.h"],
     "host/model": ["shared"],
     "host/xray": ["host/model"],
+    "host/xray/gl": ["host/xray", "host/model"],
     "host/dicom": ["host/xray", "host/model"],  # the one folder that knows DCMTK
     "host/app": ["host", "shared"],  # recordings and sessions hold the wire's own records
     "host/bench": ["host", "firmware/bench/bench.h"],

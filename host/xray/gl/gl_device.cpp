@@ -1,0 +1,303 @@
+#include "host/xray/gl/gl_device.hpp"
+#include "host/xray/gl/gl_program.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace seld
+{
+namespace
+{
+
+// Camera axes in mm: x to the right and y up, both times the focal length in half pictures; z away from the source. The
+// picture's first row is the first that is read back, so y is turned over. Clipped is only what is nearer than 1 mm.
+constexpr const char *vertex_text = R"(#version 330 core
+layout(location = 0) in vec3 vertex_um;
+uniform vec3 source_um, right, up, forward;
+void main() {
+    vec3 ray_mm = (vertex_um - source_um) * 0.001;
+    float depth_mm = dot(ray_mm, forward);
+    gl_Position = vec4(dot(ray_mm, right), -dot(ray_mm, up), depth_mm - 2.0, depth_mm);
+})";
+
+// 1 / gl_FragCoord.w is the depth, interpolated as perspective asks. The picture is seen from the detector and turned over:
+// a face that looks at the source is anticlockwise in it, as it is from outside.
+constexpr const char *fragment_text = R"(#version 330 core
+uniform float reference_mm;
+out float sum_mm;
+void main() {
+    float depth_mm = 1.0 / gl_FragCoord.w - reference_mm;
+    sum_mm = gl_FrontFacing ? -depth_mm : depth_mm;
+})";
+
+constexpr float near_um = 1000.0f;
+
+// The pyramid of rays, for leaving out chunks.
+struct Pyramid {
+    Eigen::Vector3f source_um, right, up, forward;
+    float focal, half; // pixels
+
+    explicit Pyramid(const View &view)
+        : source_um((view.source_m * 1e6).cast<float>()), right(view.right.cast<float>()),
+          up(view.up.cast<float>()), forward(view.forward.cast<float>()),
+          focal(static_cast<float>(view.source_detector_m / view.pixel_m)),
+          half(0.5f * static_cast<float>(view.size))
+    {
+    }
+    float depth_um(const MeshChunk &chunk) const { return (chunk.centre_um - source_um).dot(forward); }
+    bool leaves_out(const MeshChunk &chunk) const
+    {
+        const Eigen::Vector3f centre = chunk.centre_um - source_um;
+        const float depth = centre.dot(forward);
+        const float slack = chunk.radius_um * std::sqrt(half * half + focal * focal);
+        return depth < -chunk.radius_um || std::fabs(centre.dot(right)) * focal > depth * half + slack ||
+               std::fabs(centre.dot(up)) * focal > depth * half + slack;
+    }
+};
+
+// Runs of neighbouring chunks, one list per channel, as MultiDrawElements wants them.
+struct DrawList {
+    std::vector<int> counts;
+    std::vector<const void *> offsets;
+
+    void add(std::uint32_t triangle_begin, std::uint32_t triangle_count)
+    {
+        const auto begin = static_cast<std::uintptr_t>(triangle_begin) * 3 * sizeof(std::uint32_t);
+        const int count = static_cast<int>(triangle_count) * 3;
+        if (!counts.empty() && begin == end_) {
+            counts.back() += count;
+        } else {
+            counts.push_back(count);
+            offsets.push_back(reinterpret_cast<const void *>(begin));
+        }
+        end_ = begin + static_cast<std::uintptr_t>(count) * sizeof(std::uint32_t);
+    }
+
+  private:
+    std::uintptr_t end_ = 0;
+};
+
+struct Plan {
+    std::vector<DrawList> lists; // [channel]
+    bool is_source_near = false; // some chunk may reach behind the source
+};
+
+Plan make_plan(const BodyMeshes &meshes, std::span<const std::uint8_t> is_drawn, const View &view)
+{
+    const Pyramid pyramid(view);
+    Plan plan{std::vector<DrawList>(meshes.channels.size())};
+    for (const MeshChunk &chunk : meshes.chunks) {
+        if (!is_drawn[chunk.body] || pyramid.leaves_out(chunk)) continue;
+        plan.lists[chunk.channel].add(chunk.triangle_begin, chunk.triangle_count);
+        plan.is_source_near |= pyramid.depth_um(chunk) - chunk.radius_um < near_um;
+    }
+    return plan;
+}
+
+std::vector<std::uint32_t> all_indices(const BodyMeshes &meshes)
+{
+    std::vector<std::uint32_t> indices;
+    indices.reserve(meshes.triangles.size() * 3);
+    for (const MeshChunk &chunk : meshes.chunks)
+        for (std::uint32_t i = 0; i < chunk.triangle_count; ++i)
+            for (std::uint16_t corner : meshes.triangles[chunk.triangle_begin + i])
+                indices.push_back(chunk.vertex_begin + corner);
+    return indices;
+}
+
+template <class T> std::ptrdiff_t bytes_of(const std::vector<T> &values)
+{
+    return static_cast<std::ptrdiff_t>(values.size() * sizeof(T));
+}
+
+} // namespace
+
+GlDevice::GlDevice(const BodyMeshes &meshes, std::unique_ptr<GlContext> context)
+    : context_(std::move(context)), description_(describe(*context_))
+{
+    const GlEntered entered(*context_);
+    gl_ = load_functions(*context_);
+    program_ = build_program(gl_, vertex_text, fragment_text);
+    build(meshes);
+    check("sending the bodies");
+}
+
+void GlDevice::build(const BodyMeshes &meshes)
+{
+    const std::vector<std::uint32_t> indices = all_indices(meshes);
+    gl_.GetIntegerv(gl::max_texture_size, &size_max_);
+    gl_.GenVertexArrays(1, &array_);
+    gl_.GenBuffers(1, &vertices_);
+    gl_.GenBuffers(1, &indices_);
+    gl_.GenFramebuffers(1, &framebuffer_);
+    gl_.BindVertexArray(array_);
+    gl_.BindBuffer(gl::array_buffer, vertices_);
+    static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float));
+    gl_.BufferData(gl::array_buffer, bytes_of(meshes.vertices_um), meshes.vertices_um.data(),
+                   gl::static_draw);
+    gl_.BindBuffer(gl::element_array_buffer, indices_);
+    gl_.BufferData(gl::element_array_buffer, bytes_of(indices), indices.data(), gl::static_draw);
+    gl_.EnableVertexAttribArray(0);
+    gl_.VertexAttribPointer(0, 3, gl::type_float, 0, 0, nullptr);
+    gl_.BindVertexArray(0);
+}
+
+GlDevice::~GlDevice()
+{
+    try {
+        const GlEntered entered(*context_);
+        delete_pictures();
+        gl_.DeleteFramebuffers(1, &framebuffer_);
+        gl_.DeleteBuffers(1, &vertices_);
+        gl_.DeleteBuffers(1, &indices_);
+        gl_.DeleteVertexArrays(1, &array_);
+        gl_.DeleteProgram(program_);
+    } catch (const GlError &) {
+        // A lost context took its objects with it.
+    }
+}
+
+void GlDevice::delete_pictures()
+{
+    gl_.DeleteTextures(static_cast<int>(pictures_.size()), pictures_.data());
+    pictures_.clear();
+    size_ = 0;
+}
+
+void GlDevice::check(const char *doing) const
+{
+    const unsigned code = gl_.GetError();
+    if (code == gl::no_error) return;
+    const std::string at = "OpenGL (" + description_.renderer + "): ";
+    if (code == gl::context_lost) throw GlLost(at + "the context was lost while " + doing);
+    if (code == gl::out_of_memory)
+        throw GlError(at + "out of memory while " + doing + "; use a smaller --size");
+    char text[16];
+    std::snprintf(text, sizeof text, "0x%04x", code);
+    throw GlError(at + "error " + text + " while " + doing);
+}
+
+void GlDevice::resize(std::size_t channels, int size)
+{
+    if (size_ == size) return;
+    delete_pictures();
+    if (size > size_max_)
+        throw GlError("OpenGL (" + description_.renderer + "): pictures have at most " +
+                      std::to_string(size_max_) + " pixels along an edge, not " + std::to_string(size));
+    pictures_.resize(channels);
+    gl_.GenTextures(static_cast<int>(channels), pictures_.data());
+    for (unsigned picture : pictures_) {
+        gl_.BindTexture(gl::texture_2d, picture);
+        gl_.TexParameteri(gl::texture_2d, gl::min_filter, gl::nearest);
+        gl_.TexParameteri(gl::texture_2d, gl::mag_filter, gl::nearest);
+        gl_.TexImage2D(gl::texture_2d, 0, gl::r32f, size, size, 0, gl::red, gl::type_float, nullptr);
+    }
+    gl_.BindTexture(gl::texture_2d, 0);
+    check("making pictures of floats");
+    size_ = size;
+}
+
+void GlDevice::send_vertices(const BodyMeshes &meshes, std::span<const std::uint8_t> is_stale) const
+{
+    gl_.BindBuffer(gl::array_buffer, vertices_);
+    for (std::size_t i = 0; i < meshes.chunks.size();) {
+        const int body = meshes.chunks[i].body;
+        const std::uint32_t begin = meshes.chunks[i].vertex_begin;
+        std::uint32_t end = begin;
+        for (; i < meshes.chunks.size() && meshes.chunks[i].body == body; ++i)
+            end = meshes.chunks[i].vertex_begin + meshes.chunks[i].vertex_count;
+        if (!is_stale[body]) continue;
+        constexpr std::ptrdiff_t stride = sizeof(Eigen::Vector3f);
+        gl_.BufferSubData(gl::array_buffer, stride * begin, stride * (end - begin),
+                          meshes.vertices_um.data() + begin);
+    }
+    gl_.BindBuffer(gl::array_buffer, 0);
+}
+
+void GlDevice::set_view(const View &view, float reference_mm) const
+{
+    const auto set = [&](const char *name, const Eigen::Vector3d &value) {
+        const Eigen::Vector3f v = value.cast<float>();
+        gl_.Uniform3f(gl_.GetUniformLocation(program_, name), v.x(), v.y(), v.z());
+    };
+    const double focal = 2.0 * view.source_detector_m / (view.pixel_m * view.size); // in half pictures
+    set("source_um", view.source_m * 1e6);
+    set("right", view.right * focal);
+    set("up", view.up * focal);
+    set("forward", view.forward);
+    gl_.Uniform1f(gl_.GetUniformLocation(program_, "reference_mm"), reference_mm);
+}
+
+// What a draw sets and whoever shares the context does not expect. Other settings are made anew by their users.
+class GlDevice::StateGuard
+{
+  public:
+    explicit StateGuard(const GlFunctions &functions) : gl_(functions) {}
+    ~StateGuard()
+    {
+        gl_.Disable(gl::blend);
+        gl_.Disable(gl::scissor_test);
+        gl_.BindVertexArray(0);
+        gl_.BindFramebuffer(gl::framebuffer, 0);
+    }
+    StateGuard(const StateGuard &) = delete;
+    StateGuard &operator=(const StateGuard &) = delete;
+
+  private:
+    const GlFunctions &gl_;
+};
+
+void GlDevice::set_state(const View &view, const PixelRect &rect) const
+{
+    gl_.BindFramebuffer(gl::framebuffer, framebuffer_);
+    gl_.BindVertexArray(array_);
+    gl_.Viewport(0, 0, view.size, view.size);
+    gl_.Scissor(rect.x0, rect.y0, rect.x1 - rect.x0, rect.y1 - rect.y0);
+    gl_.Enable(gl::scissor_test);
+    gl_.Disable(gl::cull_face);
+    gl_.Disable(gl::depth_test);
+    gl_.Enable(gl::blend);
+    gl_.BlendEquation(gl::func_add);
+    gl_.BlendFunc(gl::one, gl::one);
+    gl_.ClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+    gl_.ReadBuffer(gl::colour_attachment0);
+}
+
+void GlDevice::aim_at(std::size_t channel) const
+{
+    gl_.FramebufferTexture2D(gl::framebuffer, gl::colour_attachment0, gl::texture_2d, pictures_[channel], 0);
+    if (gl_.CheckFramebufferStatus(gl::framebuffer) != gl::framebuffer_complete)
+        throw GlError("OpenGL (" + description_.renderer + ") does not draw into pictures of floats");
+}
+
+void GlDevice::draw(const BodyMeshes &meshes, std::span<const std::uint8_t> is_stale,
+                    std::span<const std::uint8_t> is_drawn, const View &view, const PixelRect &rect,
+                    std::vector<std::vector<float>> &sums_mm)
+{
+    const Plan plan = make_plan(meshes, is_drawn, view);
+    const int width = rect.x1 - rect.x0, height = rect.y1 - rect.y0;
+    sums_mm.resize(meshes.channels.size());
+    const GlEntered entered(*context_);
+    const StateGuard guard(gl_);
+    send_vertices(meshes, is_stale);
+    resize(meshes.channels.size(), view.size);
+    gl_.UseProgram(program_);
+    // Floats are densest near 0: depths count from the isocentre. A face behind the source is not seen, and its body has
+    // one face too few there, so that the depth's origin would show; then it is the source itself.
+    set_view(view, plan.is_source_near ? 0.0f : static_cast<float>(view.source_isocentre_m * 1e3));
+    set_state(view, rect);
+    for (std::size_t channel = 0; channel < pictures_.size(); ++channel) {
+        aim_at(channel);
+        gl_.Clear(gl::colour_buffer_bit);
+        const DrawList &list = plan.lists[channel];
+        gl_.MultiDrawElements(gl::triangles, list.counts.data(), gl::type_unsigned_int, list.offsets.data(),
+                              static_cast<int>(list.counts.size()));
+    }
+    for (std::size_t channel = 0; channel < pictures_.size(); ++channel) {
+        aim_at(channel);
+        sums_mm[channel].resize(static_cast<std::size_t>(width) * height);
+        gl_.ReadPixels(rect.x0, rect.y0, width, height, gl::red, gl::type_float, sums_mm[channel].data());
+    }
+    check("drawing");
+}
+
+} // namespace seld

@@ -1,0 +1,46 @@
+// The bodies' faces in one OpenGL context: buffers, program, and one picture of floats per channel. Private to this folder.
+#pragma once
+#include "host/xray/gl/gl_context.hpp"
+#include "host/xray/paths.hpp"
+
+namespace seld
+{
+
+class GlDevice
+{
+  public:
+    // Throws GlError.
+    GlDevice(const BodyMeshes &meshes, std::unique_ptr<GlContext> context);
+    ~GlDevice();
+    GlDevice(const GlDevice &) = delete;
+    GlDevice &operator=(const GlDevice &) = delete;
+
+    const GlDescription &description() const { return description_; }
+
+    // Sends the vertices of the bodies marked in `is_stale`, draws those in `is_drawn`, and reads the rectangle of every
+    // channel: depth sums in mm along the central axis, row after row from the top. Throws GlError, GlLost.
+    void draw(const BodyMeshes &meshes, std::span<const std::uint8_t> is_stale,
+              std::span<const std::uint8_t> is_drawn, const View &view, const PixelRect &rect,
+              std::vector<std::vector<float>> &sums_mm);
+
+  private:
+    class StateGuard;
+
+    void build(const BodyMeshes &meshes);
+    void send_vertices(const BodyMeshes &meshes, std::span<const std::uint8_t> is_stale) const;
+    void resize(std::size_t channels, int size);
+    void delete_pictures();
+    void set_view(const View &view, float reference_mm) const;
+    void set_state(const View &view, const PixelRect &rect) const;
+    void aim_at(std::size_t channel) const;
+    void check(const char *doing) const;
+
+    std::unique_ptr<GlContext> context_;
+    GlFunctions gl_;
+    GlDescription description_;
+    unsigned program_ = 0, array_ = 0, vertices_ = 0, indices_ = 0, framebuffer_ = 0;
+    int size_max_ = 0, size_ = 0;
+    std::vector<unsigned> pictures_; // one texture per channel
+};
+
+} // namespace seld

@@ -1,0 +1,35 @@
+// A shared library opened at run time. It stays for the life of the process: Mesa keeps threads and thread-local data, so
+// that taking it out again is not safe. Private to this folder.
+#pragma once
+#include <cstring>
+#include <string>
+#include <vector>
+
+namespace seld
+{
+
+class GlLibraryFile
+{
+  public:
+    // The first of `names` that opens; none: is_open() is false and problem() says why.
+    explicit GlLibraryFile(const std::vector<std::string> &names);
+
+    bool is_open() const { return handle_ != nullptr; }
+    const std::string &name() const { return name_; }
+    const std::string &problem() const { return problem_; }
+    // Sets `function` to nullptr when the library has none of this name.
+    template <class Function> void find(Function &function, const char *name) const
+    {
+        void *address = symbol(name);
+        static_assert(sizeof function == sizeof address);
+        std::memcpy(&function, &address, sizeof function);
+    }
+
+  private:
+    void *symbol(const char *name) const;
+
+    void *handle_ = nullptr;
+    std::string name_, problem_;
+};
+
+} // namespace seld

@@ -1,0 +1,46 @@
+// Path lengths of bodies by OpenGL 3.3 core: every face adds its depth to a picture of floats where a ray leaves the body
+// and takes it away where it enters. The order of faces does not matter, so there is neither depth buffer nor sorting.
+// A second way to what RasterPaths draws, by other code; held against it in host/tests/test_gl.cpp. See docs/xray.md.
+#pragma once
+#include "host/xray/gl/gl_context.hpp"
+#include "host/xray/paths.hpp"
+#include <functional>
+
+namespace seld
+{
+
+// Makes a context whenever one is needed: at the start, and once more when it was lost.
+using GlOpener = std::function<std::unique_ptr<GlContext>()>;
+
+class GlDevice;
+
+class GlPaths final : public BodyPaths
+{
+  public:
+    // `threads` turn what was read back into integers. Throws GlError: no context, a missing function, a shader that the
+    // driver refuses.
+    GlPaths(const BodyMeshes &meshes, GlOpener open, int threads);
+    ~GlPaths() override;
+
+    std::string_view name() const override { return "opengl"; }
+    void move(int body, std::span<const Eigen::Vector3i> vertices_um) override;
+    bool draw(const View &view, std::span<const std::uint8_t> is_drawn, const PixelRect &rect, PathForm form,
+              PathPictures &pictures, std::string &error) override;
+    const GlDescription &description() const { return description_; }
+
+  private:
+    void open_device();
+    void resolve_row(const View &view, const PixelRect &rect, int row, PathForm form,
+                     PathPictures &pictures) const;
+
+    const BodyMeshes *meshes_;
+    std::unique_ptr<BodyMeshes> moved_; // own copy, from the first move on
+    GlOpener open_;
+    int threads_;
+    GlDescription description_;
+    std::unique_ptr<GlDevice> device_;        // everything that lives in one context
+    std::vector<std::uint8_t> is_stale_;      // of each body: moved since its vertices went to the device
+    std::vector<std::vector<float>> sums_mm_; // [channel], rectangle of the last draw
+};
+
+} // namespace seld

@@ -1,0 +1,11 @@
+// A pair of shaders as one program. Private to this folder and to host/app's window.
+#pragma once
+#include "host/xray/gl/gl_context.hpp"
+
+namespace seld
+{
+
+// Throws GlError with the driver's own words. The caller deletes the program.
+unsigned build_program(const GlFunctions &gl, const char *vertex_text, const char *fragment_text);
+
+} // namespace seld
