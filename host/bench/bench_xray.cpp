@@ -2,10 +2,13 @@
 // that is missing, one made here; both have at least 300,000 triangles and four materials.
 #include "firmware/bench/bench.h"
 #include "host/tests/xray_shapes.hpp"
-#include "host/xray/xray.hpp"
+#include "host/xray/chain.hpp"
+#include "host/xray/gl/gl_paths.hpp"
+#include "host/xray/raster_paths.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <iterator>
 #include <string>
@@ -215,6 +218,75 @@ double frame_instructions(const bench_case *self)
     return 0.0;
 }
 
+// Path lengths alone: by the rasteriser and by OpenGL on OSMesa, two threads each, in turn; of each view the fastest.
+struct PathTimes {
+    double raster_ms = 0.0, osmesa_ms = 0.0; // means over the views
+};
+
+double draw_ms(BodyPaths &paths, const View &view, std::span<const std::uint8_t> all, PathPictures &pictures)
+{
+    std::string error;
+    const double begin_us = bench_now_us();
+    if (!paths.draw(view, all, {0, 0, view.size, view.size}, PathForm::ray_lengths, pictures, error))
+        bench_fail(error.c_str());
+    return (bench_now_us() - begin_us) * 1e-3;
+}
+
+PathTimes path_times(int size)
+{
+    setenv("LP_NUM_THREADS", "2", 1); // llvmpipe's, Mesa's driver without a graphics card
+    XrayScene scene;
+    std::string error;
+    if (!scene.set_bodies(patient(), error)) bench_fail(error.c_str());
+    const BodyMeshes &meshes = scene.meshes().bodies;
+    RasterPaths raster(meshes, 2);
+    std::unique_ptr<GlPaths> osmesa;
+    try {
+        osmesa = std::make_unique<GlPaths>(
+            meshes, [] { return open_headless(GlLibrary::osmesa); }, 2);
+    } catch (const GlError &failure) {
+        bench_fail(failure.what());
+    }
+    const std::vector<std::uint8_t> all(meshes.channel_of_body.size(), 1);
+    PathPictures pictures;
+    for (const MeshChannel &channel : meshes.channels)
+        for (int material : {channel.own, channel.parent})
+            if (material >= 0) pictures[material].resize(static_cast<std::size_t>(size) * size);
+    PathTimes sum;
+    for (const Look &look : looks) {
+        CArm carm;
+        carm.primary_deg = look.primary_deg;
+        carm.secondary_deg = look.secondary_deg;
+        carm.isocentre_m = {0.0, look.y_m, 0.0};
+        const View view = make_view(carm, size);
+        double raster_ms = 1e9, osmesa_ms = 1e9;
+        for (int round = 0; round < rounds; ++round) {
+            raster_ms = std::min(raster_ms, draw_ms(raster, view, all, pictures));
+            osmesa_ms = std::min(osmesa_ms, draw_ms(*osmesa, view, all, pictures));
+        }
+        sum.raster_ms += raster_ms / static_cast<double>(std::size(looks));
+        sum.osmesa_ms += osmesa_ms / static_cast<double>(std::size(looks));
+    }
+    std::fprintf(stderr, "path lengths of %zu triangles: raster %.2f ms, %s on %s %.2f ms\n",
+                 scene.triangle_count(), sum.raster_ms, osmesa->description().version.c_str(),
+                 osmesa->description().renderer.c_str(), sum.osmesa_ms);
+    return sum;
+}
+
+double raster_paths_ms(const bench_case *self)
+{
+    return path_times(self->argument).raster_ms;
+}
+double osmesa_paths_ms(const bench_case *self)
+{
+    return path_times(self->argument).osmesa_ms;
+}
+double osmesa_ratio(const bench_case *self)
+{
+    const PathTimes times = path_times(self->argument);
+    return times.osmesa_ms / times.raster_ms;
+}
+
 const bench_case cases[] = {
     {"xray.frame_ms", "ms", "size=512 view=moved threads=2", nullptr, 0, frame_ms, 512},
     {"xray.frame_ms", "ms", "size=1024 view=moved threads=2", nullptr, 0, frame_ms, 1024},
@@ -222,6 +294,12 @@ const bench_case cases[] = {
     {"xray.frame_ms", "ms", "size=1024 view=kept threads=2", nullptr, 0, frame_ms, 1024 | is_kept},
     {"xray.frame_ms", "ms", "size=512 view=kept threads=2 heart_triangles=28800 struts=400", nullptr, 0,
      frame_ms, 512 | is_kept | is_beating},
+    {"xray.paths_ms", "ms", "size=512 by=raster threads=2", nullptr, 0, raster_paths_ms, 512},
+    {"xray.paths_ms", "ms", "size=512 by=osmesa threads=2", nullptr, 0, osmesa_paths_ms, 512},
+    {"xray.paths_ms", "ms", "size=1024 by=raster threads=2", nullptr, 0, raster_paths_ms, 1024},
+    {"xray.paths_ms", "ms", "size=1024 by=osmesa threads=2", nullptr, 0, osmesa_paths_ms, 1024},
+    {"xray.osmesa_over_raster", "1", "size=512 paths threads=2", nullptr, 0, osmesa_ratio, 512},
+    {"xray.osmesa_over_raster", "1", "size=1024 paths threads=2", nullptr, 0, osmesa_ratio, 1024},
     {"xray.frame_instructions", "instructions", "size=512 view=moved", "measured_frame", 2,
      frame_instructions, 512},
     {"xray.frame_instructions", "instructions", "size=512 view=kept", "measured_frame", 2, frame_instructions,

@@ -17,7 +17,9 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
+#include <dlfcn.h>
 #include <fstream>
+#include <link.h>
 #include <thread>
 #include <unistd.h>
 extern "C" {
@@ -529,6 +531,29 @@ void another_thread_may_go_on_with_it(void **)
     }
 }
 
+// EGL takes its driver out of memory with its last context; what that leaks could then not be told from what we leak. So
+// the driver is asked to stay.
+int keep_driver(void **)
+{
+    std::unique_ptr<GlContext> context;
+    try {
+        context = open_headless(GlLibrary::egl);
+    } catch (const GlError &error) {
+        std::printf("# %s\n", error.what());
+        return -1;
+    }
+    std::vector<std::string> names;
+    auto take_name = [](dl_phdr_info *module, std::size_t, void *list) {
+        static_cast<std::vector<std::string> *>(list)->push_back(module->dlpi_name);
+        return 0;
+    };
+    dl_iterate_phdr(take_name, &names);
+    for (const std::string &name : names)
+        if (name.find("_dri.so") != std::string::npos || name.find("libgallium") != std::string::npos)
+            dlopen(name.c_str(), RTLD_LAZY | RTLD_NOLOAD | RTLD_NODELETE);
+    return 0;
+}
+
 } // namespace
 
 int main()
@@ -551,5 +576,5 @@ int main()
         cmocka_unit_test(fifty_contexts_come_and_go_without_growing),
         cmocka_unit_test(another_thread_may_go_on_with_it),
     };
-    return cmocka_run_group_tests(tests, nullptr, nullptr);
+    return cmocka_run_group_tests(tests, keep_driver, nullptr);
 }
