@@ -53,7 +53,11 @@ void load(Batch &batch, int k, const Corner &a, const Corner &b, const Corner &c
 void TileRaster::finish()
 {
     static const DrawBatch draw_batch = choose_draw_batch();
-    if (batch_.count > 0) draw_batch(batch_, tile_);
+    if (batch_.count == 0) return;
+    // What an earlier triangle left in the places that are free now may be too large for 32 bits.
+    for (int k = batch_.count; k < lane_count; ++k)
+        batch_.ax[k] = batch_.ay[k] = batch_.bx[k] = batch_.by[k] = batch_.cx[k] = batch_.cy[k] = 0;
+    draw_batch(batch_, tile_);
     batch_.count = 0;
     batch_.is_large = 0;
 }
