@@ -86,10 +86,11 @@ int remove_scene(void **)
 }
 
 // Measures every frame against the surface.
-class Referee : public seld::FrameSink
+class Referee : public seld::SteadySink
 {
   public:
-    void frame(const seld::SessionFrame &frame) override
+    Referee() : SteadySink(frames_per_second) {}
+    void picture(const seld::SessionFrame &frame) override
     {
         const auto &nodes = frame.wire.nodes;
         double length_mm = 0.0;
@@ -143,8 +144,7 @@ void drive(const std::vector<std::string> &instrument_files, const seld::Session
     const seld_wire_entry entry = seld::entry_of(scene, tools.size(), session.inserted_um);
     seld::Device device(scene, tools, entry, seld::host_rig());
     Referee referee;
-    seld::RunSettings settings;
-    settings.pictures_per_second = frames_per_second;
+    const seld::RunSettings settings;
     const seld::RunResult result = seld::run_session(device, session, nullptr, &referee, settings);
     const double deep_pct =
         100.0 * static_cast<double>(referee.deep_samples) / static_cast<double>(referee.samples);

@@ -221,15 +221,14 @@ seld_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
     return entry_of(scene, tool_count, inserted_um);
 }
 
-ViewState entry_view(const SceneFile &scene)
+std::vector<RoomCommand> entry_commands(const SceneFile &scene)
 {
-    ViewState view;
-    view.follows_tip = true;
+    RoomCommand table{RoomAction::table, {}};
     const std::int32_t place_m_q30[3] = {scene.entry.position_x_m_q30, scene.entry.position_y_m_q30,
                                          scene.entry.position_z_m_q30};
     for (int axis = 0; axis < 3; ++axis)
-        view.table_um[axis] = static_cast<std::int32_t>(std::lround(units::metres(place_m_q30[axis]) * 1e6));
-    return view;
+        table.values[axis] = static_cast<std::int32_t>(std::lround(units::metres(place_m_q30[axis]) * 1e6));
+    return {table, {RoomAction::follow, {1, 0, 0}}};
 }
 
 std::string bodies_beside(const std::string &scene)

@@ -48,8 +48,8 @@ std::vector<Instrument> read_tools(const std::string &instrument, const std::vec
 // Where they enter: no length (the default), one for all, or one each. Throws UsageError for more lengths than tools.
 seld_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
                            const std::vector<double> &inserted_mm);
-// Over the entry, following the tip.
-ViewState entry_view(const SceneFile &scene);
+// The table over the entry, following the tip.
+std::vector<RoomCommand> entry_commands(const SceneFile &scene);
 // The device of a session that the rig leads. With `motors` it shows what will be powered and asks, unless `yes`; throws
 // RigStopped when that is not confirmed.
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);

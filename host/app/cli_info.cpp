@@ -33,8 +33,8 @@ void print_recording(const std::string &path)
                     header.entry.inserted_um[k] * 1e-3);
     }
     std::printf("session       %s\n", header.session_path.c_str());
-    std::printf("snapshots     %zu, full hashes %zu, view changes %zu\n", recording.snapshots.size(),
-                recording.hashes.size(), recording.views.size());
+    std::printf("snapshots     %zu, full hashes %zu, commands to the room %zu\n", recording.snapshots.size(),
+                recording.hashes.size(), recording.commands.size());
     if (recording.is_complete) {
         std::printf("final hash    %016llx\n", static_cast<unsigned long long>(recording.hashes.back().hash));
     }

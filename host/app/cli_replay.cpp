@@ -101,7 +101,6 @@ int command_replay(const ReplayOptions &options)
     settings.speed = *replay_speed(options.speed);
     settings.verifies = options.verify;
     settings.from_s = options.from_s;
-    settings.pictures_per_second = picture_settings.pictures_per_second;
     settings.waits_for_enter = isatty(STDIN_FILENO) != 0;
     return print_result(recording, options, replay_recording(device, recording, pictures.get(), settings));
 }

@@ -55,6 +55,23 @@ void print_result(const RunResult &result, const std::vector<Instrument> &tools)
     }
 }
 
+void print_dose(const DoseMeter &dose)
+{
+    const Dose &total = dose.total();
+    std::printf(
+        "dose                  %.2f mGy reference air kerma, %.3f Gy cm2, %u pulses, fluoroscopy %.2f min\n",
+        total.air_kerma_uGy * 1e-3, total.kap_Gy_cm2, unsigned{total.pulses}, dose.fluoro_ticks() / 60e3);
+    int number = 0;
+    for (const Irradiation &one : dose.irradiations()) {
+        const char *kind = one.kind == RunKind::fluoro ? "fluoroscopy"
+                           : one.kind == RunKind::cine ? "cine"
+                                                       : "DSA";
+        std::printf("  %2d %-12s %7.1f s  %4u pulses  %8.3f mGy  %8.4f Gy cm2\n", ++number, kind,
+                    one.dose.beam_ticks * 1e-3, unsigned{one.dose.pulses}, one.dose.air_kerma_uGy * 1e-3,
+                    one.dose.kap_Gy_cm2);
+    }
+}
+
 void check_files(const RunOptions &options, const PictureSettings &pictures)
 {
     std::vector<NamedPath> inputs = tool_inputs(options.instrument, options.tools);
@@ -122,13 +139,15 @@ int command_run(const RunOptions &options)
                                         device.rig()};
         recorder = std::make_unique<Recorder>(options.record, header);
     }
-    const RunSettings settings{picture_settings.pictures_per_second,
-                               !options.quiet && isatty(STDERR_FILENO) != 0};
-    const RunResult result = is_led ? run_free_session(device, entry_view(scene), *options.free_run_s,
+    const RunSettings settings{!options.quiet && isatty(STDERR_FILENO) != 0};
+    const RunResult result = is_led ? run_free_session(device, entry_commands(scene), *options.free_run_s,
                                                        recorder.get(), pictures.get(), settings)
                                     : run_session(device, session, recorder.get(), pictures.get(), settings);
     print_result(result, tools);
-    if (!options.json.empty()) write_report(options.json, result, scene.path, tools, session.file);
+    if (pictures) print_dose(pictures->room().dose());
+    if (!options.json.empty())
+        write_report(options.json, result, scene.path, tools, session.file,
+                     pictures ? &pictures->room() : nullptr);
     if (!result.stopped_by.empty()) {
         std::fprintf(stderr, "seldinger: %s\n", result.stopped_by.c_str());
         return 1;

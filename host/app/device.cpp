@@ -97,13 +97,11 @@ seld_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
     return entry;
 }
 
-SessionFrame session_frame(Device &device, const seld_wire_tick_state &state, const seld_wire_encoders &input,
-                           const ViewState &view)
+SessionFrame session_frame(Device &device, const seld_wire_tick_state &state, const seld_wire_encoders &input)
 {
     const Link &link = device.link();
     const std::vector<Instrument> &tools = device.tools();
     SessionFrame frame;
-    frame.view = view;
     frame.wire = wire_frame(link.nodes(), link.node_table(), tools);
     frame.tools.resize(tools.size());
     for (std::size_t k = 0; k < frame.tools.size(); k++) {

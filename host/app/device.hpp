@@ -114,8 +114,8 @@ inline constexpr std::uint32_t inserted_default_um = 20000;
 
 // The moment after a batch of steps, from the link's last nodes, the last tick's result and the input that led to it.
 // Before the first tick `state` is empty: no forces yet.
-SessionFrame session_frame(Device &device, const seld_wire_tick_state &state, const seld_wire_encoders &input,
-                           const ViewState &view);
+SessionFrame session_frame(Device &device, const seld_wire_tick_state &state,
+                           const seld_wire_encoders &input);
 
 // The worst of one tool.
 struct ToolFigures {

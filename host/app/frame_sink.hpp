@@ -1,8 +1,8 @@
-// Whoever wants pictures of a session: called at fixed ticks with the instrument and what the C-arm was asked for.
-// May include: model, view_state. Called by: run, replay.
+// Whoever wants pictures of a session: told what the room was asked for, and given the instrument at the ticks it names.
+// May include: model, room/command. Called by: run, replay.
 #pragma once
-#include "host/app/view_state.hpp"
 #include "host/model/wire_frame.hpp"
+#include "host/room/command.hpp"
 #include <cstdint>
 #include <vector>
 
@@ -20,7 +20,6 @@ struct ToolReading {
 // Everything of one moment that a picture and its display show.
 struct SessionFrame {
     WireFrame wire;
-    ViewState view;
     std::vector<ToolReading> tools; // from the innermost
 };
 
@@ -28,6 +27,10 @@ class FrameSink
 {
   public:
     virtual ~FrameSink() = default;
+    // In force from that tick on; before the frame of that tick.
+    virtual void command(std::uint32_t tick, const RoomCommand &command) = 0;
+    // The next tick at which frame() is wanted, after all that was told up to now.
+    virtual std::uint32_t next_tick() const = 0;
     virtual void frame(const SessionFrame &frame) = 0;
     virtual void
     finish() = 0; // after the last frame; throws std::runtime_error when a file could not be written
@@ -39,5 +42,23 @@ inline std::uint32_t picture_tick(std::uint32_t index, std::uint32_t per_second)
     return static_cast<std::uint32_t>((static_cast<std::uint64_t>(index) * 1000 + per_second - 1) /
                                       per_second);
 }
+
+// A sink that wants its frames at a steady rate, whatever the room does.
+class SteadySink : public FrameSink
+{
+  public:
+    explicit SteadySink(std::uint32_t per_second) : per_second_(per_second) {}
+    void command(std::uint32_t, const RoomCommand &) override {}
+    std::uint32_t next_tick() const override { return picture_tick(index_, per_second_); }
+    void frame(const SessionFrame &frame) final
+    {
+        while (next_tick() <= frame.wire.tick) ++index_;
+        picture(frame);
+    }
+    virtual void picture(const SessionFrame &frame) = 0;
+
+  private:
+    std::uint32_t per_second_, index_ = 0;
+};
 
 } // namespace seld

@@ -76,13 +76,53 @@ double rounded(double value, double steps)
     return std::round(finite_or_zero(value) * steps) / steps + 0.0;
 }
 
-// "LAO 30\x7f CRA 10\x7f", whole degrees as on a C-arm.
-std::string angles(const OverlayInfo &info)
+// "LAO 30\x7f  CRA 10\x7f", whole degrees as on a C-arm.
+std::string angles(const CArm &carm)
 {
-    const long primary = std::lround(std::clamp(finite_or_zero(info.primary_deg), -999.0, 999.0));
-    const long secondary = std::lround(std::clamp(finite_or_zero(info.secondary_deg), -999.0, 999.0));
+    const long primary = std::lround(std::clamp(finite_or_zero(carm.primary_deg), -999.0, 999.0));
+    const long secondary = std::lround(std::clamp(finite_or_zero(carm.secondary_deg), -999.0, 999.0));
     return format("%s %ld\x7f  %s %ld\x7f", primary < 0 ? "RAO" : "LAO", std::labs(primary),
                   secondary < 0 ? "CAU" : "CRA", std::labs(secondary));
+}
+
+const char *name_of(RunKind kind)
+{
+    return kind == RunKind::fluoro ? "FLUORO" : kind == RunKind::cine ? "CINE" : "DSA";
+}
+
+// What is on the screen: the largest thing that a display has to say.
+std::string state_of(const RoomStatus &room)
+{
+    switch (room.source) {
+    case ScreenSource::live:
+        return format("X-RAY ON  %s %g/s", name_of(room.kind), room.pulses_per_s);
+    case ScreenSource::held:
+        return "LAST IMAGE HOLD";
+    case ScreenSource::loop:
+        return format("RUN %d LOOP  %d/%d", room.run, room.frame + 1, room.frames);
+    case ScreenSource::still:
+        return format("RUN %d FRAME  %d/%d", room.run, room.frame + 1, room.frames);
+    case ScreenSource::nothing:
+        break;
+    }
+    return room.is_beam_on ? "X-RAY ON" : "NO IMAGE YET";
+}
+
+// Masks and roadmap, one line each.
+std::vector<std::string> processing_of(const RoomStatus &room)
+{
+    std::vector<std::string> lines;
+    if (room.is_subtracted && room.mask_first == room.mask_last)
+        lines.push_back(format("DSA  mask %d", room.mask_first + 1));
+    else if (room.is_subtracted)
+        lines.push_back(format("DSA  mask %d-%d", room.mask_first + 1, room.mask_last + 1));
+    if (room.is_subtracted && (room.shift_right_px != 0.0 || room.shift_up_px != 0.0))
+        lines.push_back(format("mask shifted %+.1f %+.1f px", room.shift_right_px, room.shift_up_px));
+    if (room.roadmap == RoadmapState::waits) lines.push_back("ROADMAP: press the pedal");
+    if (room.roadmap == RoadmapState::collects) lines.push_back("ROADMAP: collecting");
+    if (room.roadmap == RoadmapState::shown) lines.push_back("ROADMAP");
+    if (room.roadmap == RoadmapState::moved) lines.push_back("ROADMAP hidden: geometry changed");
+    return lines;
 }
 
 std::string clock(double time_s)
@@ -122,16 +162,45 @@ class Display
 
     void draw_geometry()
     {
-        left(margin_, angles(info_), white);
-        left(margin_ + line_, format("FD %.0f cm", finite_or_zero(info_.field_m) * 100.0), dim);
+        const RoomStatus &room = info_.room;
+        left(margin_, angles(room.carm), room.is_blocked ? red : room.is_moving ? amber : white);
+        left(margin_ + line_,
+             format("SID %.0f  FD %.0f cm", finite_or_zero(room.carm.source_detector_m) * 100.0,
+                    finite_or_zero(room.carm.field_m) * 100.0),
+             dim);
+        left(margin_ + 2 * line_,
+             format("FL %g p/s  %s %g/s", room.fluoro_pulses_per_s, name_of(room.program),
+                    room.program_pulses_per_s),
+             dim);
+        int y = margin_ + 3 * line_;
+        for (const std::string &text : processing_of(room)) {
+            left(y, text, room.roadmap == RoadmapState::moved ? amber : white);
+            y += line_;
+        }
     }
 
+    // Reference air kerma with its rate, kerma-area product, time: what IEC 60601-2-43 wants to be seen.
     void draw_dose()
     {
-        const std::string state = info_.is_beam_on ? "X-RAY ON" : "LAST IMAGE HOLD";
-        right(margin_, state, info_.is_beam_on ? amber : dim);
-        right(margin_ + line_, "FL " + clock(info_.fluoro_s), white);
-        right(margin_ + 2 * line_, format("%.2f mGy", finite_or_zero(info_.kerma_mGy)), white);
+        const RoomStatus &room = info_.room;
+        right(margin_, state_of(room), room.is_beam_on ? amber : dim);
+        right(margin_ + line_, format("FL %.1f min", finite_or_zero(info_.fluoro_min)), white);
+        right(margin_ + 2 * line_,
+              info_.kerma_rate_mGy_min > 0.0
+                  ? format("%.1f mGy  %.1f mGy/min", finite_or_zero(info_.kerma_mGy),
+                           finite_or_zero(info_.kerma_rate_mGy_min))
+                  : format("%.1f mGy", finite_or_zero(info_.kerma_mGy)),
+              info_.dose_alert_Gy > 0.0 ? red : white);
+        right(margin_ + 3 * line_, format("%.2f Gy cm2", finite_or_zero(info_.kap_Gy_cm2)), white);
+        if (room.source != ScreenSource::nothing && (room.is_beam_on || room.source == ScreenSource::held)) {
+            const XrayTechnique &with = room.technique;
+            right(margin_ + 4 * line_,
+                  format("%.0f kV  %.0f mA  %.1f ms", with.tube_voltage_kV, with.tube_current_mA,
+                         with.pulse_ms),
+                  room.is_underexposed ? amber : dim);
+        }
+        if (info_.dose_alert_Gy > 0.0)
+            right(margin_ + 5 * line_, format("DOSE ABOVE %g Gy", info_.dose_alert_Gy), red);
     }
 
     // Bottom: the session's time on the right, what the hands feel on the left.
@@ -198,21 +267,18 @@ class Display
                  force_colour(axial_N));
     }
 
-    // Which way the patient lies: head up; the letter of the patient's side that the picture's edge shows.
+    // Which way the patient lies: DICOM's letters at the four edges.
     void draw_orientation()
     {
-        const bool is_mirrored = std::fabs(finite_or_zero(info_.primary_deg)) > 90.0;
-        const int middle = rgb_.height / 2 - 4 * scale_;
-        draw_text(rgb_, rgb_.width - margin_ - 5 * scale_, middle, is_mirrored ? "R" : "L", scale_, white);
-        draw_text(rgb_, margin_, middle, is_mirrored ? "L" : "R", scale_, white);
-        const int x = rgb_.width / 2, y = margin_ + 4 * scale_, r = 4 * scale_;
-        for (int dy = -r; dy <= 3 * r; ++dy) // head and shoulders
-            for (int dx = -2 * r; dx <= 2 * r; ++dx) {
-                const bool is_head = dx * dx + dy * dy <= r * r;
-                const int below = dy - 3 * r;
-                const bool is_trunk = below <= 0 && dx * dx * 5 / 16 + below * below * 5 / 4 <= 5 * r * r / 4;
-                if (is_head || is_trunk) put(rgb_, x + dx, y + dy, dim);
-            }
+        const View view = make_view(clamp_carm(info_.room.carm), 16);
+        const int middle = rgb_.height / 2 - 4 * scale_, bottom = rgb_.height - margin_ - 8 * scale_;
+        const auto centred = [&](int y, const std::string &text) {
+            draw_text(rgb_, (rgb_.width - text_width(text, scale_)) / 2, y, text, scale_, white);
+        };
+        right(middle, patient_side(view.right), white);
+        left(middle, patient_side(-view.right), white);
+        centred(margin_, patient_side(view.up));
+        if (info_.tools.size() < 2) centred(bottom, patient_side(-view.up)); // else tools fill the line
     }
 
     void draw_notice()

@@ -1,7 +1,7 @@
-// The angiography display around a picture: angles, dose, instrument and orientation, in an own bitmap font.
+// The angiography display around a picture: geometry, mode, dose, instrument and orientation, in an own bitmap font.
 #pragma once
 #include "host/app/picture.hpp"
-#include "host/xray/xray.hpp"
+#include "host/room/room.hpp"
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,15 +20,15 @@ struct OverlayTool {
 };
 
 struct OverlayInfo {
-    double primary_deg = 0.0;   // + LAO
-    double secondary_deg = 0.0; // + CRA
-    double field_m = 0.32;
+    RoomStatus room;
     double time_s = 0.0;            // of the session
     std::vector<OverlayTool> tools; // from the innermost
     double axial_full_scale_N = 2.0;
-    double fluoro_s = 0.0;          // beam-on time
-    double kerma_mGy = 0.0;         // sum at the reference point
-    bool is_beam_on = true;         // false: last image hold
+    double fluoro_min = 0.0; // pedal time of fluoroscopy
+    double kerma_mGy = 0.0;  // sum at the reference point
+    double kerma_rate_mGy_min = 0.0;
+    double kap_Gy_cm2 = 0.0;
+    double dose_alert_Gy = 0.0;     // passed and not acknowledged; 0: none
     std::string notice;             // one line in the middle, e.g. a warning; empty for none
     std::vector<std::string> panel; // help panel, one line each; empty for none
 };

@@ -136,18 +136,14 @@ void Recorder::state(std::uint32_t kind, std::uint32_t tick, std::span<const std
     chunk(kind, bytes);
 }
 
-void Recorder::view(std::uint32_t tick, const ViewState &view)
+void Recorder::command(std::uint32_t tick, const RoomCommand &command)
 {
-    std::uint8_t bytes[view_bytes];
+    std::uint8_t bytes[command_bytes];
     seld_wire_writer writer = seld_wire_writer_make(bytes, sizeof bytes);
     seld_wire_write(&writer, tick, 4);
-    seld_wire_write(&writer, view.is_fluoro_on, 1);
-    seld_wire_write(&writer, view.follows_tip, 1);
-    seld_wire_write(&writer, static_cast<std::uint32_t>(view.primary_mdeg), 4);
-    seld_wire_write(&writer, static_cast<std::uint32_t>(view.secondary_mdeg), 4);
-    for (std::int32_t um : view.table_um) seld_wire_write(&writer, static_cast<std::uint32_t>(um), 4);
-    seld_wire_write(&writer, static_cast<std::uint32_t>(view.field_um), 4);
-    chunk(VIEW, bytes);
+    seld_wire_write(&writer, static_cast<std::uint16_t>(command.action), 2);
+    for (std::int32_t value : command.values) seld_wire_write(&writer, static_cast<std::uint32_t>(value), 4);
+    chunk(ROOM, bytes);
 }
 
 void Recorder::finish(std::uint32_t tick, std::uint64_t final_hash)

@@ -2,6 +2,8 @@
 #include "host/model/text.hpp"
 #include "shared/wire/wire_frame.h"
 #include <algorithm>
+#include <array>
+#include <optional>
 
 namespace seld
 {
@@ -43,10 +45,11 @@ class Reader
         if (bytes_.size() < 8 || !std::equal(magic, magic + 7, bytes_.begin())) {
             fail(RecordingFault::not_a_recording, "is not a Seldinger recording");
         }
-        if (bytes_[7] != static_cast<std::uint8_t>(magic[7])) {
-            fail(RecordingFault::newer_version, std::string("is a recording of version '") +
-                                                    static_cast<char>(bytes_[7]) +
-                                                    "', this program reads version '" + magic[7] +
+        const auto version = static_cast<char>(bytes_[7]);
+        if (version < oldest_version || version > magic[7]) {
+            fail(RecordingFault::newer_version, std::string("is a recording of version '") + version +
+                                                    "', this program reads '" + oldest_version + "' to '" +
+                                                    magic[7] +
                                                     "'; use the program that wrote it or a newer one");
         }
         position_ = 8;
@@ -60,7 +63,7 @@ class Reader
         seld_wire_reader head = seld_wire_reader_make(bytes_.data() + position_, left);
         kind_ = static_cast<std::uint32_t>(seld_wire_read(&head, 4));
         const std::size_t count = seld_wire_read(&head, 4);
-        if (kind_ < HEAD || kind_ > RESUMED)
+        if (kind_ < HEAD || kind_ > ROOM)
             fail(RecordingFault::damaged, "is damaged: unknown chunk kind " + std::to_string(kind_));
         if (count > left - chunk_head_bytes - chunk_tail_bytes) return false;
         const std::size_t covered = chunk_head_bytes + count;
@@ -152,6 +155,9 @@ class Reader
         case VIEW:
             read_view();
             break;
+        case ROOM:
+            read_command();
+            break;
         case END:
             read_end();
             break;
@@ -194,21 +200,47 @@ class Reader
         return seld_wire_i32_from_u32(static_cast<std::uint32_t>(seld_wire_read(&payload_, 4)));
     }
 
+    // Version 2: the whole view at once. Only what differs from the view before becomes a command.
     void read_view()
     {
-        RecordedView recorded;
-        recorded.tick = read_tick();
-        recorded.view.is_fluoro_on = seld_wire_read(&payload_, 1) != 0;
-        recorded.view.follows_tip = seld_wire_read(&payload_, 1) != 0;
-        recorded.view.primary_mdeg = read_i32();
-        recorded.view.secondary_mdeg = read_i32();
-        for (std::int32_t &um : recorded.view.table_um) um = read_i32();
-        recorded.view.field_um = read_i32();
+        const std::uint32_t tick = read_tick();
+        std::array<std::int32_t, 8> view{};
+        view[0] = seld_wire_read(&payload_, 1) != 0;
+        view[1] = seld_wire_read(&payload_, 1) != 0;
+        for (std::size_t i = 2; i < view.size(); i++) view[i] = read_i32();
         check_used_up("view");
-        if (!recording_.views.empty() && recorded.tick < recording_.views.back().tick) {
-            fail(RecordingFault::inconsistent, "is inconsistent: views are out of order");
+        const auto is_new = [&](std::size_t from, std::size_t to) {
+            return !last_view_ ||
+                   !std::equal(view.begin() + from, view.begin() + to, last_view_->begin() + from);
+        };
+        if (is_new(2, 4)) take_command(tick, {RoomAction::angles, {view[2], view[3], 0}});
+        if (is_new(7, 8)) take_command(tick, {RoomAction::field, {view[7], 0, 0}});
+        if (is_new(1, 2) || is_new(4, 7)) {
+            take_command(tick, {RoomAction::table, {view[4], view[5], view[6]}});
+            take_command(tick, {RoomAction::follow, {view[1], 0, 0}});
         }
-        recording_.views.push_back(recorded);
+        if (is_new(0, 1)) take_command(tick, {RoomAction::fluoro_pedal, {view[0], 0, 0}});
+        last_view_ = view;
+    }
+
+    void read_command()
+    {
+        const std::uint32_t tick = read_tick();
+        RoomCommand command;
+        command.action = static_cast<RoomAction>(seld_wire_read(&payload_, 2));
+        for (std::int32_t &value : command.values) value = read_i32();
+        check_used_up("room");
+        take_command(tick, command);
+    }
+
+    void take_command(std::uint32_t tick, const RoomCommand &command)
+    {
+        const std::string why = refusal(command);
+        if (!why.empty())
+            fail(RecordingFault::inconsistent, "is inconsistent: the room cannot do this: " + why);
+        if (!recording_.commands.empty() && tick < recording_.commands.back().tick)
+            fail(RecordingFault::inconsistent, "is inconsistent: commands to the room are out of order");
+        recording_.commands.push_back({tick, command});
     }
 
     void read_end()
@@ -227,21 +259,11 @@ class Reader
     std::size_t position_ = 0;
     std::uint32_t kind_ = 0;
     seld_wire_reader payload_{};
+    std::optional<std::array<std::int32_t, 8>> last_view_; // fluoro, follow, angles, table, field
     Recording recording_;
 };
 
 } // namespace
-
-const ViewState &Recording::view_at(std::uint32_t tick) const
-{
-    static const ViewState none;
-    const ViewState *view = &none;
-    for (const RecordedView &recorded : views) {
-        if (recorded.tick > tick) break;
-        view = &recorded.view;
-    }
-    return *view;
-}
 
 const RecordedSnapshot *Recording::snapshot_before(std::uint32_t tick) const
 {

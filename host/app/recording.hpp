@@ -1,15 +1,15 @@
 // Recordings: everything that decides a session, tick by tick (docs/session.md gives every byte).
 //
-//   file   = "SELDREC2" | chunk ...
+//   file   = "SELDREC3" | chunk ...
 //   chunk  = kind u32 | bytes u32 | payload | CRC-32 u32 over kind, bytes and payload
-//   order  = HEAD, then TICKS, HASH, SNAPSHOT, RESUMED and VIEW as they happen, END when the session was closed properly
+//   order  = HEAD, then TICKS, HASH, SNAPSHOT, RESUMED and ROOM as they happen, END when the session was closed properly
 //
 // A recorder writes chunk by chunk, so that a recording cut off by a crash is readable up to its last whole chunk.
 // A reader refuses what is not a recording, is of a newer version, or is damaged in the middle.
-// May include: shared/wire, view_state, model. Called by: run, replay, view.
+// May include: shared/wire, room/command, model. Called by: run, replay, view.
 #pragma once
-#include "host/app/view_state.hpp"
 #include "host/model/instrument.hpp"
+#include "host/room/command.hpp"
 #include "shared/wire/wire.h"
 #include <cstdio>
 #include <memory>
@@ -49,9 +49,9 @@ struct RecordedSnapshot {
     std::vector<std::uint8_t> bytes;
 };
 
-struct RecordedView {
+struct RecordedCommand {
     std::uint32_t tick = 0; // in force from this tick on
-    ViewState view;
+    RoomCommand command;
 };
 
 struct Recording {
@@ -59,11 +59,10 @@ struct Recording {
     std::vector<RecordedTick> ticks; // ticks[i] led from tick i to tick i + 1
     std::vector<RecordedHash> hashes;
     std::vector<RecordedSnapshot> snapshots;
-    std::vector<RecordedView> views;
+    std::vector<RecordedCommand> commands; // to the room, in order of time
     std::vector<RecordedSnapshot> resumes; // FREE_RUN after an unplug: the session goes on from this state
     bool is_complete = false;              // closed properly; otherwise cut off after the last whole chunk
 
-    const ViewState &view_at(std::uint32_t tick) const;
     const RecordedSnapshot *snapshot_before(std::uint32_t tick) const; // nullptr: start from the beginning
     const RecordedSnapshot *resumed_at(std::uint32_t tick) const;      // nullptr: nothing happened there
     std::uint32_t ticks_to_resume(std::uint32_t tick) const;           // until the next one, UINT32_MAX: none
@@ -98,7 +97,7 @@ class Recorder
     void hash(std::uint32_t tick, std::uint64_t hash);
     void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes);
     void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes);
-    void view(std::uint32_t tick, const ViewState &view);
+    void command(std::uint32_t tick, const RoomCommand &command);
     void finish(std::uint32_t tick, std::uint64_t hash);
 
   private:

@@ -8,9 +8,20 @@
 namespace seld::recording_format
 {
 
-inline constexpr char magic[9] = "SELDREC2"; // the digit is the version
+// The digit is the version. Version 2 had VIEW instead of ROOM and is still read.
+inline constexpr char magic[9] = "SELDREC3";
+inline constexpr char oldest_version = '2';
 
-enum Kind : std::uint32_t { HEAD = 1, TICKS = 2, HASH = 3, SNAPSHOT = 4, VIEW = 5, END = 6, RESUMED = 7 };
+enum Kind : std::uint32_t {
+    HEAD = 1,
+    TICKS = 2,
+    HASH = 3,
+    SNAPSHOT = 4,
+    VIEW = 5,
+    END = 6,
+    RESUMED = 7,
+    ROOM = 8
+};
 
 inline constexpr std::size_t chunk_head_bytes = 8, chunk_tail_bytes = 4;
 inline constexpr std::size_t text_bytes_max = 4096;
@@ -21,7 +32,7 @@ constexpr std::size_t tick_bytes(std::size_t tool_count)
 {
     return SELD_WIRE_BYTES_encoders - (SELD_WIRE_TOOL_MAX - tool_count) * SELD_WIRE_BYTES_hand + 8;
 }
-inline constexpr std::size_t view_bytes = 4 + 1 + 1 + 6 * 4;
+inline constexpr std::size_t command_bytes = 4 + 2 + 3 * 4;
 
 inline void put_text(seld_wire_writer &writer, const std::string &text)
 {

@@ -36,7 +36,7 @@ class Replayer
     ReplayResult run()
     {
         go_to_start();
-        while (picture_tick(picture_, settings_.pictures_per_second) < link_.tick()) picture_++;
+        pass_commands();
         begin_ = Clock::now();
         begin_tick_ = link_.tick();
         picture_when_due(true);
@@ -77,9 +77,9 @@ class Replayer
         if (settings_.speed.is_paused)
             count = std::min<std::size_t>(count, ticks_per_second - tick % ticks_per_second);
         if (settings_.speed.is_paused && tick % ticks_per_second < batch_ticks) count = 1;
-        if (sink_)
-            count =
-                std::min<std::size_t>(count, picture_tick(picture_, settings_.pictures_per_second) - tick);
+        if (sink_) count = std::min<std::size_t>(count, sink_->next_tick() - tick);
+        if (command_ < recording_.commands.size())
+            count = std::min<std::size_t>(count, recording_.commands[command_].tick - tick);
         return count;
     }
 
@@ -87,8 +87,9 @@ class Replayer
     {
         const std::size_t count = batch_size();
         const bool is_picture_due =
-            sink_ && link_.tick() + count == picture_tick(picture_, settings_.pictures_per_second);
+            sink_ && (link_.tick() + count == sink_->next_tick() || is_command_due(link_.tick() + count));
         step(count, is_picture_due);
+        pass_commands();
         picture_when_due(false);
     }
 
@@ -145,11 +146,24 @@ class Replayer
 
     void picture_when_due(bool is_first)
     {
-        if (!sink_ || link_.tick() != picture_tick(picture_, settings_.pictures_per_second)) return;
+        if (!sink_ || link_.tick() < sink_->next_tick()) return;
         if (is_first) link_.read_nodes();
         const seld_wire_encoders input = inputs_.empty() ? seld_wire_encoders{} : inputs_.back();
-        sink_->frame(session_frame(device_, state_, input, recording_.view_at(link_.tick())));
-        picture_++;
+        sink_->frame(session_frame(device_, state_, input));
+    }
+
+    bool is_command_due(std::size_t tick) const
+    {
+        return command_ < recording_.commands.size() && recording_.commands[command_].tick <= tick;
+    }
+
+    // What the room was asked for up to the present tick.
+    void pass_commands()
+    {
+        for (; is_command_due(link_.tick()); command_++) {
+            const RecordedCommand &recorded = recording_.commands[command_];
+            if (sink_) sink_->command(recorded.tick, recorded.command);
+        }
     }
 
     void keep_pace()
@@ -182,7 +196,8 @@ class Replayer
     std::vector<seld_wire_encoders> inputs_;
     seld_wire_tick_state state_{};
     Clock::time_point begin_;
-    std::uint32_t begin_tick_ = 0, picture_ = 0, hash_tick_ = 0;
+    std::uint32_t begin_tick_ = 0, hash_tick_ = 0;
+    std::size_t command_ = 0; // the next one that is not passed on
 };
 
 } // namespace

@@ -20,8 +20,7 @@ std::optional<ReplaySpeed> replay_speed(const std::string &text);
 struct ReplaySettings {
     ReplaySpeed speed;
     bool verifies = false;
-    double from_s = 0.0; // start at the snapshot before this time, then step up to it
-    std::uint32_t pictures_per_second = 15;
+    double from_s = 0.0;          // start at the snapshot before this time, then step up to it
     bool waits_for_enter = false; // paused, and a person sits at the terminal
 };
 

@@ -8,8 +8,60 @@
 namespace seld
 {
 
+namespace
+{
+
+const char *name_of(RunKind kind)
+{
+    return kind == RunKind::fluoro ? "fluoroscopy" : kind == RunKind::cine ? "cine" : "dsa";
+}
+
+nlohmann::ordered_json dose_report(const Dose &dose)
+{
+    return {{"pulses", dose.pulses},
+            {"beam_s", dose.beam_ticks * 1e-3},
+            {"reference_air_kerma_mGy", dose.air_kerma_uGy * 1e-3},
+            {"kap_Gy_cm2", dose.kap_Gy_cm2}};
+}
+
+// Dose in total and of every press of a pedal; the runs that were kept.
+nlohmann::ordered_json room_report(const Room &room)
+{
+    nlohmann::ordered_json report;
+    const DoseMeter &dose = room.dose();
+    report["total"] = dose_report(dose.total());
+    report["fluoroscopy_min"] = dose.fluoro_ticks() / 60e3;
+    report["dose_alerts_passed"] = dose.alerts_passed();
+    report["irradiations"] = nlohmann::json::array();
+    for (const Irradiation &one : dose.irradiations()) {
+        nlohmann::ordered_json entry = {{"kind", name_of(one.kind)},
+                                        {"run", one.run},
+                                        {"begin_s", one.tick_begin * 1e-3},
+                                        {"end_s", one.tick_end * 1e-3},
+                                        {"pulses_per_s", one.pulses_per_s},
+                                        {"primary_deg", one.carm.primary_deg},
+                                        {"secondary_deg", one.carm.secondary_deg},
+                                        {"sid_cm", one.carm.source_detector_m * 100.0},
+                                        {"field_cm", one.carm.field_m * 100.0},
+                                        {"tube_voltage_kV", one.tube_voltage_kV},
+                                        {"tube_current_mA", one.tube_current_mA},
+                                        {"pulse_ms", one.pulse_ms}};
+        entry.update(dose_report(one.dose));
+        report["irradiations"].push_back(entry);
+    }
+    report["runs"] = nlohmann::json::array();
+    for (const auto &stored : room.store().runs())
+        report["runs"].push_back({{"number", stored->run.number},
+                                  {"kind", name_of(stored->run.kind)},
+                                  {"frames", stored->run.frames.size()},
+                                  {"images_dropped", stored->is_dropped}});
+    return report;
+}
+
+} // namespace
+
 void write_report(const std::string &path, const RunResult &result, const std::string &scene,
-                  const std::vector<Instrument> &tools, const std::string &session)
+                  const std::vector<Instrument> &tools, const std::string &session, const Room *room)
 {
     const SessionFigures &figures = result.figures;
     char hash[20];
@@ -35,6 +87,7 @@ void write_report(const std::string &path, const RunResult &result, const std::s
                                    {"handle_force_max_N", tool.axial_max_N},
                                    {"handle_torque_max_mN_m", tool.torque_max_N_m * 1e3}});
     }
+    report["room"] = room ? room_report(*room) : nlohmann::ordered_json();
     report["interrupted"] = result.was_interrupted;
     report["script_lines_given_up"] = result.given_up_lines;
     report["faults"] = nlohmann::json::array();

@@ -27,8 +27,7 @@ class Runner
     RunResult run()
     {
         const Clock::time_point begin = Clock::now();
-        if (recorder_) recorder_->view(0, player_.view());
-        view_ = player_.view();
+        pass_commands(0);
         picture_when_due();
         while (!player_.is_done() && !is_interrupted()) batch();
         RunResult result;
@@ -53,7 +52,7 @@ class Runner
     {
         const std::uint32_t tick = link_.tick();
         std::uint32_t count = SessionPlayer::observe_every_ticks - tick % SessionPlayer::observe_every_ticks;
-        if (sink_) count = std::min(count, picture_tick(picture_, settings_.pictures_per_second) - tick);
+        if (sink_) count = std::min(count, sink_->next_tick() - tick);
         return std::min(count, Recorder::snapshot_every_ticks - tick % Recorder::snapshot_every_ticks);
     }
 
@@ -64,10 +63,9 @@ class Runner
         inputs_.clear();
         while (inputs_.size() < count && !player_.is_done()) {
             inputs_.push_back(player_.next());
-            note_view(begin + static_cast<std::uint32_t>(inputs_.size()));
+            if (pass_commands(begin + static_cast<std::uint32_t>(inputs_.size()))) break;
         }
-        const bool is_picture_due =
-            sink_ && begin + inputs_.size() == picture_tick(picture_, settings_.pictures_per_second);
+        const bool is_picture_due = sink_ && begin + inputs_.size() == sink_->next_tick();
         const auto states = device_.step(inputs_, is_picture_due);
         for (std::size_t i = 0; i < states.size(); i++) {
             figures_.take(states[i]);
@@ -79,11 +77,15 @@ class Runner
         picture_when_due();
     }
 
-    void note_view(std::uint32_t tick)
+    // What the script asked of the room, in force from this tick on; true when there was something.
+    bool pass_commands(std::uint32_t tick)
     {
-        if (player_.view() == view_) return;
-        view_ = player_.view();
-        if (recorder_) recorder_->view(tick, view_);
+        const std::vector<RoomCommand> commands = player_.take_commands();
+        for (const RoomCommand &command : commands) {
+            if (recorder_) recorder_->command(tick, command);
+            if (sink_) sink_->command(tick, command);
+        }
+        return !commands.empty();
     }
 
     void record_state()
@@ -102,17 +104,15 @@ class Runner
 
     void picture_when_due()
     {
-        if (!sink_ || link_.tick() != picture_tick(picture_, settings_.pictures_per_second)) return;
-        if (picture_ == 0) device_.ask([](Link &link) { link.read_nodes(); });
-        sink_->frame(
-            session_frame(device_, state_, inputs_.empty() ? seld_wire_encoders{} : inputs_.back(), view_));
-        picture_++;
-        if (settings_.shows_progress && picture_ % settings_.pictures_per_second == 0) {
+        if (!sink_ || link_.tick() != sink_->next_tick()) return;
+        if (link_.tick() == 0) device_.ask([](Link &link) { link.read_nodes(); });
+        sink_->frame(session_frame(device_, state_, inputs_.empty() ? seld_wire_encoders{} : inputs_.back()));
+        if (settings_.shows_progress && link_.tick() >= progress_tick_) {
+            progress_tick_ = link_.tick() + 1000;
             std::string lengths;
             for (double m : inserted())
                 lengths += (lengths.empty() ? "" : " / ") + std::to_string(std::lround(m * 1e3));
-            std::fprintf(stderr, "\r%6.1f s, %s mm inserted, %u pictures", link_.tick() * 1e-3,
-                         lengths.c_str(), picture_);
+            std::fprintf(stderr, "\r%6.1f s, %s mm inserted", link_.tick() * 1e-3, lengths.c_str());
         }
     }
 
@@ -131,9 +131,8 @@ class Runner
     const RunSettings &settings_;
     SessionFigures figures_;
     seld_wire_tick_state state_{};
-    ViewState view_;
     std::vector<seld_wire_encoders> inputs_;
-    std::uint32_t picture_ = 0;
+    std::uint32_t progress_tick_ = 0;
     std::uint32_t hash_tick_ = 0;
 };
 

@@ -5,12 +5,12 @@
 #include "host/app/device.hpp"
 #include "host/app/frame_sink.hpp"
 #include "host/app/session.hpp"
+#include "host/room/room.hpp"
 
 namespace seld
 {
 
 struct RunSettings {
-    std::uint32_t pictures_per_second = 15;
     bool shows_progress = false; // one line on stderr, rewritten
 };
 
@@ -31,12 +31,12 @@ RunResult run_session(Device &device, const Session &session, Recorder *recorder
                       const RunSettings &settings);
 
 // FREE_RUN: `seconds` of a session that the device leads, 0: until Ctrl-C, which ends it properly. The rig's first button is the
-// X-ray pedal. A rig that stops ends it: `stopped_by` says why, and everything up to there is valid.
-RunResult run_free_session(Device &device, const ViewState &view, double seconds, Recorder *recorder,
-                           FrameSink *sink, const RunSettings &settings);
+// X-ray pedal, its second the cine pedal. `begin`: what the room is asked for at the start. A rig that stops ends it: `stopped_by` says why, and everything up to there is valid.
+RunResult run_free_session(Device &device, const std::vector<RoomCommand> &begin, double seconds,
+                           Recorder *recorder, FrameSink *sink, const RunSettings &settings);
 
-// out/demo.json: the figures of a session.
+// out/demo.json: the figures of a session. `room`: dose and runs, nullptr when no pictures were made.
 void write_report(const std::string &path, const RunResult &result, const std::string &scene,
-                  const std::vector<Instrument> &tools, const std::string &session);
+                  const std::vector<Instrument> &tools, const std::string &session, const Room *room);
 
 } // namespace seld

@@ -1,5 +1,6 @@
 // A session that the device leads: its ticks are recorded as they come, its pictures shown as they come.
 #include "host/app/interrupt.hpp"
+#include "host/app/rig_pedals.hpp"
 #include "host/app/run.hpp"
 #include <chrono>
 #include <cstdio>
@@ -15,17 +16,16 @@ using Clock = std::chrono::steady_clock;
 class FreeRunner final : private FreeRunSink
 {
   public:
-    FreeRunner(Device &device, const ViewState &view, Recorder *recorder, FrameSink *sink,
-               const RunSettings &settings)
-        : device_(device), view_(view), recorder_(recorder), sink_(sink), settings_(settings)
+    FreeRunner(Device &device, Recorder *recorder, FrameSink *sink, const RunSettings &settings)
+        : device_(device), recorder_(recorder), sink_(sink), settings_(settings)
     {
     }
 
-    RunResult run(double seconds)
+    RunResult run(const std::vector<RoomCommand> &at_start, double seconds)
     {
         const Clock::time_point begin = Clock::now();
         const double ticks_wanted = seconds * 1e3;
-        if (recorder_) recorder_->view(0, view_);
+        for (const RoomCommand &command : at_start) pass(0, command);
         try {
             while ((seconds == 0.0 || figures_.ticks < ticks_wanted) && !is_interrupted()) {
                 device_.run_free(round_ms, *this);
@@ -60,10 +60,14 @@ class FreeRunner final : private FreeRunSink
         result_.late_ticks += (tick.flags & SELD_WIRE_LIVE_LATE) != 0;
         result_.powered_ticks += (tick.flags & SELD_WIRE_LIVE_POWERED) != 0;
         if (recorder_) recorder_->tick(tick.input, tick.state);
-        const bool is_pressed = (tick.input.buttons & 1) != 0;
-        if (is_pressed == view_.is_fluoro_on) return;
-        view_.is_fluoro_on = is_pressed;
-        if (recorder_) recorder_->view(tick.state.tick, view_);
+        for (const RoomCommand &command : pedals_.changes(tick.input.buttons))
+            pass(tick.state.tick + 1, command);
+    }
+
+    void pass(std::uint32_t tick, const RoomCommand &command)
+    {
+        if (recorder_) recorder_->command(tick, command);
+        if (sink_) sink_->command(tick, command);
     }
 
     void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes) override
@@ -91,7 +95,7 @@ class FreeRunner final : private FreeRunSink
         if (tick == picture_tick_) return;
         picture_tick_ = tick;
         result_.pictures++;
-        if (sink_) sink_->frame(session_frame(device_, state_, input_, view_));
+        if (sink_) sink_->frame(session_frame(device_, state_, input_));
     }
 
     void show_progress()
@@ -111,7 +115,7 @@ class FreeRunner final : private FreeRunSink
     }
 
     Device &device_;
-    ViewState view_;
+    RigPedals pedals_;
     Recorder *recorder_;
     FrameSink *sink_;
     const RunSettings &settings_;
@@ -124,10 +128,10 @@ class FreeRunner final : private FreeRunSink
 
 } // namespace
 
-RunResult run_free_session(Device &device, const ViewState &view, double seconds, Recorder *recorder,
-                           FrameSink *sink, const RunSettings &settings)
+RunResult run_free_session(Device &device, const std::vector<RoomCommand> &begin, double seconds,
+                           Recorder *recorder, FrameSink *sink, const RunSettings &settings)
 {
-    return FreeRunner(device, view, recorder, sink, settings).run(seconds);
+    return FreeRunner(device, recorder, sink, settings).run(begin, seconds);
 }
 
 } // namespace seld

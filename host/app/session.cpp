@@ -1,7 +1,7 @@
 #include "host/app/session.hpp"
+#include "host/app/session_line.hpp"
+#include "host/app/session_room.hpp"
 #include "host/model/text.hpp"
-#include <cctype>
-#include <charconv>
 #include <cmath>
 
 namespace seld
@@ -10,138 +10,14 @@ namespace seld
 namespace
 {
 
-struct Token {
-    std::string text;
-    int column = 0;
-};
-
-struct Unit {
-    const char *name;
-    double factor;
-};
-
-const std::vector<Unit> length_units = {{"mm", 1e-3}, {"cm", 1e-2}, {"m", 1.0}};
 const std::vector<Unit> speed_units = {{"mm/s", 1e-3}, {"cm/s", 1e-2}, {"m/s", 1.0}};
 const std::vector<Unit> angle_units = {{"deg", 1.0}, {"°", 1.0}, {"turn", 360.0}, {"turns", 360.0}};
 const std::vector<Unit> turn_speed_units = {
     {"deg/s", 1.0}, {"°/s", 1.0}, {"turn/s", 360.0}, {"turns/s", 360.0}};
-const std::vector<Unit> time_units = {{"s", 1.0}, {"ms", 1e-3}, {"min", 60.0}};
-const std::vector<std::string> verbs = {"begin", "advance", "withdraw", "rotate", "select", "tool",
-                                        "wait",  "fluoro",  "c-arm",    "table",  "field",  "follow"};
+const std::vector<std::string> hand_verbs = {"begin",  "advance", "withdraw", "rotate",
+                                             "select", "tool",    "wait"};
 const std::vector<std::string> tool_names = {"wire", "catheter", "guide"}; // from the innermost
 const std::string all_tools = "together";
-
-bool is_number_character(char c)
-{
-    return std::isdigit(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '+';
-}
-
-// Words and numbers; "90deg" are two tokens; commas are spaces; '#' ends the line.
-std::vector<Token> split(std::string_view line)
-{
-    std::vector<Token> tokens;
-    for (std::size_t i = 0; i < line.size() && line[i] != '#';) {
-        if (std::isspace(static_cast<unsigned char>(line[i])) || line[i] == ',') {
-            i++;
-            continue;
-        }
-        const std::size_t begin = i;
-        const bool is_number = is_number_character(line[i]);
-        while (i < line.size() && !std::isspace(static_cast<unsigned char>(line[i])) && line[i] != ',' &&
-               line[i] != '#' && (!is_number || is_number_character(line[i]))) {
-            i++;
-        }
-        tokens.push_back({std::string(line.substr(begin, i - begin)), static_cast<int>(begin) + 1});
-    }
-    return tokens;
-}
-
-// One line being read.
-class LineParser
-{
-  public:
-    LineParser(const std::string &file, int line, std::vector<Token> tokens)
-        : file_(file), line_(line), tokens_(std::move(tokens))
-    {
-    }
-
-    bool is_at_end() const { return position_ == tokens_.size(); }
-    const std::string &peek() const { return is_at_end() ? nothing_ : tokens_[position_].text; }
-
-    [[noreturn]] void fail(const std::string &text) const
-    {
-        int column = 1;
-        if (!tokens_.empty()) {
-            const Token &last = tokens_.back();
-            column =
-                is_at_end() ? last.column + static_cast<int>(last.text.size()) : tokens_[position_].column;
-        }
-        throw FileError(file_, line_, column, text);
-    }
-
-    std::string found() const { return is_at_end() ? "the line ends" : "found '" + peek() + "'"; }
-
-    bool accept(std::string_view word)
-    {
-        if (peek() != word) return false;
-        position_++;
-        return true;
-    }
-
-    void expect(std::string_view word)
-    {
-        if (!accept(word)) fail("expected '" + std::string(word) + "', " + found());
-    }
-
-    std::string choice(const std::string &what, const std::vector<std::string> &words)
-    {
-        for (const std::string &word : words) {
-            if (accept(word)) return word;
-        }
-        fail(is_at_end() ? "expected " + what + ", the line ends"
-                         : "unknown " + what + " '" + peek() + "'" + suggestion(peek(), words));
-    }
-
-    double number(const std::string &what)
-    {
-        double value = 0.0;
-        const std::string &text = peek();
-        const char *begin = text.c_str() + (text.starts_with('+') ? 1 : 0);
-        const auto [end, error] = std::from_chars(begin, text.c_str() + text.size(), value);
-        if (text.empty() || error != std::errc() || end != text.c_str() + text.size() ||
-            !std::isfinite(value)) {
-            fail("expected " + what + " (a number), " + found());
-        }
-        position_++;
-        return value;
-    }
-
-    // Number and unit, in the base unit, checked against low .. high.
-    double quantity(const std::string &what, const std::vector<Unit> &units, double low, double high)
-    {
-        const std::size_t begin = position_;
-        const double value = number(what);
-        std::vector<std::string> names;
-        for (const Unit &unit : units) names.push_back(unit.name);
-        const std::string name = choice("unit of " + what, names);
-        double result = value;
-        for (const Unit &unit : units) {
-            if (name == unit.name) result = value * unit.factor;
-        }
-        if (!(result >= low && result <= high)) {
-            position_ = begin;
-            fail(what + " is out of range");
-        }
-        return result;
-    }
-
-  private:
-    const std::string &file_;
-    int line_;
-    std::vector<Token> tokens_;
-    std::size_t position_ = 0;
-    const std::string nothing_;
-};
 
 // Whom a statement moves.
 struct ToolChoice {
@@ -229,59 +105,19 @@ HandMove parse_move(LineParser &line, const ToolChoice &selected)
     return move;
 }
 
+std::vector<std::string> all_verbs()
+{
+    std::vector<std::string> verbs = hand_verbs;
+    verbs.insert(verbs.end(), room_verbs().begin(), room_verbs().end());
+    return verbs;
+}
+
 bool is_same_hand(const HandMove &a, const HandMove &b)
 {
     return a.axis == b.axis && (a.moves_all || b.moves_all || a.tool == b.tool);
 }
 
-void parse_c_arm(LineParser &line, ViewState &view)
-{
-    do {
-        const std::string direction =
-            line.choice("direction of the C-arm", {"LAO", "RAO", "CRA", "CAU", "AP"});
-        if (direction == "AP") {
-            view.primary_mdeg = view.secondary_mdeg = 0;
-            continue;
-        }
-        const bool is_primary = direction == "LAO" || direction == "RAO";
-        const double limit = is_primary ? 120.0 : 50.0; // what the C-arm can reach: host/xray/carm.cpp
-        const double angle = line.number("angle in degrees");
-        line.accept("deg");
-        if (!(angle >= -limit && angle <= limit))
-            line.fail("the angle is outside +-" + std::to_string(static_cast<int>(limit)) + " deg");
-        const double sign = direction == "LAO" || direction == "CRA" ? 1.0 : -1.0;
-        (is_primary ? view.primary_mdeg : view.secondary_mdeg) =
-            static_cast<std::int32_t>(std::lround(sign * angle * 1e3));
-    } while (!line.is_at_end());
-}
-
-void parse_table(LineParser &line, ViewState &view)
-{
-    do {
-        const std::string axis = line.choice("axis of the table", {"x", "y", "z"});
-        view.table_um[axis[0] - 'x'] =
-            static_cast<std::int32_t>(std::lround(line.quantity("position", length_units, -1.9, 1.9) * 1e6));
-    } while (!line.is_at_end());
-    view.follows_tip = false;
-}
-
-void parse_view(LineParser &line, const std::string &verb, ViewState &view)
-{
-    if (verb == "fluoro") {
-        view.is_fluoro_on = line.choice("switch", {"on", "off"}) == "on";
-    } else if (verb == "c-arm") {
-        parse_c_arm(line, view);
-    } else if (verb == "table") {
-        parse_table(line, view);
-    } else if (verb == "field") {
-        view.field_um =
-            static_cast<std::int32_t>(std::lround(line.quantity("field", length_units, 0.1, 0.45) * 1e6));
-    } else {
-        view.follows_tip = line.choice("thing to follow", {"tip", "off"}) == "tip";
-    }
-}
-
-// Carries the view from statement to statement.
+// Carries what the room was asked for from statement to statement.
 class SessionParser
 {
   public:
@@ -289,7 +125,7 @@ class SessionParser
 
     void line(int number, std::string_view text)
     {
-        LineParser line(session_.file, number, split(text));
+        LineParser line(session_.file, number, split_line(text));
         if (line.is_at_end()) return;
         statement(line, number);
         if (!line.is_at_end())
@@ -309,7 +145,7 @@ class SessionParser
         statement.line = number;
         if (line.peek() == "begin" && (!session_.statements.empty() || has_selected_))
             line.fail("'begin' must be the first statement");
-        const std::string verb = line.choice("statement", verbs);
+        const std::string verb = line.choice("statement", all_verbs());
         if (verb == "begin") return begin(line, number);
         if (verb == "select" || verb == "tool") {
             selected_ = require_tool(line);
@@ -321,8 +157,7 @@ class SessionParser
             statement.wait_ticks = static_cast<std::uint32_t>(
                 std::lround(line.quantity("time", time_units, 0.001, 3600.0) * 1e3));
         } else {
-            parse_view(line, verb, view_);
-            statement.view = view_;
+            statement.room = room_.parse(line, verb);
         }
         session_.statements.push_back(statement);
     }
@@ -366,7 +201,7 @@ class SessionParser
     }
 
     Session session_;
-    ViewState view_;
+    RoomParser room_;
     ToolChoice selected_;
     bool has_selected_ = false;
 };

@@ -1,18 +1,19 @@
-// Session scripts (docs/session.md): what hands and C-arm do, as text -> encoder counts per tick and view changes.
+// Session scripts (docs/session.md): what hands and C-arm do, as text -> encoder counts per tick and commands to the room.
 //
 //   Session session = read_session("aorta.session");
 //   SessionPlayer player(session, tool_count);
 //   while (!player.is_done()) { input = player.next(); ...; player.observe(inserted_m); }
 //
-// Errors name file, line and column and suggest a spelling. May include: hand_motion, view_state, model/text.
+// Errors name file, line and column and suggest a spelling. May include: hand_motion, room/command, model/text.
 #pragma once
 #include "host/app/hand_motion.hpp"
-#include "host/app/view_state.hpp"
+#include "host/room/command.hpp"
 #include "shared/wire/wire.h"
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace seld
@@ -33,12 +34,12 @@ struct HandMove {
     std::optional<std::int64_t> until_inserted_um;
 };
 
-// One line of the script: moves of hands (together), or a pause, or a view change.
+// One line of the script: moves of hands (together), or a pause, or commands to the room.
 struct Statement {
     int line = 0;
     std::vector<HandMove> moves;
     std::uint32_t wait_ticks = 0;
-    std::optional<ViewState> view; // the whole state after this statement
+    std::vector<RoomCommand> room;
 };
 
 struct Session {
@@ -66,7 +67,8 @@ class SessionPlayer
     seld_wire_encoders next(); // input of the next tick
     // After each tick that is a multiple of observe_every_ticks: the length inserted of every tool.
     void observe(std::span<const double> inserted_m);
-    const ViewState &view() const { return view_; }
+    // What the room was asked for since the last call; before the first next(): with the beginning.
+    std::vector<RoomCommand> take_commands() { return std::exchange(commands_, {}); }
     // Lines whose `until` was not reached within until_limit_ticks of pushing.
     const std::vector<int> &given_up_lines() const { return given_up_lines_; }
 
@@ -95,7 +97,9 @@ class SessionPlayer
     };
     std::vector<Active> active_;
     std::int64_t position_counts_[session_tools_max][2] = {}; // translation, rotation
-    ViewState view_;
+    void ask(const RoomCommand &command);
+    std::vector<RoomCommand> commands_;
+    std::uint32_t buttons_ = 0; // pedals as the rig would send them
     std::vector<int> given_up_lines_;
 };
 

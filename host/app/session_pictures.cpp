@@ -7,46 +7,6 @@
 namespace seld
 {
 
-namespace
-{
-
-constexpr double carm_deg_per_s = 40.0;
-constexpr double table_m_per_s = 0.10;
-constexpr double follow_share_per_s = 2.0; // of the remaining distance
-
-double toward(double present, double wanted, double step)
-{
-    return present + std::clamp(wanted - present, -step, step);
-}
-
-} // namespace
-
-CArm ViewMotion::advance(const ViewState &wanted, const WireFrame &wire, double seconds)
-{
-    const double primary_deg = wanted.primary_mdeg * 1e-3;
-    const double secondary_deg = wanted.secondary_mdeg * 1e-3;
-    const bool follows = wanted.follows_tip && !wire.nodes.empty();
-    const Eigen::Vector3d table_m =
-        Eigen::Vector3d(wanted.table_um[0], wanted.table_um[1], wanted.table_um[2]) * 1e-6;
-    const Eigen::Vector3d target_m = follows ? wire.nodes.front().position_m : table_m;
-    carm_.field_m = wanted.field_um * 1e-6;
-    if (is_first_) {
-        carm_.primary_deg = primary_deg;
-        carm_.secondary_deg = secondary_deg;
-        carm_.isocentre_m = target_m;
-        is_first_ = false;
-        return carm_;
-    }
-    carm_.primary_deg = toward(carm_.primary_deg, primary_deg, carm_deg_per_s * seconds);
-    carm_.secondary_deg = toward(carm_.secondary_deg, secondary_deg, carm_deg_per_s * seconds);
-    for (int i = 0; i < 3; i++) {
-        const double gap_m = (target_m[i] - carm_.isocentre_m[i]) *
-                             (follows ? std::min(1.0, follow_share_per_s * seconds) : 1.0);
-        carm_.isocentre_m[i] += std::clamp(gap_m, -table_m_per_s * seconds, table_m_per_s * seconds);
-    }
-    return carm_;
-}
-
 RadiopaqueInstrument instrument_look(const Instrument &instrument)
 {
     RadiopaqueInstrument look;
@@ -91,12 +51,10 @@ SessionPictures::SessionPictures(const PictureSettings &settings, const std::vec
 
 SessionPictures::~SessionPictures() = default;
 
-OverlayInfo SessionPictures::display(const SessionFrame &frame, bool is_beam_on) const
+OverlayInfo SessionPictures::display(const SessionFrame &frame) const
 {
     OverlayInfo info;
-    info.primary_deg = carm_.primary_deg;
-    info.secondary_deg = carm_.secondary_deg;
-    info.field_m = carm_.field_m;
+    info.room = room_.status();
     info.time_s = frame.wire.tick * 1e-3;
     for (std::size_t k = 0; k < frame.tools.size(); k++) {
         const ToolReading &tool = frame.tools[k];
@@ -104,34 +62,64 @@ OverlayInfo SessionPictures::display(const SessionFrame &frame, bool is_beam_on)
                               tool.axial_N, tool.torque_N_m * 1e3,
                               frame.tools.size() > 1 && (chosen_tool_ == k || chooses_all_)});
     }
-    info.fluoro_s = fluoro_s_;
-    info.kerma_mGy = kerma_mGy_;
-    info.is_beam_on = is_beam_on;
-    info.notice = notice_;
+    const DoseMeter &dose = room_.dose();
+    info.fluoro_min = dose.fluoro_ticks() / 60e3;
+    info.kerma_mGy = dose.total().air_kerma_uGy * 1e-3;
+    info.kerma_rate_mGy_min = dose.kerma_rate_mGy_min();
+    info.kap_Gy_cm2 = dose.total().kap_Gy_cm2;
+    if (dose.unseen_alert()) info.dose_alert_Gy = dose_alert_levels_Gy[*dose.unseen_alert()];
+    info.notice = notice_.empty() ? info.room.notice : notice_;
     info.panel = panel_;
     return info;
 }
 
-// With the pedal down a new X-ray is made; otherwise the last one is held and only the display goes on.
+void SessionPictures::command(std::uint32_t tick, const RoomCommand &command)
+{
+    const std::string why = room_.give(tick, command);
+    if (!why.empty()) throw std::runtime_error("the X-ray room cannot do this: " + why);
+}
+
+std::uint32_t SessionPictures::next_tick() const
+{
+    return std::min(room_.next_tick(), picture_tick(count_, settings_.pictures_per_second));
+}
+
+// The room goes on to `tick`; true when there is a new X-ray.
+bool SessionPictures::advance(std::uint32_t tick, const SessionFrame &frame)
+{
+    room_.advance(tick, frame.wire.nodes.empty() ? nullptr : &frame.wire.nodes.front().position_m);
+    if (!room_.is_pulse_due()) return false;
+    const PulseRequest request = room_.pulse();
+    XraySettings xray;
+    xray.carm = request.carm;
+    xray.beam = request.beam;
+    xray.size = settings_.size;
+    WireFrame shape = frame.wire;
+    shape.tick = tick;
+    if (request.settles_at_once)
+        xray_->render(xray, looks_, shape, settings_.seed, pulse_);
+    else
+        xray_->render(xray, looks_, shape, settings_.seed, memory_, pulse_);
+    tell_failure();
+    room_.expose(pulse_);
+    return true;
+}
+
+// A rig that leads sends its shapes at its own times: pulses between two of them are made with the later one.
 void SessionPictures::frame(const SessionFrame &frame)
 {
-    const double period_s = 1.0 / settings_.pictures_per_second;
-    carm_ = motion_.advance(frame.view, frame.wire, period_s);
-    is_beam_on_ = frame.view.is_fluoro_on || !has_picture_;
-    if (is_beam_on_) {
-        XraySettings xray;
-        xray.carm = carm_;
-        xray.size = settings_.size;
-        xray_->render(xray, looks_, frame.wire, settings_.seed, picture_);
-        tell_failure();
-        has_picture_ = true;
-        kerma_mGy_ += picture_.air_kerma_uGy * 1e-3;
-        fluoro_s_ += period_s;
-    }
-    redraw(frame);
-    count_++;
+    const std::uint32_t now = frame.wire.tick;
+    bool is_new = false;
+    while (has_begun_ && room_.next_tick() < now) is_new = advance(room_.next_tick(), frame) || is_new;
+    is_new = advance(now, frame) || is_new;
+    has_begun_ = true;
+    const bool is_due = now >= picture_tick(count_, settings_.pictures_per_second);
+    if (is_new || is_due) redraw(frame);
     std::string error;
-    if (movie_.is_open() && !movie_.add(image_, error)) throw std::runtime_error(error);
+    while (now >= picture_tick(count_, settings_.pictures_per_second)) {
+        const bool is_last = now < picture_tick(++count_, settings_.pictures_per_second);
+        if (is_last && movie_.is_open() && !movie_.add(image_, error)) throw std::runtime_error(error);
+    }
 }
 
 // A graphics driver that gives up does not end a session: the rasteriser goes on.
@@ -151,7 +139,9 @@ void SessionPictures::annotate(const std::string &notice, const std::vector<std:
 
 void SessionPictures::redraw(const SessionFrame &frame)
 {
-    image_ = compose_display(picture_, display(frame, is_beam_on_));
+    screen_.size = settings_.size;
+    room_.compose(settings_.size, screen_.grey);
+    image_ = compose_display(screen_, display(frame));
 }
 
 void SessionPictures::finish()

@@ -1,13 +1,14 @@
-// Pictures of a session: C-arm and table that follow what was asked for, X-ray per frame, last image hold, files.
-// The X-ray of a frame is a pure function of wire, C-arm, bodies, instrument, seed and tick. Gliding table, turning C-arm
-// and dose sums have a history: they begin where playing begins, so a replay --from S shows them from S on.
-// May include: xray, picture, frame_sink. Called by: cli.
+// Pictures of a session: the room says when a pulse is due and what is on the screen; here it is X-rayed, drawn and written.
+// Everything follows from the commands, the shapes at the ticks asked for, and the seed. C-arm and table know what was asked
+// from the beginning also when a replay starts later (--from S); dose, runs and the following of the tip begin at S.
+// May include: xray, room, picture, frame_sink. Called by: cli.
 #pragma once
 #include "host/app/frame_sink.hpp"
 #include "host/app/path_choice.hpp"
 #include "host/app/picture.hpp"
 #include "host/app/picture_overlay.hpp"
 #include "host/model/instrument.hpp"
+#include "host/room/room.hpp"
 #include "host/xray/xray.hpp"
 #include <memory>
 #include <optional>
@@ -15,18 +16,6 @@
 
 namespace seld
 {
-
-// C-arm turns at 40 deg/s, the table glides at 100 mm/s; following the tip, it is caught up with in about half a second.
-class ViewMotion
-{
-  public:
-    // The C-arm `seconds` after the last call; the first call jumps.
-    CArm advance(const ViewState &wanted, const WireFrame &wire, double seconds);
-
-  private:
-    CArm carm_;
-    bool is_first_ = true;
-};
 
 // Throws std::runtime_error naming the section and the known materials when a material is unknown.
 RadiopaqueInstrument instrument_look(const Instrument &instrument);
@@ -49,10 +38,13 @@ class SessionPictures final : public FrameSink
     // `tools` from the innermost. Throws std::runtime_error.
     SessionPictures(const PictureSettings &settings, const std::vector<Instrument> &tools);
     ~SessionPictures() override;
+    void command(std::uint32_t tick, const RoomCommand &command) override;
+    std::uint32_t next_tick() const override;
     void frame(const SessionFrame &frame) override;
     void finish() override;
-    std::uint32_t count() const { return count_; }
-    const Image &image() const { return image_; } // the last picture with its display
+    const Room &room() const { return room_; }
+    std::uint32_t count() const { return count_; } // pictures of the screen, at the settings' rate
+    const Image &image() const { return image_; }  // the last picture with its display
     // Notice and help panel from the next picture on; empty for none.
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
     // The tool that the keys move, or all, marked in the display from the next picture on.
@@ -66,7 +58,8 @@ class SessionPictures final : public FrameSink
 
   private:
     void tell_failure();
-    OverlayInfo display(const SessionFrame &frame, bool is_beam_on) const;
+    OverlayInfo display(const SessionFrame &frame) const;
+    bool advance(std::uint32_t tick, const SessionFrame &frame);
 
     PictureSettings settings_;
     std::vector<RadiopaqueInstrument> looks_;
@@ -77,16 +70,15 @@ class SessionPictures final : public FrameSink
     std::vector<std::string> panel_;
     XrayScene scene_;
     std::unique_ptr<Xray> xray_; // after the scene has its bodies
-    ViewMotion motion_;
-    CArm carm_;
-    bool is_beam_on_ = false;
-    XrayPicture picture_; // held while fluoroscopy is off
-    bool has_picture_ = false;
+    Room room_;
+    bool has_begun_ = false;
+    XrayMemory memory_;
+    XrayPicture pulse_;  // of the last pulse
+    XrayPicture screen_; // its grey values are what is shown
     bool told_failure_ = false;
     Image image_;
     VideoWriter movie_;
     std::uint32_t count_ = 0;
-    double fluoro_s_ = 0.0, kerma_mGy_ = 0.0;
 };
 
 } // namespace seld

@@ -53,12 +53,21 @@ void SessionPlayer::begin_move(const HandMove &move, std::size_t tool)
     active_.push_back(std::move(active));
 }
 
-// Views take effect at once; the first statement that takes time becomes the present one.
+void SessionPlayer::ask(const RoomCommand &command)
+{
+    commands_.push_back(command);
+    const std::uint32_t pedal = command.action == RoomAction::fluoro_pedal    ? SELD_WIRE_BUTTON_XRAY
+                                : command.action == RoomAction::acquire_pedal ? SELD_WIRE_BUTTON_CINE
+                                                                              : 0;
+    buttons_ = command.values[0] == 1 ? buttons_ | pedal : buttons_ & ~pedal;
+}
+
+// Commands to the room take effect at once; the first statement that takes time becomes the present one.
 void SessionPlayer::enter_statement()
 {
     for (; !is_done(); statement_++) {
         const Statement &statement = session_.statements[statement_];
-        if (statement.view) view_ = *statement.view;
+        for (const RoomCommand &command : statement.room) ask(command);
         tick_in_statement_ = 0;
         active_.clear();
         for (const HandMove &move : statement.moves) {
@@ -105,7 +114,7 @@ seld_wire_encoders SessionPlayer::next()
         };
         input.hands[k] = {counts(0), counts(1)};
     }
-    input.buttons = view_.is_fluoro_on ? SELD_WIRE_BUTTON_XRAY : 0;
+    input.buttons = buttons_;
     if (!is_done()) finish_statement();
     return input;
 }

@@ -73,12 +73,14 @@ class Window
         : options_(options), scene_(read_scene(options.scene)),
           tools_(read_tools(options.instrument, options.tools)),
           entry_(entry_with(scene_, tools_.size(), options.inserted_mm)),
-          keys_(entry_view(scene_), tools_.size(), options.shows_help), screen_("Seldinger", window_edge)
+          keys_(tools_.size(), options.shows_help), screen_("Seldinger", window_edge)
     {
         choice_ = options.free_run ? free_run_device(options.device, options.motors, options.yes)
                                    : parse_device(options.device);
         if (options.starts_with_fluoro) keys_.latch_pedal();
-        screen_.on_key([this](const Screen::KeyEvent &event) { keys_.take(event); });
+        screen_.on_key([this](const Screen::KeyEvent &event) {
+            if (session_) keys_.take(event, session_->room());
+        });
         start();
     }
 
@@ -92,7 +94,7 @@ class Window
             if (keys_.take_reset()) restart();
             keys_.hold(screen_);
             keys_.lead(session_->hands());
-            session_->set_view(keys_.view());
+            for (const RoomCommand &command : keys_.take_commands()) session_->command(command);
             session_->advance(pace.ticks_due());
             annotate();
             screen_.show(session_->image());
@@ -114,7 +116,7 @@ class Window
         session_.reset(); // a rig has one host at a time
         session_ = std::make_unique<LiveSession>(scene_, tools_, entry_,
                                                  recording_name(options_.record, session_number_), pictures,
-                                                 keys_.view(), choice_);
+                                                 entry_commands(scene_), choice_);
         is_annotated_ = false;
     }
 

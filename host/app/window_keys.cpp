@@ -1,8 +1,11 @@
 #include "host/app/window_keys.hpp"
+#include "host/room/presets.hpp"
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <utility>
 
 namespace seld
 {
@@ -12,71 +15,207 @@ namespace
 constexpr std::int64_t push_um_per_s = 30'000, push_slow_um_per_s = 6'000;
 constexpr std::int64_t turn_counts_per_second = counts_per_turn / 2,
                        turn_slow_counts_per_s = counts_per_turn / 12;
-constexpr std::int32_t angle_step_mdeg = 5'000, primary_max_mdeg = 120'000, secondary_max_mdeg = 50'000;
-constexpr std::int32_t table_step_um = 20'000, table_max_um = 1'500'000;
+constexpr double angle_step_deg = 5.0, table_step_m = 0.02, height_step_m = 0.01, sid_step_m = 0.05;
+constexpr std::int32_t blade_step_permille = 100, store_ms = 10'000;
+constexpr double shift_step_px = 0.5;
 constexpr std::int32_t fields_um[] = {420'000, 320'000, 250'000, 200'000, 150'000};
+// F2, F3 ... go to these.
+constexpr std::string_view preset_keys[] = {"ap",          "spider",     "rao-caudal", "rao-cranial",
+                                            "lao-cranial", "lateral",    "rca-lao",    "rca-rao",
+                                            "arch",        "renal-left", "iliac-left"};
 
-void step_angle(std::int32_t &angle_mdeg, std::int32_t step_mdeg, std::int32_t max_mdeg)
+std::int32_t rounded(double value)
 {
-    angle_mdeg = std::clamp(angle_mdeg + step_mdeg, -max_mdeg, max_mdeg);
+    return static_cast<std::int32_t>(std::lround(value));
+}
+
+// The rate after the present one, round and round.
+template <std::size_t count> std::int32_t next_rate(double per_second, const std::int32_t (&rates)[count])
+{
+    const auto *at = std::find(std::begin(rates), std::end(rates), rounded(per_second * 100.0));
+    return at == std::end(rates) || at + 1 == std::end(rates) ? rates[0] : at[1];
 }
 
 } // namespace
 
 std::vector<std::string> help_panel(std::size_t tool_count)
 {
-    std::vector<std::string> lines = {"KEYS                      H or F1 hides this",
+    std::vector<std::string> lines = {"KEYS                             H or F1 hides this",
                                       "",
-                                      "Up / Down       push / pull the tool",
-                                      "Left / Right    turn it      (Shift: slowly)",
-                                      "Space (hold)    X-ray pedal",
-                                      "F               X-ray stays on / off",
+                                      "Up / Down         push / pull the tool",
+                                      "Left / Right      turn it        (Shift: slowly)",
+                                      "Space / C         hold: fluoroscopy / acquisition pedal",
+                                      "F                 fluoroscopy stays on / off",
+                                      "P  X  O           fluoro rate, cine or DSA, its rate",
                                       "",
-                                      "D / A           C-arm to LAO / RAO",
-                                      "W / S           C-arm to CRA / CAU",
-                                      "0               back to AP",
-                                      "+ / -           smaller / larger field",
-                                      "I K J L         table: head feet right left",
-                                      "T               follow the tip on / off",
+                                      "D / A   W / S     C-arm to LAO / RAO, to CRA / CAU",
+                                      "0                 back to AP       (Z: stop all motors)",
+                                      "F2 ... F12        AP  spider  RAO caudal  RAO cranial",
+                                      "                  LAO cranial  lateral  RCA LAO  RCA RAO",
+                                      "                  arch  renal  iliac",
+                                      "I K J L           table: head feet right left",
+                                      "Page Up / Down    table up / down",
+                                      "Home / End        detector away / nearer (SID)",
+                                      "T                 follow the tip on / off",
+                                      "+ / -             smaller / larger field",
+                                      "[ ]   Ctrl [ ]    blades: width, height   (Q: round)",
                                       "",
-                                      "R  start again                    Esc  end"};
+                                      "V   , / .         review the last run; frame by frame",
+                                      "B                 keep the last 10 s of fluoroscopy",
+                                      "N                 frame on the screen becomes the mask",
+                                      "Ctrl + arrows     shift the mask",
+                                      "M                 roadmap on / off",
+                                      "Backspace         dose alert seen",
+                                      "R  start again                                  Esc  end"};
     if (tool_count > 1) {
-        const std::string numbers = tool_count == 2 ? "1 2 or Tab      " : "1 2 3 or Tab    ";
+        const std::string numbers = tool_count == 2 ? "1 2 or Tab        " : "1 2 3 or Tab      ";
         lines.insert(lines.begin() + 2, {numbers + "choose the tool, innermost first",
-                                         "G               move all together on / off"});
+                                         "G                 move all together on / off"});
     }
     return lines;
 }
 
-void WindowKeys::take(const Screen::KeyEvent &event)
+void WindowKeys::ask(RoomAction action, std::int32_t a, std::int32_t b, std::int32_t c)
 {
+    commands_.push_back({action, {a, b, c}});
+}
+
+void WindowKeys::take(const Screen::KeyEvent &event, const Room &room)
+{
+    if (event.key == GLFW_KEY_LEFT_CONTROL || event.key == GLFW_KEY_RIGHT_CONTROL)
+        is_control_down_ = !event.is_release;
     if (event.is_release) return;
-    switch (event.key) {
+    take_geometry(event.key, room);
+    take_collimator(event.key, room);
+    take_review(event.key, room);
+    if (!event.is_press) return; // the rest does not repeat
+    take_mode(event.key, room);
+    take_switch(event.key);
+    if (event.key >= GLFW_KEY_F2 && event.key <= GLFW_KEY_F12)
+        go_to(static_cast<std::size_t>(event.key - GLFW_KEY_F2));
+}
+
+void WindowKeys::take_geometry(int key, const Room &room)
+{
+    switch (key) {
     case GLFW_KEY_D:
-        return step_angle(view_.primary_mdeg, angle_step_mdeg, primary_max_mdeg);
+        return turn(room, angle_step_deg, 0.0);
     case GLFW_KEY_A:
-        return step_angle(view_.primary_mdeg, -angle_step_mdeg, primary_max_mdeg);
+        return turn(room, -angle_step_deg, 0.0);
     case GLFW_KEY_W:
-        return step_angle(view_.secondary_mdeg, angle_step_mdeg, secondary_max_mdeg);
+        return turn(room, 0.0, angle_step_deg);
     case GLFW_KEY_S:
-        return step_angle(view_.secondary_mdeg, -angle_step_mdeg, secondary_max_mdeg);
+        return turn(room, 0.0, -angle_step_deg);
     case GLFW_KEY_I:
-        return move_table(1, 1);
+        return move_table(room, axis_table_y, table_step_m);
     case GLFW_KEY_K:
-        return move_table(1, -1);
+        return move_table(room, axis_table_y, -table_step_m);
     case GLFW_KEY_J:
-        return move_table(0, -1);
+        return move_table(room, axis_table_x, -table_step_m);
     case GLFW_KEY_L:
-        return move_table(0, 1);
+        return move_table(room, axis_table_x, table_step_m);
+    case GLFW_KEY_PAGE_UP: // the table goes up, so a point farther back comes to the isocentre
+        return move_table(room, axis_table_z, -height_step_m);
+    case GLFW_KEY_PAGE_DOWN:
+        return move_table(room, axis_table_z, height_step_m);
+    case GLFW_KEY_HOME:
+        return change_distance(room, sid_step_m);
+    case GLFW_KEY_END:
+        return change_distance(room, -sid_step_m);
     default:
         break;
     }
-    if (!event.is_press) return; // the rest does not repeat
-    switch (event.key) {
+}
+
+void WindowKeys::take_collimator(int key, const Room &room)
+{
+    switch (key) {
+    case GLFW_KEY_EQUAL:
+    case GLFW_KEY_KP_ADD:
+        return change_field(room, 1);
+    case GLFW_KEY_MINUS:
+    case GLFW_KEY_KP_SUBTRACT:
+        return change_field(room, -1);
+    case GLFW_KEY_LEFT_BRACKET:
+    case GLFW_KEY_RIGHT_BRACKET: {
+        const RoomStatus status = room.status();
+        std::int32_t width = rounded(status.open_width_share * 1e3),
+                     height = rounded(status.open_height_share * 1e3);
+        std::int32_t &open = is_control_down_ ? height : width;
+        open += key == GLFW_KEY_RIGHT_BRACKET ? blade_step_permille : -blade_step_permille;
+        open = std::clamp(open, blade_step_permille, blade_max_permille);
+        return ask(RoomAction::blades, width, height);
+    }
+    default:
+        break;
+    }
+}
+
+void WindowKeys::take_mode(int key, const Room &room)
+{
+    const RoomStatus status = room.status();
+    const bool is_dsa = status.program == RunKind::dsa;
+    switch (key) {
+    case GLFW_KEY_0:
+    case GLFW_KEY_KP_0:
+        return ask(RoomAction::angles);
+    case GLFW_KEY_Z:
+        return ask(RoomAction::halt);
+    case GLFW_KEY_Q:
+        return ask(RoomAction::iris, status.is_round ? 0 : 1);
+    case GLFW_KEY_T:
+        return ask(RoomAction::follow, status.follows_tip ? 0 : 1);
+    case GLFW_KEY_P:
+        return ask(RoomAction::fluoro_rate, next_rate(status.fluoro_pulses_per_s, fluoro_rates_centihertz));
+    case GLFW_KEY_X:
+        return ask(RoomAction::program, is_dsa ? 0 : 1);
+    case GLFW_KEY_O:
+        if (is_dsa)
+            return ask(RoomAction::dsa_rate, next_rate(status.program_pulses_per_s, dsa_rates_centihertz));
+        return ask(RoomAction::cine_rate, next_rate(status.program_pulses_per_s, cine_rates_centihertz));
+    case GLFW_KEY_B:
+        return ask(RoomAction::store, store_ms);
+    case GLFW_KEY_N:
+        return ask(RoomAction::mask, status.frame, status.frame);
+    case GLFW_KEY_M:
+        if (status.roadmap != RoadmapState::off) return ask(RoomAction::roadmap, 0);
+        return ask(RoomAction::roadmap, room.store().last_of(RunKind::dsa) ? 1 : 2);
+    case GLFW_KEY_BACKSPACE:
+        return ask(RoomAction::acknowledge);
+    default:
+        break;
+    }
+}
+
+void WindowKeys::take_review(int key, const Room &room)
+{
+    switch (key) {
+    case GLFW_KEY_V:
+        return ask(RoomAction::review, room.status().source == ScreenSource::loop ? 0 : 1);
+    case GLFW_KEY_COMMA:
+        return step_frame(room, -1);
+    case GLFW_KEY_PERIOD:
+        return step_frame(room, 1);
+    case GLFW_KEY_RIGHT:
+    case GLFW_KEY_LEFT:
+        if (is_control_down_) shift_mask(room, key == GLFW_KEY_RIGHT ? shift_step_px : -shift_step_px, 0.0);
+        break;
+    case GLFW_KEY_UP:
+    case GLFW_KEY_DOWN:
+        if (is_control_down_) shift_mask(room, 0.0, key == GLFW_KEY_UP ? shift_step_px : -shift_step_px);
+        break;
+    default:
+        break;
+    }
+}
+
+void WindowKeys::take_switch(int key)
+{
+    switch (key) {
     case GLFW_KEY_1:
     case GLFW_KEY_2:
     case GLFW_KEY_3:
-        choose(static_cast<std::size_t>(event.key - GLFW_KEY_1));
+        choose(static_cast<std::size_t>(key - GLFW_KEY_1));
         break;
     case GLFW_KEY_TAB:
         choose((chosen_tool_ + 1) % tool_count_);
@@ -84,23 +223,8 @@ void WindowKeys::take(const Screen::KeyEvent &event)
     case GLFW_KEY_G:
         moves_all_ = tool_count_ > 1 && !moves_all_;
         break;
-    case GLFW_KEY_0:
-    case GLFW_KEY_KP_0:
-        view_.primary_mdeg = view_.secondary_mdeg = 0;
-        break;
-    case GLFW_KEY_EQUAL:
-    case GLFW_KEY_KP_ADD:
-        change_field(1);
-        break;
-    case GLFW_KEY_MINUS:
-    case GLFW_KEY_KP_SUBTRACT:
-        change_field(-1);
-        break;
     case GLFW_KEY_F:
         is_pedal_latched_ = !is_pedal_latched_;
-        break;
-    case GLFW_KEY_T:
-        view_.follows_tip = !view_.follows_tip;
         break;
     case GLFW_KEY_H:
     case GLFW_KEY_F1:
@@ -124,11 +248,15 @@ void WindowKeys::hold(const Screen &screen)
         return static_cast<std::int64_t>(screen.is_down(plus)) -
                static_cast<std::int64_t>(screen.is_down(minus));
     };
+    is_control_down_ = screen.is_down(GLFW_KEY_LEFT_CONTROL) || screen.is_down(GLFW_KEY_RIGHT_CONTROL);
     const bool is_slow = screen.is_down(GLFW_KEY_LEFT_SHIFT) || screen.is_down(GLFW_KEY_RIGHT_SHIFT);
-    push_um_per_s_ = difference(GLFW_KEY_UP, GLFW_KEY_DOWN) * (is_slow ? push_slow_um_per_s : push_um_per_s);
-    turn_counts_per_s_ = difference(GLFW_KEY_RIGHT, GLFW_KEY_LEFT) *
+    const std::int64_t moves = is_control_down_ ? 0 : 1; // with Ctrl the arrows move the mask
+    push_um_per_s_ =
+        moves * difference(GLFW_KEY_UP, GLFW_KEY_DOWN) * (is_slow ? push_slow_um_per_s : push_um_per_s);
+    turn_counts_per_s_ = moves * difference(GLFW_KEY_RIGHT, GLFW_KEY_LEFT) *
                          (is_slow ? turn_slow_counts_per_s : turn_counts_per_second);
     is_pedal_down_ = screen.is_down(GLFW_KEY_SPACE);
+    is_cine_down_ = screen.is_down(GLFW_KEY_C);
 }
 
 void WindowKeys::lead(std::span<LiveHand> hands) const
@@ -147,33 +275,90 @@ void WindowKeys::choose(std::size_t tool)
     moves_all_ = false;
 }
 
-ViewState WindowKeys::view() const
+std::vector<RoomCommand> WindowKeys::take_commands()
 {
-    ViewState view = view_;
-    view.is_fluoro_on = is_pedal_down_ || is_pedal_latched_;
-    return view;
+    const bool is_fluoro_asked = is_pedal_down_ || is_pedal_latched_;
+    if (is_fluoro_asked != was_fluoro_asked_) ask(RoomAction::fluoro_pedal, is_fluoro_asked ? 1 : 0);
+    if (is_cine_down_ != was_cine_asked_) ask(RoomAction::acquire_pedal, is_cine_down_ ? 1 : 0);
+    was_fluoro_asked_ = is_fluoro_asked;
+    was_cine_asked_ = is_cine_down_;
+    return std::exchange(commands_, {});
 }
 
 bool WindowKeys::take_reset()
 {
     const bool wanted = wants_reset_;
     wants_reset_ = false;
+    if (wanted) was_fluoro_asked_ = was_cine_asked_ = false; // the new room has its pedals up
     return wanted;
 }
 
-void WindowKeys::change_field(int steps)
+// --- geometry: steps from where the motors go ---
+
+void WindowKeys::turn(const Room &room, double primary_deg, double secondary_deg)
 {
-    const auto *at = std::find(std::begin(fields_um), std::end(fields_um), view_.field_um);
-    const int index = at == std::end(fields_um) ? 1 : static_cast<int>(at - std::begin(fields_um));
-    view_.field_um = fields_um[std::clamp(index + steps, 0, static_cast<int>(std::size(fields_um)) - 1)];
+    const GantryPose &target = room.gantry().target();
+    ask(RoomAction::angles,
+        std::clamp(rounded((target[axis_primary] + primary_deg) * 1e3), -primary_max_mdeg, primary_max_mdeg),
+        std::clamp(rounded((target[axis_secondary] + secondary_deg) * 1e3), -secondary_max_mdeg,
+                   secondary_max_mdeg));
 }
 
 // Moving the table by hand ends following the tip.
-void WindowKeys::move_table(int axis, int direction)
+void WindowKeys::move_table(const Room &room, int axis, double step_m)
 {
-    view_.follows_tip = false;
-    std::int32_t &place_um = view_.table_um[axis];
-    place_um = std::clamp(place_um + direction * table_step_um, -table_max_um, table_max_um);
+    GantryPose target = room.gantry().target();
+    target[static_cast<std::size_t>(axis)] += step_m;
+    std::int32_t place_um[3];
+    for (int i = 0; i < 3; ++i)
+        place_um[i] = std::clamp(rounded(target[static_cast<std::size_t>(axis_table_x + i)] * 1e6),
+                                 -table_max_um, table_max_um);
+    ask(RoomAction::table, place_um[0], place_um[1], place_um[2]);
+}
+
+void WindowKeys::change_distance(const Room &room, double step_m)
+{
+    const GantryPose &target = room.gantry().target();
+    ask(RoomAction::distance, std::clamp(rounded((target[axis_sid] + step_m) * 1e6), sid_min_um, sid_max_um),
+        std::clamp(rounded(target[axis_sod] * 1e6), sod_min_um, sod_max_um));
+}
+
+void WindowKeys::change_field(const Room &room, int steps)
+{
+    const std::int32_t present_um = rounded(room.field_m() * 1e6);
+    const auto *at = std::find(std::begin(fields_um), std::end(fields_um), present_um);
+    const int index = at == std::end(fields_um) ? 1 : static_cast<int>(at - std::begin(fields_um));
+    ask(RoomAction::field,
+        fields_um[std::clamp(index + steps, 0, static_cast<int>(std::size(fields_um)) - 1)]);
+}
+
+void WindowKeys::go_to(std::size_t preset)
+{
+    if (preset >= std::size(preset_keys)) return;
+    const ViewPreset *view = view_preset(preset_keys[preset]);
+    if (!view) return;
+    ask(RoomAction::distance, view->sid_um, 750'000);
+    ask(RoomAction::angles, view->primary_mdeg, view->secondary_mdeg);
+    ask(RoomAction::field, view->field_um);
+}
+
+// --- review ---
+
+// Also from a held picture and a loop: the frame beside the one on the screen stands still.
+void WindowKeys::step_frame(const Room &room, int step)
+{
+    const RoomStatus status = room.status();
+    if (status.frames == 0) return ask(RoomAction::review, 2); // the last run's first frame, or the notice
+    ask(RoomAction::review, 2, status.run, (status.frame + step + status.frames) % status.frames);
+}
+
+void WindowKeys::shift_mask(const Room &room, double right_px, double up_px)
+{
+    const RoomStatus status = room.status();
+    const auto held = [](double pixels) {
+        return std::clamp(rounded(pixels * 100.0), -shift_max_centipixels, shift_max_centipixels);
+    };
+    ask(RoomAction::shift, held(status.shift_right_px + right_px), held(status.shift_up_px + up_px));
 }
 
 } // namespace seld

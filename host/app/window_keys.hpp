@@ -1,9 +1,9 @@
 // What the keys of the window mean: one table for the handling and the help panel.
-// May include: view_state, window_screen. Called by: window.
+// May include: room, window_screen. Called by: window.
 #pragma once
 #include "host/app/hand_motion.hpp"
-#include "host/app/view_state.hpp"
 #include "host/app/window_screen.hpp"
+#include "host/room/room.hpp"
 #include <span>
 #include <string>
 #include <vector>
@@ -14,13 +14,11 @@ namespace seld
 class WindowKeys
 {
   public:
-    WindowKeys(const ViewState &view, std::size_t tool_count, bool shows_help)
-        : tool_count_(tool_count), view_(view), shows_help_(shows_help)
-    {
-    }
+    WindowKeys(std::size_t tool_count, bool shows_help) : tool_count_(tool_count), shows_help_(shows_help) {}
 
-    void take(const Screen::KeyEvent &event); // presses: C-arm, table, field, switches
-    void hold(const Screen &screen);          // keys held down: hand and pedal; call once per screen
+    // Presses: C-arm, table, field, switches; `room` as it is now, because most keys change what is there.
+    void take(const Screen::KeyEvent &event, const Room &room);
+    void hold(const Screen &screen); // keys held down: hand and pedal; call once per screen
     void
     lead(std::span<LiveHand> hands) const; // the speeds asked for; hands that are not chosen come to rest
 
@@ -28,23 +26,36 @@ class WindowKeys
     std::size_t chosen_tool() const { return chosen_tool_; }
     bool moves_all() const { return moves_all_; }
 
-    ViewState view() const; // what the C-arm is asked for now
+    // What the room is asked for since the last call, pedals included.
+    std::vector<RoomCommand> take_commands();
     bool shows_help() const { return shows_help_; }
     bool wants_end() const { return wants_end_; }
     bool take_reset(); // true once after R
     void latch_pedal() { is_pedal_latched_ = true; }
 
   private:
-    void change_field(int steps);
-    void move_table(int axis, int direction);
+    void take_geometry(int key, const Room &room);
+    void take_collimator(int key, const Room &room);
+    void take_mode(int key, const Room &room);
+    void take_review(int key, const Room &room);
+    void take_switch(int key);
+    void turn(const Room &room, double primary_deg, double secondary_deg);
+    void move_table(const Room &room, int axis, double step_m);
+    void change_distance(const Room &room, double step_m);
+    void change_field(const Room &room, int steps);
+    void go_to(std::size_t preset);
+    void step_frame(const Room &room, int step);
+    void shift_mask(const Room &room, double right_px, double up_px);
+    void ask(RoomAction action, std::int32_t a = 0, std::int32_t b = 0, std::int32_t c = 0);
     void choose(std::size_t tool);
 
     std::size_t tool_count_, chosen_tool_ = 0;
     bool moves_all_ = false;
-    ViewState view_;
-    bool shows_help_;
+    std::vector<RoomCommand> commands_;
+    bool shows_help_, is_control_down_ = false;
     bool wants_end_ = false, wants_reset_ = false;
-    bool is_pedal_down_ = false, is_pedal_latched_ = false;
+    bool is_pedal_down_ = false, is_pedal_latched_ = false, is_cine_down_ = false;
+    bool was_fluoro_asked_ = false, was_cine_asked_ = false;
     std::int64_t push_um_per_s_ = 0, turn_counts_per_s_ = 0;
 };
 

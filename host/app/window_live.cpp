@@ -21,27 +21,19 @@ RecordingHeader header_of(const Device &device, const SceneFile &scene, const st
             device.rig()};
 }
 
-// Dose and X-ray time count pictures, so a rig that leads sends as many as a script makes.
-DeviceChoice with_pictures(DeviceChoice choice, const PictureSettings &pictures)
-{
-    choice.picture_every_ticks =
-        static_cast<std::uint16_t>((1000 + pictures.pictures_per_second - 1) / pictures.pictures_per_second);
-    return choice;
-}
-
 } // namespace
 
 LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools,
                          const seld_wire_entry &entry, const std::string &record,
-                         const PictureSettings &pictures, const ViewState &view, const DeviceChoice &choice)
-    : settings_(pictures), choice_(with_pictures(choice, pictures)),
-      device_(scene, tools, entry, host_rig(), choice_), pictures_(pictures, tools), hands_(tools.size()),
-      view_(view), wanted_view_(view)
+                         const PictureSettings &pictures, const std::vector<RoomCommand> &begin,
+                         const DeviceChoice &choice)
+    : settings_(pictures), choice_(choice), device_(scene, tools, entry, host_rig(), choice),
+      pictures_(pictures, tools), hands_(tools.size())
 {
     if (!record.empty()) {
         recorder_ = std::make_unique<Recorder>(record, header_of(device_, scene, tools, entry));
-        recorder_->view(0, view_);
     }
+    for (const RoomCommand &command : begin) pass(0, command);
     device_.link().read_nodes();
     picture();
 }
@@ -51,14 +43,29 @@ void LiveSession::choose_tool(std::size_t tool, bool all)
     pictures_.choose_tool(tool, all);
 }
 
-void LiveSession::set_view(const ViewState &view)
+void LiveSession::pass(std::uint32_t tick, const RoomCommand &command)
 {
-    wanted_view_ = view;
-    ViewState shown = view;
-    shown.is_fluoro_on = shown.is_fluoro_on || is_pedal_down_;
-    if (shown == view_) return;
-    view_ = shown;
-    if (recorder_) recorder_->view(choice_.free_run ? led_tick_ : device_.link().tick(), view_);
+    if (recorder_) recorder_->command(tick, command);
+    pictures_.command(tick, command);
+}
+
+// The picture of the present tick is made already.
+void LiveSession::command(const RoomCommand &command)
+{
+    const std::uint32_t pedal = command.action == RoomAction::fluoro_pedal    ? SELD_WIRE_BUTTON_XRAY
+                                : command.action == RoomAction::acquire_pedal ? SELD_WIRE_BUTTON_CINE
+                                                                              : 0;
+    buttons_ = command.values[0] == 1 ? buttons_ | pedal : buttons_ & ~pedal;
+    pass((choice_.free_run ? led_tick_ : device_.link().tick()) + 1, command);
+}
+
+// In LOCKSTEP a rig says what its pedals do when it is asked.
+void LiveSession::look_at_pedals()
+{
+    if (!choice_.is_usb) return;
+    std::uint32_t buttons = 0;
+    device_.ask([&](Link &link) { buttons = link.read_sensors().buttons; });
+    for (const RoomCommand &change : rig_pedals_.changes(buttons)) command(change);
 }
 
 void LiveSession::annotate(const std::string &notice, const std::vector<std::string> &panel)
@@ -70,7 +77,7 @@ void LiveSession::annotate(const std::string &notice, const std::vector<std::str
 std::uint32_t LiveSession::batch_size(std::uint32_t wanted)
 {
     const std::uint32_t tick = device_.link().tick();
-    const std::uint32_t to_picture = picture_tick(picture_index_, settings_.pictures_per_second) - tick;
+    const std::uint32_t to_picture = pictures_.next_tick() - tick;
     const std::uint32_t to_snapshot = Recorder::snapshot_every_ticks - tick % Recorder::snapshot_every_ticks;
     return std::min({wanted, to_picture, to_snapshot, static_cast<std::uint32_t>(Link::steps_max)});
 }
@@ -82,6 +89,7 @@ bool LiveSession::advance(std::uint32_t ticks)
             if (fault_.empty()) advance_rig(ticks);
             return fault_.empty();
         }
+        look_at_pedals();
         while (fault_.empty() && ticks > 0) {
             const std::uint32_t count = batch_size(ticks);
             batch(count);
@@ -100,14 +108,14 @@ void LiveSession::batch(std::uint32_t count)
     for (std::uint32_t i = 0; i < count; ++i) {
         seld_wire_encoders input{};
         input.hands_count = static_cast<std::uint16_t>(hands_.size());
+        input.buttons = buttons_;
         for (std::size_t k = 0; k < hands_.size(); ++k) {
             hands_[k].advance_tick();
             input.hands[k] = {hands_[k].translation_counts(), hands_[k].rotation_counts()};
         }
         inputs_.push_back(input);
     }
-    const bool is_picture_due =
-        link.tick() + count == picture_tick(picture_index_, settings_.pictures_per_second);
+    const bool is_picture_due = link.tick() + count == pictures_.next_tick();
     const auto states = device_.step(inputs_, is_picture_due);
     for (std::size_t i = 0; i < states.size(); ++i) {
         state_ = states[i];
@@ -136,8 +144,7 @@ void LiveSession::tick(const seld_wire_live_tick &tick)
     state_ = tick.state;
     inputs_.assign(1, tick.input);
     if (recorder_) recorder_->tick(tick.input, tick.state);
-    is_pedal_down_ = (tick.input.buttons & 1) != 0;
-    set_view(wanted_view_);
+    for (const RoomCommand &change : rig_pedals_.changes(tick.input.buttons)) pass(led_tick_ + 1, change);
 }
 
 void LiveSession::snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes)
@@ -168,9 +175,8 @@ void LiveSession::record_state()
 void LiveSession::picture()
 {
     const seld_wire_encoders input = inputs_.empty() ? seld_wire_encoders{} : inputs_.back();
-    frame_ = session_frame(device_, state_, input, view_);
+    frame_ = session_frame(device_, state_, input);
     pictures_.frame(frame_);
-    ++picture_index_;
 }
 
 void LiveSession::finish()

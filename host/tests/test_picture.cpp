@@ -191,14 +191,17 @@ static void display_survives_any_number_and_any_text(void **)
 {
     OverlayInfo info;
     const double nan = std::numeric_limits<double>::quiet_NaN(), huge = 1e300;
-    info.primary_deg = nan;
-    info.secondary_deg = huge;
-    info.field_m = -huge;
+    info.room.carm.primary_deg = nan;
+    info.room.carm.secondary_deg = huge;
+    info.room.carm.field_m = -huge;
+    info.room.technique.tube_voltage_kV = nan;
+    info.room.pulses_per_s = -huge;
     info.time_s = nan;
     info.tools.assign(40, {std::string(300, 'x') + "\xff\x01\n", huge, nan,
                            std::numeric_limits<double>::infinity(), -huge, true});
     info.axial_full_scale_N = 0.0;
     info.kerma_mGy = -nan;
+    info.kap_Gy_cm2 = huge;
     info.notice = std::string(500, '\x80');
     info.panel.assign(100, std::string(200, '#'));
     for (int size : {64, 130, 512}) compose_display(grey_picture(size), info);

@@ -115,12 +115,57 @@ void a_changed_input_is_found_at_its_tick(void **)
     assert_int_equal(*result.first_difference_tick, 1235);
 }
 
-void views_are_recorded_with_their_ticks(void **)
+void commands_to_the_room_are_recorded_with_their_ticks(void **)
 {
     const seld::Recording recording = seld::parse_recording(session().bytes, "test");
-    assert_true(recording.view_at(0).is_fluoro_on);
-    assert_int_equal(recording.view_at(0).primary_mdeg, 0);
-    assert_int_equal(recording.view_at(6000).primary_mdeg, 20000);
+    assert_int_equal(recording.commands.size(), 2);
+    assert_int_equal(recording.commands[0].tick, 0);
+    assert_true(recording.commands[0].command ==
+                (seld::RoomCommand{seld::RoomAction::fluoro_pedal, {1, 0, 0}}));
+    assert_int_equal(recording.commands[1].tick, 5200);
+    assert_true(recording.commands[1].command ==
+                (seld::RoomCommand{seld::RoomAction::angles, {20000, 0, 0}}));
+}
+
+// Chunks of version 2 in place of ours: tick, fluoro, follows, primary, secondary, table, field.
+void recordings_of_version_2_still_load(void **)
+{
+    std::vector<std::uint8_t> bytes;
+    std::size_t at = 8;
+    bytes.assign(session().bytes.begin(), session().bytes.begin() + 8);
+    bytes[7] = '2';
+    const auto word = [](const std::vector<std::uint8_t> &from, std::size_t place) {
+        return std::uint32_t{from[place]} | std::uint32_t{from[place + 1]} << 8 |
+               std::uint32_t{from[place + 2]} << 16 | std::uint32_t{from[place + 3]} << 24;
+    };
+    const std::vector<std::uint8_t> &now = session().bytes;
+    const auto put = [&](std::vector<std::uint8_t> &to, std::uint32_t value) {
+        for (int i = 0; i < 4; i++) to.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+    };
+    while (at < now.size()) {
+        const std::size_t size = 12 + word(now, at + 4);
+        if (word(now, at) != 8) {
+            bytes.insert(bytes.end(), now.begin() + at, now.begin() + at + size);
+        } else {
+            const std::uint32_t tick = word(now, at + 8);
+            std::vector<std::uint8_t> chunk;
+            for (std::uint32_t value : {5u, 30u, tick}) put(chunk, value);
+            chunk.insert(chunk.end(), {1, 1}); // fluoroscopy on, following
+            for (std::uint32_t value : {tick > 0 ? 20000u : 0u, 0u, 1000u, 2000u, 3000u, 320000u})
+                put(chunk, value);
+            put(chunk, seld_wire_crc32(0, chunk.data(), chunk.size()));
+            bytes.insert(bytes.end(), chunk.begin(), chunk.end());
+        }
+        at += size;
+    }
+    const seld::Recording old = seld::parse_recording(bytes, "old");
+    assert_true(old.is_complete);
+    assert_int_equal(old.ticks.size(), session().result.figures.ticks);
+    assert_int_equal(old.commands.size(),
+                     6); // angles, field, table, follow, pedal; then the angles that changed
+    assert_true(old.commands[2].command == (seld::RoomCommand{seld::RoomAction::table, {1000, 2000, 3000}}));
+    assert_true(old.commands[5].command == (seld::RoomCommand{seld::RoomAction::angles, {20000, 0, 0}}));
+    assert_false(replay(old, verify("fast", 0)).first_difference_tick.has_value());
 }
 
 // Cut at every length in the tail and at many before: either readable with fewer ticks, or refused as truncated.
@@ -161,13 +206,13 @@ void a_flipped_bit_is_never_taken_for_a_complete_recording(void **)
 void other_files_and_newer_versions_are_refused_by_name(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;
-    bytes[7] = '3';
+    bytes[7] = '4';
     try {
         seld::parse_recording(bytes, "x.rec");
         fail_msg("a newer version was accepted");
     } catch (const seld::RecordingError &error) {
         assert_true(error.fault == seld::RecordingFault::newer_version);
-        assert_non_null(strstr(error.what(), "x.rec: is a recording of version '3'"));
+        assert_non_null(strstr(error.what(), "x.rec: is a recording of version '4'"));
     }
     bytes[0] = 'X';
     try {
@@ -211,10 +256,11 @@ void a_recording_cannot_be_written_into_a_missing_folder(void **)
 }
 
 // Pictures split the batches; the session must not notice.
-class CountingSink final : public seld::FrameSink
+class CountingSink final : public seld::SteadySink
 {
   public:
-    void frame(const seld::SessionFrame &frame) override
+    CountingSink() : SteadySink(15) {}
+    void picture(const seld::SessionFrame &frame) override
     {
         assert_int_equal(frame.wire.tick, seld::picture_tick(count++, 15));
         assert_true(frame.wire.nodes.size() > 3);
@@ -242,7 +288,8 @@ int main()
         cmocka_unit_test(a_session_replays_bit_for_bit_at_any_speed),
         cmocka_unit_test(a_replay_from_a_snapshot_ends_in_the_same_state),
         cmocka_unit_test(a_changed_input_is_found_at_its_tick),
-        cmocka_unit_test(views_are_recorded_with_their_ticks),
+        cmocka_unit_test(commands_to_the_room_are_recorded_with_their_ticks),
+        cmocka_unit_test(recordings_of_version_2_still_load),
         cmocka_unit_test(a_recording_cut_off_anywhere_keeps_its_whole_chunks),
         cmocka_unit_test(a_flipped_bit_is_never_taken_for_a_complete_recording),
         cmocka_unit_test(other_files_and_newer_versions_are_refused_by_name),

@@ -131,14 +131,64 @@ void views_change_between_moves(void **)
         "fluoro on\nc-arm LAO 30 CAU 10\nwait 1 s\nc-arm RAO 20\ntable y 25 cm\nfield 20 cm\nwait 1 s",
         "test");
     seld::SessionPlayer player(session, 1);
+    using seld::RoomAction, seld::RoomCommand;
+    const std::vector<RoomCommand> first = player.take_commands();
     assert_int_equal(player.next().buttons, 1);
-    assert_int_equal(player.view().primary_mdeg, 30000);
-    assert_int_equal(player.view().secondary_mdeg, -10000);
-    for (int i = 0; i < 1000; i++) player.next();
-    assert_int_equal(player.view().primary_mdeg, -20000);
-    assert_int_equal(player.view().secondary_mdeg, -10000);
-    assert_int_equal(player.view().table_um[1], 250000);
-    assert_int_equal(player.view().field_um, 200000);
+    assert_true(first == (std::vector<RoomCommand>{{RoomAction::fluoro_pedal, {1, 0, 0}},
+                                                   {RoomAction::angles, {30000, -10000, 0}}}));
+    for (int i = 1; i < 1000; i++) {
+        assert_true(player.take_commands().empty());
+        player.next();
+    }
+    assert_true(player.take_commands() == (std::vector<RoomCommand>{{RoomAction::angles, {-20000, -10000, 0}},
+                                                                    {RoomAction::table, {0, 250000, 0}},
+                                                                    {RoomAction::field, {200000, 0, 0}}}));
+}
+
+// What a script says to the room, as the room hears it.
+void the_room_is_asked_in_words(void **)
+{
+    using seld::RoomAction, seld::RoomCommand;
+    const struct {
+        const char *text;
+        std::vector<RoomCommand> commands;
+    } cases[] = {
+        {"fluoro on rate 7.5 p/s",
+         {{RoomAction::fluoro_rate, {750, 0, 0}}, {RoomAction::fluoro_pedal, {1, 0, 0}}}},
+        {"dsa on rate 3/s",
+         {{RoomAction::program, {1, 0, 0}},
+          {RoomAction::dsa_rate, {300, 0, 0}},
+          {RoomAction::acquire_pedal, {1, 0, 0}}}},
+        {"cine off", {{RoomAction::acquire_pedal, {0, 0, 0}}}},
+        {"view spider",
+         {{RoomAction::distance, {1100000, 750000, 0}},
+          {RoomAction::angles, {45000, -30000, 0}},
+          {RoomAction::field, {200000, 0, 0}}}},
+        {"c-arm SID 120 cm RAO 20",
+         {{RoomAction::distance, {1200000, 750000, 0}}, {RoomAction::angles, {-20000, 0, 0}}}},
+        {"collimate width 60% height 80 % round",
+         {{RoomAction::iris, {1, 0, 0}}, {RoomAction::blades, {600, 800, 0}}}},
+        {"mask frames 2 to 4", {{RoomAction::mask, {1, 3, 0}}}},
+        {"shift mask left 0.5 px up 2 px", {{RoomAction::shift, {-50, 200, 0}}}},
+        {"roadmap from run", {{RoomAction::roadmap, {1, 0, 0}}}},
+        {"review", {{RoomAction::review, {1, 0, 0}}}},
+        {"review run 2 frame 12", {{RoomAction::review, {2, 2, 11}}}},
+        {"review off", {{RoomAction::review, {0, 0, 0}}}},
+        {"store fluoro 5 s", {{RoomAction::store, {5000, 0, 0}}}},
+        {"acknowledge dose", {{RoomAction::acknowledge, {0, 0, 0}}}},
+        {"stop", {{RoomAction::halt, {0, 0, 0}}}},
+    };
+    for (const auto &c : cases) {
+        const seld::Session session = seld::parse_session(c.text, "test");
+        seld::SessionPlayer player(session, 1);
+        if (player.take_commands() != c.commands) fail_msg("'%s' was understood otherwise", c.text);
+    }
+    expect_error("dsa rate 4 f/s", "a.session:1:10: no such rate; there are 0.5, 1, 2, 3, 6, 7.5 per second");
+    expect_error("view spidr", "did you mean 'spider'?");
+    expect_error("mask frame 0", "a frame is 1, 2, 3 ...");
+    expect_error("review frames", "unknown review 'frames', did you mean 'frame'?");
+    expect_error("collimate width 3 %", "opening is out of range");
+    expect_error("store fluoro 1 min", "time is out of range");
 }
 
 void mistakes_are_reported_with_place_and_suggestion(void **)
@@ -296,6 +346,7 @@ int main()
         cmocka_unit_test(until_stops_within_one_ramp),
         cmocka_unit_test(until_that_is_never_reached_is_given_up_and_reported),
         cmocka_unit_test(views_change_between_moves),
+        cmocka_unit_test(the_room_is_asked_in_words),
         cmocka_unit_test(mistakes_are_reported_with_place_and_suggestion),
         cmocka_unit_test(comments_commas_and_joined_units_are_understood),
         cmocka_unit_test(a_move_names_its_tool_or_moves_the_selected_one),

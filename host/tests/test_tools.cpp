@@ -201,7 +201,7 @@ void each_tool_covers_the_line_from_its_own_tip(void **)
     const seld_wire_entry entry = seld::entry_of(scene, 3, std::vector<std::uint32_t>{100000, 120000, 40000});
     seld::Device device(scene, tools, entry, seld::host_rig());
     device.link().read_nodes();
-    const seld::SessionFrame frame = seld::session_frame(device, {}, {}, {});
+    const seld::SessionFrame frame = seld::session_frame(device, {}, {});
     const double tips_mm[] = {20, 0, 80};
     for (std::size_t k = 0; k < 3; k++) {
         assert_true(std::abs(frame.wire.tip_arc_m[k] * 1e3 - tips_mm[k]) < 0.01);
@@ -338,7 +338,7 @@ void a_tool_takes_its_radii_from_its_knots(void **)
 void the_report_has_every_tool(void **)
 {
     const std::string path = folder + ".json";
-    seld::write_report(path, session().result, "", three_tools(), "test");
+    seld::write_report(path, session().result, "", three_tools(), "test", nullptr);
     const nlohmann::json report = nlohmann::json::parse(seld::read_text_file(path));
     std::remove(path.c_str());
     assert_int_equal(report["tools"].size(), 3);
@@ -357,23 +357,72 @@ seld::Screen::KeyEvent press(int key)
 
 void keys_choose_the_tool_they_move(void **)
 {
-    seld::WindowKeys keys({}, 2, false);
+    const seld::Room room;
+    seld::WindowKeys keys(2, false);
     assert_int_equal(keys.chosen_tool(), 0);
-    keys.take(press(GLFW_KEY_2));
+    keys.take(press(GLFW_KEY_2), room);
     assert_int_equal(keys.chosen_tool(), 1);
-    keys.take(press(GLFW_KEY_3)); // there is none
+    keys.take(press(GLFW_KEY_3), room); // there is none
     assert_int_equal(keys.chosen_tool(), 1);
-    keys.take(press(GLFW_KEY_TAB));
+    keys.take(press(GLFW_KEY_TAB), room);
     assert_int_equal(keys.chosen_tool(), 0);
-    keys.take(press(GLFW_KEY_G));
+    keys.take(press(GLFW_KEY_G), room);
     assert_true(keys.moves_all());
-    keys.take(press(GLFW_KEY_1));
+    keys.take(press(GLFW_KEY_1), room);
     assert_false(keys.moves_all());
-    seld::WindowKeys alone({}, 1, false);
-    for (int key : {GLFW_KEY_TAB, GLFW_KEY_G, GLFW_KEY_2}) alone.take(press(key));
+    seld::WindowKeys alone(1, false);
+    for (int key : {GLFW_KEY_TAB, GLFW_KEY_G, GLFW_KEY_2}) alone.take(press(key), room);
     assert_int_equal(alone.chosen_tool(), 0);
     assert_false(alone.moves_all());
     assert_true(seld::help_panel(2).size() > seld::help_panel(1).size());
+}
+
+// Each key as the command that the room hears; steps go from where the motors go, and end at the limits.
+void keys_are_commands_to_the_room(void **)
+{
+    using seld::RoomAction, seld::RoomCommand;
+    seld::Room room;
+    room.give(0, {RoomAction::angles, {118000, 0, 0}});
+    room.advance(0, nullptr);
+    seld::WindowKeys keys(1, false);
+    const struct {
+        int key;
+        RoomCommand command;
+    } cases[] = {{GLFW_KEY_D, {RoomAction::angles, {120000, 0, 0}}},
+                 {GLFW_KEY_A, {RoomAction::angles, {113000, 0, 0}}},
+                 {GLFW_KEY_S, {RoomAction::angles, {118000, -5000, 0}}},
+                 {GLFW_KEY_0, {RoomAction::angles, {0, 0, 0}}},
+                 {GLFW_KEY_I, {RoomAction::table, {0, 20000, 0}}},
+                 {GLFW_KEY_PAGE_UP, {RoomAction::table, {0, 0, -10000}}},
+                 {GLFW_KEY_HOME, {RoomAction::distance, {1100000, 750000, 0}}},
+                 {GLFW_KEY_EQUAL, {RoomAction::field, {250000, 0, 0}}},
+                 {GLFW_KEY_LEFT_BRACKET, {RoomAction::blades, {870, 970, 0}}},
+                 {GLFW_KEY_Q, {RoomAction::iris, {1, 0, 0}}},
+                 {GLFW_KEY_P, {RoomAction::fluoro_rate, {3000, 0, 0}}},
+                 {GLFW_KEY_X, {RoomAction::program, {1, 0, 0}}},
+                 {GLFW_KEY_O, {RoomAction::cine_rate, {3000, 0, 0}}},
+                 {GLFW_KEY_V, {RoomAction::review, {1, 0, 0}}},
+                 {GLFW_KEY_PERIOD, {RoomAction::review, {2, 0, 0}}},
+                 {GLFW_KEY_B, {RoomAction::store, {10000, 0, 0}}},
+                 {GLFW_KEY_N, {RoomAction::mask, {0, 0, 0}}},
+                 {GLFW_KEY_M, {RoomAction::roadmap, {2, 0, 0}}},
+                 {GLFW_KEY_T, {RoomAction::follow, {1, 0, 0}}},
+                 {GLFW_KEY_Z, {RoomAction::halt, {0, 0, 0}}},
+                 {GLFW_KEY_BACKSPACE, {RoomAction::acknowledge, {0, 0, 0}}}};
+    for (const auto &c : cases) {
+        keys.take(press(c.key), room);
+        const std::vector<RoomCommand> commands = keys.take_commands();
+        if (commands != std::vector<RoomCommand>{c.command}) fail_msg("key %d is another command", c.key);
+        assert_true(seld::refusal(c.command).empty());
+    }
+    keys.take(press(GLFW_KEY_F3), room); // spider: distance, angles, field
+    assert_int_equal(keys.take_commands().size(), 3);
+    keys.latch_pedal();
+    assert_true(keys.take_commands() == (std::vector<RoomCommand>{{RoomAction::fluoro_pedal, {1, 0, 0}}}));
+    assert_true(keys.take_commands().empty());
+    keys.take(press(GLFW_KEY_R), room);
+    assert_true(keys.take_reset());
+    assert_true(keys.take_commands().size() == 1); // the new room hears of the pedal again
 }
 
 } // namespace
@@ -392,6 +441,7 @@ int main()
         cmocka_unit_test(a_tool_takes_its_radii_from_its_knots),
         cmocka_unit_test(the_report_has_every_tool),
         cmocka_unit_test(keys_choose_the_tool_they_move),
+        cmocka_unit_test(keys_are_commands_to_the_room),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

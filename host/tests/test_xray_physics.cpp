@@ -99,7 +99,7 @@ static void rendered_counts_have_variance_over_mean_of_one(void **)
     for (double charge : {0.1, 1.0, 10.0}) {
         XraySettings settings = fixed(75.0, charge * 100.0, 10.0);
         settings.size = 1024;
-        settings.beam.collimator_share = 1.0;
+        settings.beam.open_width_share = settings.beam.open_height_share = 1.0;
         const XrayPicture noisy = room.picture(settings);
         settings.beam.noise = false;
         const XrayPicture expected = room.picture(settings);

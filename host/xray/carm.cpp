@@ -1,6 +1,7 @@
 // C-arm geometry. Sine and cosine are series with additions and products only, so that every compiler agrees.
 #include "host/xray/carm.hpp"
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace seld
@@ -97,6 +98,19 @@ bool project(const View &view, const Eigen::Vector3d &point_m, Eigen::Vector2d &
     double scale = view.source_detector_m / (depth_m * view.pixel_m);
     pixel = {view.size * 0.5 + ray.dot(view.right) * scale, view.size * 0.5 - ray.dot(view.up) * scale};
     return true;
+}
+
+std::string patient_side(const Eigen::Vector3d &direction)
+{
+    constexpr double smallest = 0.38; // sin 22.5 deg
+    constexpr char names[3][2] = {{'R', 'L'}, {'F', 'H'}, {'P', 'A'}};
+    std::array<int, 3> order = {0, 1, 2};
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return std::fabs(direction[a]) > std::fabs(direction[b]); });
+    std::string side;
+    for (int axis : order)
+        if (std::fabs(direction[axis]) >= smallest) side += names[axis][direction[axis] > 0.0 ? 1 : 0];
+    return side;
 }
 
 } // namespace seld

@@ -2,6 +2,7 @@
 // Angles follow DICOM PS3.3 C.8.7.5.1.2: primary + = LAO, - = RAO; secondary + = cranial, - = caudal.
 #pragma once
 #include <Eigen/Core>
+#include <string>
 
 namespace seld
 {
@@ -35,6 +36,10 @@ View make_view(const CArm &carm, int size);
 // Picture coordinates of a patient point: x to the right, y downwards, pixel centres at .5. False behind the
 // source.
 bool project(const View &view, const Eigen::Vector3d &point_m, Eigen::Vector2d &pixel);
+
+// Where the patient lies along a direction, as DICOM names it (C.7.6.1.1.1): R or L, H or F, A or P; the larger part first, parts
+// below sin 22.5 deg left out. "LP": to the left, somewhat to the back.
+std::string patient_side(const Eigen::Vector3d &direction);
 
 // Holds the angles, SID, SOD and field inside what a C-arm can do.
 CArm clamp_carm(const CArm &carm);

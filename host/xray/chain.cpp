@@ -170,7 +170,8 @@ SignalKey key_of(const XraySettings &settings, const XrayTechnique &technique)
     key.technique.focal_spot_mm = technique.focal_spot_mm;
     key.scatter = settings.beam.scatter;
     key.circular_field = settings.beam.circular_field;
-    key.collimator_share = settings.beam.collimator_share;
+    key.open_width_share = settings.beam.open_width_share;
+    key.open_height_share = settings.beam.open_height_share;
     return key;
 }
 
@@ -242,7 +243,8 @@ void see_paths(XrayChain &chain, const XraySettings &settings, const XrayFrame &
     const SignalKey field = key_of(settings, {});
     const bool is_field_new = chain.size != settings.size ||
                               chain.key.circular_field != field.circular_field ||
-                              chain.key.collimator_share != field.collimator_share;
+                              chain.key.open_width_share != field.open_width_share ||
+                              chain.key.open_height_share != field.open_height_share;
     if (!are_new && !is_field_new) return;
     chain.is_filled = chain.is_settled = false;
     chain.size = settings.size;

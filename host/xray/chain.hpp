@@ -22,7 +22,7 @@ struct SignalKey {
     XrayTechnique technique; // voltage, copper and focal spot alone
     bool scatter = true;
     bool circular_field = false;
-    double collimator_share = 0.0;
+    double open_width_share = 0.0, open_height_share = 0.0;
 
     bool operator==(const SignalKey &) const = default;
 };

@@ -202,10 +202,12 @@ SELD_WIDE void count_row(const float *expected, int size, std::uint32_t key, std
 
 OpenColumns open_columns(const XrayBeam &beam, int size, int row)
 {
-    const double half = 0.5 * size, open = half * beam.collimator_share;
+    const double half = 0.5 * size, width = half * beam.open_width_share,
+                 height = half * beam.open_height_share;
     const double y = row + 0.5 - half;
-    double reach = std::fabs(y) <= open ? open : -1.0;
+    double reach = std::fabs(y) <= height ? width : -1.0;
     if (beam.circular_field) {
+        const double open = std::min(width, height);
         const double square = open * open - y * y;
         reach = square > 0.0 ? std::sqrt(square) : -1.0;
     }

@@ -22,7 +22,8 @@ XraySettings held_settings(const XraySettings &settings)
     XraySettings held = settings;
     held.carm = clamp_carm(settings.carm);
     held.size = held_size(settings.size);
-    held.beam.collimator_share = std::clamp(settings.beam.collimator_share, 0.2, 1.0);
+    held.beam.open_width_share = std::clamp(settings.beam.open_width_share, 0.05, 1.0);
+    held.beam.open_height_share = std::clamp(settings.beam.open_height_share, 0.05, 1.0);
     held.beam.dose_per_frame_nGy = std::clamp(settings.beam.dose_per_frame_nGy, 0.1, 1e5);
     held.beam.frame_period_ms = std::clamp(settings.beam.frame_period_ms, 1.0, 1e4);
     if (held.beam.fixed_technique) held.beam.fixed_technique = held_technique(*held.beam.fixed_technique);

@@ -37,8 +37,9 @@ struct XrayBeam {
     std::optional<XrayTechnique> fixed_technique;
     bool noise = true;
     bool scatter = true;
-    bool circular_field = false;    // round image intensifier instead of a square flat detector
-    double collimator_share = 0.97; // open part of the field along each axis, 0.2 .. 1
+    bool circular_field = false;     // round image intensifier instead of a square flat detector
+    double open_width_share = 0.97;  // of the field between the blades left and right, 0.05 .. 1
+    double open_height_share = 0.97; // of the field between the blades above and below, 0.05 .. 1
 };
 
 struct XrayDisplay {

@@ -35,6 +35,7 @@ ALLOWED = {
     "host/xray": ["host/model"],
     "host/xray/gl": ["host/xray", "host/model"],
     "host/dicom": ["host/xray", "host/model"],  # the one folder that knows DCMTK
+    "host/room": ["host/xray"],
     "host/app": ["host", "shared"],  # recordings and sessions hold the wire's own records
     "host/bench": ["host", "firmware/bench/bench.h"],
     "host/tests": ["host", "shared", "firmware/port/sim/sim.h", "firmware/core/core.h"],  # test_usb: a bus of sim ports

@@ -1,0 +1,59 @@
+// What a person does in the X-ray room: pedals, geometry, modes, review. A session is a list of these with their ticks, and
+// nothing else decides what the room does: docs/room.md. Whole numbers, so that a recording holds them exactly.
+// May include: nothing. Called by: host/room, host/app.
+#pragma once
+#include <cstdint>
+#include <string>
+
+namespace seld
+{
+
+// The numbers stand in recordings and keep their meaning for ever.
+enum class RoomAction : std::uint16_t {
+    fluoro_pedal = 1,  // 1 down, 0 up
+    acquire_pedal = 2, // 1 down, 0 up: makes a run of the program chosen
+    program = 3,       // 0 cine, 1 DSA
+    fluoro_rate = 4,   // 1/100 pulses per s: 375, 750, 1500, 3000
+    cine_rate = 5,     // 1/100 frames per s: 750, 1500, 3000
+    dsa_rate = 6,      // 1/100 frames per s: 50, 100, 200, 300, 600, 750
+    angles = 7,        // primary, secondary 1/1000 deg: + LAO, + CRA
+    table = 8,         // patient point at the isocentre, um: patient left, head, anterior; ends following
+    follow = 9,        // 1: the table brings the tip back when it leaves the middle of the field
+    field = 10,        // width of the square field at the detector, um
+    distance = 11,     // source to detector (SID), source to isocentre (SOD), um
+    blades = 12,       // open width, open height, 1/1000 of the field
+    iris = 13,         // 1 round field, 0 rectangular
+    store = 14,        // keep the last so many ms of fluoroscopy as a run
+    mask = 15,         // of the DSA run shown: first, last frame from 0; their mean is the mask
+    shift = 16,        // of the mask: to the right, upwards, 1/100 pixel; always from where it was acquired
+    roadmap = 17,      // 0 off, 1 of the last DSA run, 2 of the next press of the fluoroscopy pedal
+    review = 18,       // 0 off, 1 loop, 2 one frame; run number (0: the last); frame from 0
+    acknowledge = 19,  // the dose alert was seen
+    halt = 20,         // every motor stops where it is
+};
+
+struct RoomCommand {
+    RoomAction action = RoomAction::halt;
+    std::int32_t values[3] = {0, 0, 0};
+
+    bool operator==(const RoomCommand &) const = default;
+};
+
+// Empty, or why no room can do this: unknown action or a value out of range. What passes may still be refused in a
+// situation (no run to review): Room says so then.
+std::string refusal(const RoomCommand &command);
+
+// Limits that scripts, keys and recordings share.
+inline constexpr std::int32_t primary_max_mdeg = 120'000, secondary_max_mdeg = 50'000;
+inline constexpr std::int32_t table_max_um = 1'900'000;
+inline constexpr std::int32_t field_min_um = 100'000, field_max_um = 450'000;
+inline constexpr std::int32_t sid_min_um = 900'000, sid_max_um = 1'300'000;
+inline constexpr std::int32_t sod_min_um = 600'000, sod_max_um = 850'000;
+inline constexpr std::int32_t blade_min_permille = 50, blade_max_permille = 1000;
+inline constexpr std::int32_t shift_max_centipixels = 2'000;
+inline constexpr std::int32_t store_min_ms = 500, store_max_ms = 20'000;
+inline constexpr std::int32_t fluoro_rates_centihertz[] = {375, 750, 1500, 3000};
+inline constexpr std::int32_t cine_rates_centihertz[] = {750, 1500, 3000};
+inline constexpr std::int32_t dsa_rates_centihertz[] = {50, 100, 200, 300, 600, 750};
+
+} // namespace seld

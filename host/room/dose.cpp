@@ -1,0 +1,78 @@
+#include "host/room/dose.hpp"
+#include <algorithm>
+#include <iterator>
+#include <numbers>
+
+namespace seld
+{
+namespace
+{
+
+constexpr double reference_from_isocentre_m = 0.15;
+constexpr int alert_count = static_cast<int>(std::size(dose_alert_levels_Gy));
+
+void add_pulse(Dose &dose, double air_kerma_uGy, double kap_Gy_cm2)
+{
+    dose.pulses++;
+    dose.air_kerma_uGy += air_kerma_uGy;
+    dose.kap_Gy_cm2 += kap_Gy_cm2;
+}
+
+} // namespace
+
+double reference_area_cm2(const CArm &carm, const XrayBeam &beam)
+{
+    const double width = beam.open_width_share, height = beam.open_height_share;
+    const double narrow = std::min(width, height);
+    const double open = beam.circular_field ? 0.25 * std::numbers::pi * narrow * narrow : width * height;
+    const double nearer = (carm.source_isocentre_m - reference_from_isocentre_m) / carm.source_detector_m;
+    return open * carm.field_m * carm.field_m * nearer * nearer * 1e4;
+}
+
+void DoseMeter::begin(const Irradiation &irradiation)
+{
+    irradiations_.push_back(irradiation);
+    is_on_ = true;
+}
+
+void DoseMeter::add(std::uint32_t tick, double air_kerma_uGy, double kap_Gy_cm2)
+{
+    if (!is_on_) return;
+    Irradiation &present = irradiations_.back();
+    present.tick_end = tick;
+    add_pulse(present.dose, air_kerma_uGy, kap_Gy_cm2);
+    add_pulse(total_, air_kerma_uGy, kap_Gy_cm2);
+    kerma_rate_mGy_min_ = air_kerma_uGy * 1e-3 * present.pulses_per_s * 60.0;
+    while (alerts_passed_ < alert_count && total_.air_kerma_uGy >= dose_alert_levels_Gy[alerts_passed_] * 1e6)
+        unseen_ = alerts_passed_++;
+}
+
+void DoseMeter::note_pulse(const CArm &carm, double tube_voltage_kV, double tube_current_mA, double pulse_ms)
+{
+    if (!is_on_) return;
+    Irradiation &present = irradiations_.back();
+    if (present.dose.pulses == 0) present.carm = carm;
+    present.tube_voltage_kV = tube_voltage_kV;
+    present.tube_current_mA = tube_current_mA;
+    present.pulse_ms = pulse_ms;
+}
+
+void DoseMeter::pass_tick()
+{
+    if (!is_on_) return;
+    irradiations_.back().dose.beam_ticks++;
+    total_.beam_ticks++;
+    if (irradiations_.back().kind == RunKind::fluoro) fluoro_ticks_++;
+}
+
+void DoseMeter::end(std::uint32_t tick, int kept_as_run)
+{
+    if (!is_on_) return;
+    is_on_ = false;
+    kerma_rate_mGy_min_ = 0.0;
+    irradiations_.back().tick_end = tick;
+    irradiations_.back().run = kept_as_run;
+    if (irradiations_.back().dose.pulses == 0) irradiations_.pop_back();
+}
+
+} // namespace seld

@@ -1,0 +1,71 @@
+// Dose of a session, as IEC 60601-2-43 asks for it: reference air kerma, kerma-area product and time, per irradiation and in
+// total. May include: host/xray. Called by: room.
+#pragma once
+#include "host/xray/run.hpp"
+#include "host/xray/xray.hpp"
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace seld
+{
+
+// What one or more frames gave.
+struct Dose {
+    std::uint32_t pulses = 0;
+    double air_kerma_uGy = 0.0; // at the reference point, 15 cm from the isocentre toward the tube
+    double kap_Gy_cm2 = 0.0;
+    std::uint32_t beam_ticks = 0; // pedal down, ms
+};
+
+// One press of a pedal.
+struct Irradiation {
+    RunKind kind = RunKind::fluoro;
+    int run = 0; // number of the run that was kept, 0: none
+    std::uint32_t tick_begin = 0, tick_end = 0;
+    double pulses_per_s = 0.0;
+    CArm carm;                                                           // at its first pulse
+    double tube_voltage_kV = 0.0, tube_current_mA = 0.0, pulse_ms = 0.0; // of its last pulse
+    Dose dose;
+};
+
+// Area of the open field at the reference point, 15 cm from the isocentre toward the tube, in cm2. Kerma there times this is
+// the kerma-area product, which is the same at every distance.
+double reference_area_cm2(const CArm &carm, const XrayBeam &beam);
+
+// Levels of reference air kerma at which the room speaks up: 2 Gy (skin may redden), 5 Gy (follow the patient up); ICRP 120.
+inline constexpr double dose_alert_levels_Gy[] = {2.0, 5.0};
+inline constexpr std::uint32_t fluoro_reminder_ticks = 300'000; // every five minutes of fluoroscopy
+
+class DoseMeter
+{
+  public:
+    void begin(const Irradiation &irradiation);
+    // One pulse of the irradiation that runs. `tick` is the pulse's.
+    void add(std::uint32_t tick, double air_kerma_uGy, double kap_Gy_cm2);
+    void note_pulse(const CArm &carm, double tube_voltage_kV, double tube_current_mA, double pulse_ms);
+    void end(std::uint32_t tick, int kept_as_run); // forgets an irradiation without a pulse
+    void pass_tick();                              // 1 ms with the pedal down
+    void acknowledge() { unseen_.reset(); }
+
+    const std::vector<Irradiation> &irradiations() const { return irradiations_; }
+    const Dose &total() const { return total_; }
+    std::uint32_t fluoro_ticks() const { return fluoro_ticks_; } // pedal time of fluoroscopy alone
+    // kerma of the last pulse times its rate; 0 when the beam is off
+    double kerma_rate_mGy_min() const { return kerma_rate_mGy_min_; }
+    // The highest alert that nobody has acknowledged: index into dose_alert_levels_Gy.
+    std::optional<int> unseen_alert() const { return unseen_; }
+    int alerts_passed() const { return alerts_passed_; }
+    std::uint32_t fluoro_reminders() const { return fluoro_ticks_ / fluoro_reminder_ticks; }
+
+  private:
+    std::vector<Irradiation> irradiations_;
+    bool is_on_ = false;
+    Dose total_;
+    std::uint32_t fluoro_ticks_ = 0;
+    double kerma_rate_mGy_min_ = 0.0;
+    int alerts_passed_ = 0;
+    std::optional<int> unseen_;
+};
+
+} // namespace seld

@@ -1,0 +1,70 @@
+// C-arm and table as motors: every axis starts, runs and stops within its speed and acceleration, and none of them goes on
+// when tube or detector would come too near the table.
+//
+//   Gantry gantry;
+//   gantry.place(pose);            // where the session begins: at once
+//   gantry.aim(pose);              // from then on: where the motors go
+//   gantry.tick();                 // 1 ms
+//
+// May include: host/xray/carm.hpp. Called by: room. Equations and the model of the collision: docs/room.md.
+#pragma once
+#include "host/xray/carm.hpp"
+#include <array>
+#include <string>
+
+namespace seld
+{
+
+// The axes that have a motor, in the order of GantryPose's values.
+enum GantryAxis {
+    axis_primary,
+    axis_secondary,
+    axis_table_x,
+    axis_table_y,
+    axis_table_z,
+    axis_sid,
+    axis_sod
+};
+inline constexpr int gantry_axes = 7;
+
+// Degrees, metres: primary, secondary, patient point at the isocentre (x, y, z), SID, SOD.
+using GantryPose = std::array<double, gantry_axes>;
+
+// Speeds per s and accelerations per s2, in degrees and metres. Typical of ceiling and floor mounted C-arms (assumption).
+struct AxisLimits {
+    double speed, acceleration, low, high;
+};
+const std::array<AxisLimits, gantry_axes> &gantry_limits();
+
+// Smallest gap between the table and tube or detector housing, in metres; negative: they overlap. Boxes: docs/room.md.
+double table_clearance_m(const GantryPose &pose);
+
+class Gantry
+{
+  public:
+    static constexpr double clearance_min_m = 0.025; // at which the interlock brakes; 2 cm stay
+
+    void place(const GantryPose &pose); // at once, without motion; held to the limits of the axes
+    void aim(const GantryPose &pose);   // where the motors go from now on; held to the limits
+    void aim_axis(GantryAxis axis, double value);
+    void halt(); // all motors brake and stay where they come to rest
+    void tick(); // 1 ms
+
+    const GantryPose &pose() const { return pose_; }
+    const GantryPose &target() const { return target_; }
+    bool is_moving() const;
+    // The interlock stopped a motion; until the next aim().
+    bool is_blocked() const { return is_blocked_; }
+    CArm carm(double field_m) const;
+
+  private:
+    double clearance_while_braking_m(const GantryPose &speed) const;
+    GantryPose wanted_speed(bool brakes) const;
+
+    GantryPose pose_ = {0.0, 0.0, 0.0, 0.0, 0.0, 1.05, 0.75};
+    GantryPose target_ = pose_;
+    GantryPose speed_{};
+    bool is_blocked_ = false, is_halting_ = false;
+};
+
+} // namespace seld

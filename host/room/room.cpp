@@ -1,0 +1,297 @@
+// Ticks, commands and pulses. What the screen shows is in room_screen.cpp, masks and roadmaps in room_runs.cpp.
+#include "host/room/room.hpp"
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace seld
+{
+namespace
+{
+
+constexpr std::uint32_t never = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t look_every_ticks = 50; // at the tip, to follow it
+constexpr double follow_zone = 0.22; // the tip may be so far from the middle, share of the field's width
+constexpr std::int64_t notice_ticks = 4000;
+
+// Dose behind patient and grid per frame, nGy: in the middle of what is usual (host/xray/xray.hpp).
+double frame_dose_nGy(RunKind kind)
+{
+    return kind == RunKind::fluoro ? 40.0 : kind == RunKind::cine ? 170.0 : 1200.0;
+}
+
+ExposureMode exposure_mode(RunKind kind)
+{
+    return kind == RunKind::fluoro ? ExposureMode::fluoro
+           : kind == RunKind::cine ? ExposureMode::cine
+                                   : ExposureMode::dsa;
+}
+
+GantryPose with_angles(GantryPose pose, const RoomCommand &command)
+{
+    pose[axis_primary] = command.values[0] * 1e-3;
+    pose[axis_secondary] = command.values[1] * 1e-3;
+    return pose;
+}
+
+GantryPose with_table(GantryPose pose, const Eigen::Vector3d &place_m)
+{
+    pose[axis_table_x] = place_m.x();
+    pose[axis_table_y] = place_m.y();
+    pose[axis_table_z] = place_m.z();
+    return pose;
+}
+
+GantryPose with_distances(GantryPose pose, const RoomCommand &command)
+{
+    pose[axis_sid] = command.values[0] * 1e-6;
+    pose[axis_sod] = command.values[1] * 1e-6;
+    return pose;
+}
+
+} // namespace
+
+Room::Room(std::size_t store_bytes_max) : store_(store_bytes_max) {}
+
+// --- time ---
+
+std::uint32_t Room::Beam::next_tick() const
+{
+    return tick_begin + static_cast<std::uint32_t>((std::int64_t{index} * 100'000 + rate_centihertz - 1) /
+                                                   rate_centihertz);
+}
+
+std::string Room::give(std::uint32_t tick, const RoomCommand &command)
+{
+    const std::string why = refusal(command);
+    if (!why.empty()) return why;
+    const std::int64_t first = std::max<std::int64_t>(tick_ + 1, queue_.empty() ? 0 : queue_.back().tick);
+    queue_.push_back({static_cast<std::uint32_t>(std::max<std::int64_t>(tick, first)), command});
+    return "";
+}
+
+std::uint32_t Room::next_tick() const
+{
+    std::uint32_t next = queue_.empty() ? never : queue_.front().tick;
+    if (beam_.is_on) next = std::min(next, beam_.next_tick());
+    if (follows_tip_)
+        next = std::min(next, static_cast<std::uint32_t>((tick_ / look_every_ticks + 1) * look_every_ticks));
+    return next;
+}
+
+void Room::advance(std::uint32_t tick, const Eigen::Vector3d *tip)
+{
+    while (tick_ < std::int64_t{tick}) {
+        const auto next = static_cast<std::uint32_t>(tick_ + 1);
+        process(next, next == tick ? tip : nullptr);
+    }
+}
+
+// One millisecond: what was asked, then motors, then pedals and pulses.
+void Room::process(std::uint32_t tick, const Eigen::Vector3d *tip)
+{
+    tick_ = tick;
+    while (!queue_.empty() && queue_.front().tick <= tick) {
+        const RoomCommand command = queue_.front().command;
+        queue_.pop_front();
+        carry_out(tick, command);
+    }
+    if (follows_tip_ && tip && tick % look_every_ticks == 0) follow(tick, *tip);
+    // A run of DSA needs a patient who stands still against its mask.
+    if (!(beam_.is_on && beam_.kind == RunKind::dsa)) gantry_.tick();
+    if (gantry_.is_blocked() && !was_blocked_) notify(tick, "TABLE IN THE WAY - motion stopped");
+    was_blocked_ = gantry_.is_blocked();
+    press_pedals(tick);
+    is_pulse_due_ = beam_.is_on && tick == beam_.next_tick();
+    while (beam_.is_on && beam_.next_tick() <= tick) ++beam_.index;
+    if (beam_.is_on) dose_.pass_tick();
+}
+
+void Room::notify(std::uint32_t tick, const std::string &text)
+{
+    notice_ = text;
+    notice_until_ = std::int64_t{tick} + notice_ticks;
+}
+
+// --- commands ---
+
+void Room::carry_out(std::uint32_t tick, const RoomCommand &command)
+{
+    const std::int32_t value = command.values[0];
+    switch (command.action) {
+    case RoomAction::fluoro_pedal:
+        is_fluoro_armed_ = value == 1 && (is_fluoro_armed_ || !is_fluoro_down_);
+        is_fluoro_down_ = value == 1;
+        if (beam_.is_on && !beam_.is_acquired && !is_fluoro_down_) end_beam(tick);
+        break;
+    case RoomAction::acquire_pedal:
+        is_acquire_armed_ = value == 1 && (is_acquire_armed_ || !is_acquire_down_);
+        is_acquire_down_ = value == 1;
+        if (beam_.is_on && beam_.is_acquired && !is_acquire_down_) end_beam(tick);
+        break;
+    case RoomAction::program:
+        program_ = value == 1 ? RunKind::dsa : RunKind::cine;
+        break;
+    case RoomAction::fluoro_rate:
+        fluoro_centihertz_ = value;
+        break;
+    case RoomAction::cine_rate:
+        cine_centihertz_ = value;
+        break;
+    case RoomAction::dsa_rate:
+        dsa_centihertz_ = value;
+        break;
+    case RoomAction::store:
+        store_fluoro(tick, static_cast<std::uint32_t>(value));
+        break;
+    case RoomAction::mask:
+    case RoomAction::shift:
+        set_mask(command);
+        break;
+    case RoomAction::roadmap:
+        set_roadmap(tick, value);
+        break;
+    case RoomAction::review:
+        set_review(tick, command);
+        break;
+    case RoomAction::acknowledge:
+        dose_.acknowledge();
+        break;
+    default:
+        carry_out_geometry(tick, command);
+    }
+}
+
+void Room::carry_out_geometry(std::uint32_t tick, const RoomCommand &command)
+{
+    const std::int32_t *values = command.values;
+    switch (command.action) {
+    case RoomAction::angles:
+        return move(tick, with_angles(gantry_.target(), command));
+    case RoomAction::distance:
+        return move(tick, with_distances(gantry_.target(), command));
+    case RoomAction::table:
+        follows_tip_ = false;
+        return move(tick,
+                    with_table(gantry_.target(), Eigen::Vector3d(values[0], values[1], values[2]) * 1e-6));
+    case RoomAction::follow:
+        follows_tip_ = values[0] == 1;
+        break;
+    case RoomAction::field:
+        field_um_ = values[0];
+        break;
+    case RoomAction::blades:
+        blade_width_permille_ = values[0];
+        blade_height_permille_ = values[1];
+        break;
+    case RoomAction::iris:
+        is_round_ = values[0] == 1;
+        break;
+    default: // halt
+        follows_tip_ = false;
+        gantry_.halt();
+    }
+}
+
+// At the first tick the room is set up: what is asked then stands there from the beginning.
+void Room::move(std::uint32_t tick, const GantryPose &pose)
+{
+    if (tick > 0) return gantry_.aim(pose);
+    gantry_.place(pose);
+    if (table_clearance_m(gantry_.pose()) < Gantry::clearance_min_m)
+        notify(tick, "THE TABLE IS IN THE WAY HERE - only ways out are free");
+}
+
+// As a hand on the table does: nothing while the tip is well inside the field, then it is brought back to the middle.
+void Room::follow(std::uint32_t tick, const Eigen::Vector3d &tip)
+{
+    if (tick == 0) return move(tick, with_table(gantry_.target(), tip));
+    const View view = make_view(gantry_.carm(field_m()), 512);
+    Eigen::Vector2d pixel;
+    const bool is_in_front = project(view, tip, pixel);
+    const double zone = follow_zone * view.size, middle = 0.5 * view.size;
+    const bool is_inside =
+        is_in_front && std::fabs(pixel.x() - middle) <= zone && std::fabs(pixel.y() - middle) <= zone;
+    if (!is_inside || gantry_.is_moving()) {
+        const GantryPose wanted = with_table(gantry_.target(), tip);
+        if (wanted != gantry_.target() && !gantry_.is_blocked()) gantry_.aim(wanted);
+    }
+}
+
+// --- pedals ---
+
+// A run begins with a new press only: a pedal held over the end of another run does nothing until it is let go.
+void Room::press_pedals(std::uint32_t tick)
+{
+    if (beam_.is_on) {
+        if (beam_.is_acquired || !is_acquire_armed_) return;
+        end_beam(tick); // the acquisition pedal overrules fluoroscopy
+    }
+    const bool is_dsa = is_acquire_armed_ && program_ == RunKind::dsa;
+    if (is_dsa && gantry_.is_moving()) return gantry_.halt(); // the run begins when everything stands
+    if (is_acquire_armed_)
+        begin_beam(tick, true);
+    else if (is_fluoro_armed_)
+        begin_beam(tick, false);
+}
+
+void Room::begin_beam(std::uint32_t tick, bool is_acquired)
+{
+    is_fluoro_armed_ = is_acquire_armed_ = false;
+    review_.is_on = false;
+    beam_ = {true, is_acquired ? program_ : RunKind::fluoro, is_acquired, tick, fluoro_centihertz_, 0, {}};
+    if (beam_.kind == RunKind::cine) beam_.rate_centihertz = cine_centihertz_;
+    if (beam_.kind == RunKind::dsa) beam_.rate_centihertz = dsa_centihertz_;
+    Irradiation irradiation;
+    irradiation.kind = beam_.kind;
+    irradiation.tick_begin = irradiation.tick_end = tick;
+    irradiation.pulses_per_s = static_cast<double>(beam_.rate_centihertz) * 0.01;
+    irradiation.carm = gantry_.carm(field_m());
+    dose_.begin(irradiation);
+    if (is_acquired) store_.begin(header(0));
+    if (!is_acquired && roadmap_.state == RoadmapState::waits) {
+        roadmap_.state = RoadmapState::collects;
+        roadmap_.carm = irradiation.carm;
+    }
+    ++version_;
+}
+
+void Room::end_beam(std::uint32_t tick)
+{
+    beam_.is_on = false;
+    is_pulse_due_ = false;
+    const int kept = beam_.is_acquired ? store_.finish() : 0;
+    dose_.end(tick, kept);
+    if (roadmap_.state == RoadmapState::collects) finish_roadmap();
+    ++version_;
+}
+
+// --- pulses ---
+
+PulseRequest Room::pulse() const
+{
+    PulseRequest request;
+    request.kind = beam_.kind;
+    request.carm = gantry_.carm(field_m());
+    request.beam.mode = exposure_mode(beam_.kind);
+    request.beam.dose_per_frame_nGy = frame_dose_nGy(beam_.kind);
+    request.beam.frame_period_ms = 1e5 / static_cast<double>(beam_.rate_centihertz);
+    request.beam.fixed_technique = beam_.locked;
+    request.settles_at_once = beam_.kind == RunKind::dsa && !beam_.locked;
+    request.beam.circular_field = is_round_;
+    request.beam.open_width_share = blade_width_permille_ * 1e-3;
+    request.beam.open_height_share = blade_height_permille_ * 1e-3;
+    return request;
+}
+
+XrayRun Room::header(int size) const
+{
+    XrayRun run;
+    run.kind = beam_.kind;
+    run.size = size;
+    run.pulses_per_s = static_cast<double>(beam_.rate_centihertz) * 0.01;
+    if (run.kind == RunKind::dsa) run.mask = RunMask{{0}, 0.0, 0.0};
+    return run;
+}
+
+} // namespace seld

@@ -1,0 +1,248 @@
+// What happens to pictures: kept in runs, subtracted from masks, gathered into roadmaps, shown again.
+#include "host/room/room.hpp"
+#include "host/room/subtraction.hpp"
+#include "host/xray/detector.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace seld
+{
+namespace
+{
+
+// What one frame of noise adds to the largest of many differences is taken off a roadmap: the median, which is background,
+// plus so many times the distance from the median to the lowest tenth.
+constexpr float roadmap_noise_steps = 2.0f;
+
+float background_of(const std::vector<float> &peak)
+{
+    std::vector<float> sorted = peak;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    const auto tenth = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 10);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    const float median = *middle;
+    std::nth_element(sorted.begin(), tenth, middle);
+    return median + roadmap_noise_steps * (median - *tenth);
+}
+
+RunCollimator collimator_of(const XrayBeam &beam, int size)
+{
+    RunCollimator open;
+    open.is_circular = beam.circular_field;
+    OpenColumns columns;
+    open.top = size;
+    for (int row = 0; row < size; ++row) {
+        columns = open_columns(beam, size, row);
+        if (columns.begin >= columns.end) continue;
+        if (open.bottom == 0) {
+            open.top = row;
+            open.left = columns.begin;
+            open.right = columns.end;
+        }
+        open.left = std::min(open.left, columns.begin);
+        open.right = std::max(open.right, columns.end);
+        open.bottom = row + 1;
+    }
+    open.top = std::min(open.top, open.bottom);
+    open.centre_x_px = open.centre_y_px = 0.5 * size;
+    open.radius_px = 0.5 * size * std::min(beam.open_width_share, beam.open_height_share);
+    return open;
+}
+
+// How a viewer shows raw values at first: from the darkest to the brightest hundredth of those that the beam met.
+void set_window(XrayRun &run, const std::vector<std::uint16_t> &raw)
+{
+    std::vector<std::uint16_t> open;
+    for (std::size_t i = 0; i < raw.size(); i += 7)
+        if (raw[i] > 0) open.push_back(raw[i]);
+    if (open.size() < 100) return;
+    const std::size_t hundredth = open.size() / 100;
+    const auto low = open.begin() + static_cast<std::ptrdiff_t>(hundredth);
+    const auto high = open.end() - static_cast<std::ptrdiff_t>(hundredth) - 1;
+    std::nth_element(open.begin(), low, open.end());
+    const double dark = *low;
+    std::nth_element(open.begin(), high, open.end());
+    run.window_centre = 0.5 * (dark + *high);
+    run.window_width = std::max(*high - dark, 1.0);
+}
+
+// What files say of a run, from its first frame.
+void describe_beam(XrayRun &run, const XrayBeam &beam, const XrayPicture &picture)
+{
+    run.collimator = collimator_of(beam, picture.size);
+    run.filters = {{"aluminum", 2.5}, {"copper", picture.technique.copper_mm}};
+    run.focal_spot_mm = picture.technique.focal_spot_mm;
+    set_window(run, picture.raw);
+}
+
+} // namespace
+
+// A picture for pulse(): counted, kept, and from now on the one that is held.
+void Room::expose(const XrayPicture &picture)
+{
+    if (!is_pulse_due_) return;
+    is_pulse_due_ = false;
+    const PulseRequest request = pulse();
+    RunFrame frame;
+    frame.tick = picture.tick;
+    frame.carm = request.carm;
+    frame.air_kerma_uGy = picture.air_kerma_uGy;
+    frame.kap_Gy_cm2 = picture.kap_Gy_cm2;
+    frame.tube_voltage_kV = picture.technique.tube_voltage_kV;
+    frame.tube_current_mA = picture.technique.tube_current_mA;
+    frame.pulse_ms = picture.technique.pulse_ms;
+    frame.raw = picture.raw;
+    if (beam_.kind == RunKind::dsa) beam_.locked = picture.technique;
+    held_technique_ = picture.technique;
+    is_underexposed_ = picture.is_underexposed;
+    dose_.note_pulse(frame.carm, frame.tube_voltage_kV, frame.tube_current_mA, frame.pulse_ms);
+    dose_.add(picture.tick, frame.air_kerma_uGy, frame.kap_Gy_cm2);
+
+    has_held_ = true;
+    held_size_ = picture.size;
+    held_kind_ = beam_.kind;
+    held_pulses_per_s_ = static_cast<double>(beam_.rate_centihertz) * 0.01;
+    held_frame_ = frame;
+    held_grey_ = picture.grey;
+    held_run_ = held_index_ = 0;
+    ++version_;
+    if (!beam_.is_acquired) {
+        XrayRun passing = header(picture.size);
+        describe_beam(passing, request.beam, picture);
+        store_.pass(passing, frame, picture.grey);
+        if (roadmap_.state == RoadmapState::collects) collect_roadmap(frame, picture.size);
+        return;
+    }
+    StoredRun &stored = *store_.open_run();
+    if (stored.run.frames.empty()) {
+        stored.run.size = picture.size;
+        describe_beam(stored.run, request.beam, picture);
+    }
+    if (store_.add(std::move(frame), picture.grey)) {
+        held_run_ = stored.run.number;
+        held_index_ = static_cast<int>(stored.run.frames.size()) - 1;
+        return;
+    }
+    notify(picture.tick, "IMAGE MEMORY IS FULL - the run ends");
+    end_beam(picture.tick);
+}
+
+void Room::store_fluoro(std::uint32_t tick, std::uint32_t milliseconds)
+{
+    if (beam_.is_on) return notify(tick, "RELEASE THE PEDAL, then store fluoroscopy");
+    const int run = store_.keep_passed(tick, milliseconds);
+    notify(tick, run == 0 ? "NO FLUOROSCOPY TO STORE in this time"
+                          : "Fluoroscopy stored as run " + std::to_string(run));
+}
+
+// --- masks ---
+
+StoredRun *Room::shown_dsa(std::uint32_t tick)
+{
+    StoredRun *run = shown().run;
+    if (run && run->run.kind == RunKind::dsa && !run->is_dropped) return run;
+    notify(tick, "NO DSA RUN ON THE SCREEN - show one first");
+    return nullptr;
+}
+
+void Room::set_mask(const RoomCommand &command)
+{
+    const auto tick = static_cast<std::uint32_t>(tick_);
+    StoredRun *stored = shown_dsa(tick);
+    if (!stored) return;
+    RunMask &mask = *stored->run.mask;
+    if (command.action == RoomAction::shift) {
+        mask.shift_x_px = command.values[0] * 0.01;
+        mask.shift_y_px = -command.values[1] * 0.01; // up is towards row 0
+    } else {
+        const auto frames = static_cast<std::int32_t>(stored->run.frames.size());
+        if (command.values[1] >= frames)
+            return notify(tick, "NO SUCH MASK: the run has frames 1 to " + std::to_string(frames));
+        mask.frames.clear();
+        for (std::int32_t frame = command.values[0]; frame <= command.values[1]; ++frame)
+            mask.frames.push_back(frame);
+    }
+    ++version_;
+}
+
+// --- roadmap ---
+
+void Room::set_roadmap(std::uint32_t tick, std::int32_t wanted)
+{
+    ++version_;
+    roadmap_ = {};
+    if (wanted == 2) {
+        roadmap_.state = RoadmapState::waits;
+    } else if (wanted == 1) {
+        StoredRun *stored = store_.last_of(RunKind::dsa);
+        if (!stored || stored->is_dropped || stored->run.frames.size() < 2)
+            return notify(tick, "NO ROADMAP: it needs a DSA run of two frames or more");
+        if (store_.open_run()) return notify(tick, "RELEASE THE PEDAL, then make the roadmap");
+        roadmap_from_run(*stored);
+    }
+}
+
+void Room::roadmap_from_run(StoredRun &stored)
+{
+    const int size = stored.run.size;
+    std::vector<float> mask, live, density;
+    smooth_log2(mean_frame(stored.run, stored.run.mask->frames), size, roadmap_.reference);
+    shift_picture(roadmap_.reference, size, stored.run.mask->shift_x_px, -stored.run.mask->shift_y_px, mask);
+    for (const RunFrame &frame : stored.run.frames) {
+        smooth_log2(frame.raw, size, live);
+        subtract(mask, live, density);
+        hold_peak(density, roadmap_.peak);
+    }
+    roadmap_.carm = stored.run.frames.front().carm;
+    finish_roadmap();
+}
+
+// The first frame of the press is what the others are compared with.
+void Room::collect_roadmap(const RunFrame &frame, int size)
+{
+    std::vector<float> live, density;
+    smooth_log2(frame.raw, size, live);
+    if (roadmap_.reference.size() != live.size() || !is_same_geometry(roadmap_.carm)) {
+        roadmap_.reference = live;
+        roadmap_.peak.clear();
+        roadmap_.carm = frame.carm;
+    }
+    subtract(roadmap_.reference, live, density);
+    hold_peak(density, roadmap_.peak);
+}
+
+void Room::finish_roadmap()
+{
+    if (roadmap_.peak.empty()) {
+        roadmap_.state = RoadmapState::waits; // a press without a pulse: the next one collects
+        return;
+    }
+    roadmap_.floor = background_of(roadmap_.peak);
+    roadmap_.state = RoadmapState::shown;
+}
+
+// --- review ---
+
+void Room::set_review(std::uint32_t tick, const RoomCommand &command)
+{
+    const auto [mode, run, frame] = command.values;
+    ++version_;
+    if (mode == 0) {
+        review_.is_on = false;
+        return;
+    }
+    if (beam_.is_on) return notify(tick, "RELEASE THE PEDAL, then review");
+    const StoredRun *stored = store_.find(run);
+    if (!stored)
+        return notify(tick, store_.runs().empty() ? "NO RUN TO REVIEW yet"
+                                                  : "NO RUN " + std::to_string(run) + " TO REVIEW");
+    if (stored->is_dropped)
+        return notify(tick,
+                      "RUN " + std::to_string(stored->run.number) + " went when the image memory was full");
+    const auto frames = static_cast<int>(stored->run.frames.size());
+    if (mode == 2 && frame >= frames)
+        return notify(tick, "NO SUCH FRAME: the run has 1 to " + std::to_string(frames));
+    review_ = {true, mode == 1, stored->run.number, frame, tick};
+}
+
+} // namespace seld

@@ -1,0 +1,163 @@
+// What the screen shows: live picture, last image hold, loops; subtracted, with its roadmap; and the words around it.
+#include "host/room/room.hpp"
+#include "host/room/subtraction.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace seld
+{
+namespace
+{
+
+constexpr float dsa_window_doublings = 2.0f; // of attenuation, from white to black
+constexpr std::uint8_t dsa_background = 160;
+
+bool is_near(double a, double b, double tolerance)
+{
+    return std::fabs(a - b) <= tolerance;
+}
+
+} // namespace
+
+int Room::loop_frame(const StoredRun &stored) const
+{
+    if (!review_.is_loop) return review_.frame;
+    const std::int64_t past = tick_ - review_.tick_begin;
+    const auto frame = static_cast<std::int64_t>(static_cast<double>(past) * stored.run.pulses_per_s * 1e-3);
+    return static_cast<int>(frame % static_cast<std::int64_t>(stored.run.frames.size()));
+}
+
+Room::Source Room::shown() const
+{
+    if (review_.is_on) {
+        StoredRun *stored = store_.find(review_.run);
+        if (stored && !stored->run.frames.empty()) {
+            const int frame = loop_frame(*stored);
+            const auto at = static_cast<std::size_t>(frame);
+            return {&stored->run.frames[at].raw, &stored->grey[at], stored, frame, stored->run.size};
+        }
+    }
+    if (!has_held_) return {};
+    StoredRun *stored = held_run_ > 0 ? store_.find(held_run_) : nullptr;
+    return {&held_frame_.raw, &held_grey_, stored, held_index_, held_size_};
+}
+
+// Every frame of DSA but the one that alone is the mask: from itself nothing would be left.
+bool Room::is_subtracted(const Source &source) const
+{
+    if (!source.run || source.run->run.kind != RunKind::dsa || source.run->is_dropped) return false;
+    const std::vector<int> &mask = source.run->run.mask->frames;
+    return !(mask.size() == 1 && mask.front() == source.frame);
+}
+
+// A roadmap belongs to one geometry: half a millimetre or a tenth of a degree off, and it would mislead.
+bool Room::is_same_geometry(const CArm &carm) const
+{
+    const CArm now = gantry_.carm(field_m());
+    return is_near(now.primary_deg, carm.primary_deg, 0.1) &&
+           is_near(now.secondary_deg, carm.secondary_deg, 0.1) &&
+           is_near(now.source_detector_m, carm.source_detector_m, 5e-4) &&
+           is_near(now.source_isocentre_m, carm.source_isocentre_m, 5e-4) && now.field_m == carm.field_m &&
+           (now.isocentre_m - carm.isocentre_m).squaredNorm() <= 0.25e-6;
+}
+
+void Room::compose_subtracted(const Source &source, std::vector<std::uint8_t> &grey)
+{
+    const RunMask &mask = *source.run->run.mask;
+    if (mask_cache_.run != source.run || mask_cache_.mask.frames != mask.frames ||
+        mask_cache_.mask.shift_x_px != mask.shift_x_px || mask_cache_.mask.shift_y_px != mask.shift_y_px ||
+        mask_cache_.log2_values.size() != source.raw->size()) {
+        std::vector<float> still;
+        smooth_log2(mean_frame(source.run->run, mask.frames), source.size, still);
+        shift_picture(still, source.size, mask.shift_x_px, -mask.shift_y_px, mask_cache_.log2_values);
+        mask_cache_.run = source.run;
+        mask_cache_.mask = mask;
+    }
+    std::vector<float> live, density;
+    smooth_log2(*source.raw, source.size, live);
+    subtract(mask_cache_.log2_values, live, density);
+    const RunCollimator &open = source.run->run.collimator;
+    std::vector<std::uint8_t> inside(source.raw->size(), 0);
+    for (int y = open.top; y < open.bottom; ++y)
+        for (int x = open.left; x < open.right; ++x) {
+            const double dx = x + 0.5 - open.centre_x_px, dy = y + 0.5 - open.centre_y_px;
+            const bool is_in = !open.is_circular || dx * dx + dy * dy <= open.radius_px * open.radius_px;
+            inside[static_cast<std::size_t>(y) * source.size + x] = is_in ? 1 : 0;
+        }
+    grey_of_density(density, inside, dsa_window_doublings, dsa_background, grey);
+}
+
+bool Room::compose(int size, std::vector<std::uint8_t> &grey)
+{
+    const Source source = shown();
+    const bool has_roadmap = roadmap_.state == RoadmapState::shown || roadmap_.state == RoadmapState::moved;
+    if (has_roadmap) {
+        const RoadmapState now = is_same_geometry(roadmap_.carm) ? RoadmapState::shown : RoadmapState::moved;
+        if (now != roadmap_.state) ++version_;
+        roadmap_.state = now;
+    }
+    if (version_ == composed_version_ && source.frame == composed_frame_ && !grey.empty()) return false;
+    composed_version_ = version_;
+    composed_frame_ = source.frame;
+    if (!source.grey || source.size != size) {
+        grey.assign(static_cast<std::size_t>(size) * static_cast<std::size_t>(size), 0);
+        return true;
+    }
+    if (is_subtracted(source))
+        compose_subtracted(source, grey);
+    else
+        grey = *source.grey;
+    if (!source.run && roadmap_.state == RoadmapState::shown)
+        lay_roadmap(roadmap_.peak, source.size, roadmap_.floor, grey);
+    return true;
+}
+
+RoomStatus Room::status() const
+{
+    RoomStatus status;
+    status.tick = static_cast<std::uint32_t>(std::max<std::int64_t>(tick_, 0));
+    status.carm = gantry_.carm(field_m());
+    status.is_moving = gantry_.is_moving();
+    status.is_blocked = gantry_.is_blocked();
+    status.follows_tip = follows_tip_;
+    status.is_beam_on = beam_.is_on;
+    status.program = program_;
+    status.fluoro_pulses_per_s = fluoro_centihertz_ * 0.01;
+    status.program_pulses_per_s = (program_ == RunKind::dsa ? dsa_centihertz_ : cine_centihertz_) * 0.01;
+    status.runs_kept = static_cast<int>(store_.runs().size());
+    status.roadmap = roadmap_.state;
+    status.open_width_share = blade_width_permille_ * 1e-3;
+    status.open_height_share = blade_height_permille_ * 1e-3;
+    status.is_round = is_round_;
+    status.technique = held_technique_;
+    status.is_underexposed = is_underexposed_;
+    if (tick_ < notice_until_) status.notice = notice_;
+    fill_shown(status);
+    return status;
+}
+
+void Room::fill_shown(RoomStatus &status) const
+{
+    const Source source = shown();
+    if (!source.grey) return;
+    status.source = beam_.is_on ? ScreenSource::live : ScreenSource::held;
+    if (review_.is_on && source.run)
+        status.source = review_.is_loop ? ScreenSource::loop : ScreenSource::still;
+    status.kind = held_kind_;
+    status.pulses_per_s = held_pulses_per_s_;
+    if (!source.run) return;
+    const XrayRun &run = source.run->run;
+    status.kind = run.kind;
+    status.pulses_per_s = run.pulses_per_s;
+    status.run = run.number;
+    status.frame = source.frame;
+    status.frames = static_cast<int>(run.frames.size());
+    status.is_subtracted = is_subtracted(source);
+    if (!run.mask || run.mask->frames.empty()) return;
+    status.mask_first = run.mask->frames.front();
+    status.mask_last = run.mask->frames.back();
+    status.shift_right_px = run.mask->shift_x_px;
+    status.shift_up_px = -run.mask->shift_y_px + 0.0;
+}
+
+} // namespace seld

@@ -1,0 +1,58 @@
+// What the room keeps of its pictures: acquired runs, and the last seconds of fluoroscopy. Bounded: when the memory given is
+// full, the oldest run's pictures go. May include: host/xray/run.hpp. Called by: room.
+#pragma once
+#include "host/xray/run.hpp"
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <vector>
+
+namespace seld
+{
+
+// A run as it is kept: raw values for files and masks, and how each frame was shown.
+struct StoredRun {
+    XrayRun run;
+    std::vector<std::vector<std::uint8_t>> grey; // beside run.frames
+    bool is_dropped = false;                     // its pictures went, for want of memory
+};
+
+struct StoredFrame {
+    RunFrame frame;
+    std::vector<std::uint8_t> grey;
+};
+
+class RunStore
+{
+  public:
+    explicit RunStore(std::size_t bytes_max) : bytes_max_(bytes_max) {}
+
+    // A new run; frames are added to it until finish(). The header's frames are ignored.
+    void begin(const XrayRun &header);
+    // False when the memory is full of this run alone.
+    bool add(RunFrame frame, std::vector<std::uint8_t> grey);
+    int finish(); // the run's number; 0 when it had no frame and was forgotten
+
+    // Fluoroscopy of the last `store_max_ms` stays for a while, as far as half the memory goes.
+    void pass(const XrayRun &header, RunFrame frame, std::vector<std::uint8_t> grey);
+    // A run of what passed in the last `milliseconds` before `tick`; 0 when nothing did.
+    int keep_passed(std::uint32_t tick, std::uint32_t milliseconds);
+
+    StoredRun *open_run() { return is_open_ ? runs_.back().get() : nullptr; }
+    StoredRun *find(int number) const; // nullptr: no such run; 0 the last one
+    StoredRun *last_of(RunKind kind) const;
+    const std::vector<std::unique_ptr<StoredRun>> &runs() const { return runs_; }
+    std::size_t bytes() const { return bytes_; }
+
+  private:
+    bool make_room(std::size_t bytes);
+
+    std::size_t bytes_max_, bytes_ = 0, passed_bytes_ = 0;
+    bool is_open_ = false;
+    std::vector<std::unique_ptr<StoredRun>> runs_; // addresses stay
+    XrayRun passed_header_;
+    std::deque<StoredFrame> passed_;
+};
+
+} // namespace seld
