@@ -53,8 +53,8 @@ timeout 60 xvfb-run -a bash "$work/keys.sh"
 result $? "Escape ends it with exit code 0"
 "$program" replay "$work/live.rec" --verify >"$work/log" 2>&1
 result $? "keys are recorded and replay bit for bit"
-# Pedal down, pedal up, C-arm: with the first view at least four.
-"$program" info "$work/live.rec" 2>&1 | grep -Eq "view changes ([4-9]|[1-9][0-9])"
+# Table and following at the start, pedal down, pedal up, C-arm: at least four.
+"$program" info "$work/live.rec" 2>&1 | grep -Eq "commands to the room ([4-9]|[1-9][0-9])"
 result $? "pedal and C-arm keys reach the recording"
 
 # Two tools: the catheter is chosen, pushed for a second, then the wire and the catheter together.
