@@ -1,4 +1,5 @@
 #include "host/app/cli.hpp"
+#include "host/app/cli_dicom.hpp"
 #include "host/app/cli_rig.hpp"
 #include "host/app/instrument_list.hpp"
 #include "host/app/replay.hpp"
@@ -30,8 +31,11 @@ void add_pictures(CLI::App &command, PictureSettings &pictures)
     command.add_option(
         "--bodies", pictures.bodies_path,
         "Body file for the picture; default: the .bodies file beside the scene, when there is one");
-    command.add_option("--png", pictures.png_path, "Write the last picture");
+    command.add_option("--png", pictures.png_path, "Write the last picture with its display, 8 bits");
+    command.add_option("--png16", pictures.png16_path,
+                       "Write the last X-ray's values, 16 bits, grey, proportional to the X-ray intensity");
     command.add_option("--mp4", pictures.mp4_path, "Write all pictures as a film (needs ffmpeg)");
+    add_dicom_options(command, pictures.dicom);
     command.add_option("--size", pictures.size, "Pixels along each edge")
         ->capture_default_str()
         ->check(CLI::Range(64, 2048));
@@ -109,7 +113,8 @@ void add_run(CLI::App &app, RunOptions &options)
         "      --session shared/examples/sessions/demo.session --record out/demo.rec --json out/demo.json\n"
         "  seldinger run --tool wire.toml --tool catheter.toml --session my.session --mp4 out/my.mp4\n"
         "  seldinger run --device usb --scene out/aorta.scene --tool wire.toml --free-run 60 --record "
-        "out/my.rec");
+        "out/my.rec\n"
+        "  seldinger run --tool wire.toml --session my.session --dicom out/my_dicom");
 }
 
 void add_replay(CLI::App &app, ReplayOptions &options)
@@ -132,7 +137,8 @@ void add_replay(CLI::App &app, ReplayOptions &options)
     command->add_option("--scene", options.scene, "The scene, when it is no longer where the recording says");
     add_pictures(*command, options.pictures);
     command->footer("Examples:\n  seldinger replay out/demo.rec --verify\n  seldinger replay out/demo.rec "
-                    "--speed slow --from 12.5");
+                    "--speed slow --from 12.5\n"
+                    "  seldinger replay out/demo.rec --dicom out/demo_dicom --size 1024");
 }
 
 void add_view(CLI::App &app, WindowOptions &options)
@@ -190,22 +196,23 @@ void add_instruments(CLI::App &app, InstrumentsOptions &options)
 std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools)
 {
     std::vector<NamedPath> inputs;
-    if (!instrument.empty()) inputs.push_back({"--instrument", instrument});
-    for (const std::string &tool : tools) inputs.push_back({"--tool", tool});
+    if (!instrument.empty()) inputs.push_back({"--instrument", split_preset(instrument).first});
+    for (const std::string &tool : tools) inputs.push_back({"--tool", split_preset(tool).first});
     return inputs;
 }
 
 std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools)
 {
-    const std::vector<NamedPath> inputs = tool_inputs(instrument, tools);
-    if (inputs.empty())
+    std::vector<std::string> names = tools;
+    if (!instrument.empty()) names.insert(names.begin(), instrument);
+    if (names.empty())
         throw UsageError("--tool is required: name one to three instrument files (docs/instruments.md)");
-    if (inputs.size() > SELD_WIRE_TOOL_MAX) {
+    if (names.size() > SELD_WIRE_TOOL_MAX) {
         throw UsageError("--tool: a line holds at most " + std::to_string(int{SELD_WIRE_TOOL_MAX}) +
-                         " tools, " + std::to_string(inputs.size()) + " are named");
+                         " tools, " + std::to_string(names.size()) + " are named");
     }
     std::vector<Instrument> read;
-    for (const NamedPath &input : inputs) read.push_back(read_instrument(input.path));
+    for (const std::string &name : names) read.push_back(read_instrument(name));
     return read;
 }
 
@@ -255,6 +262,8 @@ int command_line(int argc, char **argv)
     add_instruments(app, instruments);
     RigOptions rig;
     add_rig(app, rig);
+    DicomCheckOptions dicom_check;
+    add_dicom_check(app, dicom_check);
     CLI::App *info_command =
         app.add_subcommand("info", "What a recording, scene, instrument or session file holds");
     CLI::Option *info_file = info_command->add_option("file", info, "The file");
@@ -275,6 +284,7 @@ int command_line(int argc, char **argv)
         if (app.got_subcommand("view")) return command_view(window);
         if (app.got_subcommand("instruments")) return command_instruments(instruments);
         if (app.got_subcommand("rig")) return command_rig(rig);
+        if (app.got_subcommand("dicom-check")) return command_dicom_check(dicom_check);
         if (shows_opengl) return command_info_opengl();
         if (!*info_file) throw UsageError("info: name a file, or --opengl");
         return command_info(info);

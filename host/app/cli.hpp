@@ -59,6 +59,9 @@ std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vec
 // Name, lengths, force and torque of every tool, one below the other.
 void print_tools(const std::vector<Instrument> &tools, const SessionFigures &figures);
 
+// "written  NAME", a line each.
+void print_files(const std::vector<std::string> &files);
+
 // Bodies beside a scene: "x.scene" -> "x.bodies" when that file exists, else empty.
 std::string bodies_beside(const std::string &scene);
 

@@ -1,26 +1,20 @@
 // seldinger instruments
 #include "host/app/cli.hpp"
 #include "host/app/instrument_list.hpp"
-#include "host/model/text.hpp"
+#include "host/model/pending_file.hpp"
 #include <cstdio>
-#include <fstream>
 
 namespace seld
 {
 
 int command_instruments(const InstrumentsOptions &options)
 {
+    std::vector<NamedPath> inputs;
+    for (const std::string &file : options.files) inputs.push_back({"the list", split_preset(file).first});
+    check_outputs(inputs, {{"--json", options.json}, {"--png", options.png}, {"--table", options.table}});
     const std::vector<ListedInstrument> list = list_instruments(options.files, options.preset);
     std::fputs(instruments_text(list).c_str(), stdout);
-    if (!options.json.empty()) {
-        std::ofstream stream(options.json);
-        stream << instruments_json(list);
-        stream.flush();
-        if (!stream) {
-            throw FileError(options.json, 0, 0,
-                            "cannot write; check that the folder exists and the disk has room");
-        }
-    }
+    if (!options.json.empty()) write_whole_file(options.json, instruments_json(list));
     if (!options.png.empty()) {
         std::string error;
         if (!write_png(options.png, instruments_picture(list), error)) throw std::runtime_error(error);

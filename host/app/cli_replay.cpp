@@ -78,7 +78,10 @@ int command_replay(const ReplayOptions &options)
     check_outputs({{"the recording", options.recording},
                    {"--scene", options.scene},
                    {"--bodies", options.pictures.bodies_path}},
-                  {{"--png", options.pictures.png_path}, {"--mp4", options.pictures.mp4_path}});
+                  {{"--png", options.pictures.png_path},
+                   {"--png16", options.pictures.png16_path},
+                   {"--mp4", options.pictures.mp4_path}});
+    check_dicom_settings(options.pictures.dicom);
     const Recording recording = read_recording(options.recording);
     const RecordingHeader &header = recording.header;
     const double length_s = recording.ticks.size() * 1e-3;
@@ -93,16 +96,18 @@ int command_replay(const ReplayOptions &options)
     std::unique_ptr<SessionPictures> pictures;
     PictureSettings picture_settings = options.pictures;
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(scene.path);
-    if (!picture_settings.png_path.empty() || !picture_settings.mp4_path.empty()) {
+    if (writes_pictures(picture_settings))
         pictures = std::make_unique<SessionPictures>(picture_settings, header.tools);
-    }
     watch_for_interrupt();
     ReplaySettings settings;
     settings.speed = *replay_speed(options.speed);
     settings.verifies = options.verify;
     settings.from_s = options.from_s;
     settings.waits_for_enter = isatty(STDIN_FILENO) != 0;
-    return print_result(recording, options, replay_recording(device, recording, pictures.get(), settings));
+    const ReplayResult result = replay_recording(device, recording, pictures.get(), settings);
+    if (pictures) print_files(pictures->files());
+    const int code = print_result(recording, options, result);
+    return pictures && pictures->was_stopped() ? 1 : code;
 }
 
 } // namespace seld

@@ -2,6 +2,7 @@
 // which the device takes whole or not at all; so whoever stops in the middle has changed nothing.
 #include "host/app/cli_rig.hpp"
 #include "host/model/output_files.hpp"
+#include "host/model/pending_file.hpp"
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -208,10 +209,7 @@ void save(const std::string &path, const seld_wire_rig &rig)
         track[zero_name] = rig.tracks[k].force_zero_counts;
         file["tracks"].push_back(track);
     }
-    std::ofstream out(path);
-    out << file.dump(2) << "\n";
-    out.close();
-    if (!out) throw LinkError(path + ": cannot write: " + std::strerror(errno));
+    write_whole_file(path, file.dump(2) + "\n");
 }
 
 seld_wire_rig load(const std::string &path, seld_wire_rig rig)

@@ -21,6 +21,11 @@ void print_tools(const std::vector<Instrument> &tools, const SessionFigures &fig
     }
 }
 
+void print_files(const std::vector<std::string> &files)
+{
+    for (const std::string &file : files) std::printf("written               %s\n", file.c_str());
+}
+
 namespace
 {
 
@@ -83,7 +88,9 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
     check_outputs(inputs, {{"--record", options.record},
                            {"--json", options.json},
                            {"--png", pictures.png_path},
+                           {"--png16", pictures.png16_path},
                            {"--mp4", pictures.mp4_path}});
+    check_dicom_settings(pictures.dicom);
 }
 
 } // namespace
@@ -123,9 +130,9 @@ int command_run(const RunOptions &options)
     Device device(scene, tools, entry, host_rig(), choice);
 
     std::unique_ptr<SessionPictures> pictures;
-    if (!picture_settings.png_path.empty() || !picture_settings.mp4_path.empty()) {
+    picture_settings.shows_progress = !options.quiet;
+    if (writes_pictures(picture_settings))
         pictures = std::make_unique<SessionPictures>(picture_settings, tools);
-    }
     std::unique_ptr<Recorder> recorder;
     if (!options.record.empty()) {
         const RecordingHeader header = {device.identity().core_version,
@@ -148,11 +155,12 @@ int command_run(const RunOptions &options)
     if (!options.json.empty())
         write_report(options.json, result, scene.path, tools, session.file,
                      pictures ? &pictures->room() : nullptr);
+    if (pictures) print_files(pictures->files());
     if (!result.stopped_by.empty()) {
         std::fprintf(stderr, "seldinger: %s\n", result.stopped_by.c_str());
         return 1;
     }
-    if (result.was_interrupted) {
+    if (result.was_interrupted || (pictures && pictures->was_stopped())) {
         std::fprintf(stderr, "seldinger: interrupted; what was written up to here is complete\n");
         return 1;
     }

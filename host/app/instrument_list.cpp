@@ -1,10 +1,10 @@
 #include "host/app/instrument_list.hpp"
+#include "host/model/pending_file.hpp"
 #include "host/model/text.hpp"
 #include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 namespace seld
@@ -251,11 +251,7 @@ void write_instruments_table(const std::string &path, const std::vector<ListedIn
     }
     const std::size_t inside = begin + table_begin.size();
     text.replace(inside, end - inside, instruments_markdown(list));
-    std::ofstream stream(path, std::ios::binary);
-    stream << text;
-    stream.flush();
-    if (!stream)
-        throw FileError(path, 0, 0, "cannot write; check that the folder exists and the disk has room");
+    write_whole_file(path, text);
 }
 
 } // namespace seld

@@ -1,4 +1,5 @@
 #include "host/app/interrupt.hpp"
+#include "host/model/pending_file.hpp"
 #include <csignal>
 
 namespace seld
@@ -11,8 +12,13 @@ volatile std::sig_atomic_t interrupted = 0;
 
 void on_signal(int number)
 {
-    interrupted = 1;
+    if (interrupted == 0) {
+        interrupted = 1;
+        return;
+    }
+    remove_pending();
     std::signal(number, SIG_DFL);
+    std::raise(number);
 }
 
 } // namespace

@@ -18,6 +18,9 @@ struct Image {
 // Writes beside the wanted name and renames at the end, so that no half file appears under it.
 // False with a message that names the file and the cause.
 bool write_png(const std::string &path, const Image &image, std::string &error);
+// Grey with 16 bits per pixel: values as they are, width*height, row 0 on top.
+bool write_png16(const std::string &path, int width, int height, const std::vector<std::uint16_t> &values,
+                 std::string &error);
 
 // H.264 in yuv420p, every picture RGB of the same even size. The file has its name only after a successful finish();
 // what is unfinished is removed by the destructor (after SIGKILL "name.partPID" stays, never a half "name").

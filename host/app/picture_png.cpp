@@ -1,5 +1,6 @@
 // PNG by libpng's simplified interface.
 #include "host/app/picture.hpp"
+#include "host/model/pending_file.hpp"
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -9,26 +10,50 @@
 namespace seld
 {
 
-bool write_png(const std::string &path, const Image &image, std::string &error)
+namespace
+{
+
+bool write_any(const std::string &path, int width, int height, png_uint_32 format, const void *pixels,
+               std::string &error)
 {
     png_image png;
     std::memset(&png, 0, sizeof png);
     png.version = PNG_IMAGE_VERSION;
-    png.width = static_cast<png_uint_32>(image.width);
-    png.height = static_cast<png_uint_32>(image.height);
-    png.format = image.channels == 3 ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
-    const std::string unfinished = path + ".part" + std::to_string(::getpid());
-    errno = 0;
-    if (!png_image_write_to_file(&png, unfinished.c_str(), 0, image.bytes.data(), 0, nullptr)) {
-        error = path + ": cannot write the picture: " + (errno ? std::strerror(errno) : png.message) +
-                "; check that the folder exists and the disk has room";
+    png.width = static_cast<png_uint_32>(width);
+    png.height = static_cast<png_uint_32>(height);
+    png.format = format;
+    try {
+        const std::string unfinished = pending_path(path);
+        watch_pending(unfinished);
+        errno = 0;
+        if (png_image_write_to_file(&png, unfinished.c_str(), 0, pixels, 0, nullptr)) {
+            commit_pending(unfinished, path);
+            return true;
+        }
+        const int error_number = errno;
         ::unlink(unfinished.c_str());
+        forget_pending(unfinished);
+        if (error_number != 0) throw OutputError(path, error_number);
+        throw OutputError(path + ": cannot be written: " + png.message);
+    } catch (const OutputError &refused) {
+        error = refused.what();
         return false;
     }
-    if (std::rename(unfinished.c_str(), path.c_str()) == 0) return true;
-    error = path + ": cannot give the finished picture its name: " + std::strerror(errno);
-    ::unlink(unfinished.c_str());
-    return false;
+}
+
+} // namespace
+
+bool write_png(const std::string &path, const Image &image, std::string &error)
+{
+    return write_any(path, image.width, image.height, image.channels == 3 ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY,
+                     image.bytes.data(), error);
+}
+
+// libpng takes 16 bits as linear in light: values stay as they are, and a gamma of 1.0 stands in the file.
+bool write_png16(const std::string &path, int width, int height, const std::vector<std::uint16_t> &values,
+                 std::string &error)
+{
+    return write_any(path, width, height, PNG_FORMAT_LINEAR_Y, values.data(), error);
 }
 
 } // namespace seld

@@ -1,6 +1,7 @@
 // MP4 by a pipe into the ffmpeg program. The child leaves our process group: Ctrl-C reaches only us, we close the pipe
 // or remove the file, so that ffmpeg always finishes in an orderly way.
 #include "host/app/picture.hpp"
+#include "host/model/pending_file.hpp"
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -73,7 +74,12 @@ bool VideoWriter::open(const std::string &path, int width, int height, int pictu
     path_ = path;
     width_ = width;
     height_ = height;
-    unfinished_ = path + ".part" + std::to_string(::getpid());
+    try {
+        unfinished_ = pending_path(path);
+    } catch (const OutputError &refused) {
+        error = refused.what();
+        return false;
+    }
     log_ = unfinished_ + ".log";
     if (width < 16 || height < 16 || width % 2 != 0 || height % 2 != 0 || pictures_per_s < 1) {
         error = path + ": a video needs an even size of 16 or more and at least 1 picture per second";
@@ -85,6 +91,8 @@ bool VideoWriter::open(const std::string &path, int width, int height, int pictu
         return false;
     }
     std::fclose(probe);
+    watch_pending(unfinished_);
+    watch_pending(log_);
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0)
         return fail("cannot make a pipe: " + std::string(std::strerror(errno)), error);
@@ -131,9 +139,15 @@ bool VideoWriter::finish(std::string &error)
     if (WIFEXITED(status) && WEXITSTATUS(status) == exit_no_program)
         return fail("the program ffmpeg was not found; install it (Debian: apt-get install ffmpeg)", error);
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return fail("ffmpeg failed", error);
-    if (std::rename(unfinished_.c_str(), path_.c_str()) != 0)
-        return fail("cannot give the finished video its name: " + std::string(std::strerror(errno)), error);
+    try {
+        commit_pending(unfinished_, path_);
+    } catch (const OutputError &refused) {
+        error = refused.what();
+        stop();
+        return false;
+    }
     ::unlink(log_.c_str());
+    forget_pending(log_);
     return true;
 }
 
@@ -172,6 +186,8 @@ void VideoWriter::stop()
     if (unfinished_.empty()) return;
     ::unlink(unfinished_.c_str());
     ::unlink(log_.c_str());
+    forget_pending(unfinished_);
+    forget_pending(log_);
     unfinished_.clear();
 }
 

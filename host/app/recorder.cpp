@@ -1,4 +1,5 @@
 #include "host/app/recording_format.hpp"
+#include "host/model/pending_file.hpp"
 #include "shared/wire/wire_frame.h"
 #include <cerrno>
 
@@ -46,13 +47,21 @@ std::vector<std::uint8_t> header_bytes(const RecordingHeader &header)
     return bytes;
 }
 
+std::string pending_name(const std::string &path)
+{
+    try {
+        return pending_path(path);
+    } catch (const OutputError &error) {
+        throw RecordingError(RecordingFault::unreadable, error.what());
+    }
+}
+
 } // namespace
 
 Recorder::Recorder(const std::string &path, const RecordingHeader &header)
-    : path_(path), file_(std::fopen(path.c_str(), "wb"))
+    : path_(path), pending_file_(pending_name(path)), file_(std::fopen(pending_file_.c_str(), "wb"))
 {
-    if (!file_)
-        throw RecordingError(RecordingFault::unreadable, path + ": cannot write: " + std::strerror(errno));
+    if (!file_) throw RecordingError(RecordingFault::unreadable, OutputError(path, errno).what());
     std::fwrite(magic, 1, 8, file_.get());
     chunk(HEAD, header_bytes(header));
 }
@@ -62,7 +71,21 @@ Recorder::~Recorder()
 {
     try {
         if (file_) flush_ticks();
-    } catch (const RecordingError &) {
+        give_name();
+    } catch (const std::exception &) {
+    }
+}
+
+// What is recorded is worth keeping, whole or cut off: from here on it stands under its own name.
+void Recorder::give_name()
+{
+    file_.reset();
+    if (has_name_) return;
+    has_name_ = true;
+    try {
+        commit_pending(pending_file_, path_);
+    } catch (const OutputError &error) {
+        throw RecordingError(RecordingFault::unreadable, error.what());
     }
 }
 
@@ -77,9 +100,9 @@ void Recorder::chunk(std::uint32_t kind, std::span<const std::uint8_t> payload)
     seld_wire_write(&writer, seld_wire_crc32(0, bytes.data(), writer.length), 4);
     if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size() ||
         std::fflush(file_.get()) != 0) {
-        const std::string reason = std::strerror(errno);
-        file_.reset();
-        throw RecordingError(RecordingFault::unreadable, path_ + ": cannot write: " + reason);
+        const OutputError error(path_, errno);
+        give_name();
+        throw RecordingError(RecordingFault::unreadable, error.what());
     }
 }
 
@@ -154,7 +177,7 @@ void Recorder::finish(std::uint32_t tick, std::uint64_t final_hash)
     seld_wire_write(&writer, tick, 4);
     seld_wire_write(&writer, final_hash, 8);
     chunk(END, bytes);
-    file_.reset();
+    give_name();
 }
 
 } // namespace seld

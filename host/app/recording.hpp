@@ -89,7 +89,8 @@ class Recorder
     static constexpr std::uint32_t ticks_per_chunk = 500;
     static constexpr std::uint32_t snapshot_every_ticks = 5000;
 
-    // Throws RecordingError when the file cannot be written, now or later.
+    // Throws RecordingError when the file cannot be written, now or later. Until it is finished or given up, the
+    // recording stands beside its name, as "path.partPID": a killed program leaves it there, and it can be replayed.
     Recorder(const std::string &path, const RecordingHeader &header);
     ~Recorder(); // closes as a cut-off recording unless finish() was called
 
@@ -102,14 +103,16 @@ class Recorder
 
   private:
     void flush_ticks();
+    void give_name();
     void chunk(std::uint32_t kind, std::span<const std::uint8_t> payload);
     void state(std::uint32_t kind, std::uint32_t tick, std::span<const std::uint8_t> bytes);
 
     struct Close {
         void operator()(std::FILE *file) const { std::fclose(file); }
     };
-    std::string path_;
+    std::string path_, pending_file_;
     std::unique_ptr<std::FILE, Close> file_;
+    bool has_name_ = false;
     std::vector<RecordedTick> pending_;
     std::uint32_t tick_ = 0;
 };

@@ -1,8 +1,7 @@
 // The figures of a session as JSON.
 #include "host/app/run.hpp"
-#include "host/model/text.hpp"
+#include "host/model/pending_file.hpp"
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 namespace seld
@@ -98,11 +97,7 @@ void write_report(const std::string &path, const RunResult &result, const std::s
                                     {"count", fault.count},
                                     {"text", seld_wire_fault_text(fault.code)}});
     }
-    std::ofstream stream(path);
-    stream << report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
-    stream.flush();
-    if (!stream)
-        throw FileError(path, 0, 0, "cannot write; check that the folder exists and the disk has room");
+    write_whole_file(path, report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 } // namespace seld

@@ -1,4 +1,6 @@
 #include "host/app/session_pictures.hpp"
+#include "host/app/interrupt.hpp"
+#include "host/app/progress_line.hpp"
 #include "host/model/bodies.hpp"
 #include <algorithm>
 #include <cstdio>
@@ -6,6 +8,13 @@
 
 namespace seld
 {
+
+namespace
+{
+
+constexpr int shown_bits = 12; // of XrayPicture::shown
+
+} // namespace
 
 RadiopaqueInstrument instrument_look(const Instrument &instrument)
 {
@@ -47,9 +56,19 @@ SessionPictures::SessionPictures(const PictureSettings &settings, const std::vec
                                     static_cast<int>(settings_.pictures_per_second), error)) {
         throw std::runtime_error(error);
     }
+    if (settings_.dicom.folder.empty()) return;
+    std::string session;
+    for (const std::string &name : names_) session += name + "\n";
+    export_ = std::make_unique<DicomExport>(settings_.dicom, session);
 }
 
 SessionPictures::~SessionPictures() = default;
+
+bool writes_pictures(const PictureSettings &settings)
+{
+    return !settings.png_path.empty() || !settings.png16_path.empty() || !settings.mp4_path.empty() ||
+           !settings.dicom.folder.empty();
+}
 
 OverlayInfo SessionPictures::display(const SessionFrame &frame) const
 {
@@ -101,6 +120,7 @@ bool SessionPictures::advance(std::uint32_t tick, const SessionFrame &frame)
     else
         xray_->render(xray, looks_, shape, settings_.seed, memory_, pulse_);
     tell_failure();
+    if (export_) export_pulse();
     room_.expose(pulse_);
     return true;
 }
@@ -131,6 +151,28 @@ void SessionPictures::tell_failure()
                  xray_->back_end_error().c_str());
 }
 
+// A run is what one press of a pedal gave. Called before the room takes the picture.
+void SessionPictures::export_pulse()
+{
+    const bool shows_display = settings_.dicom.values == "display";
+    const std::size_t press = room_.dose().irradiations().size();
+    if (exported_presses_.empty() || exported_presses_.back() != press) {
+        XrayRun run = room_.describe(pulse_);
+        run.window_width = 0.0; // of the whole run, when it is known
+        if (shows_display) {
+            run.relation = PixelRelation::display;
+            run.bits = shown_bits;
+            run.window_centre = XrayDisplay{}.level;
+            run.window_width = XrayDisplay{}.window;
+        }
+        export_->begin(run);
+        exported_presses_.push_back(press);
+    }
+    RunFrame frame = room_.take(pulse_);
+    if (shows_display) frame.raw = pulse_.shown;
+    export_->add(std::move(frame));
+}
+
 void SessionPictures::annotate(const std::string &notice, const std::vector<std::string> &panel)
 {
     notice_ = notice;
@@ -151,6 +193,48 @@ void SessionPictures::finish()
     if (!settings_.png_path.empty() && count_ > 0 && !write_png(settings_.png_path, image_, error)) {
         throw std::runtime_error(error);
     }
+    if (!settings_.png16_path.empty() && pulse_.size > 0 &&
+        !write_png16(settings_.png16_path, pulse_.size, pulse_.size, pulse_.raw, error)) {
+        throw std::runtime_error(error);
+    }
+    for (const std::string &path : {settings_.mp4_path, settings_.png_path, settings_.png16_path})
+        if (!path.empty()) files_.push_back(path);
+    if (export_) finish_export();
+}
+
+// After Ctrl-C in the session what there is of it is written all the same; Ctrl-C from now on stops between two pieces.
+void SessionPictures::finish_export()
+{
+    export_->end();
+    if (export_->run_count() == 0) {
+        std::fprintf(stderr, "seldinger: --dicom %s: no file, because the pedal was never down\n",
+                     settings_.dicom.folder.c_str());
+        export_.reset();
+        return;
+    }
+    // Masks are chosen while a run is looked at: those of the end count.
+    const std::vector<Irradiation> &presses = room_.dose().irradiations();
+    for (std::size_t i = 0; i < exported_presses_.size(); i++) {
+        const int kept = presses[exported_presses_[i] - 1].run;
+        const StoredRun *stored = kept > 0 ? room_.store().find(kept) : nullptr;
+        if (stored && stored->run.mask) export_->set_mask(i, *stored->run.mask);
+    }
+    const bool was_interrupted = is_interrupted();
+    std::size_t files = 0;
+    ProgressLine line(settings_.shows_progress);
+    const std::vector<std::string> written = export_->finish([&](const ExportProgress &now) {
+        files = now.files;
+        line.show("writing " + now.name + " (" + std::to_string(now.file) + " of " +
+                      std::to_string(now.files) + ")",
+                  now.bytes_done, now.bytes);
+        return was_interrupted || !is_interrupted();
+    });
+    was_stopped_ = written.size() < files;
+    if (was_stopped_)
+        std::fprintf(stderr, "seldinger: stopped: %zu of %zu DICOM files were written, each of them whole\n",
+                     written.size(), files);
+    files_.insert(files_.end(), written.begin(), written.end());
+    export_.reset();
 }
 
 } // namespace seld

@@ -3,6 +3,7 @@
 // from the beginning also when a replay starts later (--from S); dose, runs and the following of the tip begin at S.
 // May include: xray, room, picture, frame_sink. Called by: cli.
 #pragma once
+#include "host/app/dicom_export.hpp"
 #include "host/app/frame_sink.hpp"
 #include "host/app/path_choice.hpp"
 #include "host/app/picture.hpp"
@@ -21,9 +22,12 @@ namespace seld
 RadiopaqueInstrument instrument_look(const Instrument &instrument);
 
 struct PictureSettings {
-    std::string bodies_path; // empty: air
-    std::string png_path;    // last picture; empty: none
-    std::string mp4_path;    // empty: none
+    std::string bodies_path;    // empty: air
+    std::string png_path;       // last picture; empty: none
+    std::string png16_path;     // values of the last X-ray; empty: none
+    std::string mp4_path;       // empty: none
+    DicomSettings dicom;        // runs
+    bool shows_progress = true; // of long exports, on standard error
     int size = 512;
     std::uint32_t pictures_per_second = 15;
     std::uint64_t seed = 1;
@@ -31,6 +35,9 @@ struct PictureSettings {
     std::string xray = "raster"; // of path_choices
     GlOpener window_context;     // where there is a window
 };
+
+// Some file has to be written.
+bool writes_pictures(const PictureSettings &settings);
 
 class SessionPictures final : public FrameSink
 {
@@ -44,7 +51,9 @@ class SessionPictures final : public FrameSink
     void finish() override;
     const Room &room() const { return room_; }
     std::uint32_t count() const { return count_; } // pictures of the screen, at the settings' rate
-    const Image &image() const { return image_; }  // the last picture with its display
+    const std::vector<std::string> &files() const { return files_; } // those written by finish()
+    bool was_stopped() const { return was_stopped_; } // Ctrl-C while finish() wrote runs: some are missing
+    const Image &image() const { return image_; }     // the last picture with its display
     // Notice and help panel from the next picture on; empty for none.
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
     // The tool that the keys move, or all, marked in the display from the next picture on.
@@ -60,6 +69,8 @@ class SessionPictures final : public FrameSink
     void tell_failure();
     OverlayInfo display(const SessionFrame &frame) const;
     bool advance(std::uint32_t tick, const SessionFrame &frame);
+    void export_pulse();
+    void finish_export();
 
     PictureSettings settings_;
     std::vector<RadiopaqueInstrument> looks_;
@@ -78,6 +89,11 @@ class SessionPictures final : public FrameSink
     bool told_failure_ = false;
     Image image_;
     VideoWriter movie_;
+    std::unique_ptr<DicomExport> export_;
+    std::vector<std::string> files_;
+    bool was_stopped_ = false;
+    std::vector<std::size_t>
+        exported_presses_; // of a pedal, by run: index into the dose meter's list, plus 1
     std::uint32_t count_ = 0;
 };
 

@@ -64,65 +64,86 @@ class Encoder
     DcmOutputBufferStream stream_;
 };
 
+void check_sizes(const XrayRun &run, const XaPixels &pixels)
+{
+    const std::size_t wanted = static_cast<std::size_t>(run.size) * run.size;
+    if (run.frames.size() == pixels.frame_count && wanted == pixels.pixels_per_frame) return;
+    throw std::invalid_argument("run: it describes " + std::to_string(run.frames.size()) + " frames of " +
+                                std::to_string(wanted) + " pixels, " + std::to_string(pixels.frame_count) +
+                                " of " + std::to_string(pixels.pixels_per_frame) + " were added");
+}
+
 } // namespace
 
-XaFile::XaFile(const std::string &path) : path_(path), spool_path_(pending_path(path) + ".pixels")
+XaSpool::XaSpool(const std::string &path) : path_(path), file_(pending_path(path) + ".pixels")
 {
-    watch_pending(spool_path_);
-    spool_ = std::fopen(spool_path_.c_str(), "wb");
-    if (spool_) return;
+    watch_pending(file_);
+    stream_ = std::fopen(file_.c_str(), "wb");
+    if (stream_) return;
     const int error_number = errno;
-    forget_pending(spool_path_);
+    forget_pending(file_);
     throw OutputError(path, error_number);
 }
 
-XaFile::~XaFile()
+XaSpool::~XaSpool()
 {
-    if (spool_) std::fclose(spool_);
-    ::unlink(spool_path_.c_str());
-    forget_pending(spool_path_);
+    std::fclose(stream_);
+    ::unlink(file_.c_str());
+    forget_pending(file_);
 }
 
-void XaFile::add(const RunFrame &frame)
+void XaSpool::add(const std::vector<std::uint16_t> &raw)
 {
-    if (frame_count_ == 0) pixels_per_frame_ = frame.raw.size();
-    if (frame.raw.empty() || frame.raw.size() != pixels_per_frame_)
-        throw std::invalid_argument("run: frame " + std::to_string(frame_count_) + " has " +
+    if (std::fwrite(raw.data(), sizeof raw[0], raw.size(), stream_) != raw.size())
+        throw OutputError(path_, errno);
+    size_bytes_ += raw.size() * sizeof raw[0];
+}
+
+void XaSpool::flush()
+{
+    if (std::fflush(stream_) != 0) throw OutputError(path_, errno);
+}
+
+bool XaPixels::has_room_for_another() const
+{
+    return frame_count < xa_frames_max && (frame_count + 1) * pixels_per_frame * 2 <= xa_bytes_max;
+}
+
+void add_frame(XaSpool &spool, XaPixels &pixels, const RunFrame &frame)
+{
+    if (pixels.frame_count == 0) {
+        pixels.offset_bytes = spool.size_bytes();
+        pixels.pixels_per_frame = frame.raw.size();
+    }
+    if (frame.raw.empty() || frame.raw.size() != pixels.pixels_per_frame) {
+        throw std::invalid_argument("run: frame " + std::to_string(pixels.frame_count) + " has " +
                                     std::to_string(frame.raw.size()) + " pixels, the first one " +
-                                    std::to_string(pixels_per_frame_));
-    const std::size_t bytes = frame.raw.size() * sizeof frame.raw[0];
-    digest_.add(&frame.tick, sizeof frame.tick);
-    digest_.add(frame.raw.data(), bytes);
-    if (std::fwrite(frame.raw.data(), 1, bytes, spool_) != bytes) throw OutputError(path_, errno);
-    frame_count_++;
+                                    std::to_string(pixels.pixels_per_frame));
+    }
+    pixels.digest.add(&frame.tick, sizeof frame.tick);
+    pixels.digest.add(frame.raw.data(), frame.raw.size() * sizeof frame.raw[0]);
+    spool.add(frame.raw);
+    pixels.frame_count++;
 }
 
-bool XaFile::has_room_for_another() const
-{
-    return frame_count_ < xa_frames_max && (frame_count_ + 1) * pixels_per_frame_ * 2 <= xa_bytes_max;
-}
-
-void XaFile::write(const XrayRun &run, const XaStudy &study, int instance, const XaProgress &progress)
+void write_xa(const std::string &path, const XrayRun &run, XaSpool &spool, const XaPixels &pixels,
+              const XaStudy &study, int instance, const XaProgress &progress)
 {
     check_run(run);
-    const std::size_t pixels = static_cast<std::size_t>(run.size) * run.size;
-    if (run.frames.size() != frame_count_ || pixels != pixels_per_frame_)
-        throw std::invalid_argument("run: it describes " + std::to_string(run.frames.size()) + " frames of " +
-                                    std::to_string(pixels) + " pixels, " + std::to_string(frame_count_) +
-                                    " of " + std::to_string(pixels_per_frame_) + " were added");
-    if (std::fflush(spool_) != 0) throw OutputError(path_, errno);
-    const std::size_t bytes = frame_count_ * pixels * 2;
+    check_sizes(run, pixels);
+    spool.flush();
+    const std::size_t bytes = pixels.frame_count * pixels.pixels_per_frame * 2;
     DcmFileFormat format;
-    put_attributes(*format.getDataset(), run, study, digest_, instance);
+    put_attributes(*format.getDataset(), run, study, pixels.digest, instance);
     // The pixels stay on the disk until they are copied.
     auto data = std::make_unique<DcmPixelData>(DcmTag(DCM_PixelData, EVR_OW));
-    if (data->createValueFromTempFile(new DcmInputFileStreamFactory(spool_path_.c_str(), 0),
-                                      static_cast<Uint32>(bytes), EBO_LittleEndian)
-            .bad() ||
+    auto *source =
+        new DcmInputFileStreamFactory(spool.file().c_str(), static_cast<offile_off_t>(pixels.offset_bytes));
+    if (data->createValueFromTempFile(source, static_cast<Uint32>(bytes), EBO_LittleEndian).bad() ||
         format.getDataset()->insert(data.get()).bad())
         throw std::logic_error("DICOM pixel data cannot be made");
     data.release();
-    PendingFile file(path_);
+    PendingFile file(path);
     Encoder(file, progress, bytes).encode(format);
     file.commit();
 }
@@ -130,9 +151,10 @@ void XaFile::write(const XrayRun &run, const XaStudy &study, int instance, const
 void write_xa(const std::string &path, const XrayRun &run, const XaStudy &study, int instance,
               const XaProgress &progress)
 {
-    XaFile file(path);
-    for (const RunFrame &frame : run.frames) file.add(frame);
-    file.write(run, study, instance, progress);
+    XaSpool spool(path);
+    XaPixels pixels;
+    for (const RunFrame &frame : run.frames) add_frame(spool, pixels, frame);
+    write_xa(path, run, spool, pixels, study, instance, progress);
 }
 
 } // namespace seld

@@ -1,8 +1,9 @@
 // A run as a DICOM file: X-Ray Angiographic Image Storage, multi-frame (PS3.3 A.14), through DCMTK.
 //
-//   XaFile file("out/run_01_fluoro.dcm");
-//   for (frame of the run) file.add(frame);            // pixels go to disk, not to memory
-//   file.write(run, study, 1, nullptr);                // now it has its name
+//   XaSpool spool("out/dicom/pixels");
+//   XaPixels pixels;
+//   for (frame of the run) add_frame(spool, pixels, frame);                        // to the disk, not to memory
+//   write_xa("out/dicom/run_01_fluoro.dcm", run, spool, pixels, study, 1, nullptr);
 //
 // Attributes, units and what each means: docs/output.md. May include: host/xray, host/model. Called by: host/app, tests.
 #pragma once
@@ -41,31 +42,44 @@ class XaInterrupted : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-class XaFile
+// The pixels of a whole export, on the disk instead of in memory until their files are written. One for many runs.
+class XaSpool
 {
   public:
-    // Throws OutputError when nothing can be written there.
-    explicit XaFile(const std::string &path);
-    ~XaFile(); // removes what is unfinished
+    // Written beside `path`, which it never becomes. Throws OutputError when nothing can be written there.
+    explicit XaSpool(const std::string &path);
+    ~XaSpool(); // removes it
+    XaSpool(const XaSpool &) = delete;
+    XaSpool &operator=(const XaSpool &) = delete;
 
-    // The pixels of the next frame. Throws OutputError; std::invalid_argument when the frames differ in size.
-    void add(const RunFrame &frame);
-    bool has_room_for_another() const;
-    std::size_t frame_count() const { return frame_count_; }
-    // Of everything added so far.
-    const Digest &digest() const { return digest_; }
-    const std::string &path() const { return path_; }
-
-    // `run` describes the frames that were added, in order (its own pixels are not used). `instance` counts the files of
-    // the study from 1. Throws OutputError, XaInterrupted, and std::invalid_argument when the run contradicts itself.
-    void write(const XrayRun &run, const XaStudy &study, int instance, const XaProgress &progress);
+    void add(const std::vector<std::uint16_t> &raw); // throws OutputError
+    void flush();                                    // throws OutputError
+    std::size_t size_bytes() const { return size_bytes_; }
+    const std::string &file() const { return file_; }
 
   private:
-    std::string path_, spool_path_;
-    std::FILE *spool_ = nullptr;
-    std::size_t frame_count_ = 0, pixels_per_frame_ = 0;
-    Digest digest_;
+    std::string path_, file_;
+    std::FILE *stream_ = nullptr;
+    std::size_t size_bytes_ = 0;
 };
+
+// Where the frames of one file lie in the spool, one after the other, and what they are.
+struct XaPixels {
+    std::size_t offset_bytes = 0;
+    std::size_t frame_count = 0, pixels_per_frame = 0;
+    Digest digest;
+
+    bool has_room_for_another() const;
+};
+
+// Puts a frame behind those of `pixels`, which must be the last ones in the spool. Throws OutputError, and
+// std::invalid_argument when the frames differ in size.
+void add_frame(XaSpool &spool, XaPixels &pixels, const RunFrame &frame);
+
+// `run` describes the frames that were added, in order (its own pixels are not used). `instance` counts the files of the
+// study from 1. Throws OutputError, XaInterrupted, and std::invalid_argument when the run contradicts itself.
+void write_xa(const std::string &path, const XrayRun &run, XaSpool &spool, const XaPixels &pixels,
+              const XaStudy &study, int instance, const XaProgress &progress);
 
 // A whole run that is in memory.
 void write_xa(const std::string &path, const XrayRun &run, const XaStudy &study, int instance = 1,

@@ -78,6 +78,9 @@ class Room
 
     bool is_pulse_due() const { return is_pulse_due_; }
     PulseRequest pulse() const;
+    // The run that a picture for pulse() belongs to, as files describe it, without frames; and its frame. Before expose().
+    XrayRun describe(const XrayPicture &picture) const;
+    RunFrame take(const XrayPicture &picture) const;
     void expose(const XrayPicture &picture); // what pulse() gave
 
     RoomStatus status() const;

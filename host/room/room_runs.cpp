@@ -77,21 +77,34 @@ void describe_beam(XrayRun &run, const XrayBeam &beam, const XrayPicture &pictur
 
 } // namespace
 
-// A picture for pulse(): counted, kept, and from now on the one that is held.
-void Room::expose(const XrayPicture &picture)
+XrayRun Room::describe(const XrayPicture &picture) const
 {
-    if (!is_pulse_due_) return;
-    is_pulse_due_ = false;
-    const PulseRequest request = pulse();
+    XrayRun run = header(picture.size);
+    describe_beam(run, pulse().beam, picture);
+    return run;
+}
+
+RunFrame Room::take(const XrayPicture &picture) const
+{
     RunFrame frame;
     frame.tick = picture.tick;
-    frame.carm = request.carm;
+    frame.carm = pulse().carm;
     frame.air_kerma_uGy = picture.air_kerma_uGy;
     frame.kap_Gy_cm2 = picture.kap_Gy_cm2;
     frame.tube_voltage_kV = picture.technique.tube_voltage_kV;
     frame.tube_current_mA = picture.technique.tube_current_mA;
     frame.pulse_ms = picture.technique.pulse_ms;
     frame.raw = picture.raw;
+    return frame;
+}
+
+// A picture for pulse(): counted, kept, and from now on the one that is held.
+void Room::expose(const XrayPicture &picture)
+{
+    if (!is_pulse_due_) return;
+    is_pulse_due_ = false;
+    const PulseRequest request = pulse();
+    RunFrame frame = take(picture);
     if (beam_.kind == RunKind::dsa) beam_.locked = picture.technique;
     held_technique_ = picture.technique;
     is_underexposed_ = picture.is_underexposed;

@@ -251,7 +251,7 @@ void a_recording_cannot_be_written_into_a_missing_folder(void **)
         seld::Recorder recorder("/does/not/exist/a.rec", {});
         fail_msg("a recording was opened in a missing folder");
     } catch (const seld::RecordingError &error) {
-        assert_non_null(strstr(error.what(), "/does/not/exist/a.rec: cannot write"));
+        assert_non_null(strstr(error.what(), "/does/not/exist/a.rec: cannot be written"));
     }
 }
 

@@ -52,7 +52,7 @@ inline XrayRun sample_run(RunKind kind, int frame_count, bool moves = false)
         wire.tick = frame.tick;
         XrayPicture picture;
         xray.render(settings, {}, wire, 7, picture);
-        frame.raw = picture.photons;
+        frame.raw = picture.raw;
         run.frames.push_back(std::move(frame));
     }
     return run;

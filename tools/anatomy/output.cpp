@@ -1,9 +1,9 @@
 #include "tools/anatomy/output.hpp"
+#include "host/model/pending_file.hpp"
 #include <algorithm>
 #include <bit>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -18,11 +18,7 @@ static_assert(std::endian::native == std::endian::little,
 
 void write_file(const std::filesystem::path &file, const std::string &bytes)
 {
-    std::ofstream out(file, std::ios::binary);
-    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    out.close();
-    if (!out)
-        throw std::runtime_error(file.string() + ": cannot be written; check the folder and the space left");
+    seld::write_whole_file(file.string(), bytes);
 }
 
 template <typename T> void append(std::string &bytes, T value)

@@ -1,11 +1,11 @@
 // Sections of the scene container: docs/scene.md.
 #include "tools/bake/container.hpp"
+#include "host/model/pending_file.hpp"
 #include "shared/scene/scene_write.h"
 #include "tools/bake/fault.hpp"
 
 #include <cmath>
 #include <cstring>
-#include <fstream>
 
 namespace seld::bake
 {
@@ -121,16 +121,7 @@ Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies)
 
 void write_whole(const std::filesystem::path &file, const Bytes &bytes)
 {
-    const std::filesystem::path part = file.string() + ".part";
-    std::ofstream out(part, std::ios::binary);
-    out.write(reinterpret_cast<const char *>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    out.close();
-    std::error_code error;
-    if (out) std::filesystem::rename(part, file, error);
-    if (out && !error) return;
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw Fault(file.string() + ": cannot be written: is the folder there, writable, and the disk not full?");
+    write_whole_file(file.string(), {reinterpret_cast<const char *>(bytes.data()), bytes.size()});
 }
 
 } // namespace seld::bake

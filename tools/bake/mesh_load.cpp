@@ -1,4 +1,5 @@
 // Loading a mesh by assimp, placing it in the patient, welding it, writing it.
+#include "host/model/pending_file.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/mesh.hpp"
 
@@ -10,8 +11,8 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <numeric>
+#include <sstream>
 
 namespace seld::bake
 {
@@ -241,7 +242,7 @@ void weld(Mesh &mesh)
 
 void write_ply(const Mesh &mesh, const std::filesystem::path &file)
 {
-    std::ofstream out(file, std::ios::binary);
+    std::ostringstream out;
     out << "ply\nformat binary_little_endian 1.0\ncomment unit mm, patient frame\nelement vertex "
         << mesh.vertices_mm.size()
         << "\nproperty double x\nproperty double y\nproperty double z\nelement face " << mesh.triangles.size()
@@ -251,8 +252,7 @@ void write_ply(const Mesh &mesh, const std::filesystem::path &file)
         out.put(3);
         out.write(reinterpret_cast<const char *>(t.data()), 12);
     }
-    out.close();
-    if (!out) throw Fault(file.string() + ": cannot be written: is the folder there and the disk not full?");
+    write_whole_file(file.string(), out.str());
 }
 
 } // namespace seld::bake

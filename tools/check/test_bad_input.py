@@ -281,7 +281,7 @@ def seldinger_tools(bench):
 def seldinger_outputs(bench):
     """No output may be an input, another output, or anything but a regular file."""
     before = bench.read("good.session")
-    for option in ("--record", "--json", "--png", "--mp4"):
+    for option in ("--record", "--json", "--png", "--png16", "--mp4"):
         bench.bad("%s onto the session is refused" % option, session_run(more=[option, "./good.session"]), 2,
                   "%s .* would overwrite what --session reads" % option)
         bench.bad("%s onto a device is refused" % option, session_run(more=[option, "/dev/full"]), 2, "is a device or pipe")
@@ -289,6 +289,15 @@ def seldinger_outputs(bench):
     os.symlink("good.scene", os.path.join(bench.folder, "link.scene"))
     bench.bad("an output that is a link to an input is refused", session_run(more=["--json", "link.scene"]), 2,
               "would overwrite what --scene reads")
+    with open(WIRE, "rb") as file:
+        bench.write("wire.toml", file.read())
+    bench.bad("an output onto a tool's file is refused, preset or not", session_run(wire="wire.toml:vcsim3-fit", more=["--json", "wire.toml"]),
+              2, "would overwrite what --instrument reads")
+    bench.bad("instruments written onto their own file are refused", ["seldinger", "instruments", "wire.toml", "--json", "wire.toml"],
+              2, "would overwrite what the list reads")
+    for option in ("--json", "--png", "--table"):
+        bench.bad("instruments with %s onto a device are refused" % option, ["seldinger", "instruments", WIRE, option, "/dev/full"], 2,
+                  "is a device or pipe")
     bench.bad("two outputs of one name are refused", session_run(more=["--json", "both", "--record", "./both"]), 2,
               "--json and --record would both write", "both")
     bench.bad("a replay onto its recording is refused", ["seldinger", "replay", "good.rec", "--png", "good.rec"], 2,
@@ -298,7 +307,27 @@ def seldinger_outputs(bench):
               "would overwrite what the lumen reads")
     bench.bad("a bake of two outputs into one file is refused", ["bake", "good.toml", "-o", "one.scene", "--surface", "one.scene"],
               2, "would both write", "one.scene")
+    seldinger_dicom(bench)
     bench.report.check("the session is as it was", [] if bench.read("good.session") == before else ["it changed"])
+
+
+def seldinger_dicom(bench):
+    """Folders, names and dates that DICOM files cannot be made with or of."""
+    os.mkdir(os.path.join(bench.folder, "held"))
+    bench.write("held/old.dcm", "kept")
+    refuse = lambda name, pattern, more: bench.bad(name, session_run(more=more), 2, pattern, "new")
+    refuse("DICOM into a folder that holds some is refused", r"already holds old\.dcm: name another folder", ["--dicom", "held"])
+    refuse("DICOM into a file is refused", "is not a folder", ["--dicom", "good.session"])
+    refuse("a patient without DICOM is refused", "patient-name.*requires.*dicom", ["--patient-name", "A^B"])
+    refuse("a date that does not exist is refused", "20250229 is not a date", ["--dicom", "new", "--study-date", "20250229"])
+    refuse("a date in another form is refused", "YYYYMMDD", ["--dicom", "new", "--study-date", "2025-01-01"])
+    refuse("a name with a backslash is refused", "backslash", ["--dicom", "new", "--patient-name", "A\\B"])
+    refuse("a number that is too long is refused", "at most 64 bytes, this one 65", ["--dicom", "new", "--patient-id", "x" * 65])
+    refuse("unknown values are refused", "dicom-values.*sqrt", ["--dicom", "new", "--dicom-values", "sqrt"])
+    bench.bad("a DICOM folder below a file is refused", session_run(more=["--dicom", "good.session/x"]), 1, "cannot be written")
+    bench.bad("a check of no file is refused", ["seldinger", "dicom-check"], 2, "file is required")
+    bench.bad("a check of a missing file is refused", ["seldinger", "dicom-check", "gone.dcm"], 1, "gone.dcm: no such file")
+    bench.bad("a check of a folder without DICOM is refused", ["seldinger", "dicom-check", "."], 1, "no .dcm file in this folder")
 
 
 def seldinger_scenes(bench):

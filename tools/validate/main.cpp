@@ -1,4 +1,5 @@
 // Command line of `validate`: runs the validation suite of docs/validation.md.
+#include "host/model/pending_file.hpp"
 #include "tools/validate/cases.hpp"
 
 #include <CLI/CLI.hpp>
@@ -67,14 +68,6 @@ std::vector<Result> run_all(const std::vector<Case> &cases, const Options &optio
     return results;
 }
 
-void write(const std::string &path, const std::string &text)
-{
-    std::ofstream file(path, std::ios::binary);
-    file << text;
-    file.close();
-    if (!file) throw std::runtime_error(path + ": cannot be written");
-}
-
 // Replaces what stands between the two marks of a page.
 void write_docs(const std::string &path, const std::string &table)
 {
@@ -86,7 +79,7 @@ void write_docs(const std::string &path, const std::string &table)
                                  "' to write between");
     }
     begin += std::string(mark_begin).size();
-    write(path, text.substr(0, begin) + table + text.substr(end));
+    seld::write_whole_file(path, text.substr(0, begin) + table + text.substr(end));
 }
 
 int finish(const std::vector<Result> &results, const Options &options)
@@ -99,9 +92,9 @@ int finish(const std::vector<Result> &results, const Options &options)
     std::filesystem::create_directories(options.folder);
     std::string html_path = options.folder + "/validation.html",
                 tsv_path = options.folder + "/validation.tsv";
-    write(html_path,
-          html(results, options.only.empty() ? "make validate" : "validate --only " + options.only));
-    write(tsv_path, tsv(results));
+    seld::write_whole_file(
+        html_path, html(results, options.only.empty() ? "make validate" : "validate --only " + options.only));
+    seld::write_whole_file(tsv_path, tsv(results));
     if (!options.docs.empty()) write_docs(options.docs, markdown(results));
     for (const Result &result : results) {
         if (!result.failure.empty())

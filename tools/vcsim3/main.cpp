@@ -1,4 +1,5 @@
 // Command line of `vcsim3`: docs/thesis.md.
+#include "host/model/pending_file.hpp"
 #include "tools/vcsim3/figures.hpp"
 #include "tools/vcsim3/instructions.hpp"
 #include "tools/vcsim3/page.hpp"
@@ -80,9 +81,7 @@ bool report(const std::string &what, double share)
 
 void write_file(const fs::path &path, const std::string &text)
 {
-    std::ofstream file(path, std::ios::binary);
-    file << text;
-    if (!file.flush()) throw std::runtime_error(path.string() + ": cannot be written; check folder and disk");
+    seld::write_whole_file(path.string(), text);
 }
 
 std::vector<Mode> modes_of(const Options &options)

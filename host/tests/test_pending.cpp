@@ -1,0 +1,217 @@
+// A name never stands for half a file: what is written appears at the end, what stood there stays until then, and nothing is
+// left behind by errors and signals.
+#include "host/model/pending_file.hpp"
+#include <csetjmp>
+#include <csignal>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <vector>
+extern "C" {
+#include <cmocka.h>
+}
+
+using namespace seld;
+namespace fs = std::filesystem;
+
+namespace
+{
+
+struct Folder {
+    Folder()
+    {
+        char name[] = "/tmp/seldinger-pending-XXXXXX";
+        path = mkdtemp(name);
+    }
+    ~Folder() { fs::remove_all(path); }
+    std::string file(const std::string &name) const { return path + "/" + name; }
+    std::size_t count() const
+    {
+        std::size_t files = 0;
+        for (const auto &entry : fs::directory_iterator(path)) files += entry.exists();
+        return files;
+    }
+    std::string path;
+};
+
+std::string text_of(const std::string &path)
+{
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+template <class Work> std::string message_of(const Work &work)
+{
+    try {
+        work();
+    } catch (const OutputError &error) {
+        return error.what();
+    }
+    return "nothing was thrown";
+}
+
+// Runs the work in a child of its own and returns how it ended, as waitpid says.
+template <class Work> int status_of_child(const Work &work)
+{
+    const pid_t child = fork();
+    if (child == 0) {
+        work();
+        _exit(99);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    return status;
+}
+
+} // namespace
+
+static void a_file_has_its_name_only_when_it_is_whole(void **)
+{
+    Folder folder;
+    std::ofstream(folder.file("a")) << "before";
+    {
+        PendingFile file(folder.file("a"));
+        file.write("after");
+        assert_string_equal(text_of(folder.file("a")).c_str(), "before");
+        file.commit();
+    }
+    assert_string_equal(text_of(folder.file("a")).c_str(), "after");
+    assert_int_equal(folder.count(), 1);
+}
+
+static void a_file_given_up_leaves_nothing(void **)
+{
+    Folder folder;
+    {
+        PendingFile file(folder.file("a"));
+        file.write("half");
+        assert_int_equal(folder.count(), 1);
+    }
+    assert_int_equal(folder.count(), 0);
+}
+
+static void a_link_is_followed_to_its_file(void **)
+{
+    Folder folder;
+    fs::create_directory(folder.file("deep"));
+    std::ofstream(folder.file("deep/target")) << "before";
+    fs::create_symlink("deep/target", folder.file("link"));
+    write_whole_file(folder.file("link"), "after");
+    assert_true(fs::is_symlink(folder.file("link")));
+    assert_string_equal(text_of(folder.file("deep/target")).c_str(), "after");
+}
+
+// Renaming would put a regular file in their place: as root even over /dev/null.
+static void devices_pipes_and_folders_are_refused_and_stay(void **)
+{
+    Folder folder;
+    assert_int_equal(mkfifo(folder.file("pipe").c_str(), 0600), 0);
+    for (const std::string &path :
+         {std::string("/dev/null"), std::string("/dev/full"), folder.file("pipe")}) {
+        const std::string said = message_of([&] { write_whole_file(path, "x"); });
+        assert_true(said.find("is a device or pipe: name a regular file") != said.npos);
+    }
+    assert_true(fs::is_character_file("/dev/null") && fs::is_fifo(folder.file("pipe")));
+    const std::string said = message_of([&] { write_whole_file(folder.path, "x"); });
+    assert_true(said.find("is a folder") != said.npos);
+    fs::create_symlink("/dev/null", folder.file("link"));
+    assert_true(message_of([&] { write_whole_file(folder.file("link"), "x"); }).find("is a device") !=
+                said.npos);
+}
+
+static void a_folder_that_is_missing_is_told(void **)
+{
+    Folder folder;
+    const std::string said = message_of([&] { write_whole_file(folder.file("no/a"), "x"); });
+    assert_string_equal(
+        said.c_str(),
+        (folder.file("no/a") + ": cannot be written: No such file or directory; check that the folder exists")
+            .c_str());
+}
+
+// The process may write 1,000 bytes into a file; the 2,000 are refused by the system as on a full disk.
+static void a_full_disk_is_told_and_leaves_what_was_there(void **)
+{
+    Folder folder;
+    std::ofstream(folder.file("a")) << "before";
+    const int status = status_of_child([&] {
+        const struct rlimit small = {1000, 1000};
+        setrlimit(RLIMIT_FSIZE, &small);
+        const std::string said =
+            message_of([&] { write_whole_file(folder.file("a"), std::string(2000, 'x')); });
+        _exit(said.find("make room on the disk") != said.npos ? 7 : 8);
+    });
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 7);
+    assert_int_equal(folder.count(), 1);
+    assert_string_equal(text_of(folder.file("a")).c_str(), "before");
+}
+
+static void a_signal_ends_the_program_and_leaves_nothing(void **)
+{
+    Folder folder;
+    for (int number : {SIGINT, SIGTERM, SIGHUP}) {
+        const int status = status_of_child([&] {
+            PendingFile one(folder.file("a")), two(folder.file("b"));
+            one.write("half");
+            two.write("half");
+            if (folder.count() != 2) _exit(1);
+            raise(number);
+        });
+        assert_true(WIFSIGNALED(status));
+        assert_int_equal(WTERMSIG(status), number);
+        assert_int_equal(folder.count(), 0);
+    }
+}
+
+static void a_signal_leaves_the_files_that_are_whole(void **)
+{
+    Folder folder;
+    status_of_child([&] {
+        write_whole_file(folder.file("a"), "whole");
+        PendingFile half(folder.file("b"));
+        raise(SIGTERM);
+    });
+    assert_int_equal(folder.count(), 1);
+    assert_string_equal(text_of(folder.file("a")).c_str(), "whole");
+}
+
+static void more_files_than_are_watched_are_written_all_the_same(void **)
+{
+    Folder folder;
+    std::vector<std::unique_ptr<PendingFile>> files;
+    for (int i = 0; i < pending_max + 3; i++)
+        files.push_back(std::make_unique<PendingFile>(folder.file(std::to_string(i))));
+    for (auto &file : files) file->commit();
+    assert_int_equal(folder.count(), pending_max + 3);
+    // Their places are free again.
+    status_of_child([&] {
+        PendingFile half(folder.file("b"));
+        raise(SIGTERM);
+    });
+    assert_int_equal(folder.count(), pending_max + 3);
+}
+
+int main()
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_file_has_its_name_only_when_it_is_whole),
+        cmocka_unit_test(a_file_given_up_leaves_nothing),
+        cmocka_unit_test(a_link_is_followed_to_its_file),
+        cmocka_unit_test(devices_pipes_and_folders_are_refused_and_stay),
+        cmocka_unit_test(a_folder_that_is_missing_is_told),
+        cmocka_unit_test(a_full_disk_is_told_and_leaves_what_was_there),
+        cmocka_unit_test(a_signal_ends_the_program_and_leaves_nothing),
+        cmocka_unit_test(a_signal_leaves_the_files_that_are_whole),
+        cmocka_unit_test(more_files_than_are_watched_are_written_all_the_same),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
