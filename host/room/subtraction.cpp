@@ -9,6 +9,7 @@ namespace
 {
 
 constexpr float roadmap_grey_per_doubling = 130.0f;
+constexpr int roadmap_rim = 3; // pixels along the blades: half dark there, all noise
 
 struct Neighbour {
     int low, high;
@@ -21,6 +22,17 @@ Neighbour source_of(int i, double shift, int size)
     const double place = std::clamp(i - shift, 0.0, size - 1.0);
     const int low = std::min(static_cast<int>(place), size - 2);
     return {low, low + 1, static_cast<float>(place - low)};
+}
+
+// The live picture is black behind the blades.
+bool is_near_blades(const std::vector<std::uint8_t> &grey, int size, int x, int y)
+{
+    const auto is_black = [&](int at_x, int at_y) {
+        const std::size_t column = static_cast<std::size_t>(std::clamp(at_x, 0, size - 1));
+        return grey[static_cast<std::size_t>(std::clamp(at_y, 0, size - 1)) * size + column] == 0;
+    };
+    return is_black(x - roadmap_rim, y) || is_black(x + roadmap_rim, y) || is_black(x, y - roadmap_rim) ||
+           is_black(x, y + roadmap_rim);
 }
 
 } // namespace
@@ -114,8 +126,10 @@ void hold_peak(const std::vector<float> &density, std::vector<float> &peak)
 void lay_roadmap(const std::vector<float> &peak, int size, float floor, std::vector<std::uint8_t> &grey)
 {
     if (peak.size() != grey.size()) return;
+    const std::vector<std::uint8_t> live = grey;
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x) {
+            if (is_near_blades(live, size, x, y)) continue;
             float sum = 0.0f;
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dx = -1; dx <= 1; ++dx)

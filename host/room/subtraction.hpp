@@ -30,7 +30,8 @@ void grey_of_density(const std::vector<float> &density, std::span<const std::uin
 // peak[i] = max(peak[i], density[i]); an empty peak becomes the density.
 void hold_peak(const std::vector<float> &density, std::vector<float> &peak);
 
-// The peak, smoothed by the mean over 3 x 3 and freed of noise below `floor` doublings, laid over a live picture in white.
+// The peak, smoothed by the mean over 3 x 3 and freed of noise below `floor` doublings, laid over a live picture in white; not
+// within three pixels of black: along the blades there is noise alone.
 void lay_roadmap(const std::vector<float> &peak, int size, float floor, std::vector<std::uint8_t> &grey);
 
 } // namespace seld

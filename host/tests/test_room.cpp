@@ -411,6 +411,24 @@ static void a_roadmap_lies_white_under_live_fluoroscopy(void **)
     assert_int_equal(bench.grey_at(33, 30), 32);
 }
 
+// Along the blades every picture is half dark and all noise: a frame darker there than the mask leaves no white rim.
+static void a_roadmap_leaves_the_rim_of_the_field_alone(void **)
+{
+    Bench bench([](int x, int, std::uint32_t tick) {
+        return x >= 60                            ? 12.0
+               : x == 59                          ? 4.0 - (tick < 300 ? 1.0 : 0.0)
+               : tick >= 300 && x >= 30 && x < 34 ? 1.0
+                                                  : 0.0;
+    });
+    bench.dsa_run();
+    bench.ask(RoomAction::roadmap, 1);
+    bench.ask(RoomAction::fluoro_pedal, 1);
+    bench.run_to(bench.now + 10);
+    assert_true(bench.room.status().roadmap == RoadmapState::shown);
+    assert_int_equal(bench.grey_at(59, 30), 2); // raw 16 / 8, untouched
+    assert_true(bench.grey_at(33, 30) > 16 + 60);
+}
+
 static void a_roadmap_is_collected_by_the_next_press(void **)
 {
     Bench bench;
@@ -539,6 +557,7 @@ int main()
         cmocka_unit_test(review_of_what_is_not_there_says_so),
         cmocka_unit_test(stored_fluoroscopy_is_what_the_last_seconds_showed),
         cmocka_unit_test(a_roadmap_lies_white_under_live_fluoroscopy),
+        cmocka_unit_test(a_roadmap_leaves_the_rim_of_the_field_alone),
         cmocka_unit_test(a_roadmap_is_collected_by_the_next_press),
         cmocka_unit_test(image_memory_is_bounded_and_the_oldest_pictures_go),
         cmocka_unit_test(the_table_follows_a_tip_that_leaves_the_middle),

@@ -18,6 +18,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/app/replay.hpp"
+#include "host/app/rig_pedals.hpp"
 #include "host/app/run.hpp"
 #include "host/app/session_pictures.hpp"
 #include "host/app/window_keys.hpp"
@@ -377,6 +378,18 @@ void keys_choose_the_tool_they_move(void **)
     assert_true(seld::help_panel(2).size() > seld::help_panel(1).size());
 }
 
+void pedals_of_a_rig_are_commands_when_they_change(void **)
+{
+    using seld::RoomAction, seld::RoomCommand;
+    seld::RigPedals pedals;
+    assert_true(pedals.changes(0).empty());
+    assert_true(pedals.changes(1) == (std::vector<RoomCommand>{{RoomAction::fluoro_pedal, {1, 0, 0}}}));
+    assert_true(pedals.changes(1).empty());
+    assert_true(pedals.changes(0x83) == (std::vector<RoomCommand>{{RoomAction::acquire_pedal, {1, 0, 0}}}));
+    assert_true(pedals.changes(0) == (std::vector<RoomCommand>{{RoomAction::fluoro_pedal, {0, 0, 0}},
+                                                               {RoomAction::acquire_pedal, {0, 0, 0}}}));
+}
+
 // Each key as the command that the room hears; steps go from where the motors go, and end at the limits.
 void keys_are_commands_to_the_room(void **)
 {
@@ -441,6 +454,7 @@ int main()
         cmocka_unit_test(a_tool_takes_its_radii_from_its_knots),
         cmocka_unit_test(the_report_has_every_tool),
         cmocka_unit_test(keys_choose_the_tool_they_move),
+        cmocka_unit_test(pedals_of_a_rig_are_commands_when_they_change),
         cmocka_unit_test(keys_are_commands_to_the_room),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
