@@ -16,31 +16,34 @@ double pixel_mm(const XrayChain &chain)
     return chain.paths.view().pixel_m * 1e3;
 }
 
-void attenuate(XrayChain &chain)
+// Each pixel's transmission, and its sums over the cells of the coarse grid while the row is at hand.
+CoarseSums attenuate(XrayChain &chain)
 {
+    CoarseSums sums(chain.size / coarse_cell);
     chain.transmission.resize(static_cast<std::size_t>(chain.size) * chain.size);
     run_on_threads(chain.threads, [&](int thread) {
-        const RowRange rows = rows_of_thread(thread, chain.threads, chain.size);
+        const RowRange rows = cell_rows_of_thread(thread, chain.threads, chain.size);
         for (int row = rows.begin; row < rows.end; ++row) {
             std::array<const std::int32_t *, material_count> paths{};
             const std::size_t begin = static_cast<std::size_t>(row) * chain.size;
             for (int m = 0; m < material_count; ++m)
                 if (!chain.paths.bodies()[m].empty()) paths[m] = chain.paths.bodies()[m].data() + begin;
             transmission_row(chain.beam, paths, chain.size, chain.transmission.data() + begin);
+            sums.add_row(chain.transmission.data() + begin, chain.size, row, chain.open[row]);
         }
     });
+    return sums;
 }
 
 // Scatter comes from sums over cells, which focal spot and pixel do not change.
-void scatter(XrayChain &chain, bool is_on)
+void scatter(XrayChain &chain, const CoarseSums &transmitted, bool is_on)
 {
+    const int cells = chain.size / coarse_cell;
     if (!is_on) {
-        const std::size_t cells = chain.size / coarse_cell;
-        chain.scatter_cells.assign(cells * cells, 0.0f);
+        chain.scatter_cells.assign(static_cast<std::size_t>(cells) * cells, 0.0f);
         return;
     }
-    chain.scatter_cells = scatter_part(coarse_sums(chain.transmission, chain.size, chain.open, chain.threads),
-                                       chain.size / coarse_cell, pixel_mm(chain) * coarse_cell);
+    chain.scatter_cells = scatter_part(transmitted, cells, pixel_mm(chain) * coarse_cell);
     for (float &value : chain.scatter_cells) value *= grid_scatter_to_primary;
 }
 
@@ -80,23 +83,24 @@ void blur_add_and_measure(XrayChain &chain)
     const std::size_t pixels = static_cast<std::size_t>(chain.size) * chain.size;
     chain.primary.resize(pixels);
     chain.signal.resize(pixels);
-    chain.log_signal.resize(pixels);
+    CoarseSums logarithms(chain.size / coarse_cell);
     std::vector<std::int64_t> sums(chain.size, 0);
     std::vector<std::int64_t> counts(chain.size, 0);
     run_on_threads(chain.threads, [&](int thread) {
-        std::vector<float> scratch(chain.size + 2 * blur_radius_max);
-        const RowRange rows = rows_of_thread(thread, chain.threads, chain.size);
+        std::vector<float> scratch(chain.size + 2 * blur_radius_max), logarithm(chain.size);
+        const RowRange rows = cell_rows_of_thread(thread, chain.threads, chain.size);
         for (int row = rows.begin; row < rows.end; ++row) {
             const std::size_t begin = static_cast<std::size_t>(row) * chain.size;
             float *primary = chain.primary.data() + begin;
-            float *signal = chain.signal.data() + begin, *logarithm = chain.log_signal.data() + begin;
+            float *signal = chain.signal.data() + begin;
             blur_row(chain.transmission.data(), chain.size, row, kernel, scratch.data(), primary);
             slow_row(chain.scatter_cells, chain.size, row, signal);
-            add_row(chain.size, primary, signal, logarithm);
+            add_row(chain.size, primary, signal, logarithm.data());
+            logarithms.add_row(logarithm.data(), chain.size, row, chain.open[row]);
             const OpenColumns measured = measured_columns(chain, row);
             if (measured.begin >= measured.end) continue;
             counts[row] = measured.end - measured.begin;
-            sums[row] = sum_of_logarithms(logarithm + measured.begin, measured.end - measured.begin);
+            sums[row] = sum_of_logarithms(logarithm.data() + measured.begin, measured.end - measured.begin);
         }
     });
     std::int64_t sum = 0, count = 0;
@@ -105,16 +109,14 @@ void blur_add_and_measure(XrayChain &chain)
         count += counts[row];
     }
     chain.log_mean = count > 0 ? static_cast<double>(sum) / static_cast<double>(count) / 65536.0 : 0.0;
-    chain.log_slow = slow_part(chain.log_signal, chain.size, chain.open, chain.threads);
+    chain.log_slow = slow_part(std::move(logarithms), chain.size / coarse_cell);
 }
 
 // Transmission of the pixel in the middle of each of cells x cells squares, where it is open.
 CoarseSums sample_cells(const XrayChain &chain, const BeamTable &beam, int cells)
 {
     const int cell = chain.size / cells, padded = (cells + 15) / 16 * 16;
-    CoarseSums samples;
-    samples.sum.assign(static_cast<std::size_t>(cells) * cells, 0.0f);
-    samples.count.assign(samples.sum.size(), 0.0f);
+    CoarseSums samples(cells);
     std::vector<std::int32_t> gathered(static_cast<std::size_t>(padded) * material_count);
     std::vector<float> share(padded);
     for (int cy = 0; cy < cells; ++cy) {
@@ -281,8 +283,8 @@ void see_signal(XrayChain &chain, const XraySettings &settings, const XrayTechni
     if (chain.was_kept) return;
     chain.key = key;
     chain.beam = chain.exposure.table(technique.tube_voltage_kV, technique.copper_mm);
-    attenuate(chain);
-    scatter(chain, settings.beam.scatter);
+    const CoarseSums transmitted = attenuate(chain);
+    scatter(chain, transmitted, settings.beam.scatter);
     blur_add_and_measure(chain);
     chain.is_filled = true;
 }

@@ -57,7 +57,6 @@ struct XrayChain {
     std::vector<float> signal;        // primary and scattered
     std::vector<float> log_slow;      // slow part of log2(signal), coarse grid
     double log_mean = 0.0;            // log2(signal) over the measuring field
-    std::vector<float> log_signal;    // buffer
     std::vector<float> tool_signal;   // at the pixels of paths.tools()
 };
 

@@ -1,6 +1,5 @@
 // The coarse grid's sums, blurs and interpolation.
 #include "host/xray/coarse.hpp"
-#include "host/xray/parallel.hpp"
 #include <algorithm>
 
 namespace seld
@@ -26,37 +25,37 @@ void blur_five(std::vector<float> &grid, int cells, int dx, int dy)
 
 } // namespace
 
-CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open,
-                       int threads)
+void CoarseSums::add_row(const float *values, int size, int row, const OpenColumns &open)
 {
     const int cells = size / coarse_cell;
-    CoarseSums sums;
-    sums.sum.assign(static_cast<std::size_t>(cells) * cells, 0.0f);
-    sums.count.assign(sums.sum.size(), 0.0f);
-    run_on_threads(threads, [&](int thread) {
-        const RowRange range = rows_of_thread(thread, threads, cells);
-        for (int y = range.begin * coarse_cell; y < range.end * coarse_cell; ++y) {
-            const float *row = values.data() + static_cast<std::size_t>(y) * size;
-            float *sum = sums.sum.data() + static_cast<std::size_t>(y / coarse_cell) * cells;
-            float *count = sums.count.data() + static_cast<std::size_t>(y / coarse_cell) * cells;
-            for (int cx = 0; cx < cells; ++cx) {
-                const int begin = std::max(cx * coarse_cell, open[y].begin);
-                const int end = std::min((cx + 1) * coarse_cell, open[y].end);
-                float part = 0.0f;
-                for (int x = begin; x < end; ++x) part += row[x];
-                sum[cx] += part;
-                count[cx] += static_cast<float>(std::max(end - begin, 0));
-            }
-        }
-    });
+    float *own_sum = sum.data() + static_cast<std::size_t>(row / coarse_cell) * cells;
+    float *own_count = count.data() + static_cast<std::size_t>(row / coarse_cell) * cells;
+    for (int cx = 0; cx < cells; ++cx) {
+        const int begin = std::max(cx * coarse_cell, open.begin);
+        const int end = std::min((cx + 1) * coarse_cell, open.end);
+        float part = 0.0f;
+        for (int x = begin; x < end; ++x) part += values[x];
+        own_sum[cx] += part;
+        own_count[cx] += static_cast<float>(std::max(end - begin, 0));
+    }
+}
+
+CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open)
+{
+    CoarseSums sums(size / coarse_cell);
+    for (int row = 0; row < size; ++row)
+        sums.add_row(values.data() + static_cast<std::size_t>(row) * size, size, row, open[row]);
     return sums;
 }
 
-std::vector<float> slow_part(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open,
-                             int threads)
+RowRange cell_rows_of_thread(int index, int count, int size)
 {
-    const int cells = size / coarse_cell;
-    CoarseSums sums = coarse_sums(values, size, open, threads);
+    const RowRange cells = rows_of_thread(index, count, size / coarse_cell);
+    return {cells.begin * coarse_cell, cells.end * coarse_cell};
+}
+
+std::vector<float> slow_part(CoarseSums sums, int cells)
+{
     for (int repeat = 0; repeat < 2; ++repeat)
         for (std::vector<float> *grid : {&sums.sum, &sums.count}) {
             blur_five(*grid, cells, 1, 0);

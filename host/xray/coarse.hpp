@@ -1,6 +1,7 @@
 // What changes slowly over a picture, on a grid of cells of 8x8 pixels: scatter, and the display's slow part.
 // May include: parallel. Called by: scatter, chain, display.
 #pragma once
+#include "host/xray/parallel.hpp"
 #include <vector>
 
 namespace seld
@@ -16,13 +17,21 @@ struct OpenColumns {
 // Of each cell the sum over its open pixels, and how many they are. Both have (size/8)^2 values.
 struct CoarseSums {
     std::vector<float> sum, count;
+
+    explicit CoarseSums(int cells)
+        : sum(static_cast<std::size_t>(cells) * cells, 0.0f), count(sum.size(), 0.0f)
+    {
+    }
+    // Adds a row of a picture; each cell's rows come in order, from one thread.
+    void add_row(const float *values, int size, int row, const OpenColumns &open);
 };
-CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open,
-                       int threads = 1);
+CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open);
+
+// Rows of a thread's own cells.
+RowRange cell_rows_of_thread(int index, int count, int size);
 
 // Means over about a tenth of the picture: two passes of five cells along both axes. Closed pixels have no weight.
-std::vector<float> slow_part(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open,
-                             int threads = 1);
+std::vector<float> slow_part(CoarseSums sums, int cells);
 
 // Row of the bilinear continuation of a grid to full size.
 void slow_row(const std::vector<float> &grid, int size, int row, float *out);
