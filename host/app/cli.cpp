@@ -21,9 +21,19 @@ void add_xray(CLI::App &command, PictureSettings &pictures)
         .add_option(
             "--xray", pictures.xray,
             "Who draws the path lengths: raster (no graphics driver, the same bytes everywhere), opengl "
-            "(in a window its own, else OSMesa, else EGL), opengl-osmesa, opengl-egl")
+            "(OSMesa, where that is missing EGL), opengl-osmesa, opengl-egl")
         ->capture_default_str()
         ->check(CLI::IsMember(path_choices));
+}
+
+void add_xray_window(CLI::App &command, PictureSettings &pictures)
+{
+    command
+        .add_option(
+            "--xray", pictures.xray,
+            "Who draws the path lengths: raster (the same bytes everywhere), opengl (the window's own)")
+        ->capture_default_str()
+        ->check(CLI::IsMember(path_choices_window));
 }
 
 void add_pictures(CLI::App &command, PictureSettings &pictures)
@@ -157,7 +167,7 @@ void add_view(CLI::App &app, WindowOptions &options)
     command->add_option("--threads", options.pictures.threads, "Threads of the X-ray, 0: one per processor")
         ->capture_default_str()
         ->check(CLI::Range(0, 64));
-    add_xray(*command, options.pictures);
+    add_xray_window(*command, options.pictures);
     add_inserted(*command, options.inserted_mm);
     command->add_flag(
         "--free-run", options.free_run,

@@ -221,7 +221,21 @@ double frame_instructions(const bench_case *self)
 // Path lengths alone: by the rasteriser and by OpenGL on OSMesa, two threads each, in turn; of each view the fastest.
 struct PathTimes {
     double raster_ms = 0.0, osmesa_ms = 0.0; // means over the views
+    double difference_mm = 0.0;              // mean over all pixels with any of a material, all materials
 };
+
+double mean_difference_mm(const PathPictures &expected, const PathPictures &got)
+{
+    double sum_q10 = 0.0;
+    std::size_t count = 0;
+    for (std::size_t m = 0; m < expected.size(); ++m)
+        for (std::size_t i = 0; i < expected[m].size(); ++i) {
+            if (expected[m][i] == 0 && got[m][i] == 0) continue;
+            sum_q10 += std::abs(expected[m][i] - got[m][i]);
+            ++count;
+        }
+    return sum_q10 / 1024.0 / static_cast<double>(std::max<std::size_t>(count, 1));
+}
 
 double draw_ms(BodyPaths &paths, const View &view, std::span<const std::uint8_t> all, PathPictures &pictures)
 {
@@ -252,6 +266,7 @@ PathTimes path_times(int size)
     for (const MeshChannel &channel : meshes.channels)
         for (int material : {channel.own, channel.parent})
             if (material >= 0) pictures[material].resize(static_cast<std::size_t>(size) * size);
+    PathPictures pictures_osmesa = pictures;
     PathTimes sum;
     for (const Look &look : looks) {
         CArm carm;
@@ -262,14 +277,17 @@ PathTimes path_times(int size)
         double raster_ms = 1e9, osmesa_ms = 1e9;
         for (int round = 0; round < rounds; ++round) {
             raster_ms = std::min(raster_ms, draw_ms(raster, view, all, pictures));
-            osmesa_ms = std::min(osmesa_ms, draw_ms(*osmesa, view, all, pictures));
+            osmesa_ms = std::min(osmesa_ms, draw_ms(*osmesa, view, all, pictures_osmesa));
         }
         sum.raster_ms += raster_ms / static_cast<double>(std::size(looks));
         sum.osmesa_ms += osmesa_ms / static_cast<double>(std::size(looks));
+        sum.difference_mm +=
+            mean_difference_mm(pictures, pictures_osmesa) / static_cast<double>(std::size(looks));
     }
-    std::fprintf(stderr, "path lengths of %zu triangles: raster %.2f ms, %s on %s %.2f ms\n",
+    std::fprintf(stderr,
+                 "path lengths of %zu triangles: raster %.2f ms, %s on %s %.2f ms; they differ by %.5f mm\n",
                  scene.triangle_count(), sum.raster_ms, osmesa->description().version.c_str(),
-                 osmesa->description().renderer.c_str(), sum.osmesa_ms);
+                 osmesa->description().renderer.c_str(), sum.osmesa_ms, sum.difference_mm);
     return sum;
 }
 
@@ -280,6 +298,10 @@ double raster_paths_ms(const bench_case *self)
 double osmesa_paths_ms(const bench_case *self)
 {
     return path_times(self->argument).osmesa_ms;
+}
+double osmesa_difference_mm(const bench_case *self)
+{
+    return path_times(self->argument).difference_mm;
 }
 double osmesa_ratio(const bench_case *self)
 {
@@ -300,6 +322,7 @@ const bench_case cases[] = {
     {"xray.paths_ms", "ms", "size=1024 by=osmesa threads=2", nullptr, 0, osmesa_paths_ms, 1024},
     {"xray.osmesa_over_raster", "1", "size=512 paths threads=2", nullptr, 0, osmesa_ratio, 512},
     {"xray.osmesa_over_raster", "1", "size=1024 paths threads=2", nullptr, 0, osmesa_ratio, 1024},
+    {"xray.osmesa_difference_mm", "mm", "size=512 paths", nullptr, 0, osmesa_difference_mm, 512},
     {"xray.frame_instructions", "instructions", "size=512 view=moved", "measured_frame", 2,
      frame_instructions, 512},
     {"xray.frame_instructions", "instructions", "size=512 view=kept", "measured_frame", 2, frame_instructions,

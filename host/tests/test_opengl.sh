@@ -87,5 +87,8 @@ result $? "in the window its own context draws, and the screen shows the same"
 "$program" run --tool "$wire" --session "$work/short.session" --xray vulkan >"$work/log" 2>&1
 [ $? = 2 ] && grep -q "opengl-egl" "$work/log"
 result $? "an unknown choice is wrong usage and lists the known ones"
+"$program" view --tool "$wire" --xray opengl-osmesa >"$work/log" 2>&1
+[ $? = 2 ] && grep -q "raster,opengl" "$work/log"
+result $? "a window takes no other library's context beside its own"
 echo "1..$number"
 exit $failed
