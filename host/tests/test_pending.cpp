@@ -160,6 +160,7 @@ static void a_signal_ends_the_program_and_leaves_nothing(void **)
     Folder folder;
     for (int number : {SIGINT, SIGTERM, SIGHUP}) {
         const int status = status_of_child([&] {
+            std::signal(number, SIG_DFL); // nohup hands a hang-up down as ignored
             PendingFile one(folder.file("a")), two(folder.file("b"));
             one.write("half");
             two.write("half");

@@ -1,6 +1,7 @@
 // Meshes with closed-form distances for the tests of bake, and texts and folders for them.
 // May include: tools/bake. Called by: tools/bake/tests.
 #pragma once
+#include "host/model/pending_file.hpp"
 #include "tools/bake/bake.hpp"
 #include "tools/bake/fault.hpp"
 
@@ -101,6 +102,8 @@ inline std::string complaint(const std::function<void()> &work)
         work();
     } catch (const Fault &fault) {
         return fault.what();
+    } catch (const OutputError &error) {
+        return error.what();
     }
     return "";
 }
