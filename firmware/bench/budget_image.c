@@ -3,6 +3,7 @@
  * usage (as semihosting arguments): budget_image CASE_FILE
  * May include: budget_case.h, the board. Called by: make budget, in QEMU with -icount shift=0. */
 #include "firmware/bench/budget_case.h"
+#include "firmware/port/console_digits.h"
 #include "firmware/port/mps2_an500/semihost.h"
 #include "firmware/port/mps2_an500/systick.h"
 
@@ -13,16 +14,10 @@ static seld_state state;
 
 static void write_number(const char *name, uint32_t value)
 {
-    char text[12];
-    int at = 11;
-    text[at] = '\0';
-    do {
-        text[--at] = (char)('0' + value % 10);
-        value /= 10;
-    } while (value != 0);
+    char text[CONSOLE_DIGITS_BYTES];
     semihost_write(name);
     semihost_write(" ");
-    semihost_write(&text[at]);
+    semihost_write(console_digits(text, value));
     semihost_write("\n");
 }
 

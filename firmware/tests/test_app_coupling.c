@@ -12,37 +12,14 @@
 #include <cmocka.h>
 
 #include "firmware/app/app_internal.h"
-#include "firmware/tests/reference/bench.h"
+#include "firmware/tests/reference/bench_fixture.h"
 
-static bench b;
 static client *const host = &b.host;
 static seld_wire_ticks ticks;
-
-static int set_up(void **state)
-{
-    (void)state;
-    return bench_open(&b) ? 0 : 1;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    bench_close(&b);
-    return 0;
-}
-
-static void command(uint8_t action)
-{
-    seld_wire_status status;
-    bench_drain(&b);
-    client_command(host, action);
-    assert_true(client_expect_status(host, &status));
-}
 
 static uint32_t tick_now;
 static void start_lockstep(const seld_wire_track *track)
 {
-    seld_wire_status status;
     bench_drain(&b);
     client_rig(host, track, 1);
     assert_true(client_expect_status(host, &status));
@@ -165,7 +142,6 @@ static void the_coupling_is_part_of_the_snapshot(void **state)
 {
     (void)state;
     static seld_wire_tick_state expected[200];
-    seld_wire_status status;
     seld_wire_track track = client_plain_track();
     track.seal_mN = 500;
     track.seal_uN_m = 100;
@@ -193,7 +169,6 @@ static void the_coupling_is_part_of_the_snapshot(void **state)
 static void forces_that_give_energy_are_reduced(void **state)
 {
     (void)state;
-    seld_wire_status status;
     seld_wire_fault_entry entry;
     seld_wire_track track = client_plain_track();
     track.seal_mN = 2000;

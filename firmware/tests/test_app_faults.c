@@ -12,26 +12,11 @@
 
 #include "firmware/app/app.h"
 #include "firmware/app/app_internal.h"
-#include "firmware/tests/reference/bench.h"
+#include "firmware/tests/reference/bench_fixture.h"
 
 enum { FORCE_mN = 1500, PUSH_um = 1000 };
 
-static bench b;
-static seld_wire_status status;
 static seld_wire_fault_entry entry;
-
-static int set_up(void **state)
-{
-    (void)state;
-    return bench_open(&b) ? 0 : 1;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    bench_close(&b);
-    return 0;
-}
 
 static void power_and_push(void)
 {

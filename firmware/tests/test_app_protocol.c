@@ -10,32 +10,10 @@
 #include <cmocka.h>
 
 #include "firmware/app/app.h"
-#include "firmware/tests/reference/bench.h"
+#include "firmware/tests/reference/bench_fixture.h"
 
-static bench b;
 static client *const host = &b.host;
-static seld_wire_status status;
 static seld_wire_reject reject;
-
-static int set_up(void **state)
-{
-    (void)state;
-    return bench_open(&b) ? 0 : 1;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    bench_close(&b);
-    return 0;
-}
-
-static void command(uint8_t action)
-{
-    bench_drain(&b);
-    client_command(host, action);
-    assert_true(client_expect_status(host, &status));
-}
 
 static void expect_reject(uint16_t code)
 {

@@ -1,6 +1,7 @@
 // Runs as DICOM files: read back by DCMTK pixel for pixel, judged by dciodvfy and read by dctopnm (both of dicom3tools, which
 // shares no code with DCMTK), attributes against what was put in, and nothing half-written whatever happens.
 #include "host/dicom/xa_file.hpp"
+#include "host/tests/folder.hpp"
 #include "host/tests/xray_runs.hpp"
 #include <cmath>
 #include <csetjmp>
@@ -26,22 +27,9 @@ namespace fs = std::filesystem;
 namespace
 {
 
-// A folder of its own for every test, gone afterwards.
-struct Folder {
-    Folder()
-    {
-        char name[] = "/tmp/seldinger-dicom-XXXXXX";
-        path = mkdtemp(name);
-    }
-    ~Folder() { fs::remove_all(path); }
-    std::string file(const std::string &name) const { return path + "/" + name; }
-    std::size_t count() const
-    {
-        std::size_t files = 0;
-        for (const auto &entry : fs::directory_iterator(path)) files += entry.exists();
-        return files;
-    }
-    std::string path;
+// One for every test.
+struct Folder : tests::Folder {
+    Folder() : tests::Folder("dicom") {}
 };
 
 XaStudy study_of(const std::string &text)

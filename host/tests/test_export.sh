@@ -2,23 +2,11 @@
 # What a session leaves on the disk: one DICOM file per press of the pedal that dciodvfy finds no error in, the same bytes
 # from a replay, 16-bit pictures, and nothing half-written after Ctrl-C or on a full disk. Prints TAP.
 set -u
-cd "$(dirname "$0")/../.." || exit 1
-root="$PWD"
-program="$root/${BUILD:-build}/bin/seldinger"
+. "$(dirname "$0")/program.sh"
 wire="$root/shared/examples/instruments/bentson.toml"
-work="$(mktemp -d)"
-trap 'rm -rf "$work"' EXIT
-[ -x "$program" ] || make -s PACKAGES=skip "$program" >&2
+log="$work/said"
+: >"$log"
 cd "$work" || exit 1
-number=0 failed=0
-result() { # status, name; what the program said is shown when it failed
-    number=$((number + 1))
-    if [ "$1" = 0 ]; then echo "ok $number - $2"; else
-        echo "not ok $number - $2"
-        failed=1
-        sed 's/^/# /' said | tail -n 12
-    fi
-}
 
 cat >pedal.session <<'END'
 begin inserted 20 mm

@@ -1,20 +1,10 @@
 #!/usr/bin/env bash
 # seldinger --xray opengl: the same pictures as the rasteriser's, off screen and in a window, with nothing of OpenGL linked.
 set -u
-cd "$(dirname "$0")/../.." || exit 1
-build="${BUILD:-build}"
-program="$build/bin/seldinger"
+. "$(dirname "$0")/program.sh"
 wire=shared/examples/instruments/amplatz_super_stiff.toml
-work="$(mktemp -d)"
-trap 'rm -rf "$work"' EXIT
-number=0 failed=0
-result() { # status, name
-    number=$((number + 1))
-    if [ "$1" = 0 ]; then echo "ok $number - $2"; else echo "not ok $number - $2"; failed=1; sed 's/^/# /' "$work/log"; fi
-}
-: >"$work/log"
 
-[ -x "$program" ] && [ -x "$build/bin/bake" ] || make -s PACKAGES=skip "$program" "$build/bin/bake" >&2
+[ -x "$build/bin/bake" ] || make -s PACKAGES=skip "$build/bin/bake" >&2
 
 # libOSMesa and libGL both export gl*: linking one would take the other's place.
 ldd "$program" >"$work/log"

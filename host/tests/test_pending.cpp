@@ -1,6 +1,7 @@
 // A name never stands for half a file: what is written appears at the end, what stood there stays until then, and nothing is
 // left behind by errors and signals.
 #include "host/model/pending_file.hpp"
+#include "host/tests/folder.hpp"
 #include <csetjmp>
 #include <csignal>
 #include <cstdarg>
@@ -25,21 +26,9 @@ namespace fs = std::filesystem;
 namespace
 {
 
-struct Folder {
-    Folder()
-    {
-        char name[] = "/tmp/seldinger-pending-XXXXXX";
-        path = mkdtemp(name);
-    }
-    ~Folder() { fs::remove_all(path); }
-    std::string file(const std::string &name) const { return path + "/" + name; }
-    std::size_t count() const
-    {
-        std::size_t files = 0;
-        for (const auto &entry : fs::directory_iterator(path)) files += entry.exists();
-        return files;
-    }
-    std::string path;
+// One for every test.
+struct Folder : tests::Folder {
+    Folder() : tests::Folder("pending") {}
 };
 
 std::string text_of(const std::string &path)

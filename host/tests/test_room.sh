@@ -1,18 +1,8 @@
 #!/usr/bin/env bash
 # The X-ray room in a whole session: every mode by script, the same pictures again from the recording, dose in the report.
 set -u
-cd "$(dirname "$0")/../.." || exit 1
-program="${BUILD:-build}/bin/seldinger"
+. "$(dirname "$0")/program.sh"
 wire=shared/examples/instruments/j_wire.toml
-work="$(mktemp -d)"
-trap 'rm -rf "$work"' EXIT
-number=0 failed=0
-result() { # status, name
-    number=$((number + 1))
-    if [ "$1" = 0 ]; then echo "ok $number - $2"; else echo "not ok $number - $2"; failed=1; fi
-}
-
-[ -x "$program" ] || make -s PACKAGES=skip "$program" >&2
 
 # In free space: the wire alone, so that it takes seconds.
 cat >"$work/room.session" <<'EOF'

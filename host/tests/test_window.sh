@@ -1,18 +1,8 @@
 #!/usr/bin/env bash
 # The window under a virtual display: picture on the screen, keys into the recording, no display without a crash.
 set -u
-cd "$(dirname "$0")/../.." || exit 1
-program="${BUILD:-build}/bin/seldinger"
+. "$(dirname "$0")/program.sh"
 wire=shared/examples/instruments/amplatz_super_stiff.toml
-work="$(mktemp -d)"
-trap 'rm -rf "$work"' EXIT
-number=0 failed=0
-result() { # status, name
-    number=$((number + 1))
-    if [ "$1" = 0 ]; then echo "ok $number - $2"; else echo "not ok $number - $2"; failed=1; fi
-}
-
-[ -x "$program" ] || make -s PACKAGES=skip "$program" >&2
 
 env -u DISPLAY -u WAYLAND_DISPLAY "$program" view --instrument "$wire" >"$work/none" 2>&1
 [ $? = 1 ] && grep -q "no display" "$work/none"

@@ -212,6 +212,17 @@ def report(rows, path):
     return 1 if findings else 0
 
 
+def status_of(name, work):
+    """Exit status of a measurement: what work() returns, or 1 and a line when it cannot be done or is stopped."""
+    try:
+        return work()
+    except CannotMeasure as problem:
+        print("%s: %s" % (name, problem), file=sys.stderr)
+    except KeyboardInterrupt:
+        print("%s: stopped" % name, file=sys.stderr)
+    return 1
+
+
 def main():
     parser = argparse.ArgumentParser(description="Time one rod in our core and in other simulators.")
     parser.add_argument("--ours", required=True, help="our program: build/bench/peer_rod")
@@ -221,16 +232,13 @@ def main():
     options = parser.parse_args()
     if options.repeats < 1:
         parser.error("--repeats is at least 1")
-    try:
+
+    def work():
         if hasattr(os, "sched_setaffinity"):
             os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
         return report(run_rounds(options.ours, prepare(options.environment), options.repeats), options.output)
-    except CannotMeasure as problem:
-        print("run_peers: %s" % problem, file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print("run_peers: stopped", file=sys.stderr)
-        return 1
+
+    return status_of("run_peers", work)
 
 
 if __name__ == "__main__":

@@ -124,19 +124,16 @@ def main():
     options = parser.parse_args()
     if options.rounds < 1 or not 64 <= options.size <= 2048 or options.size % 16:
         parser.error("--rounds is at least 1, --size a multiple of 16 from 64 to 2048")
-    try:
+
+    def work():
         python = prepare(options.environment)
         with tempfile.TemporaryDirectory() as folder:
             ours = measure([options.ours, options.bodies, folder, str(options.size), str(options.rounds)])
             theirs = measure([python, os.path.join(FOLDER, "peer_gvxr.py"), folder, str(options.rounds)])
             rows = compare(folder, int(ours.get("views", 0)), options.size)
         return report(rows, ours, theirs, options.size, options.output)
-    except CannotMeasure as problem:
-        print("run_xray_peers: %s" % problem, file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print("run_xray_peers: stopped", file=sys.stderr)
-        return 1
+
+    return run_peers.status_of("run_xray_peers", work)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 /* Never run on hardware. Text on LPUART6 (115,200 baud, pin 1), for people and logs: a banner at power-up and a line for every
  * exception. Waits for the UART, so never called while ticks run. */
+#include "firmware/port/console_digits.h"
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 
@@ -27,15 +28,9 @@ void console_text(const char *text)
 
 void console_number(const char *name, uint32_t value)
 {
-    char text[12];
-    int at = 11;
-    text[at] = '\0';
-    do {
-        text[--at] = (char)('0' + value % 10);
-        value /= 10;
-    } while (value != 0);
+    char text[CONSOLE_DIGITS_BYTES];
     console_text(name);
-    console_text(&text[at]);
+    console_text(console_digits(text, value));
 }
 
 void console_hex(const char *name, uint32_t value)

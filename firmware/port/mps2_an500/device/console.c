@@ -1,5 +1,6 @@
 /* Text on UART 0, for people and logs: a banner at power-up and a line for every exception. Waits for the UART, so never
  * called while ticks run. */
+#include "firmware/port/console_digits.h"
 #include "firmware/port/mps2_an500/device/board.h"
 #include "firmware/port/mps2_an500/device/device.h"
 
@@ -25,15 +26,9 @@ void console_text(const char *text)
 
 void console_number(const char *name, uint32_t value)
 {
-    char text[12];
-    int at = 11;
-    text[at] = '\0';
-    do {
-        text[--at] = (char)('0' + value % 10);
-        value /= 10;
-    } while (value != 0);
+    char text[CONSOLE_DIGITS_BYTES];
     console_text(name);
-    console_text(&text[at]);
+    console_text(console_digits(text, value));
 }
 
 void console_hex(const char *name, uint64_t value, int digits)

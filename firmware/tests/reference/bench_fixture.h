@@ -1,0 +1,31 @@
+/* One bench for all tests of a file, opened anew for each: set_up and tear_down for cmocka, and a command with its answer.
+ * Include behind cmocka.h, once per file. Called by: firmware/tests. */
+#ifndef SELD_TEST_BENCH_FIXTURE_H
+#define SELD_TEST_BENCH_FIXTURE_H
+
+#include "firmware/tests/reference/bench.h"
+
+static bench b;
+static seld_wire_status status; /* the last answer */
+
+static int set_up(void **state)
+{
+    (void)state;
+    return bench_open(&b) ? 0 : 1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    bench_close(&b);
+    return 0;
+}
+
+static inline void command(uint8_t action)
+{
+    bench_drain(&b);
+    client_command(&b.host, action);
+    assert_true(client_expect_status(&b.host, &status));
+}
+
+#endif
