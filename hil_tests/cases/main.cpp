@@ -9,9 +9,11 @@
 #include "host/link/sim_transport.hpp"
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <future>
 #include <string>
 #include <sys/wait.h>
 #include <vector>
@@ -167,14 +169,19 @@ void run_aorta(const Options &options, Table &table)
         });
     }
     if (!is_wanted(options.level, "L1")) return;
+    hil::AortaFiles budget = options.files;
     table.run("L1", "aorta_session", [&](hil::Report &report) {
+        budget.element_shaft_um = hil::shaft_of(options.files, 256);
         seld::Emulator emulator({.icount_shift = 0});
         seld::EmulatedTransport pipe(emulator);
         check_hash(expected, hil::run_aorta(pipe, options.files, options.ticks_max), report);
     });
-    hil::AortaFiles budget = options.files;
+    // Minutes each, of a processor whose time is counted in instructions: they may share the machine.
+    std::array<std::future<hil::Overruns>, 2> overruns;
+    for (std::size_t shift : {0, 1})
+        overruns[shift] = std::async(std::launch::async, hil::overruns_of_aorta, budget,
+                                     static_cast<int>(shift), options.ticks_max);
     table.run("L1", "aorta_session_of_256_elements", [&](hil::Report &report) {
-        budget.element_shaft_um = hil::shaft_of(options.files, 256);
         seld::SimTransport pipe;
         const hil::AortaRun alone = hil::run_aorta(pipe, budget, options.ticks_max);
         counted = hil::count_aorta(budget, options.ticks_max);
@@ -182,10 +189,10 @@ void run_aorta(const Options &options, Table &table)
     });
     table.run("L1", "m7_instructions_per_tick",
               [&](hil::Report &report) { judge_instructions(counted, report); });
-    for (int shift : {0, 1}) {
+    for (std::size_t shift : {0, 1}) {
         const int mips = 1000 >> shift;
         table.run("L1", "tick_overruns_at_" + std::to_string(mips) + "_mips", [&](hil::Report &report) {
-            const hil::Overruns o = hil::overruns_of_aorta(budget, shift, options.ticks_max);
+            const hil::Overruns o = overruns[shift].get();
             report.add(hil::text("%u of %u ticks over 1 ms, longest %.0f us", unsigned{o.overruns},
                                  unsigned{o.ticks}, o.worst_us));
             hil::check(o.overruns <= (shift == 0 ? 0.0 : 1e-4 * o.ticks), "%s; allowed: %s",

@@ -10,8 +10,12 @@ hash="${AORTA_HASH:-$("$build/bin/seldinger" run --quiet $session | sed -n 's/^f
 "$build/bin/seldinger" run --quiet --device usb --record "$folder/unplug.rec" $session >"$folder/unplug.log" 2>&1 &
 program=$!
 pulls=0
-# The recording begins when the session does, and grows with it.
-while [ ! -s "$folder/unplug.rec" ] && kill -0 $program 2>/dev/null; do sleep 0.2; done
+# The recording begins when the session does, and grows with it, under another name until it is whole.
+has_begun() {
+    for file in "$folder"/unplug.rec.part*; do [ -s "$file" ] && return 0; done
+    return 1
+}
+while ! has_begun && kill -0 $program 2>/dev/null; do sleep 0.2; done
 sleep 1
 while [ $pulls -lt 3 ] && kill -0 $program 2>/dev/null; do
     "$hil/unplug" 300 && pulls=$((pulls + 1))
