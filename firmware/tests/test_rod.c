@@ -14,6 +14,7 @@
 
 #include "firmware/core/core_state.h"
 #include "firmware/tests/reference/cantilever.h"
+#include "firmware/tests/reference/long_run.h"
 #include "firmware/tests/reference/random.h"
 #include "firmware/tests/reference/tube_lumen.h"
 
@@ -271,7 +272,7 @@ static void random_hand_does_not_blow_the_rod_up(void **context)
     rig *r = rig_make(&wire, &tube->lumen, 100000);
     int32_t speed = 0, turn = 0, deep = 0;
     double strain_pct = 0;
-    for (int t = 0; t < 20000; t++) {
+    for (int t = 0; t < REFERENCE_RUN(20000); t++) {
         if (t % 200 == 0) {
             speed = (int32_t)reference_random_below(&random, 1073742) - 400000; /* -0.37 .. 0.63 m/s */
             turn = (int32_t)reference_random_below(&random, 16400000) - 8200000;

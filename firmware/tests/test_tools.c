@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "firmware/core/core_state.h"
+#include "firmware/tests/reference/long_run.h"
 #include "firmware/tests/reference/random.h"
 #include "firmware/tests/reference/random_hands.h"
 #include "firmware/tests/reference/tube_lumen.h"
@@ -430,7 +431,7 @@ static void random_hands_keep_three_tools_in_the_vessel(void **context)
 {
     (void)context;
     reference_hands_result result = {0, 0, 0, 0, 0};
-    reference_random_hands(3, 8, 12000, &result);
+    reference_random_hands(3, 8, REFERENCE_RUN(12000), &result);
     check_below("length error (%)", result.strain_max_pct, 0.6);
     check_below("ticks with more than 0.45 %", result.long_045, 1);
     check_below("ticks deeper than 1 mm", result.deep, 1);

@@ -103,7 +103,7 @@ void apply_thesis(const Place &place, const ThesisRow &thesis, std::vector<Secti
         section.radius_outer_mm = {radius_mm, radius_mm};
         if (section.radius_inner_mm.from >= radius_mm || section.radius_inner_mm.to >= radius_mm) {
             fail(place, section.node,
-                 "the lumen of section " + quoted(section.name) + " is wider than the table's radius");
+                 "the lumen of section " + in_quotes(section.name) + " is wider than the table's radius");
         }
     }
 }
@@ -117,7 +117,7 @@ Preset read_based_preset(const Place &place, const toml::table &table,
     std::vector<std::string> names;
     for (const auto &[name, preset] : known) names.push_back(name);
     if (!known.contains(base))
-        fail(place, &base_node, "there is no preset " + quoted(base) + suggestion(base, names));
+        fail(place, &base_node, "there is no preset " + in_quotes(base) + suggestion(base, names));
     Preset preset = known.at(base);
     const toml::table &row = require_table(place, table, "table_5_1");
     preset.thesis = read_thesis_row(place.inside("table_5_1"), row);
@@ -149,7 +149,7 @@ std::map<std::string, Preset> read_presets(const Place &place, const toml::table
     for (const bool is_based : {false, true}) {
         for (const auto &[key, node] : table) {
             const std::string name(key.str());
-            const Place inner = place.inside("preset " + quoted(name));
+            const Place inner = place.inside("preset " + in_quotes(name));
             const toml::table *one = node.as_table();
             if (!one) fail(inner, &node, "must be a table: [preset." + name + "]");
             if (one->contains("based_on") != is_based) continue;
@@ -167,7 +167,7 @@ Instrument assemble(const Place &place, const Instrument &head, const std::strin
     instrument.table.lumen_friction_milli =
         static_cast<std::uint32_t>(std::lround(preset.lumen_friction * 1e3));
     instrument.thesis = preset.thesis;
-    add_profile(place.inside("preset " + quoted(name)), preset.sections, instrument);
+    add_profile(place.inside("preset " + in_quotes(name)), preset.sections, instrument);
     return instrument;
 }
 
@@ -204,7 +204,7 @@ Instrument read_instrument(const std::string &path)
     const std::map<std::string, Preset> presets = read_presets(place, root, head.kind);
     std::string unused;
     if (const toml::node *node = sources.unused(unused))
-        fail(place, node, "no value names the source " + quoted(unused));
+        fail(place, node, "no value names the source " + in_quotes(unused));
     head.presets = {default_preset};
     for (const auto &[name, preset] : presets) {
         if (name != default_preset) head.presets.push_back(name);
@@ -215,7 +215,7 @@ Instrument read_instrument(const std::string &path)
         if (name == (asked.empty() ? default_preset : asked)) wanted = std::move(instrument);
     }
     if (!wanted)
-        throw FileError(file, 0, 0, "has no preset " + quoted(asked) + suggestion(asked, head.presets));
+        throw FileError(file, 0, 0, "has no preset " + in_quotes(asked) + suggestion(asked, head.presets));
     return *wanted;
 }
 

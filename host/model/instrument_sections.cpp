@@ -47,7 +47,7 @@ class Values
     Range read(const std::string &key, Bounds bounds) const
     {
         const toml::node *node = find(key);
-        if (!node) missing(quoted(key));
+        if (!node) missing(in_quotes(key));
         return sourced(place_, *node, key, bounds);
     }
 
@@ -57,12 +57,12 @@ class Values
         for (const toml::table *table : {&own_, all_}) {
             if (!table) continue;
             if (table->contains(a) && table->contains(b)) {
-                fail(place_, table->get(b), "gives both " + quoted(a) + " and " + quoted(b));
+                fail(place_, table->get(b), "gives both " + in_quotes(a) + " and " + in_quotes(b));
             }
             if (table->contains(a)) return a;
             if (table->contains(b)) return b;
         }
-        missing(quoted(a) + " or " + quoted(b));
+        missing(in_quotes(a) + " or " + in_quotes(b));
     }
 
     const Place &place() const { return place_; }
@@ -96,7 +96,7 @@ Range read_bend(const Values &values, const Section &section)
     for (double value : {bend.from, bend.to}) {
         if (value >= stiffness_bounds.low && value <= stiffness_bounds.high) continue;
         fail(values.place(), values.find(key),
-             quoted(key) + " makes EI = " + number(value) + " N m^2, outside " +
+             in_quotes(key) + " makes EI = " + number(value) + " N m^2, outside " +
                  number(stiffness_bounds.low) + " .. " + number(stiffness_bounds.high));
     }
     return bend;
@@ -240,7 +240,7 @@ std::vector<Section> read_sections(const Place &place, const toml::table &preset
     std::vector<Section> sections;
     for (const toml::table *table : tables) {
         std::string title = "section " + std::to_string(sections.size() + 1);
-        if (const auto name = (*table)["name"].value<std::string>()) title += " " + quoted(*name);
+        if (const auto name = (*table)["name"].value<std::string>()) title += " " + in_quotes(*name);
         const double from_mm = sections.empty() ? 0.0 : sections.back().to_mm;
         sections.push_back(read_section(place.inside(title), *table, all, from_mm, kind));
     }
@@ -252,7 +252,7 @@ std::vector<InstrumentArc> read_shape(const Place &place, const toml::table &roo
     std::vector<InstrumentArc> arcs;
     for (const toml::table *table : tables_of(place, root, "shape")) {
         std::string title = "shape " + std::to_string(arcs.size() + 1);
-        if (const auto name = (*table)["name"].value<std::string>()) title += " " + quoted(*name);
+        if (const auto name = (*table)["name"].value<std::string>()) title += " " + in_quotes(*name);
         const double begin_m = arcs.empty() ? 0.0 : arcs.back().arc_end_m;
         arcs.push_back(read_arc(place.inside(title), *table, begin_m));
     }

@@ -52,7 +52,7 @@ std::string number(double value)
     return text;
 }
 
-std::string quoted(const std::string &key)
+std::string in_quotes(const std::string &key)
 {
     return "'" + key + "'";
 }
@@ -62,7 +62,7 @@ void check_keys(const Place &place, const toml::table &table, const std::vector<
     for (const auto &[key, node] : table) {
         const std::string name(key.str());
         if (std::find(known.begin(), known.end(), name) == known.end()) {
-            fail(place, &node, "unknown key " + quoted(name) + suggestion(name, known));
+            fail(place, &node, "unknown key " + in_quotes(name) + suggestion(name, known));
         }
     }
 }
@@ -70,7 +70,7 @@ void check_keys(const Place &place, const toml::table &table, const std::vector<
 const toml::node &require(const Place &place, const toml::table &table, const std::string &key)
 {
     const toml::node *node = table.get(key);
-    if (!node) fail(place, &table, quoted(key) + " is missing");
+    if (!node) fail(place, &table, in_quotes(key) + " is missing");
     return *node;
 }
 
@@ -78,7 +78,7 @@ const toml::table &require_table(const Place &place, const toml::table &table, c
 {
     const toml::node &node = require(place, table, key);
     const toml::table *inner = node.as_table();
-    if (!inner) fail(place, &node, quoted(key) + " must be a table: [" + key + "]");
+    if (!inner) fail(place, &node, in_quotes(key) + " must be a table: [" + key + "]");
     return *inner;
 }
 
@@ -89,9 +89,9 @@ std::vector<const toml::table *> tables_of(const Place &place, const toml::table
     const toml::node *node = table.get(key);
     if (!node) return tables;
     const toml::array *list = node->as_array();
-    if (!list) fail(place, node, quoted(key) + " must be written as [[" + key + "]]");
+    if (!list) fail(place, node, in_quotes(key) + " must be written as [[" + key + "]]");
     for (const toml::node &item : *list) {
-        if (!item.as_table()) fail(place, &item, quoted(key) + " must be written as [[" + key + "]]");
+        if (!item.as_table()) fail(place, &item, in_quotes(key) + " must be written as [[" + key + "]]");
         tables.push_back(item.as_table());
     }
     return tables;
@@ -100,14 +100,14 @@ std::vector<const toml::table *> tables_of(const Place &place, const toml::table
 double to_number(const Place &place, const toml::node &node, const std::string &key)
 {
     const std::optional<double> value = node.value<double>();
-    if (!value || !std::isfinite(*value)) fail(place, &node, quoted(key) + " is not a finite number");
+    if (!value || !std::isfinite(*value)) fail(place, &node, in_quotes(key) + " is not a finite number");
     return *value;
 }
 
 std::string to_text(const Place &place, const toml::node &node, const std::string &key)
 {
     const std::optional<std::string> value = node.value_exact<std::string>();
-    if (!value || value->empty()) fail(place, &node, quoted(key) + " is not a text");
+    if (!value || value->empty()) fail(place, &node, in_quotes(key) + " is not a text");
     return *value;
 }
 
@@ -116,7 +116,7 @@ void check_bounds(const Place &place, const toml::node &node, const std::string 
 {
     if (value < bounds.low || value > bounds.high) {
         fail(place, &node,
-             quoted(key) + " = " + number(value) + " is outside " + number(bounds.low) + " .. " +
+             in_quotes(key) + " = " + number(value) + " is outside " + number(bounds.low) + " .. " +
                  number(bounds.high));
     }
 }
@@ -129,7 +129,7 @@ void check_source(const Place &place, const toml::table &table)
     const std::string key = text.substr(1, text.find(':') - 1);
     if (!place.sources.use(key)) {
         fail(place, &node,
-             "there is no " + quoted(key) + " in [sources]" + suggestion(key, place.sources.keys()));
+             "there is no " + in_quotes(key) + " in [sources]" + suggestion(key, place.sources.keys()));
     }
 }
 
@@ -138,10 +138,10 @@ Range sourced(const Place &place, const toml::node &node, const std::string &key
     const toml::table *entry = node.as_table();
     if (!entry) {
         fail(place, &node,
-             quoted(key) +
+             in_quotes(key) +
                  " must be { value = ..., source = \"...\" } or { from = ..., to = ..., source = \"...\" }");
     }
-    const Place inner = place.inside(quoted(key));
+    const Place inner = place.inside(in_quotes(key));
     check_keys(inner, *entry, {"value", "from", "to", "source"});
     check_source(inner, *entry);
     const bool is_constant = entry->contains("value");
@@ -160,7 +160,7 @@ double sourced_value(const Place &place, const toml::table &table, const std::st
 {
     const toml::node &node = require(place, table, key);
     const Range range = sourced(place, node, key, bounds);
-    if (!range.is_constant()) fail(place, &node, quoted(key) + " must be one value");
+    if (!range.is_constant()) fail(place, &node, in_quotes(key) + " must be one value");
     return range.from;
 }
 

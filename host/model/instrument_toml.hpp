@@ -46,7 +46,7 @@ struct Place {
 
 [[noreturn]] void fail(const Place &place, const toml::node *node, const std::string &text);
 std::string number(double value);
-std::string quoted(const std::string &key);
+std::string in_quotes(const std::string &key);
 
 void check_keys(const Place &place, const toml::table &table, const std::vector<std::string> &known);
 const toml::node &require(const Place &place, const toml::table &table, const std::string &key);

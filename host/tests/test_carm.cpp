@@ -1,5 +1,6 @@
 // Claims: the picture's geometry is the C-arm's: markers at known places land on the pixels that an independent calculation
 // predicts, on the side that DICOM says; motors keep their limits; nothing runs into the table.
+#include "firmware/tests/reference/long_run.h"
 #include "host/room/command.hpp"
 #include "host/room/gantry.hpp"
 #include "host/room/presets.hpp"
@@ -217,7 +218,7 @@ static void halt_brakes_and_stays(void **)
     assert_true(gantry.pose()[axis_primary] == stood_deg && stood_deg < 40.0);
 }
 
-// Whatever is asked: the gap stays open, also at the end of braking. 300 random poses after each other, 4 s each.
+// Whatever is asked: the gap stays open, also at the end of braking. Random poses after each other, 4 s each.
 static void nothing_touches_the_table(void **)
 {
     std::uint64_t seed = 12345;
@@ -228,8 +229,9 @@ static void nothing_touches_the_table(void **)
     Gantry gantry;
     gantry.place({0, 0, 0, 0, 0, 1.05, 0.75});
     double smallest_m = 1.0;
+    constexpr int poses = REFERENCE_RUN(300);
     int blocked = 0;
-    for (int pose = 0; pose < 300; ++pose) {
+    for (int pose = 0; pose < poses; ++pose) {
         gantry.aim({random(-120, 120), random(-50, 50), random(-0.3, 0.3), random(-0.5, 0.5),
                     random(-0.3, 0.5), random(0.9, 1.3), random(0.6, 0.85)});
         for (int tick = 0; tick < 4000; ++tick) {
@@ -238,8 +240,8 @@ static void nothing_touches_the_table(void **)
         }
         blocked += gantry.is_blocked();
     }
-    std::printf("# smallest gap %.1f mm, %d of 300 motions stopped by the interlock\n", smallest_m * 1e3,
-                blocked);
+    std::printf("# smallest gap %.1f mm, %d of %d motions stopped by the interlock\n", smallest_m * 1e3,
+                blocked, poses);
     assert_true(smallest_m >= 0.02); // it brakes at 2.5 cm and looks at seven places of the way
     assert_true(blocked > 10);
 }
