@@ -1,15 +1,20 @@
-#!/usr/bin/python3
+#!/usr/bin/env python3
 """Writes host/xray/attenuation.cpp: linear attenuation of every material in steps of 1 keV.
 
-usage: tools/check/make_attenuation.py > host/xray/attenuation.cpp     (needs Debian's python3-xraylib)
+usage: tools/check/make_attenuation.py > host/xray/attenuation.cpp     (needs Debian's libxrl11; exit code 1 without it)
+
+test_attenuation.py compares the file with what this writes.
 
 Mass attenuation is xraylib's CS_Total, mass energy absorption its CS_Energy (Schoonjans et al., Spectrochim. Acta B 66
 (2011) 776; cross-sections of EPDL97 and of NIST's XCOM). Mixtures named in a string are NIST's compounds of xraylib; densities
 are ICRU 44's (tissues), of the substances (metals), or nominal (products), see MATERIALS. Tube spectra, filters and the
 choice of energies for pictures are not made here but in host/xray/spectrum.cpp and host/xray/beam_table.cpp.
 """
+import ctypes
+import sys
 import textwrap
-import xraylib as xrl
+
+LIBRARY, VERSION = "libxrl.so.11", "4.0"  # xraylib's release in Debian 12
 
 FIRST_keV, COUNT = 15.5, 110
 ENERGIES_keV = [FIRST_keV + i for i in range(COUNT)]
@@ -36,25 +41,67 @@ MATERIALS = [
 ]
 
 
+class Compound(ctypes.Structure):
+    """struct compoundData of xraylib-parser.h, as far as it is read."""
+    _fields_ = [("element_count", ctypes.c_int), ("atoms", ctypes.c_double), ("elements", ctypes.POINTER(ctypes.c_int))]
+
+
+class Mixture(ctypes.Structure):
+    """struct compoundDataNIST of xraylib-nist-compounds.h, as far as it is read."""
+    _fields_ = [("name", ctypes.c_char_p), ("element_count", ctypes.c_int), ("elements", ctypes.POINTER(ctypes.c_int))]
+
+
+class Xraylib:
+    """The functions of the C library that are used here; energies in keV, cross-sections in cm2/g. Every one takes a place
+    for an error as its last argument, and gives 0 with none when it is null."""
+    K_SHELL = 0
+
+    def __init__(self):
+        library = ctypes.CDLL(LIBRARY)
+        self.cs_total = self.function(library.CS_Total, ctypes.c_double, ctypes.c_int, ctypes.c_double)
+        self.cs_total_cp = self.function(library.CS_Total_CP, ctypes.c_double, ctypes.c_char_p, ctypes.c_double)
+        self.cs_energy_cp = self.function(library.CS_Energy_CP, ctypes.c_double, ctypes.c_char_p, ctypes.c_double)
+        self.edge_energy = self.function(library.EdgeEnergy, ctypes.c_double, ctypes.c_int, ctypes.c_int)
+        self.parse = self.function(library.CompoundParser, ctypes.POINTER(Compound), ctypes.c_char_p)
+        self.mixture = self.function(library.GetCompoundDataNISTByName, ctypes.POINTER(Mixture), ctypes.c_char_p)
+
+    @staticmethod
+    def function(symbol, result, *arguments):
+        symbol.restype, symbol.argtypes = result, (*arguments, ctypes.c_void_p)
+
+        def call(*values):
+            got = symbol(*(v.encode() if isinstance(v, str) else v for v in values), None)
+            if result is ctypes.c_double and got <= 0.0:
+                sys.exit(f"make_attenuation: {symbol.__name__}{values} has no value in {LIBRARY}")
+            return got
+        return call
+
+    def elements_of(self, part):
+        """Atomic numbers in a formula or a mixture by name."""
+        found = self.parse(part) or self.mixture(part)
+        if not found:
+            sys.exit(f"make_attenuation: {LIBRARY} knows neither a formula nor a mixture {part}")
+        return found.contents.elements[:found.contents.element_count]
+
+
+try:
+    xrl = Xraylib()
+except OSError:
+    sys.exit(f"make_attenuation: {LIBRARY} was not found; install it (Debian: apt-get install libxrl11)")
+
+
 def parts_of(composition):
     return {composition: 1.0} if isinstance(composition, str) else composition
 
 
 def linear_per_cm(composition, density):
-    return [sum(share * xrl.CS_Total_CP(part, e) for part, share in parts_of(composition).items()) * density
+    return [sum(share * xrl.cs_total_cp(part, e) for part, share in parts_of(composition).items()) * density
             for e in ENERGIES_keV]
-
-
-def elements_of(part):
-    try:
-        return xrl.CompoundParser(part)["Elements"]
-    except ValueError:
-        return xrl.GetCompoundDataNISTByName(part)["Elements"]
 
 
 def edge_keV(composition):
     """The highest K edge between iodine's and the end of the table, 0 when there is none: what cannot be interpolated."""
-    edges = [xrl.EdgeEnergy(z, xrl.K_SHELL) for part in parts_of(composition) for z in elements_of(part)]
+    edges = [xrl.edge_energy(z, xrl.K_SHELL) for part in parts_of(composition) for z in xrl.elements_of(part)]
     return max([e for e in edges if 34.0 < e < ENERGIES_keV[-1]], default=0.0)
 
 
@@ -64,7 +111,7 @@ def array(values):
 
 
 def main():
-    print(f"""// Written by tools/check/make_attenuation.py from xraylib {xrl.XRAYLIB_MAJOR}.{xrl.XRAYLIB_MINOR}; do not edit.
+    print(f"""// Written by tools/check/make_attenuation.py from xraylib {VERSION}; do not edit.
 #include "host/xray/attenuation.hpp"
 
 // clang-format off
@@ -75,11 +122,11 @@ const float attenuation_per_cm[material_count][energy_count] = {{""")
         print(f"    // {name}: {density:g} g/cm3, {source}\n    {{\n{array(linear_per_cm(composition, density))}}},")
     print("};\n")
     print("const float edge_keV[material_count] = {\n%s};\n" % array(edge_keV(m[1]) for m in MATERIALS))
-    rows = (("aluminium_per_cm", (xrl.CS_Total(13, e) * 2.699 for e in ENERGIES_keV)),
-            ("copper_per_cm", (xrl.CS_Total(29, e) * 8.96 for e in ENERGIES_keV)),
-            ("caesium_iodide_per_cm", (xrl.CS_Total_CP("CsI", e) * 4.51 for e in ENERGIES_keV)),
-            ("anode_cm2_per_g", (xrl.CS_Total(74, e) for e in ENERGIES_keV)),
-            ("air_absorption_cm2_per_g", (xrl.CS_Energy_CP(AIR, e) for e in ENERGIES_keV)))
+    rows = (("aluminium_per_cm", (xrl.cs_total(13, e) * 2.699 for e in ENERGIES_keV)),
+            ("copper_per_cm", (xrl.cs_total(29, e) * 8.96 for e in ENERGIES_keV)),
+            ("caesium_iodide_per_cm", (xrl.cs_total_cp("CsI", e) * 4.51 for e in ENERGIES_keV)),
+            ("anode_cm2_per_g", (xrl.cs_total(74, e) for e in ENERGIES_keV)),
+            ("air_absorption_cm2_per_g", (xrl.cs_energy_cp(AIR, e) for e in ENERGIES_keV)))
     for name, values in rows:
         print("const float %s[energy_count] = {\n%s};\n" % (name, array(values)))
     print("// clang-format on\n} // namespace seld")
