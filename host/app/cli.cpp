@@ -18,6 +18,11 @@ namespace
 void add_xray(CLI::App &command, PictureSettings &pictures)
 {
     command
+        .add_option("--style", pictures.style,
+                    "Look of the X-ray: physical, or vcsim3 as in the thesis (docs/xray-style.md)")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"physical", "vcsim3"}));
+    command
         .add_option(
             "--xray", pictures.xray,
             "Who draws the path lengths: raster (no graphics driver, the same bytes everywhere), opengl "

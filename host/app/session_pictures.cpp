@@ -51,6 +51,7 @@ SessionPictures::SessionPictures(const PictureSettings &settings, const std::vec
     if (!scene_.set_bodies(bodies, error)) throw std::runtime_error(settings_.bodies_path + ": " + error);
     xray_ = std::make_unique<Xray>(scene_, settings_.threads,
                                    paths_maker(settings_.xray, settings_.window_context));
+    if (settings_.style == "vcsim3") thesis_look_ = std::make_unique<Vcsim3Look>(bodies, settings_.threads);
     const bool needs_movie = !settings_.mp4_path.empty();
     if (needs_movie && !movie_.open(settings_.mp4_path, settings_.size, settings_.size,
                                     static_cast<int>(settings_.pictures_per_second), error)) {
@@ -120,7 +121,8 @@ bool SessionPictures::advance(std::uint32_t tick, const SessionFrame &frame)
     else
         xray_->render(xray, looks_, shape, settings_.seed, memory_, pulse_);
     tell_failure();
-    if (export_) export_pulse();
+    if (export_) export_pulse(); // what is written for measurement stays physical
+    if (thesis_look_) thesis_look_->draw(xray, looks_, shape, settings_.seed, pulse_);
     room_.expose(pulse_);
     return true;
 }

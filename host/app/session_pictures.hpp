@@ -10,6 +10,7 @@
 #include "host/app/picture_overlay.hpp"
 #include "host/model/instrument.hpp"
 #include "host/room/room.hpp"
+#include "host/xray/style_vcsim3.hpp"
 #include "host/xray/xray.hpp"
 #include <memory>
 #include <optional>
@@ -32,6 +33,8 @@ struct PictureSettings {
     std::uint32_t pictures_per_second = 15;
     std::uint64_t seed = 1;
     int threads = 0;
+    std::string style =
+        "physical"; // docs/xray.md, or vcsim3: docs/xray-style.md; doses and counts stay physical
     std::string xray = "raster"; // of path_choices
     GlOpener window_context;     // where there is a window
 };
@@ -80,7 +83,8 @@ class SessionPictures final : public FrameSink
     std::string notice_;
     std::vector<std::string> panel_;
     XrayScene scene_;
-    std::unique_ptr<Xray> xray_; // after the scene has its bodies
+    std::unique_ptr<Xray> xray_;              // after the scene has its bodies
+    std::unique_ptr<Vcsim3Look> thesis_look_; // when that style is asked for
     Room room_;
     bool has_begun_ = false;
     XrayMemory memory_;
