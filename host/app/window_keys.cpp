@@ -19,10 +19,21 @@ constexpr double angle_step_deg = 5.0, table_step_m = 0.02, height_step_m = 0.01
 constexpr std::int32_t blade_step_permille = 100, store_ms = 10'000;
 constexpr double shift_step_px = 0.5;
 constexpr std::int32_t fields_um[] = {420'000, 320'000, 250'000, 200'000, 150'000};
-// F2, F3 ... go to these.
-constexpr std::string_view preset_keys[] = {"ap",          "spider",     "rao-caudal", "rao-cranial",
-                                            "lao-cranial", "lateral",    "rca-lao",    "rca-rao",
-                                            "arch",        "renal-left", "iliac-left"};
+// F2, F3 ... go to these; with Shift to the second where there is one.
+struct PresetKey {
+    std::string_view plain, shifted;
+};
+constexpr PresetKey preset_keys[] = {{"ap", ""},
+                                     {"spider", ""},
+                                     {"rao-caudal", "rao-caudal-steep"},
+                                     {"rao-cranial", ""},
+                                     {"lao-cranial", ""},
+                                     {"lateral", ""},
+                                     {"rca-lao", ""},
+                                     {"rca-rao", ""},
+                                     {"arch", ""},
+                                     {"renal-left", "renal-right"},
+                                     {"iliac-left", "iliac-right"}};
 
 std::int32_t rounded(double value)
 {
@@ -52,7 +63,8 @@ std::vector<std::string> help_panel(std::size_t tool_count)
                                       "0                 back to AP       (Z: stop all motors)",
                                       "F2 ... F12        AP  spider  RAO caudal  RAO cranial",
                                       "                  LAO cranial  lateral  RCA LAO  RCA RAO",
-                                      "                  arch  renal  iliac",
+                                      "                  arch  left renal  left iliac",
+                                      "  with Shift      F4 steep RAO caudal  F11 F12 right",
                                       "I K J L           table: head feet right left",
                                       "Page Up / Down    table up / down",
                                       "Home / End        detector away / nearer (SID)",
@@ -84,6 +96,8 @@ void WindowKeys::take(const Screen::KeyEvent &event, const Room &room)
 {
     if (event.key == GLFW_KEY_LEFT_CONTROL || event.key == GLFW_KEY_RIGHT_CONTROL)
         is_control_down_ = !event.is_release;
+    if (event.key == GLFW_KEY_LEFT_SHIFT || event.key == GLFW_KEY_RIGHT_SHIFT)
+        is_shift_down_ = !event.is_release;
     if (event.is_release) return;
     take_geometry(event.key, room);
     take_collimator(event.key, room);
@@ -249,12 +263,12 @@ void WindowKeys::hold(const Screen &screen)
                static_cast<std::int64_t>(screen.is_down(minus));
     };
     is_control_down_ = screen.is_down(GLFW_KEY_LEFT_CONTROL) || screen.is_down(GLFW_KEY_RIGHT_CONTROL);
-    const bool is_slow = screen.is_down(GLFW_KEY_LEFT_SHIFT) || screen.is_down(GLFW_KEY_RIGHT_SHIFT);
+    is_shift_down_ = screen.is_down(GLFW_KEY_LEFT_SHIFT) || screen.is_down(GLFW_KEY_RIGHT_SHIFT);
     const std::int64_t moves = is_control_down_ ? 0 : 1; // with Ctrl the arrows move the mask
     push_um_per_s_ =
-        moves * difference(GLFW_KEY_UP, GLFW_KEY_DOWN) * (is_slow ? push_slow_um_per_s : push_um_per_s);
+        moves * difference(GLFW_KEY_UP, GLFW_KEY_DOWN) * (is_shift_down_ ? push_slow_um_per_s : push_um_per_s);
     turn_counts_per_s_ = moves * difference(GLFW_KEY_RIGHT, GLFW_KEY_LEFT) *
-                         (is_slow ? turn_slow_counts_per_s : turn_counts_per_second);
+                         (is_shift_down_ ? turn_slow_counts_per_s : turn_counts_per_second);
     is_pedal_down_ = screen.is_down(GLFW_KEY_SPACE);
     is_cine_down_ = screen.is_down(GLFW_KEY_C);
 }
@@ -335,7 +349,8 @@ void WindowKeys::change_field(const Room &room, int steps)
 void WindowKeys::go_to(std::size_t preset)
 {
     if (preset >= std::size(preset_keys)) return;
-    const ViewPreset *view = view_preset(preset_keys[preset]);
+    const PresetKey &key = preset_keys[preset];
+    const ViewPreset *view = view_preset(is_shift_down_ && !key.shifted.empty() ? key.shifted : key.plain);
     if (!view) return;
     ask(RoomAction::distance, view->sid_um, 750'000);
     ask(RoomAction::angles, view->primary_mdeg, view->secondary_mdeg);

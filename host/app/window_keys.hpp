@@ -52,7 +52,7 @@ class WindowKeys
     std::size_t tool_count_, chosen_tool_ = 0;
     bool moves_all_ = false;
     std::vector<RoomCommand> commands_;
-    bool shows_help_, is_control_down_ = false;
+    bool shows_help_, is_control_down_ = false, is_shift_down_ = false;
     bool wants_end_ = false, wants_reset_ = false;
     bool is_pedal_down_ = false, is_pedal_latched_ = false, is_cine_down_ = false;
     bool was_fluoro_asked_ = false, was_cine_asked_ = false;

@@ -22,6 +22,7 @@
 #include "host/app/run.hpp"
 #include "host/app/session_pictures.hpp"
 #include "host/app/window_keys.hpp"
+#include "host/room/presets.hpp"
 #include "host/model/text.hpp"
 #include "host/model/timeline.hpp"
 #include "host/model/units.hpp"
@@ -390,6 +391,30 @@ void pedals_of_a_rig_are_commands_when_they_change(void **)
                                                                {RoomAction::acquire_pedal, {0, 0, 0}}}));
 }
 
+// A standard view is three commands: distance, angles, field.
+void every_standard_view_has_a_key(void **)
+{
+    using seld::RoomAction, seld::RoomCommand;
+    const seld::Room room;
+    seld::WindowKeys keys(1, false);
+    std::vector<std::vector<RoomCommand>> reached;
+    for (int shift : {0, 1}) {
+        keys.take({GLFW_KEY_RIGHT_SHIFT, shift == 1, false, shift == 0}, room);
+        for (int key = GLFW_KEY_F2; key <= GLFW_KEY_F12; ++key) {
+            keys.take(press(key), room);
+            reached.push_back(keys.take_commands());
+        }
+    }
+    for (const seld::ViewPreset &view : seld::view_presets()) {
+        const std::vector<RoomCommand> wanted = {
+            {RoomAction::distance, {view.sid_um, 750'000, 0}},
+            {RoomAction::angles, {view.primary_mdeg, view.secondary_mdeg, 0}},
+            {RoomAction::field, {view.field_um, 0, 0}}};
+        if (std::find(reached.begin(), reached.end(), wanted) == reached.end())
+            fail_msg("no key goes to the view %s", std::string(view.name).c_str());
+    }
+}
+
 // Each key as the command that the room hears; steps go from where the motors go, and end at the limits.
 void keys_are_commands_to_the_room(void **)
 {
@@ -455,6 +480,7 @@ int main()
         cmocka_unit_test(the_report_has_every_tool),
         cmocka_unit_test(keys_choose_the_tool_they_move),
         cmocka_unit_test(pedals_of_a_rig_are_commands_when_they_change),
+        cmocka_unit_test(every_standard_view_has_a_key),
         cmocka_unit_test(keys_are_commands_to_the_room),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
