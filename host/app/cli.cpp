@@ -163,6 +163,7 @@ void add_view(CLI::App &app, WindowOptions &options)
     add_tools(*command, options.instrument, options.tools);
     add_device(*command, options.device);
     command->add_option("--record", options.record, "Write a recording of what the hands do");
+    add_dicom_options(*command, options.pictures.dicom);
     command->add_option("--bodies", options.pictures.bodies_path,
                         "Body file; default: the .bodies file beside the scene, when there is one");
     command->add_option("--size", options.pictures.size, "Pixels along each edge of the X-ray")
@@ -186,7 +187,8 @@ void add_view(CLI::App &app, WindowOptions &options)
     command->add_option("--screenshot", options.screenshot, "Write the last screen as PNG");
     command->footer("Examples:\n  seldinger view --scene out/aorta.scene --tool "
                     "shared/examples/instruments/bentson.toml\n"
-                    "  seldinger view --tool wire.toml --tool catheter.toml --inserted 60 --inserted 40");
+                    "  seldinger view --tool wire.toml --tool catheter.toml --inserted 60 --inserted 40\n"
+                    "  seldinger view --tool wire.toml --record out/view.rec --dicom out/view_dicom");
 }
 
 void add_instruments(CLI::App &app, InstrumentsOptions &options)

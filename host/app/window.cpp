@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
+#include <string>
 #include <thread>
 
 namespace seld
@@ -30,6 +31,21 @@ std::string recording_name(const std::string &wanted, int number)
     const std::string extension = path.extension().string();
     path.replace_extension(std::to_string(number) + extension);
     return path.string();
+}
+
+// "runs", "runs.2", ...: of a later session the first that holds no files yet.
+std::string export_folder(DicomSettings settings, int number)
+{
+    const std::string wanted = settings.folder;
+    if (wanted.empty() || number == 1) return wanted;
+    for (;; ++number) {
+        settings.folder = wanted.substr(0, wanted.find_last_not_of('/') + 1) + "." + std::to_string(number);
+        try {
+            check_dicom_settings(settings);
+            return settings.folder;
+        } catch (const UsageError &) { // taken: the next
+        }
+    }
 }
 
 // Ticks due, from the wall clock or from the count of screens.
@@ -103,8 +119,8 @@ class Window
         std::string error;
         if (!options_.screenshot.empty() && !write_png(options_.screenshot, screen_.read_back(), error))
             throw std::runtime_error(error);
-        session_->finish();
-        return !is_interrupted();
+        end_session();
+        return !is_interrupted() && !session_->was_stopped();
     }
 
   private:
@@ -113,6 +129,7 @@ class Window
         PictureSettings pictures = options_.pictures;
         pictures.window_context = [this] { return screen_.context(); };
         ++session_number_;
+        pictures.dicom.folder = export_folder(pictures.dicom, session_number_);
         session_.reset(); // a rig has one host at a time
         session_ = std::make_unique<LiveSession>(scene_, tools_, entry_,
                                                  recording_name(options_.record, session_number_), pictures,
@@ -120,9 +137,15 @@ class Window
         is_annotated_ = false;
     }
 
-    void restart()
+    void end_session()
     {
         session_->finish();
+        print_files(session_->files());
+    }
+
+    void restart()
+    {
+        end_session();
         start();
     }
 
@@ -171,6 +194,7 @@ int command_view(WindowOptions options)
     std::vector<NamedPath> inputs = tool_inputs(options.instrument, options.tools);
     inputs.insert(inputs.end(), {{"--scene", options.scene}, {"--bodies", options.pictures.bodies_path}});
     check_outputs(inputs, {{"--record", options.record}, {"--screenshot", options.screenshot}});
+    check_dicom_settings(options.pictures.dicom);
     return run_window(options);
 }
 

@@ -14,7 +14,8 @@ struct WindowOptions {
     std::string instrument;         // file of the innermost tool, or empty
     std::vector<std::string> tools; // files of the others, towards the outermost
     std::string device = "sim";     // as parse_device
-    std::string record;             // empty: none; a reset starts "name.2.rec", "name.3.rec" ...
+    // Empty: none. A reset starts "name.2.rec", "name.3.rec" ..., and for pictures.dicom the folder "name.2" ...
+    std::string record;
     PictureSettings pictures;
     std::vector<double>
         inserted_mm;       // outside the inserter at the start: none, one for all tools, or one each

@@ -181,7 +181,12 @@ void LiveSession::picture()
 
 void LiveSession::finish()
 {
-    if (!recorder_) return;
+    if (recorder_) finish_recording();
+    pictures_.finish();
+}
+
+void LiveSession::finish_recording()
+{
     try {
         if (choice_.free_run) device_.stop_free(*this);
         device_.ask([&](Link &link) {

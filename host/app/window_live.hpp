@@ -31,7 +31,9 @@ class LiveSession final : private FreeRunSink
     const std::string &fault() const { return fault_; }
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
     const Image &image() const { return pictures_.image(); }
-    void finish(); // closes the recording
+    void finish(); // closes the recording and writes the runs
+    const std::vector<std::string> &files() const { return pictures_.files(); } // written by finish()
+    bool was_stopped() const { return pictures_.was_stopped(); }                // Ctrl-C while finish() wrote
 
   private:
     std::uint32_t batch_size(std::uint32_t wanted);
@@ -44,6 +46,7 @@ class LiveSession final : private FreeRunSink
     void pass(std::uint32_t tick, const RoomCommand &command);
     void look_at_pedals();
     void picture();
+    void finish_recording();
 
     PictureSettings settings_;
     DeviceChoice choice_;

@@ -9,15 +9,23 @@ env -u DISPLAY -u WAYLAND_DISPLAY "$program" view --instrument "$wire" >"$work/n
 result $? "without a display it says so and ends with 1"
 
 xvfb-run -a "$program" view --instrument "$wire" --fluoro --frames 20 --screenshot "$work/a.png" \
-    --record "$work/a.rec" >"$work/log" 2>&1 && [ "$(head -c 4 "$work/a.png" | tail -c 3)" = PNG ]
+    --record "$work/a.rec" --dicom "$work/runs" --size 128 >"$work/log" 2>&1 && [ "$(head -c 4 "$work/a.png" | tail -c 3)" = PNG ]
 result $? "20 screens give a screenshot and exit code 0"
 
 "$program" replay "$work/a.rec" --verify >"$work/log" 2>&1
 result $? "what the window recorded replays bit for bit"
 
+"$program" replay "$work/a.rec" --dicom "$work/runs_again" --size 128 >"$work/log" 2>&1 &&
+    [ "$(ls "$work/runs")" = run_01_fluoro.dcm ] && diff -r "$work/runs" "$work/runs_again" >>"$work/log"
+result $? "the window's run is a DICOM file, and the replay writes the same bytes"
+
+"$program" view --instrument "$wire" --dicom "$work/runs" >"$work/log" 2>&1
+[ $? = 2 ] && grep -q "already holds run_01_fluoro.dcm" "$work/log"
+result $? "a folder that holds runs already is wrong usage"
+
 for run in b c; do
     xvfb-run -a "$program" view --instrument "$wire" --fluoro --frames 20 --no-help-panel \
-        --screenshot "$work/$run.png" >"$work/log" 2>&1
+        --screenshot "$work/$run.png" --size 128 >"$work/log" 2>&1
 done
 cmp -s "$work/b.png" "$work/c.png" && ! cmp -s "$work/a.png" "$work/b.png"
 result $? "the same screens again are the same pixels, and the help panel shows"
