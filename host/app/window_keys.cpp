@@ -265,8 +265,8 @@ void WindowKeys::hold(const Screen &screen)
     is_control_down_ = screen.is_down(GLFW_KEY_LEFT_CONTROL) || screen.is_down(GLFW_KEY_RIGHT_CONTROL);
     is_shift_down_ = screen.is_down(GLFW_KEY_LEFT_SHIFT) || screen.is_down(GLFW_KEY_RIGHT_SHIFT);
     const std::int64_t moves = is_control_down_ ? 0 : 1; // with Ctrl the arrows move the mask
-    push_um_per_s_ =
-        moves * difference(GLFW_KEY_UP, GLFW_KEY_DOWN) * (is_shift_down_ ? push_slow_um_per_s : push_um_per_s);
+    push_um_per_s_ = moves * difference(GLFW_KEY_UP, GLFW_KEY_DOWN) *
+                     (is_shift_down_ ? push_slow_um_per_s : push_um_per_s);
     turn_counts_per_s_ = moves * difference(GLFW_KEY_RIGHT, GLFW_KEY_LEFT) *
                          (is_shift_down_ ? turn_slow_counts_per_s : turn_counts_per_second);
     is_pedal_down_ = screen.is_down(GLFW_KEY_SPACE);

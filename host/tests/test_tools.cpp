@@ -22,10 +22,10 @@
 #include "host/app/run.hpp"
 #include "host/app/session_pictures.hpp"
 #include "host/app/window_keys.hpp"
-#include "host/room/presets.hpp"
 #include "host/model/text.hpp"
 #include "host/model/timeline.hpp"
 #include "host/model/units.hpp"
+#include "host/room/presets.hpp"
 #include "host/xray/xray.hpp"
 
 // Last, because its macros (fail, ...) would change other headers.

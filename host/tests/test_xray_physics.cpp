@@ -249,6 +249,63 @@ static void slanted_edge_has_the_stated_mtf(void **)
     }
 }
 
+namespace
+{
+
+// What a straight wire takes from each column of the picture, over the rows about the middle: a line spread function.
+std::vector<double> line_of_a_wire(double focal_spot_mm)
+{
+    Room room(slab(0.05));
+    XraySettings settings = fixed(75.0, 100.0, 10.0);
+    settings.beam.fixed_technique->focal_spot_mm = focal_spot_mm;
+    settings.beam.noise = settings.beam.scatter = false;
+    settings.carm.field_m = 0.15;
+    settings.size = 1024;
+    WireFrame wire;
+    for (int i = 0; i < 40; ++i)
+        wire.nodes.push_back({Eigen::Vector3d(0.0003, 0.001 * i - 0.02, 0.0), 0.001 * i, 0.0004, 0.0});
+    wire.tip_arc_m = {0.0};
+    const RadiopaqueInstrument tool = guidewire_look();
+    const XrayPicture without = room.picture(settings);
+    XrayPicture with;
+    room.xray->render(settings, {&tool, 1}, wire, 7, with);
+    std::vector<double> line(1024, 0.0);
+    for (std::size_t y = 412; y < 612; ++y)
+        for (std::size_t x = 0; x < 1024; ++x)
+            if (without.photons[y * 1024 + x] > 0) // not under the blades
+                line[x] +=
+                    1.0 - static_cast<double>(with.photons[y * 1024 + x]) / without.photons[y * 1024 + x];
+    return line;
+}
+
+double spectrum_of(const std::vector<double> &line, double cycles_per_pixel)
+{
+    double real = 0.0, imaginary = 0.0;
+    for (std::size_t x = 0; x < line.size(); ++x) {
+        const double turn = 2.0 * 3.14159265358979 * cycles_per_pixel * static_cast<double>(x);
+        real += line[x] * std::cos(turn);
+        imaginary += line[x] * std::sin(turn);
+    }
+    return std::hypot(real, imaginary);
+}
+
+} // namespace
+
+// The same wire under two focal spots: its spectra differ by the ratio of their MTFs, and it takes as much from the beam. Each
+// kernel meets its curve within 0.01.
+static void focal_spot_blurs_tools_as_stated(void **)
+{
+    const std::vector<double> fine = line_of_a_wire(0.4), coarse = line_of_a_wire(0.8);
+    const double pixel_mm = 150.0 / 1024.0;
+    for (double cycles : {0.0, 0.1, 0.2, 0.3, 0.4}) {
+        const double f = cycles / pixel_mm, stated = mtf_of_focal_spot({pixel_mm, 0.8, 1.4}, f) /
+                                                     mtf_of_focal_spot({pixel_mm, 0.4, 1.4}, f);
+        const double seen = spectrum_of(coarse, cycles) / spectrum_of(fine, cycles);
+        std::printf("# %.2f/mm: ratio of spectra %.4f, stated %.4f\n", f, seen, stated);
+        assert_true(std::fabs(seen - stated) < 0.03);
+    }
+}
+
 // Noise passes the scintillator but not focal spot and pixel: neighbours in the raw picture are related as the kernel says.
 static void noise_has_the_texture_of_the_scintillator(void **)
 {
@@ -411,6 +468,7 @@ int main()
         cmocka_unit_test(dose_and_photons_come_from_the_same_charge),
         cmocka_unit_test(raw_values_are_linear),
         cmocka_unit_test(slanted_edge_has_the_stated_mtf),
+        cmocka_unit_test(focal_spot_blurs_tools_as_stated),
         cmocka_unit_test(noise_has_the_texture_of_the_scintillator),
         cmocka_unit_test(scatter_agrees_with_a_measurement_and_grows_with_field_and_thickness),
         cmocka_unit_test(logarithms_of_raw_values_subtract_exactly),

@@ -123,10 +123,14 @@ inline __attribute__((always_inline)) void blur_row_of(const Value *picture, int
 
 } // namespace
 
+double mtf_of_focal_spot(const BlurGeometry &geometry, double frequency_per_mm)
+{
+    return sinc(frequency_per_mm * geometry.focal_spot_mm * (geometry.magnification - 1.0));
+}
+
 double mtf_before_photons(const BlurGeometry &geometry, double frequency_per_mm)
 {
-    return sinc(frequency_per_mm * geometry.pixel_mm) *
-           sinc(frequency_per_mm * geometry.focal_spot_mm * (geometry.magnification - 1.0));
+    return sinc(frequency_per_mm * geometry.pixel_mm) * mtf_of_focal_spot(geometry, frequency_per_mm);
 }
 
 double mtf_of_scintillator(double frequency_per_mm)
@@ -143,6 +147,11 @@ BlurKernel kernel_before_photons(const BlurGeometry &geometry)
 {
     return fit_kernel(
         [&](double cycles) { return mtf_before_photons(geometry, cycles / geometry.pixel_mm); });
+}
+
+BlurKernel kernel_of_focal_spot(const BlurGeometry &geometry)
+{
+    return fit_kernel([&](double cycles) { return mtf_of_focal_spot(geometry, cycles / geometry.pixel_mm); });
 }
 
 BlurKernel kernel_of_scintillator(double pixel_mm)

@@ -30,12 +30,14 @@ struct BlurGeometry {
     double magnification = 1.4; // of what is blurred: SID over its distance from the source
 };
 
+double mtf_of_focal_spot(const BlurGeometry &geometry, double frequency_per_mm);
 double mtf_before_photons(const BlurGeometry &geometry, double frequency_per_mm); // focal spot and pixel
 double mtf_of_scintillator(double frequency_per_mm);
 double mtf_of_system(const BlurGeometry &geometry, double frequency_per_mm); // the product
 
 // Kernels of these curves: within 0.01 of them from 0 to 0.9/(2 pixel), or as near as blur_radius_max allows.
 BlurKernel kernel_before_photons(const BlurGeometry &geometry);
+BlurKernel kernel_of_focal_spot(const BlurGeometry &geometry); // for what is averaged over each pixel already
 BlurKernel kernel_of_scintillator(double pixel_mm);
 
 // One row of a blurred picture of size*size; beyond the edges the picture goes on as at the edge. `scratch` has

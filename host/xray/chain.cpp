@@ -78,8 +78,10 @@ SELD_WIDE std::int64_t sum_of_logarithms(const float *logarithm, int count)
 void blur_add_and_measure(XrayChain &chain)
 {
     const View &view = chain.paths.view();
-    const BlurKernel kernel = kernel_before_photons({pixel_mm(chain), chain.key.technique.focal_spot_mm,
-                                                     view.source_detector_m / view.source_isocentre_m});
+    const BlurGeometry geometry{pixel_mm(chain), chain.key.technique.focal_spot_mm,
+                                view.source_detector_m / view.source_isocentre_m};
+    const BlurKernel kernel = kernel_before_photons(geometry);
+    chain.focal_kernel = kernel_of_focal_spot(geometry);
     const std::size_t pixels = static_cast<std::size_t>(chain.size) * chain.size;
     chain.primary.resize(pixels);
     chain.signal.resize(pixels);
@@ -293,19 +295,25 @@ void attenuate_tools(XrayChain &chain)
 {
     const ToolPaths &tools = chain.paths.tools();
     const int count = static_cast<int>(tools.pixels.size());
-    chain.tool_signal.resize(count);
+    chain.tool_gain.resize(count);
     run_on_threads(count > 500 ? chain.threads : 1, [&](int thread) {
         const RowRange range =
             count > 500 ? rows_of_thread(thread, chain.threads, count) : RowRange{0, count};
         for (int i = range.begin; i < range.end; ++i) {
-            const std::int32_t pixel = tools.pixels[i];
-            // The bodies' own softness stays; a pixel that bodies make quite black stays so.
-            const float body = std::max(chain.transmission[pixel], 1e-12f);
-            const float left = std::min(behind_tools(chain, i) / body, 1e3f);
-            const float scattered = chain.signal[pixel] - chain.primary[pixel];
-            chain.tool_signal[i] = chain.primary[pixel] * left + scattered;
+            // A pixel that bodies make quite black stays so.
+            const float body = std::max(chain.transmission[tools.pixels[i]], 1e-12f);
+            chain.tool_gain[i] = std::min(behind_tools(chain, i) / body, 1e3f) - 1.0f;
         }
     });
+    // Several rays per pixel have averaged over it; the bodies' own softness stays; the focal spot's shadow is left.
+    chain.tool_blur.run(chain.size, tools.pixels, chain.tool_gain, chain.focal_kernel);
+    const std::vector<std::int32_t> &pixels = chain.tool_blur.pixels();
+    chain.tool_signal.resize(pixels.size());
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const float left = std::max(1.0f + chain.tool_blur.values()[i], 0.0f);
+        const float primary = chain.primary[pixels[i]];
+        chain.tool_signal[i] = primary * left + (chain.signal[pixels[i]] - primary);
+    }
 }
 
 } // namespace seld

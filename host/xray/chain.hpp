@@ -8,6 +8,7 @@
 #include "host/xray/blur.hpp"
 #include "host/xray/detector.hpp"
 #include "host/xray/path_keeper.hpp"
+#include "host/xray/sparse_blur.hpp"
 #include "host/xray/xray.hpp"
 
 namespace seld
@@ -57,7 +58,12 @@ struct XrayChain {
     std::vector<float> signal;        // primary and scattered
     std::vector<float> log_slow;      // slow part of log2(signal), coarse grid
     double log_mean = 0.0;            // log2(signal) over the measuring field
-    std::vector<float> tool_signal;   // at the pixels of paths.tools()
+    BlurKernel focal_kernel;          // of the focal spot alone
+
+    // Of this frame's tools: share of what bodies let through, less one; then the same behind the focal spot.
+    std::vector<float> tool_gain;
+    SparseBlur tool_blur;
+    std::vector<float> tool_signal; // at the pixels of tool_blur
 };
 
 // Diameter of the round field that automatic exposure measures, share of the picture.
@@ -72,7 +78,7 @@ ExposureChoice settle_exposure(XrayChain &chain, const XraySettings &settings, c
 // Makes the bodies' signal for this technique; does nothing when it is there.
 void see_signal(XrayChain &chain, const XraySettings &settings, const XrayTechnique &technique);
 
-// Signal behind the tools, for each pixel that they touch: chain.tool_signal.
+// Signal behind the tools, for each pixel that their shadow touches: chain.tool_signal.
 void attenuate_tools(XrayChain &chain);
 
 } // namespace seld

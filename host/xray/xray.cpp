@@ -33,7 +33,7 @@ XraySettings held_settings(const XraySettings &settings)
 // Puts the tools' values into the signal, and takes them out again when called a second time.
 void swap_tools(XrayChain &chain)
 {
-    const std::vector<std::int32_t> &pixels = chain.paths.tools().pixels;
+    const std::vector<std::int32_t> &pixels = chain.tool_blur.pixels();
     for (std::size_t i = 0; i < pixels.size(); ++i) std::swap(chain.signal[pixels[i]], chain.tool_signal[i]);
 }
 

@@ -1,0 +1,55 @@
+// Scatters the list of pixels, gathers the values.
+#include "host/xray/sparse_blur.hpp"
+#include <algorithm>
+
+namespace seld
+{
+
+void SparseBlur::run(int size, std::span<const std::int32_t> pixels, std::span<const float> values,
+                     const BlurKernel &kernel)
+{
+    pixels_.assign(pixels.begin(), pixels.end());
+    values_.assign(values.begin(), values.end());
+    if (kernel.radius == 0) return;
+    const std::size_t count = static_cast<std::size_t>(size) * size;
+    if (picture_.size() != count) {
+        picture_.assign(count, 0.0f);
+        is_reached_.assign(count, 0);
+    }
+    pass({size, 1}, kernel);
+    pass({size, size}, kernel);
+}
+
+void SparseBlur::pass(const Line &line, const BlurKernel &kernel)
+{
+    reached_.clear();
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+        const std::int32_t pixel = pixels_[i];
+        picture_[pixel] = values_[i];
+        const int place = line.place(pixel);
+        const int first = std::max(-kernel.radius, -place),
+                  last = std::min(kernel.radius, line.size - 1 - place);
+        for (int k = first; k <= last; ++k) {
+            std::uint8_t &is_reached = is_reached_[pixel + k * line.step];
+            if (is_reached) continue;
+            is_reached = 1;
+            reached_.push_back(pixel + k * line.step);
+        }
+    }
+    values_.clear();
+    for (const std::int32_t pixel : reached_) {
+        const int place = line.place(pixel);
+        float sum = kernel.tap[0] * picture_[pixel];
+        for (int k = 1; k <= kernel.radius; ++k) {
+            const int before = std::min(k, place), behind = std::min(k, line.size - 1 - place);
+            sum +=
+                kernel.tap[k] * (picture_[pixel - before * line.step] + picture_[pixel + behind * line.step]);
+        }
+        values_.push_back(sum);
+        is_reached_[pixel] = 0;
+    }
+    for (const std::int32_t pixel : pixels_) picture_[pixel] = 0.0f;
+    std::swap(pixels_, reached_);
+}
+
+} // namespace seld
