@@ -28,7 +28,7 @@ CXXFLAGS := -std=c++20 $(DEBUG) $(WARN) $(CXXWARN) -I. -isystem /usr/include/eig
 LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
-LIBS       := hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/room host/dicom host/xray/gl host/xray host/link host/model tools/anatomy tools/bake tools/mesh tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
+LIBS       := hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/room host/dicom host/xray/gl host/xray host/effects host/link host/model tools/anatomy tools/bake tools/mesh tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
               firmware/port/mailbox firmware/app/usb firmware/core shared/scene shared/wire
 lib_file    = $(BUILD)/lib/lib$(subst /,_,$(1)).a
 lib_sources = $(filter-out %/main.cpp,$(wildcard $(1)/*.c $(1)/*.cpp))
@@ -37,7 +37,7 @@ objects     = $(patsubst %,$(BUILD)/obj/%.o,$(1))
 # What each program and test folder links, in link order.
 FIRMWARE_LIBS := firmware/port/sim firmware/app firmware/core shared/scene shared/wire
 DEVICE_LIBS   := hil_tests/usb firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
-HOST_LIBS     := host/app host/room host/dicom host/xray/gl host/xray host/link host/model $(FIRMWARE_LIBS)
+HOST_LIBS     := host/app host/room host/dicom host/xray/gl host/xray host/effects host/link host/model $(FIRMWARE_LIBS)
 BAKE_LIBS     := tools/bake tools/mesh host/model firmware/core shared/scene shared/wire
 ANATOMY_LIBS  := tools/anatomy tools/mesh host/model
 VALIDATE_LIBS := tools/validate host/model firmware/core
@@ -198,7 +198,7 @@ $(foreach t,$(TOOL_TESTS),$(eval $(call test_rule,$(t),$(BAKE_LIBS),$(BAKE_LINK)
 $(foreach t,$(THESIS_TESTS),$(eval $(call test_rule,$(t),tools/vcsim3 host/app host/model $(FIRMWARE_LIBS),-lpng,$(REFERENCE))))
 $(foreach t,$(VALIDATE_TESTS),$(eval $(call test_rule,$(t),$(VALIDATE_LIBS),,)))
 $(foreach t,$(HIL_TESTS),$(eval $(call test_rule,$(t),$(HIL_LIBS),$(HOST_LINK),$(REFERENCE))))
-$(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/room host/dicom host/xray/gl host/xray host/link tools/bake tools/mesh host/model $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
+$(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/room host/dicom host/xray/gl host/xray host/effects host/link tools/bake tools/mesh host/model $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
 ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS) $(TOOL_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
 

@@ -1,7 +1,8 @@
 // The closed meshes that make the picture of the patient: skin, lungs, bones, heart, vessels.
 // A body names the body it lies in; its volume is then taken out of that parent, so nothing is counted twice.
-// Read from the BODY sections of an `X.bodies` file (docs/frames.md for the axes).
+// Read from the BODY sections of an `X.bodies` file (docs/frames.md for the axes), with the tree of its vessels.
 #pragma once
+#include "host/model/vessel_tree.hpp"
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
@@ -21,6 +22,7 @@ struct Body {
 
 struct Bodies {
     std::vector<Body> bodies;
+    VesselTree vessels; // empty: the file has none
 };
 
 // Reads a body file. On failure returns false and says in `error` which file, which section and what to do;

@@ -27,6 +27,23 @@ Body read_body(const seld_scene_body_view &view)
     return body;
 }
 
+VesselBranch read_branch(const seld_scene_branch_view &view)
+{
+    VesselBranch branch;
+    branch.name = view.name;
+    branch.parent = view.parent;
+    branch.parent_point = view.parent_point;
+    branch.bed = static_cast<VesselBed>(view.bed);
+    branch.flow_ml_s = view.flow_mm3_per_s * 1e-3;
+    for (std::size_t i = 0; i < view.point_count; ++i) {
+        const std::uint8_t *at = view.points + SELD_SCENE_TREE_POINT_BYTES * i;
+        branch.points_m.push_back(
+            Eigen::Vector3d(seld_scene_i32(at), seld_scene_i32(at + 4), seld_scene_i32(at + 8)) * 1e-6);
+        branch.radii_m.push_back(seld_scene_u32(at + 12) * 1e-6);
+    }
+    return branch;
+}
+
 } // namespace
 
 bool read_bodies(const std::string &path, Bodies &bodies, std::string &error)
@@ -52,6 +69,8 @@ bool read_bodies(const std::string &path, Bodies &bodies, std::string &error)
     Bodies read;
     for (std::uint32_t i = 0; i < scene.body_count; ++i)
         read.bodies.push_back(read_body(seld_scene_body(&scene, i)));
+    for (std::uint32_t i = 0; i < scene.branch_count; ++i)
+        read.vessels.branches.push_back(read_branch(seld_scene_branch(&scene, i)));
     bodies = std::move(read);
     return true;
 }

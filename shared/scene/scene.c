@@ -83,7 +83,7 @@ static seld_scene_status check_header(seld_scene_check *check)
     check->section_count = seld_scene_u32(b + 20);
     bool is_scene = check->kind == SELD_SCENE_KIND_SCENE;
     if (is_scene ? check->section_count != 3
-                 : check->section_count < 2 || check->section_count > 1 + SELD_SCENE_BODY_MAX)
+                 : check->section_count < 2 || check->section_count > 2 + SELD_SCENE_BODY_MAX)
         return seld_scene_fault_at(check, SELD_SCENE_SECTION_COUNT, 20);
     check->table_end = SELD_SCENE_HEADER_BYTES + check->section_count * SELD_SCENE_TABLE_ROW_BYTES;
     if (check->size < check->table_end) return seld_scene_fault_at(check, SELD_SCENE_SECTION_PLACE, 20);
@@ -104,11 +104,14 @@ seld_scene_span seld_scene_section_span(const uint8_t *bytes, uint32_t index)
     return span;
 }
 
-static uint32_t section_type_at(seld_scene_kind kind, uint32_t index)
+/* A body file ends with its bodies or with one tree behind them. */
+static bool section_type_fits(const seld_scene_check *check, uint32_t index, uint32_t type)
 {
     static const uint32_t scene_types[3] = {SELD_SCENE_META, SELD_SCENE_ENTRY, SELD_SCENE_LUMEN};
-    if (kind == SELD_SCENE_KIND_SCENE) return scene_types[index];
-    return index == 0 ? SELD_SCENE_META : SELD_SCENE_BODY;
+    if (check->kind == SELD_SCENE_KIND_SCENE) return type == scene_types[index];
+    if (index == 0) return type == SELD_SCENE_META;
+    if (index + 1 == check->section_count && type == SELD_SCENE_TREE) return true;
+    return type == SELD_SCENE_BODY && index <= SELD_SCENE_BODY_MAX;
 }
 
 static seld_scene_status check_zeros(seld_scene_check *check, size_t from, size_t to)
@@ -124,7 +127,7 @@ static seld_scene_status check_section(seld_scene_check *check, uint32_t index, 
 {
     size_t row = SELD_SCENE_HEADER_BYTES + (size_t)index * SELD_SCENE_TABLE_ROW_BYTES;
     seld_scene_span span = seld_scene_section_span(check->bytes, index);
-    if (span.type != section_type_at(check->kind, index))
+    if (!section_type_fits(check, index, span.type))
         return seld_scene_fault_at(check, SELD_SCENE_SECTION_TYPE, row);
     size_t begin = (*end + SELD_SCENE_ALIGNMENT - 1) & ~(size_t)(SELD_SCENE_ALIGNMENT - 1);
     if (span.offset != begin || begin > check->size || span.size > check->size - begin)
@@ -194,13 +197,22 @@ static seld_scene_status check_entry(seld_scene_check *check, seld_scene_span sp
     return SELD_SCENE_OK;
 }
 
+static seld_scene_status check_body_file(seld_scene_check *check, seld_scene *scene)
+{
+    seld_scene_span last = seld_scene_section_span(check->bytes, check->section_count - 1);
+    scene->body_count = check->section_count - 1;
+    if (last.type == SELD_SCENE_TREE) {
+        scene->body_count--;
+        scene->tree = check->bytes + last.offset;
+        TRY(seld_scene_check_tree(check, last, &scene->branch_count));
+    }
+    return seld_scene_check_bodies(check, scene->body_count);
+}
+
 static seld_scene_status check_scene(seld_scene_check *check, seld_scene *scene)
 {
     TRY(check_meta(check, seld_scene_section_span(check->bytes, 0), scene));
-    if (check->kind == SELD_SCENE_KIND_BODIES) {
-        scene->body_count = check->section_count - 1;
-        return seld_scene_check_bodies(check, scene->body_count);
-    }
+    if (check->kind == SELD_SCENE_KIND_BODIES) return check_body_file(check, scene);
     TRY(check_entry(check, seld_scene_section_span(check->bytes, 1), scene));
     return seld_scene_check_lumen(check, seld_scene_section_span(check->bytes, 2), &scene->lumen);
 }

@@ -2,6 +2,7 @@
  *
  *   seld_scene_open()   bytes -> status; on OK a view into the bytes (nothing is copied, nothing is kept)
  *   seld_scene_body()   one body of a body file
+ *   seld_scene_branch() one vessel of its tree, where it has one
  *
  * A caller that replaces a scene opens the new bytes first, in another place, and changes over only on OK: a refused
  * scene leaves the old one as it was. docs/scene.md has every byte.
@@ -21,7 +22,7 @@ extern "C" {
 
 enum {
     SELD_SCENE_MAJOR = 1,
-    SELD_SCENE_MINOR = 0,
+    SELD_SCENE_MINOR = 1,            /* written only into files that need it: a TREE */
     SELD_SCENE_ALIGNMENT = 16,       /* of sections in the file */
     SELD_SCENE_ADDRESS_MULTIPLE = 4, /* of the bytes in memory */
     SELD_SCENE_HEADER_BYTES = 32,
@@ -42,6 +43,15 @@ enum {
     SELD_SCENE_BODY_NAME_BYTES = 32,
     SELD_SCENE_MATERIAL_BYTES = 16,
     SELD_SCENE_BODY_REACH_um = 2000000,
+    SELD_SCENE_TREE_HEADER_BYTES = 16,
+    SELD_SCENE_BRANCH_BYTES = 64,
+    SELD_SCENE_BRANCH_MAX = 1024,
+    SELD_SCENE_BRANCH_NAME_BYTES = 32,
+    SELD_SCENE_TREE_POINT_BYTES = 16,
+    SELD_SCENE_TREE_POINT_MAX = 200000, /* of all branches */
+    SELD_SCENE_RADIUS_MIN_um = 10,
+    SELD_SCENE_RADIUS_MAX_um = 100000,
+    SELD_SCENE_BRANCH_FLOW_MAX_mm3_per_s = 1000000,
     SELD_SCENE_ENTRY_REACH_Q30 = 2040109465, /* 1.9 m, as the core takes it */
 };
 
@@ -55,6 +65,7 @@ typedef enum seld_scene_section {
     SELD_SCENE_ENTRY = 2,
     SELD_SCENE_LUMEN = 3,
     SELD_SCENE_BODY = 16,
+    SELD_SCENE_TREE = 17,
 } seld_scene_section;
 
 /* One line of text each: seld_scene_status_text. */
@@ -87,6 +98,9 @@ typedef enum seld_scene_status {
     SELD_SCENE_BODY_SIZE,       /* no triangles, or too many in all */
     SELD_SCENE_BODY_VERTEX,     /* a vertex beyond 2 m */
     SELD_SCENE_BODY_TRIANGLE,   /* a triangle names a vertex that is not there, or one twice */
+    SELD_SCENE_TREE_SIZE,       /* no branches or points, or too many */
+    SELD_SCENE_TREE_BRANCH, /* a branch of one that does not come before it, or of a place that is not there */
+    SELD_SCENE_TREE_POINT,  /* a point beyond 2 m or where the last one was, or a radius out of range */
     SELD_SCENE_STATUS_COUNT,
 } seld_scene_status;
 
@@ -110,7 +124,9 @@ typedef struct seld_scene {
     int32_t entry_position_m_q30[3]; /* KIND_SCENE */
     int32_t entry_direction_q30[3];
     seld_scene_lumen lumen;
-    uint32_t body_count; /* KIND_BODIES */
+    uint32_t body_count;   /* KIND_BODIES */
+    uint32_t branch_count; /* of its tree of vessels; 0: it has none */
+    const uint8_t *tree;
     const uint8_t *bytes;
 } seld_scene;
 
@@ -124,6 +140,25 @@ typedef struct seld_scene_body_view {
     const uint8_t *triangles;   /* 3 x u32 each: seld_scene_u32 */
 } seld_scene_body_view;
 
+/* What a vessel feeds: decides when in the beat blood flows there. */
+typedef enum seld_scene_bed {
+    SELD_SCENE_BED_SYSTEMIC = 0,
+    SELD_SCENE_BED_LEFT_CORONARY = 1,
+    SELD_SCENE_BED_RIGHT_CORONARY = 2,
+    SELD_SCENE_BED_COUNT,
+} seld_scene_bed;
+
+/* A vessel from where it leaves its parent to its end. Branch 0 is the root: blood enters at its first point. */
+typedef struct seld_scene_branch_view {
+    const char *name;
+    int32_t parent;        /* an earlier branch; -1: the root */
+    uint32_t parent_point; /* the point of the parent nearest to this branch's first one */
+    uint32_t point_count;  /* at least 2 */
+    seld_scene_bed bed;
+    uint32_t flow_mm3_per_s; /* mean, out of its end; 0: not stated */
+    const uint8_t *points;   /* i32 x 3 in um and u32 radius in um each */
+} seld_scene_branch_view;
+
 /* Check everything. On OK fills *scene; otherwise leaves it alone and, when where_byte is not NULL, says at which byte
  * of the file the fault stands. Time is linear in size; no memory, no recursion. */
 seld_scene_status seld_scene_open(const uint8_t *bytes, size_t size, seld_scene *scene, uint32_t *where_byte);
@@ -133,6 +168,9 @@ const char *seld_scene_status_text(seld_scene_status status);
 
 /* Body number `index` < body_count of an opened body file. */
 seld_scene_body_view seld_scene_body(const seld_scene *scene, uint32_t index);
+
+/* Branch number `index` < branch_count. */
+seld_scene_branch_view seld_scene_branch(const seld_scene *scene, uint32_t index);
 
 /* Little-endian words at any address. */
 uint32_t seld_scene_u32(const uint8_t *bytes);

@@ -35,6 +35,11 @@ const char *seld_scene_status_text(seld_scene_status status)
             "a body without triangles, or over 8 million triangles in all: simplify the meshes",
         [SELD_SCENE_BODY_VERTEX] = "a body reaches beyond 2 m: check its unit",
         [SELD_SCENE_BODY_TRIANGLE] = "a triangle names a vertex that is not there: bake it again",
+        [SELD_SCENE_TREE_SIZE] = "the tree of vessels is empty or too large: bake it with fewer centrelines",
+        [SELD_SCENE_TREE_BRANCH] =
+            "a vessel leaves one that is not there, or feeds what is not known: bake it again",
+        [SELD_SCENE_TREE_POINT] =
+            "a vessel's point lies beyond 2 m or on the one before it, or its radius is none: bake it again",
     };
     return (unsigned)status < SELD_SCENE_STATUS_COUNT ? texts[status]
                                                       : "unknown scene status: update this program";

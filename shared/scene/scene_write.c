@@ -40,7 +40,9 @@ size_t seld_scene_write(seld_scene_kind kind, const seld_scene_part *parts, uint
     memset(file, 0, total);
     memcpy(file, magic, sizeof magic);
     seld_scene_put_u16(file + 8, SELD_SCENE_MAJOR);
-    seld_scene_put_u16(file + 10, SELD_SCENE_MINOR);
+    /* Programs from before there were trees still read what has none. */
+    bool has_tree = part_count > 0 && parts[part_count - 1].type == SELD_SCENE_TREE;
+    seld_scene_put_u16(file + 10, has_tree ? 1 : 0);
     seld_scene_put_u32(file + 12, (uint32_t)kind);
     seld_scene_put_u32(file + 16, (uint32_t)total);
     seld_scene_put_u32(file + 20, part_count);

@@ -150,6 +150,16 @@ std::vector<Vessel> arch_branches()
              }}};
 }
 
+/* Mean flows at rest, rounded means of what textbooks give for a man of 70 kg (assumed). The arteries of gut, liver and
+ * trunk are not modelled, so the aorta carries what these need and no more. */
+double resting_flow_ml_min(const std::string &vessel)
+{
+    if (vessel.find("renal") != std::string::npos) return 550;
+    if (vessel.find("carotid") != std::string::npos) return 400;
+    if (vessel.find("subclavian") != std::string::npos) return 300;
+    return vessel.find("iliac") != std::string::npos ? 500 : 0;
+}
+
 } // namespace
 
 VesselTree aorta_tree()
@@ -158,6 +168,7 @@ VesselTree aorta_tree()
     tree.vessels = {aorta(), right_iliac(), left_iliac()};
     for (const Vessel &vessel : renals()) tree.vessels.push_back(vessel);
     for (const Vessel &vessel : arch_branches()) tree.vessels.push_back(vessel);
+    for (Vessel &vessel : tree.vessels) vessel.flow_ml_min = resting_flow_ml_min(vessel.name);
     // Mouth of the sheath: the sample of the right iliac curve nearest to the middle of the femoral head.
     const Curve curve = vessel_curve(tree.vessels[1], 1.0);
     size_t mouth = 0;

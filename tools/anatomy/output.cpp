@@ -54,6 +54,23 @@ nlohmann::ordered_json control_point(const CurvePoint &point, const std::string 
             {"positionStatus", "defined"}};
 }
 
+// Where blood flows: the centrelines as they were written, and what is known of their flows.
+std::string tree_text(const VesselTree &tree)
+{
+    std::string files, flows;
+    for (const Vessel &vessel : tree.vessels) {
+        files += (files.empty() ? "" : ", ") + ("\"" + file_stem(vessel.name) + ".mrk.json\"");
+        if (vessel.flow_ml_min > 0)
+            flows +=
+                (flows.empty() ? "" : ", ") + file_stem(vessel.name) + " = " + number(vessel.flow_ml_min);
+    }
+    std::string text = "\n# Where blood and contrast medium flow.\n[tree]\ncentrelines = [" + files + "]\n";
+    text += "axes = [\"+x\", \"+z\", \"-y\"] # the files are LPS\n";
+    text += "inlet = \"" + file_stem(tree.vessels.front().name) + "\"\n";
+    if (!flows.empty()) text += "flow_ml_min = { " + flows + " }\n";
+    return text;
+}
+
 } // namespace
 
 std::string file_stem(const std::string &name)
@@ -115,6 +132,7 @@ void write_scene(const std::filesystem::path &file, const VesselTree &tree, cons
     text += "# Mouth of the inserter sheath and the direction in which a wire leaves it.\n";
     text += "[entry]\nposition_mm = " + triple(tree.entry_position_mm) +
             "\ndirection = " + triple(tree.entry_direction) + "\n";
+    text += tree_text(tree);
     for (const Body &body : bodies) {
         text += "\n[[body]]\nname = \"" + body.name + "\"\nmesh = \"" + file_stem(body.name) +
                 ".ply\"\nunit = \"mm\"\n";

@@ -18,6 +18,7 @@ struct Station {
 struct Vessel {
     std::string name;
     std::vector<Station> stations;
+    double flow_ml_min = 0; // mean, out of its end; 0: not stated
 };
 
 /* A vessel tree with the mouth of the inserter sheath. */

@@ -1,6 +1,7 @@
 // The pipeline: text -> surface -> field -> measurements -> bodies -> files.
 #include "tools/bake/bake.hpp"
 #include "host/model/output_files.hpp"
+#include "tools/bake/branches.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/form.hpp"
 
@@ -68,6 +69,23 @@ std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, std::
     return bodies;
 }
 
+// Centrelines of a lumen that were not given as a tree may be none: then there is none, and the report says why.
+VesselTree tree_of(const SceneText &text, std::string &report)
+try {
+    if (text.tree.centrelines.empty()) return {};
+    std::vector<Centreline> lines;
+    for (const std::filesystem::path &file : text.tree.centrelines)
+        lines.push_back(read_centreline(file, text.tree.placement));
+    VesselTree tree = join_branches(lines, text.tree);
+    report += branches_report(tree);
+    return tree;
+} catch (const Fault &fault) {
+    if (!text.tree.is_of_lumen) throw Fault(text.file.string() + ": " + fault.what());
+    report += "note: no contrast medium in this scene, since its centrelines make no tree: " +
+              std::string(fault.what()) + "\n";
+    return {};
+}
+
 std::string field_report(const Field &field, const FieldError &error)
 {
     std::string text = line(
@@ -108,6 +126,8 @@ void check_files(const SceneText &text, const Options &options)
     inputs.push_back({"the lumen", text.lumen.centrelines.empty() ? text.lumen.mesh.file.string() : ""});
     for (const std::filesystem::path &file : text.lumen.centrelines)
         inputs.push_back({"the lumen", file.string()});
+    for (const std::filesystem::path &file : text.tree.centrelines)
+        inputs.push_back({"the tree", file.string()});
     for (const BodyText &body : text.bodies) {
         if (!body.is_lumen && !body.is_marrow)
             inputs.push_back({"body '" + body.name + "'", body.mesh.file.string()});
@@ -153,6 +173,8 @@ std::string bake(const Options &options, Progress &progress)
         line("entry             %s, direction (%.3f, %.3f, %.3f)", place_text(entry.position_mm).c_str(),
              entry.direction.x(), entry.direction.y(), entry.direction.z());
 
+    const VesselTree tree_of_vessels = tree_of(text, report);
+
     const FieldText wanted{text.lumen.tolerance_mm, text.lumen.inside_mm, text.lumen.outside_mm,
                            text.lumen.level_max};
     Field field = make_field(tree, wanted, progress);
@@ -164,9 +186,10 @@ std::string bake(const Options &options, Progress &progress)
     const std::vector<BakedBody> bodies = bodies_of(text, surface, report, progress);
     report += nesting_report(bodies, nesting_samples);
     Bytes picture;
-    if (!bodies.empty()) picture = bodies_bytes(text, bodies);
+    const bool has_picture = !bodies.empty() || !tree_of_vessels.branches.empty();
+    if (has_picture) picture = bodies_bytes(text, bodies, tree_of_vessels);
     if (!options.surface.empty()) write_ply(surface, options.surface);
-    if (!bodies.empty()) {
+    if (has_picture) {
         write_whole(bodies_file(options.output), picture);
         report += line("written           %s, %zu bytes, %zu bodies", bodies_file(options.output).c_str(),
                        picture.size(), bodies.size());

@@ -82,6 +82,38 @@ Bytes body_section(const BakedBody &body)
     return bytes;
 }
 
+Bytes tree_section(const VesselTree &tree)
+{
+    Bytes bytes;
+    std::uint32_t points = 0;
+    for (const VesselBranch &branch : tree.branches)
+        points += static_cast<std::uint32_t>(branch.points_m.size());
+    put_u32(bytes, static_cast<std::uint32_t>(tree.branches.size()));
+    put_u32(bytes, points);
+    bytes.resize(SELD_SCENE_TREE_HEADER_BYTES);
+    std::uint32_t first = 0;
+    for (const VesselBranch &branch : tree.branches) {
+        const auto count = static_cast<std::uint32_t>(branch.points_m.size());
+        put_text(bytes, branch.name, SELD_SCENE_BRANCH_NAME_BYTES);
+        put_u32(bytes, static_cast<std::uint32_t>(branch.parent));
+        put_u32(bytes, static_cast<std::uint32_t>(branch.parent_point));
+        put_u32(bytes, first);
+        put_u32(bytes, count);
+        put_u32(bytes, static_cast<std::uint32_t>(branch.bed));
+        put_u32(bytes, static_cast<std::uint32_t>(std::lround(branch.flow_ml_s * 1e3)));
+        bytes.resize(bytes.size() + 8);
+        first += count;
+    }
+    for (const VesselBranch &branch : tree.branches)
+        for (std::size_t i = 0; i < branch.points_m.size(); ++i) {
+            for (int k = 0; k < 3; ++k)
+                put_u32(bytes, static_cast<std::uint32_t>(
+                                   static_cast<std::int32_t>(std::lround(branch.points_m[i][k] * 1e6))));
+            put_u32(bytes, static_cast<std::uint32_t>(std::lround(branch.radii_m[i] * 1e6)));
+        }
+    return bytes;
+}
+
 // Lay out, then look at the result with the eyes of the device.
 Bytes sealed(seld_scene_kind kind, const std::vector<std::pair<seld_scene_section, Bytes>> &sections,
              const std::string &what)
@@ -112,10 +144,11 @@ Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const 
                   text.file.string());
 }
 
-Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies)
+Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, const VesselTree &tree)
 {
     std::vector<std::pair<seld_scene_section, Bytes>> sections{{SELD_SCENE_META, meta_section(text)}};
     for (const BakedBody &body : bodies) sections.emplace_back(SELD_SCENE_BODY, body_section(body));
+    if (!tree.branches.empty()) sections.emplace_back(SELD_SCENE_TREE, tree_section(tree));
     return sealed(SELD_SCENE_KIND_BODIES, sections, text.file.string());
 }
 

@@ -1,6 +1,7 @@
 // Baked things as bytes of the scene container, and files that are whole or not there.
-// May include: field.hpp, shared/scene. Called by: bake.cpp, tests.
+// May include: field.hpp, host/model, shared/scene. Called by: bake.cpp, tests.
 #pragma once
+#include "host/model/vessel_tree.hpp"
 #include "tools/bake/field.hpp"
 
 namespace seld::bake
@@ -17,7 +18,7 @@ struct BakedBody {
 // Both are opened by shared/scene before they are returned; a refusal is a Fault.
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
                   const Field &field);
-Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies);
+Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, const VesselTree &tree);
 
 // Written beside the target and renamed, so that an interrupt or a full disk leaves the old file.
 void write_whole(const std::filesystem::path &file, const Bytes &bytes);

@@ -210,6 +210,15 @@ MeshText mesh_of(const Table &t)
     return mesh;
 }
 
+std::vector<std::filesystem::path> centrelines_of(const Table &t, const toml::node *lines)
+{
+    std::vector<std::filesystem::path> files;
+    const toml::array *array = lines->as_array();
+    if (!array || array->empty()) t.fail(lines, "centrelines must be a list of file names");
+    for (const toml::node &node : *array) files.push_back(t.resolve(&node, "centrelines"));
+    return files;
+}
+
 LumenText lumen_of(const Table &t)
 {
     t.only({"mesh", "unit", "centrelines", "parts", "surface_mm", "axes", "scale", "rotate_deg", "offset_mm",
@@ -229,10 +238,35 @@ LumenText lumen_of(const Table &t)
     if (t.table.contains("unit"))
         t.fail(t.table.get("unit"), "unit belongs to a mesh: centreline files state their own");
     lumen.mesh.placement = placement_of(t);
-    const toml::array *array = lines->as_array();
-    if (!array || array->empty()) t.fail(lines, "centrelines must be a list of file names");
-    for (const toml::node &node : *array) lumen.centrelines.push_back(t.resolve(&node, "centrelines"));
+    lumen.centrelines = centrelines_of(t, lines);
     return lumen;
+}
+
+TreeText tree_of(const Table &t)
+{
+    t.only({"centrelines", "axes", "scale", "rotate_deg", "offset_mm", "inlet", "inlet_end", "flow_ml_min",
+            "left_coronary", "right_coronary"});
+    TreeText tree;
+    if (!t.table.contains("centrelines")) t.fail(nullptr, "needs centrelines");
+    tree.centrelines = centrelines_of(t, t.table.get("centrelines"));
+    tree.placement = placement_of(t);
+    tree.inlet = t.text("inlet", "", SELD_SCENE_BRANCH_NAME_BYTES - 1);
+    const std::string end = t.text("inlet_end", "first", 8);
+    if (end != "first" && end != "last")
+        t.fail(t.table.get("inlet_end"), "inlet_end must be \"first\" or \"last\"");
+    tree.inlet_is_last = end == "last";
+    tree.left_coronary = t.texts("left_coronary");
+    tree.right_coronary = t.texts("right_coronary");
+    const toml::node *flows = t.table.get("flow_ml_min");
+    if (!flows) return tree;
+    if (!flows->is_table()) t.fail(flows, "flow_ml_min must be a table, like { right_renal_artery = 500 }");
+    for (const auto &[name, node] : *flows->as_table()) {
+        const double flow = node.value<double>().value_or(NAN);
+        if (!(flow > 0.0 && flow <= 20000.0))
+            t.fail(&node, "flow_ml_min of '" + std::string(name.str()) + "' must be above 0, at most 20000");
+        tree.flow_ml_min[std::string(name.str())] = flow;
+    }
+    return tree;
 }
 
 EntryText entry_of(const Table &t)
@@ -373,13 +407,20 @@ SceneText read_scene_text(const std::filesystem::path &file, const Folders &fold
                     std::string(error.description()));
     }
     const Table top{scene, folders, "the file", root};
-    top.only({"scene", "lumen", "entry", "body"});
+    top.only({"scene", "lumen", "tree", "entry", "body"});
     const Table head{scene, folders, "[scene]", table_of(scene, root, "scene")};
     head.only({"name", "source"});
     scene.name = head.text("name", "", SELD_SCENE_NAME_BYTES - 1);
     scene.source = head.text("source", "", SELD_SCENE_SOURCE_BYTES - 1);
     if (scene.name.empty()) head.fail(nullptr, "needs a name");
     scene.lumen = lumen_of({scene, folders, "[lumen]", table_of(scene, root, "lumen")});
+    if (root.contains("tree")) {
+        scene.tree = tree_of({scene, folders, "[tree]", table_of(scene, root, "tree")});
+    } else {
+        scene.tree.centrelines = scene.lumen.centrelines;
+        scene.tree.placement = scene.lumen.mesh.placement;
+        scene.tree.is_of_lumen = true;
+    }
     scene.entry = entry_of({scene, folders, "[entry]", table_of(scene, root, "entry")});
     if (const toml::node *bodies = root.get("body")) {
         if (!bodies->is_array_of_tables()) top.fail(bodies, "has [body]: write [[body]]");

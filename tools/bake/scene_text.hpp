@@ -3,6 +3,7 @@
 #pragma once
 #include <Eigen/Geometry>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,17 @@ struct LumenText {
     double outside_mm = 1.5;
 };
 
+// Centrelines along which blood flows (branches.hpp). A branch is called as its file, without ".mrk.json".
+struct TreeText {
+    std::vector<std::filesystem::path> centrelines; // resolved; empty: no tree
+    bool is_of_lumen = false;                       // nothing was said: those of the lumen, if they join
+    Placement placement;
+    std::string inlet; // name of the branch at whose end blood enters; empty: the widest end
+    bool inlet_is_last = false;
+    std::map<std::string, double> flow_ml_min; // mean, out of that branch
+    std::vector<std::string> left_coronary, right_coronary;
+};
+
 struct EntryText {
     Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();
@@ -82,6 +94,7 @@ struct SceneText {
     std::filesystem::path file;
     std::string name, source;
     LumenText lumen;
+    TreeText tree;
     EntryText entry;
     std::vector<BodyText> bodies;
 };

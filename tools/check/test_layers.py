@@ -32,6 +32,7 @@ ALLOWED = {
     "shared/scene/tests": ["shared", "firmware/tests/reference"],
     "host/link": ["shared", "firmware/port/sim/sim.h", "firmware/port/mps2_an500/rig_page.h"],
     "host/model": ["shared"],
+    "host/effects": ["host/model"],
     "host/xray": ["host/model"],
     "host/xray/gl": ["host/xray", "host/model"],
     "host/dicom": ["host/xray", "host/model"],  # the one folder that knows DCMTK

@@ -31,6 +31,17 @@ static void walk_entry(const seld_scene_lumen *lumen, uint32_t entry)
     promise(entry < 2 || entry - 2 < lumen->brick_count);
 }
 
+static void walk_branch(const seld_scene *scene, uint32_t index, const uint8_t *end)
+{
+    seld_scene_branch_view branch = seld_scene_branch(scene, index);
+    promise(strlen(branch.name) < SELD_SCENE_BRANCH_NAME_BYTES && branch.bed < SELD_SCENE_BED_COUNT);
+    promise(branch.parent < (int32_t)index && (branch.parent == -1) == (index == 0));
+    if (index > 0)
+        promise(branch.parent_point < seld_scene_branch(scene, (uint32_t)branch.parent).point_count);
+    promise(branch.point_count >= 2 &&
+            branch.points + SELD_SCENE_TREE_POINT_BYTES * (size_t)branch.point_count <= end);
+}
+
 static void walk(const seld_scene *scene, const uint8_t *end)
 {
     promise(strlen(scene->name) < 64 && strlen(scene->source) < 192);
@@ -49,6 +60,7 @@ static void walk(const seld_scene *scene, const uint8_t *end)
         for (size_t k = 0; k < 3 * (size_t)body.triangle_count; k++)
             promise(seld_scene_u32(body.triangles + 4 * k) < body.vertex_count);
     }
+    for (uint32_t i = 0; i < scene->branch_count; i++) walk_branch(scene, i, end);
 }
 
 static void offer(const uint8_t *bytes, size_t size)
@@ -76,5 +88,5 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
     if (index == 0) return sample_scene(bytes, capacity);
-    return index == 1 ? sample_bodies(bytes, capacity) : 0;
+    return index <= 2 ? sample_body_file(bytes, capacity, index == 2) : 0;
 }

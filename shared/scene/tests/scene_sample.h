@@ -15,6 +15,7 @@ enum {
     SAMPLE_BRICKS = 3,
     SAMPLE_LUMEN_BYTES = 32 + 2 * SAMPLE_LATTICE + 16 * SAMPLE_ROWS + 1000 * SAMPLE_BRICKS,
     SAMPLE_BODY_BYTES = 64 + 12 * 4 + 12 * 4,
+    SAMPLE_TREE_BYTES = 16 + 2 * 64 + 5 * 16,
 };
 
 static inline void sample_meta(uint8_t *meta)
@@ -74,16 +75,53 @@ static inline void sample_body(uint8_t *body, const char *name, int32_t parent)
     for (int i = 0; i < 12; i++) seld_scene_put_u32(body + 112 + 4 * i, triangles[i]);
 }
 
-static inline size_t sample_bodies(uint8_t *file, size_t capacity)
+static inline void sample_branch(uint8_t *branch, const char *name, int32_t parent, uint32_t parent_point,
+                                 uint32_t first, uint32_t count)
+{
+    memcpy(branch, name, strlen(name));
+    seld_scene_put_u32(branch + 32, (uint32_t)parent);
+    seld_scene_put_u32(branch + 36, parent_point);
+    seld_scene_put_u32(branch + 40, first);
+    seld_scene_put_u32(branch + 44, count);
+}
+
+/* An aorta of three points along +y, 10 mm wide, and a renal artery of two that leaves its middle. */
+static inline void sample_tree(uint8_t *tree)
+{
+    static const int32_t points_um[5][3] = {
+        {0, 0, 0}, {0, 20000, 0}, {0, 40000, 0}, {0, 20000, 0}, {30000, 20000, 0}};
+    memset(tree, 0, SAMPLE_TREE_BYTES);
+    seld_scene_put_u32(tree, 2);
+    seld_scene_put_u32(tree + 4, 5);
+    sample_branch(tree + 16, "aorta", -1, 0, 0, 3);
+    sample_branch(tree + 80, "renal", 0, 1, 3, 2);
+    seld_scene_put_u32(tree + 80 + 52, 8000); /* mm3/s */
+    for (int i = 0; i < 5; i++) {
+        for (int k = 0; k < 3; k++)
+            seld_scene_put_u32(tree + 144 + 16 * i + 4 * k, (uint32_t)points_um[i][k]);
+        seld_scene_put_u32(tree + 144 + 16 * i + 12, i < 3 ? 5000 : 3000);
+    }
+}
+
+/* Two bodies, and the tree of vessels behind them when it is asked for. */
+static inline size_t sample_body_file(uint8_t *file, size_t capacity, bool with_tree)
 {
     uint8_t meta[SELD_SCENE_META_BYTES], skin[SAMPLE_BODY_BYTES], bone[SAMPLE_BODY_BYTES];
+    uint8_t tree[SAMPLE_TREE_BYTES];
     sample_meta(meta);
     sample_body(bone, "bone", 1);
     sample_body(skin, "skin", -1);
-    const seld_scene_part parts[3] = {{SELD_SCENE_META, meta, sizeof meta},
+    sample_tree(tree);
+    const seld_scene_part parts[4] = {{SELD_SCENE_META, meta, sizeof meta},
                                       {SELD_SCENE_BODY, bone, sizeof bone},
-                                      {SELD_SCENE_BODY, skin, sizeof skin}};
-    return seld_scene_write(SELD_SCENE_KIND_BODIES, parts, 3, file, capacity);
+                                      {SELD_SCENE_BODY, skin, sizeof skin},
+                                      {SELD_SCENE_TREE, tree, sizeof tree}};
+    return seld_scene_write(SELD_SCENE_KIND_BODIES, parts, with_tree ? 4 : 3, file, capacity);
+}
+
+static inline size_t sample_bodies(uint8_t *file, size_t capacity)
+{
+    return sample_body_file(file, capacity, false);
 }
 
 /* Make every CRC right again where the section table still allows it. */

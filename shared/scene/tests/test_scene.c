@@ -13,6 +13,8 @@
 
 /* In the sample scene: header 32 + table 48 = 80; META 80, ENTRY 336, LUMEN 368. In the bodies: META 80, BODY 336, 496. */
 enum { META_AT = 80, ENTRY_AT = 336, LUMEN_AT = 368, BONE_AT = 336, SKIN_AT = 496 };
+/* With a tree: the table is a row longer. Branches at 16 and 80 of the section, points at 144. */
+enum { TREE_AT = 672, RENAL_AT = TREE_AT + 80, POINTS_AT = TREE_AT + 144 };
 
 static _Alignas(16) uint8_t file[SAMPLE_BYTES_MAX];
 static size_t file_bytes;
@@ -30,6 +32,14 @@ static int make_bodies(void **state)
     (void)state;
     memset(file, 0xee, sizeof file);
     file_bytes = sample_bodies(file, sizeof file);
+    return file_bytes == 0;
+}
+
+static int make_bodies_with_tree(void **state)
+{
+    (void)state;
+    memset(file, 0xee, sizeof file);
+    file_bytes = sample_body_file(file, sizeof file, true);
     return file_bytes == 0;
 }
 
@@ -98,6 +108,32 @@ static void bodies_give_back_what_was_written(void **state)
     assert_int_equal(skin.parent, -1);
     assert_int_equal(seld_scene_i32(skin.vertices_um + 12), 1000000);
     assert_int_equal(seld_scene_u32(skin.triangles + 44), 3);
+}
+
+static void a_tree_gives_back_what_was_written(void **state)
+{
+    (void)state;
+    seld_scene scene;
+    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+    assert_int_equal(scene.body_count, 2);
+    assert_int_equal(scene.branch_count, 2);
+    seld_scene_branch_view renal = seld_scene_branch(&scene, 1);
+    assert_string_equal(renal.name, "renal");
+    assert_int_equal(renal.parent, 0);
+    assert_int_equal(renal.parent_point, 1);
+    assert_int_equal(renal.point_count, 2);
+    assert_int_equal(renal.flow_mm3_per_s, 8000);
+    assert_int_equal(seld_scene_i32(renal.points + 16), 30000);
+    assert_int_equal(seld_scene_u32(renal.points + 12), 3000);
+}
+
+/* Only files that hold a tree ask for a reader that knows trees. */
+static void a_file_without_a_tree_is_of_the_old_version(void **state)
+{
+    (void)state;
+    assert_int_equal(seld_scene_u16(file + 10), 1);
+    sample_bodies(file, sizeof file);
+    assert_int_equal(seld_scene_u16(file + 10), 0);
 }
 
 static void every_shorter_file_is_refused(void **state)
@@ -241,6 +277,39 @@ static void bodies_must_be_whole_and_lie_in_each_other_without_circle(void **sta
     refuses_word(SKIN_AT + 32 + 15, 1, 'x', SELD_SCENE_TEXT, SKIN_AT + 32 + 15);
 }
 
+static void a_tree_must_hang_together(void **state)
+{
+    (void)state;
+    refuses_word(TREE_AT, 4, 0, SELD_SCENE_TREE_SIZE, TREE_AT);
+    refuses_word(TREE_AT, 4, 3, SELD_SCENE_SECTION_SIZE, TREE_AT);
+    refuses_word(TREE_AT + 4, 4, 200001, SELD_SCENE_TREE_SIZE, TREE_AT + 4);
+    refuses_word(TREE_AT + 8, 4, 1, SELD_SCENE_RESERVED, TREE_AT + 8);
+    refuses_word(TREE_AT + 16 + 32, 4, 0, SELD_SCENE_TREE_BRANCH, TREE_AT + 16 + 32);
+    refuses_word(RENAL_AT + 31, 1, 'x', SELD_SCENE_TEXT, RENAL_AT + 31);
+    refuses_word(RENAL_AT + 32, 4, 1, SELD_SCENE_TREE_BRANCH, RENAL_AT + 32);            /* of itself */
+    refuses_word(RENAL_AT + 32, 4, (uint32_t)-1, SELD_SCENE_TREE_BRANCH, RENAL_AT + 32); /* a second root */
+    refuses_word(RENAL_AT + 36, 4, 3, SELD_SCENE_TREE_BRANCH, RENAL_AT + 36);
+    refuses_word(RENAL_AT + 40, 4, 2, SELD_SCENE_TREE_SIZE, RENAL_AT + 40);
+    refuses_word(RENAL_AT + 44, 4, 1, SELD_SCENE_TREE_SIZE, RENAL_AT + 44);
+    refuses_word(RENAL_AT + 44, 4, 3, SELD_SCENE_TREE_SIZE, TREE_AT + 4);
+    refuses_word(RENAL_AT + 44, 4, 0xffffffffu, SELD_SCENE_TREE_SIZE, RENAL_AT + 44);
+    refuses_word(RENAL_AT + 48, 4, SELD_SCENE_BED_COUNT, SELD_SCENE_TREE_BRANCH, RENAL_AT + 48);
+    refuses_word(RENAL_AT + 52, 4, 1000001, SELD_SCENE_TREE_BRANCH, RENAL_AT + 52);
+    refuses_word(RENAL_AT + 60, 4, 1, SELD_SCENE_RESERVED, RENAL_AT + 60);
+    refuses_word(POINTS_AT, 4, 2000001, SELD_SCENE_TREE_POINT, POINTS_AT);
+    refuses_word(POINTS_AT + 16 + 4, 4, 0, SELD_SCENE_TREE_POINT, POINTS_AT + 16); /* twice the same place */
+    refuses_word(POINTS_AT + 12, 4, 9, SELD_SCENE_TREE_POINT, POINTS_AT + 12);
+    refuses_word(POINTS_AT + 12, 4, 100001, SELD_SCENE_TREE_POINT, POINTS_AT + 12);
+}
+
+/* Behind the bodies and once: row 3 of the table is the tree's. */
+static void a_tree_stands_behind_the_bodies(void **state)
+{
+    (void)state;
+    refuses_word(32 + 16, 4, SELD_SCENE_TREE, SELD_SCENE_SECTION_TYPE, 32 + 16);
+    refuses_word(32 + 48, 4, SELD_SCENE_LUMEN, SELD_SCENE_SECTION_TYPE, 32 + 48);
+}
+
 static void every_status_has_its_own_sentence(void **state)
 {
     (void)state;
@@ -291,6 +360,12 @@ int main(void)
         cmocka_unit_test_setup(entry_must_be_a_place_and_a_unit_vector, make_scene),
         cmocka_unit_test_setup(lattice_and_index_must_stay_inside, make_scene),
         cmocka_unit_test_setup(bodies_must_be_whole_and_lie_in_each_other_without_circle, make_bodies),
+        cmocka_unit_test_setup(a_tree_gives_back_what_was_written, make_bodies_with_tree),
+        cmocka_unit_test_setup(a_file_without_a_tree_is_of_the_old_version, make_bodies_with_tree),
+        cmocka_unit_test_setup(a_tree_must_hang_together, make_bodies_with_tree),
+        cmocka_unit_test_setup(a_tree_stands_behind_the_bodies, make_bodies_with_tree),
+        {"every_flipped_bit_of_a_tree_is_refused", every_flipped_bit_is_refused, make_bodies_with_tree, NULL,
+         NULL},
         cmocka_unit_test(every_status_has_its_own_sentence),
         cmocka_unit_test_setup(writer_refuses_a_buffer_that_is_too_small, make_scene),
     };

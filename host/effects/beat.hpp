@@ -1,0 +1,37 @@
+// What drives blood through the vessels at a moment of the heartbeat: pressure at the inlet, and how open the beds behind
+// the outlets are. Whoever leads the rhythm gives the phase; steady_beat() is a heart that always beats alike.
+// No libm: the same bits on every machine. May include: host/model. Called by: contrast_flow, app. See docs/contrast.md.
+#pragma once
+#include "host/model/vessel_tree.hpp"
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace seld
+{
+
+inline constexpr double mean_pressure_mmHg = 88.0; // aorta less veins
+
+// A moment of a beat that begins when the aortic valve opens.
+struct BeatPhase {
+    double since_opening_s = 0.0; // 0 .. beat_s
+    double systole_s = 0.294;     // valve open
+    double beat_s = 60.0 / 70.0;
+    bool is_beating = true; // false: asystole, nothing flows
+};
+
+struct FlowDrive {
+    double pressure_mmHg = mean_pressure_mmHg; // at the inlet above the veins
+    // Conductance of the beds behind the outlets, by VesselBed, relative to its mean over the beat.
+    std::array<double, 3> openness = {1.0, 1.0, 1.0};
+
+    double of(VesselBed bed) const { return openness[static_cast<std::size_t>(bed)]; }
+};
+
+FlowDrive flow_drive(const BeatPhase &phase);
+
+// Beats of one length from tick 0 on; 20 .. 250 per minute. Ejection lasts 413 ms less 1.7 ms per beat per minute (Weissler
+// et al., Circulation 37 (1968) 149, men).
+BeatPhase steady_beat(std::uint32_t tick, double beats_per_min);
+
+} // namespace seld

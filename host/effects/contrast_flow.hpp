@@ -1,0 +1,99 @@
+// Contrast medium in a tree of vessels, one millisecond per step: docs/contrast.md has the equations.
+//
+//   ContrastFlow contrast(tree);
+//   contrast.set_tools(balls);              // what stands in the lumen
+//   contrast.set_mouths(mouths);            // where fluid leaves the catheter
+//   contrast.step(flow_drive(phase), {4.0, 350.0});
+//   contrast.iodine_mg_per_ml(cell);
+//
+// Iodine is conserved: injected = in the vessels + out + reflux. A pure function of what it is given, in a fixed order and
+// without libm: the same bits on every machine. May include: flow_network. Called by: host/app, tests, benchmarks.
+#pragma once
+#include "host/effects/flow_network.hpp"
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace seld
+{
+
+struct ContrastSettings {
+    double viscosity_mPa_s = 3.5; // of blood
+    // Blood moves in two layers of equal area: the one around the axis carries this share of the flow. 0.75: laminar
+    // (Poiseuille's parabola); 0.5: all alike.
+    double core_flow_share = 0.75;
+    double mixing_radii = 30.0; // while it flows so many radii, the layers' difference falls to 1/e
+};
+
+// A place where fluid leaves the catheter, with its share of the flow; shares add up to 1.
+struct CatheterMouth {
+    Eigen::Vector3d place_m;
+    double share = 1.0;
+};
+
+// A tool at a place of its length.
+struct ToolBall {
+    Eigen::Vector3d place_m;
+    double radius_m = 0.0;
+};
+
+struct InjectedFluid {
+    double flow_ml_s = 0.0;
+    double iodine_mg_per_ml = 0.0;
+};
+
+// Since the beginning, mg of iodine.
+struct IodineBudget {
+    double injected_mg = 0.0;
+    double out_mg = 0.0;    // into the beds behind the outlets
+    double reflux_mg = 0.0; // back through the inlet
+};
+
+class ContrastFlow
+{
+  public:
+    explicit ContrastFlow(const VesselTree &tree, const ContrastSettings &settings = {});
+
+    const FlowCells &cells() const { return cells_; }
+    void place(const VesselTree &moved) { cells_.place(moved); }
+
+    void set_tools(std::span<const ToolBall> balls);
+    void set_mouths(std::span<const CatheterMouth> mouths);
+
+    // One millisecond. Fluid is injected only where mouths are known.
+    void step(const FlowDrive &drive, const InjectedFluid &fluid);
+
+    // mg/ml of a cell: of both layers, and of the one around the axis and the one along the wall.
+    double iodine_mg_per_ml(std::size_t cell) const;
+    double core_mg_per_ml(std::size_t cell) const { return 2.0 * core_mg_[cell] / cells_[cell].volume_ml; }
+    double wall_mg_per_ml(std::size_t cell) const { return 2.0 * wall_mg_[cell] / cells_[cell].volume_ml; }
+    const FlowNetwork &network() const { return network_; }
+
+    double held_mg() const; // in the vessels
+    const IodineBudget &budget() const { return budget_; }
+
+    // Everything that the next step depends on, as bytes. A snapshot of other vessels is refused.
+    std::vector<std::uint8_t> snapshot() const;
+    bool restore(std::span<const std::uint8_t> bytes);
+
+  private:
+    void transport(double dt_s, const InjectedFluid &fluid);
+    void mix(double dt_s);
+
+    ContrastSettings settings_;
+    FlowCells cells_;
+    FlowNetwork network_;
+    std::vector<int> upstream_;
+    std::vector<double> per_volume_; // 1 / (volume of a layer), 1/ml
+    std::vector<double> mixing_;     // mixing rate per flow, 1/ml
+    std::vector<double> tool_mm_;    // thickest tool in the cell
+    std::vector<CellSource> mouths_; // shares
+    std::vector<double> core_mg_, wall_mg_;
+    IodineBudget budget_;
+    // Of a step, kept for their memory.
+    std::vector<CellSource> sources_;
+    std::vector<double> core_change_, wall_change_;
+};
+
+} // namespace seld

@@ -1,0 +1,66 @@
+// The tree of vessels cut into cells of blood: position, radius, length and volume of each, and the cell it is fed from.
+//
+//   FlowCells cells(tree);        // cells of a branch follow each other; a cell stands behind the one that feeds it
+//   cells.place(moved);           // the same vessels elsewhere (a beating heart): radii and volumes stay
+//   cells.nearest(tip_m);
+//
+// May include: host/model. Called by: contrast_flow, app.
+#pragma once
+#include "host/model/vessel_tree.hpp"
+#include <cstddef>
+#include <vector>
+
+namespace seld
+{
+
+struct FlowCell {
+    int branch = 0;
+    int upstream = -1; // the cell it is fed from; -1: the inlet
+    double radius_mm = 0.0, length_mm = 0.0, volume_ml = 0.0;
+    double outlet_ml_s = 0.0; // mean flow into the bed behind it; 0: none begins here
+    VesselBed bed = VesselBed::systemic;
+    // Its middle lies so far between two points of its branch; so do its two faces.
+    struct Place {
+        std::size_t point = 0;
+        double share = 0.0;
+    };
+    Place middle, first, last;
+};
+
+class FlowCells
+{
+  public:
+    FlowCells() = default;
+    // `tree` has passed check_vessel_tree. Cells are half a radius long, 1 to 3 mm. A branch begins where its centreline leaves its
+    // parent's lumen. Outlets without a stated flow get what Murray's law gives their radius.
+    explicit FlowCells(const VesselTree &tree);
+
+    std::size_t size() const { return cells_.size(); }
+    const FlowCell &operator[](std::size_t i) const { return cells_[i]; }
+    // Cells of one branch: first, and one behind the last.
+    std::size_t branch_begin(std::size_t branch) const { return branch_begin_[branch]; }
+    std::size_t branch_count() const { return branch_begin_.empty() ? 0 : branch_begin_.size() - 1; }
+
+    // Other places for the tree's points: as many branches and points as it had. Others are left out.
+    void place(const VesselTree &moved);
+    const Eigen::Vector3d &middle_m(std::size_t i) const { return middle_m_[i]; }
+    Eigen::Vector3d first_face_m(std::size_t i) const { return at(i, cells_[i].first); }
+    Eigen::Vector3d last_face_m(std::size_t i) const { return at(i, cells_[i].last); }
+
+    // By power distance, |p - middle|^2 - radius^2: of overlapping vessels the one that p lies deeper in.
+    std::size_t nearest(const Eigen::Vector3d &place_m) const;
+
+  private:
+    void cut(const VesselTree &tree, std::size_t branch);
+    Eigen::Vector3d at(std::size_t cell, const FlowCell::Place &place) const;
+
+    std::vector<FlowCell> cells_;
+    std::vector<std::size_t> branch_begin_;
+    std::vector<std::vector<Eigen::Vector3d>> points_m_; // of each branch, as they are now
+    std::vector<Eigen::Vector3d> middle_m_;
+};
+
+// Mean flow out of a vessel of this radius by Murray's law: wall shear rate 500/s, so pi/4 500/s r^3.
+double murray_flow_ml_s(double radius_mm);
+
+} // namespace seld

@@ -1,0 +1,333 @@
+// Claims: contrast medium in a tree of vessels moves with the blood, divides as the conductances say, is never lost or made,
+// goes back when more is injected than flows away, and stops where the catheter fills the lumen. Closed forms stand at each test.
+#include "host/effects/contrast_flow.hpp"
+#include <cmath>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+extern "C" {
+#include <cmocka.h>
+}
+
+using namespace seld;
+using Eigen::Vector3d;
+
+namespace
+{
+
+constexpr double pi = 3.14159265358979323846, iodine = 350.0;
+
+VesselBranch straight(const char *name, const Vector3d &from_mm, const Vector3d &to_mm, double radius_mm,
+                      double flow_ml_s)
+{
+    VesselBranch branch;
+    branch.name = name;
+    branch.flow_ml_s = flow_ml_s;
+    for (int i = 0; i <= 20; ++i) {
+        branch.points_m.push_back((from_mm + (to_mm - from_mm) * (i / 20.0)) * 1e-3);
+        branch.radii_m.push_back(radius_mm * 1e-3);
+    }
+    return branch;
+}
+
+// 400 mm along x, radius 3 mm.
+VesselTree tube(double flow_ml_s)
+{
+    return {{straight("tube", {0, 0, 0}, {400, 0, 0}, 3.0, flow_ml_s)}};
+}
+
+// Trunk along x that ends in two branches of different width.
+VesselTree fork()
+{
+    VesselTree tree{{straight("trunk", {0, 0, 0}, {60, 0, 0}, 4.0, 0.0),
+                     straight("wide", {60, 0, 0}, {300, 200, 0}, 3.0, 6.0),
+                     straight("thin", {60, 0, 0}, {300, -200, 0}, 1.0, 3.0)}};
+    for (std::size_t b : {1, 2}) {
+        tree.branches[b].parent = 0;
+        tree.branches[b].parent_point = 20;
+    }
+    return tree;
+}
+
+// Aorta along y with a renal artery from its middle.
+VesselTree aorta()
+{
+    VesselTree tree{{straight("aorta", {0, 0, 0}, {0, -200, 0}, 10.0, 40.0),
+                     straight("renal", {0, -100, 0}, {90, -100, 0}, 3.0, 8.0)}};
+    tree.branches[1].parent = 0;
+    tree.branches[1].parent_point = 10;
+    return tree;
+}
+
+void inject_at(ContrastFlow &contrast, const Vector3d &place_mm)
+{
+    const CatheterMouth mouth{place_mm * 1e-3, 1.0};
+    contrast.set_mouths({&mouth, 1});
+}
+
+double held_in(const ContrastFlow &contrast, std::size_t branch)
+{
+    double mg = 0.0;
+    for (std::size_t i = contrast.cells().branch_begin(branch); i < contrast.cells().branch_begin(branch + 1);
+         ++i)
+        mg += contrast.iodine_mg_per_ml(i) * contrast.cells()[i].volume_ml;
+    return mg;
+}
+
+void within(const char *what, double value, double expected, double tolerance)
+{
+    if (std::fabs(value - expected) <= tolerance * std::fabs(expected)) return;
+    fail_msg("%s = %.9g, expected %.9g (allowed %.3g %%)", what, value, expected, tolerance * 100);
+}
+
+// Place along x, mm, where the concentration falls to half of that in the first cell.
+double front_mm(const ContrastFlow &contrast)
+{
+    const double half = 0.5 * contrast.iodine_mg_per_ml(0);
+    std::size_t i = 0;
+    while (contrast.iodine_mg_per_ml(i) > half) ++i;
+    const double before = contrast.iodine_mg_per_ml(i - 1), here = contrast.iodine_mg_per_ml(i);
+    const double share = (before - half) / (before - here);
+    const double a = contrast.cells().middle_m(i - 1).x() * 1e3, b = contrast.cells().middle_m(i).x() * 1e3;
+    return a + share * (b - a);
+}
+
+// --- transport ---
+
+// One velocity: a front in a straight tube moves by flow / area. 10 ml/s in 28.3 mm^2: 354 mm/s.
+void a_front_moves_with_flow_over_area(void **)
+{
+    ContrastFlow contrast(tube(10.0), {3.5, 0.5, 30.0});
+    inject_at(contrast, {0, 0, 0});
+    double flow_ml_s = 0.0, first_mm = 0.0;
+    for (int tick = 1; tick <= 800; ++tick) {
+        contrast.step({}, {5.0, iodine});
+        if (tick == 200) first_mm = front_mm(contrast);
+    }
+    flow_ml_s = contrast.network().outflow_ml_s().back();
+    within("front speed, mm/s", (front_mm(contrast) - first_mm) / 0.6, flow_ml_s * 1e3 / (pi * 9.0), 0.01);
+}
+
+// Laminar: the layers run at 1.5 and 0.5 of the mean speed, and the blood that has been replaced, which is the front's mean
+// place over the section, grows by exactly the flow.
+void a_laminar_front_is_long_and_its_mean_moves_with_the_flow(void **)
+{
+    ContrastFlow contrast(tube(10.0), {3.5, 0.75, 1e9});
+    inject_at(contrast, {0, 0, 0});
+    double core_ml = 0.0, wall_ml = 0.0;
+    const FlowCells &cells = contrast.cells();
+    for (int tick = 1; tick <= 500; ++tick) contrast.step({}, {5.0, iodine});
+    const double flow_ml_s = contrast.network().outflow_ml_s().back(), plateau = iodine * 5.0 / flow_ml_s;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        core_ml += contrast.core_mg_per_ml(i) / plateau * cells[i].volume_ml / 2;
+        wall_ml += contrast.wall_mg_per_ml(i) / plateau * cells[i].volume_ml / 2;
+    }
+    within("replaced, ml", core_ml + wall_ml, flow_ml_s * 0.5, 1e-9);
+    within("core over wall", core_ml / wall_ml, 3.0, 1e-6);
+}
+
+// What flows along with the blood is diluted by it: S / Q of the injected concentration.
+void injected_fluid_is_diluted_by_the_blood_that_flows(void **)
+{
+    ContrastFlow contrast(tube(10.0));
+    inject_at(contrast, {0, 0, 0});
+    for (int tick = 0; tick < 12000; ++tick) contrast.step({}, {2.0, iodine});
+    const double flow_ml_s = contrast.network().outflow_ml_s().back();
+    within("mg/ml", contrast.iodine_mg_per_ml(contrast.cells().size() - 1), iodine * 2.0 / flow_ml_s, 1e-6);
+}
+
+// Each way behind the fork has the conductance 1 / (R + 1/G) of its vessel's Poiseuille resistance and the bed behind it.
+void a_fork_divides_iodine_as_its_conductances(void **)
+{
+    ContrastFlow contrast(fork());
+    inject_at(contrast, {0, 0, 0});
+    for (int tick = 0; tick < 400; ++tick) contrast.step({}, {4.0, iodine});
+    const auto conductance = [&](std::size_t branch, double radius_mm, double flow_ml_s) {
+        double length_mm = 0.0;
+        for (std::size_t i = contrast.cells().branch_begin(branch);
+             i < contrast.cells().branch_begin(branch + 1); ++i)
+            length_mm += contrast.cells()[i].length_mm;
+        const double vessel =
+            8 * 3.5e-3 * length_mm * 1e-3 / (pi * std::pow(radius_mm * 1e-3, 4)) * 1e-6 / 133.322;
+        return 1.0 / (vessel + mean_pressure_mmHg / flow_ml_s);
+    };
+    // Hardly any has come to an end yet, so what went in is still there.
+    assert_true(contrast.budget().out_mg < 1e-6 * contrast.budget().injected_mg);
+    within("wide over thin", held_in(contrast, 1) / held_in(contrast, 2),
+           conductance(1, 3.0, 6.0) / conductance(2, 1.0, 3.0), 0.01);
+}
+
+// 60 s of a beating heart, injections of which one refluxes, and a catheter that goes into the renal artery and out again.
+void iodine_is_conserved_and_stays_between_none_and_injected(void **)
+{
+    ContrastFlow contrast(aorta());
+    double least = 0.0, most = 0.0;
+    for (std::uint32_t tick = 0; tick < 60000; ++tick) {
+        if (tick % 1000 == 0) {
+            const bool is_in = tick / 1000 % 3 == 1;
+            const Vector3d tip_mm(is_in ? 20.0 : 0.0, tick / 1000 % 3 == 2 ? -1.0 : -100.0, 0);
+            const ToolBall tip{tip_mm * 1e-3, is_in ? 2.9e-3 : 1e-3};
+            contrast.set_tools({&tip, 1});
+            inject_at(contrast, tip_mm);
+        }
+        const bool is_injecting = tick < 45000 && tick % 2000 < 1200;
+        contrast.step(flow_drive(steady_beat(tick, 75)),
+                      {is_injecting ? 15.0 + tick % 7000 * 0.01 : 0.0, iodine});
+        for (std::size_t i = 0; tick % 50 == 0 && i < contrast.cells().size(); ++i) {
+            least = std::fmin(least, std::fmin(contrast.core_mg_per_ml(i), contrast.wall_mg_per_ml(i)));
+            most = std::fmax(most, std::fmax(contrast.core_mg_per_ml(i), contrast.wall_mg_per_ml(i)));
+        }
+    }
+    const IodineBudget &budget = contrast.budget();
+    assert_true(budget.injected_mg > 1e5 && budget.out_mg > 1e4 && budget.reflux_mg > 1e4);
+    within("iodine, mg", contrast.held_mg() + budget.out_mg + budget.reflux_mg, budget.injected_mg, 1e-9);
+    if (least < 0.0 || most > iodine * (1 + 1e-9))
+        fail_msg("concentrations %.17g to %.17g mg/ml", least, most);
+}
+
+// --- where it goes ---
+
+void more_than_flows_away_goes_back_upstream(void **)
+{
+    ContrastFlow gentle(aorta()), forced(aorta());
+    for (ContrastFlow *contrast : {&gentle, &forced}) {
+        inject_at(*contrast, {20, -100, 0});
+        for (int tick = 0; tick < 150; ++tick) contrast->step({}, {contrast == &gentle ? 4.0 : 20.0, iodine});
+    }
+    assert_true(held_in(gentle, 0) == 0.0);
+    // What the bed behind the renal artery does not take is in the aorta and on the way there.
+    const FlowCells &cells = forced.cells();
+    double back_mg = held_in(forced, 0);
+    for (std::size_t i = cells.branch_begin(1); i < cells.size(); ++i)
+        if (cells.middle_m(i).x() < 0.0195) back_mg += forced.iodine_mg_per_ml(i) * cells[i].volume_ml;
+    within("mg back", back_mg, iodine * (20.0 - forced.network().outflow_ml_s().back()) * 0.15, 0.03);
+}
+
+// A catheter as wide as the vessel lets nothing past: no blood comes, so what is injected goes down undiluted, and none back.
+void a_wedged_catheter_lets_nothing_past(void **)
+{
+    ContrastFlow contrast(aorta());
+    const ToolBall tip{Vector3d(0.02, -0.1, 0), 3e-3};
+    contrast.set_tools({&tip, 1});
+    inject_at(contrast, {30, -100, 0});
+    for (int tick = 0; tick < 4000; ++tick) contrast.step({}, {2.0, iodine});
+    assert_true(held_in(contrast, 0) == 0.0);
+    within("outflow, ml/s", contrast.network().outflow_ml_s().back(), 2.0, 1e-9);
+    within("mg/ml", contrast.iodine_mg_per_ml(contrast.cells().size() - 1), iodine, 1e-3);
+    for (int tick = 0; tick < 1000; ++tick) contrast.step({}, {});
+    assert_true(held_in(contrast, 1) > 300.0); // stands still: nothing washes it out
+}
+
+// Concentric annulus, textbook formula by libm.
+void a_tool_in_the_lumen_leaves_an_annulus(void **)
+{
+    for (double k = 0.02; k < 0.97; k += 0.01) {
+        const double expected = 1 - std::pow(k, 4) - std::pow(1 - k * k, 2) / std::log(1 / k);
+        if (std::fabs(annulus_share(k) - expected) > 1e-7)
+            fail_msg("%g: %g, expected %g", k, annulus_share(k), expected);
+    }
+    assert_true(annulus_share(0.0) == 1.0 && annulus_share(0.98) == 0.0 && annulus_share(2.0) == 0.0);
+}
+
+void without_a_mouth_nothing_is_injected(void **)
+{
+    ContrastFlow contrast(aorta());
+    contrast.step({}, {5.0, iodine});
+    assert_true(contrast.held_mg() == 0.0 && contrast.budget().injected_mg == 0.0);
+}
+
+void side_holes_share_the_flow(void **)
+{
+    ContrastFlow contrast(fork());
+    const CatheterMouth mouths[] = {{Vector3d(0.2, 0.14 * 0.8333, 0), 0.25},
+                                    {Vector3d(0.2, -0.14 * 0.8333, 0), 0.75}};
+    contrast.set_mouths(mouths);
+    contrast.step({}, {4.0, iodine});
+    within("thin over wide", held_in(contrast, 2) / held_in(contrast, 1), 3.0, 1e-9);
+}
+
+// Power distance: a tip at the renal artery's mouth, nearer to the renal centreline than to the wall, is in that artery.
+void the_cell_is_that_of_the_vessel_in_which_the_tip_lies_deepest(void **)
+{
+    const FlowCells cells(aorta());
+    assert_int_equal(cells[cells.nearest(Vector3d(0.012, -0.1, 0))].branch, 1);
+    assert_int_equal(cells[cells.nearest(Vector3d(0.008, -0.1, 0))].branch, 0);
+    assert_int_equal(cells[cells.nearest(Vector3d(0.0, -0.1, 0.009))].branch, 0);
+}
+
+// --- time ---
+
+void aorta_flows_in_systole_and_left_coronary_in_diastole(void **)
+{
+    double sum[3] = {0, 0, 0}, systolic[3] = {0, 0, 0};
+    for (std::uint32_t tick = 0; tick < 60000; ++tick) {
+        const BeatPhase phase = steady_beat(tick, 70);
+        const FlowDrive drive = flow_drive(phase);
+        for (std::size_t k = 0; k < 3; ++k) {
+            sum[k] += drive.openness[k];
+            if (phase.since_opening_s < phase.systole_s) systolic[k] += drive.openness[k];
+        }
+    }
+    for (double bed : sum) within("mean openness", bed / 60000, 1.0, 1e-3);
+    // Systole is 0.34 of the beat.
+    assert_true(systolic[0] / sum[0] > 0.55 && systolic[1] / sum[1] < 0.2 && systolic[2] / sum[2] < 0.34);
+    BeatPhase none;
+    none.is_beating = false;
+    assert_true(flow_drive(none).pressure_mmHg == 0.0);
+}
+
+void a_snapshot_goes_on_bit_for_bit(void **)
+{
+    ContrastFlow first(aorta()), second(aorta()), other(tube(1.0));
+    const ToolBall tip{Vector3d(0.02, -0.1, 0), 1.5e-3};
+    first.set_tools({&tip, 1});
+    inject_at(first, {20, -100, 0});
+    std::uint32_t tick = 0;
+    for (; tick < 300; ++tick) first.step(flow_drive(steady_beat(tick, 70)), {10.0, iodine});
+    assert_true(second.restore(first.snapshot()));
+    assert_false(other.restore(first.snapshot()));
+    for (; tick < 600; ++tick)
+        for (ContrastFlow *contrast : {&first, &second})
+            contrast->step(flow_drive(steady_beat(tick, 70)), {3.0, iodine});
+    assert_true(first.snapshot() == second.snapshot());
+}
+
+// A beating heart carries its vessels: cells go along, and what they hold stays.
+void cells_follow_their_vessels(void **)
+{
+    VesselTree tree = tube(10.0);
+    ContrastFlow contrast(tree);
+    inject_at(contrast, {100, 0, 0});
+    for (int tick = 0; tick < 100; ++tick) contrast.step({}, {5.0, iodine});
+    const double held_mg = contrast.held_mg();
+    const Vector3d before = contrast.cells().middle_m(40);
+    for (Vector3d &point : tree.branches[0].points_m) point.z() += 0.01;
+    contrast.place(tree);
+    assert_true((contrast.cells().middle_m(40) - before - Vector3d(0, 0, 0.01)).norm() < 1e-12);
+    assert_true(contrast.held_mg() == held_mg);
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(a_front_moves_with_flow_over_area),
+        cmocka_unit_test(a_laminar_front_is_long_and_its_mean_moves_with_the_flow),
+        cmocka_unit_test(injected_fluid_is_diluted_by_the_blood_that_flows),
+        cmocka_unit_test(a_fork_divides_iodine_as_its_conductances),
+        cmocka_unit_test(iodine_is_conserved_and_stays_between_none_and_injected),
+        cmocka_unit_test(more_than_flows_away_goes_back_upstream),
+        cmocka_unit_test(a_wedged_catheter_lets_nothing_past),
+        cmocka_unit_test(a_tool_in_the_lumen_leaves_an_annulus),
+        cmocka_unit_test(without_a_mouth_nothing_is_injected),
+        cmocka_unit_test(side_holes_share_the_flow),
+        cmocka_unit_test(the_cell_is_that_of_the_vessel_in_which_the_tip_lies_deepest),
+        cmocka_unit_test(aorta_flows_in_systole_and_left_coronary_in_diastole),
+        cmocka_unit_test(a_snapshot_goes_on_bit_for_bit),
+        cmocka_unit_test(cells_follow_their_vessels),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}

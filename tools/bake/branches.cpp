@@ -1,0 +1,198 @@
+#include "tools/bake/branches.hpp"
+#include "shared/scene/scene.h"
+#include "tools/bake/fault.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace seld::bake
+{
+namespace
+{
+
+constexpr double apart_max_radii =
+    1.25; // an end farther from a centreline than so many of its radii is not joined to it
+
+struct Foot {                                               // nearest place of a branch to a point
+    double radii = std::numeric_limits<double>::infinity(); // distance over the radius there
+    std::size_t point = 0;
+};
+
+Foot foot_on(const VesselBranch &branch, const Eigen::Vector3d &place_m)
+{
+    Foot foot;
+    for (std::size_t i = 0; i + 1 < branch.points_m.size(); ++i) {
+        const Eigen::Vector3d &a = branch.points_m[i], step = branch.points_m[i + 1] - a;
+        const double share = std::clamp((place_m - a).dot(step) / step.squaredNorm(), 0.0, 1.0);
+        const double radius = branch.radii_m[i] + share * (branch.radii_m[i + 1] - branch.radii_m[i]);
+        const double radii = (place_m - a - share * step).norm() / radius;
+        if (radii < foot.radii) foot = {radii, share < 0.5 ? i : i + 1};
+    }
+    return foot;
+}
+
+// Points on the one before them are left out; coordinates are those that the file will hold.
+VesselBranch branch_of(const Centreline &line)
+{
+    VesselBranch branch;
+    branch.name = branch_name(line.name);
+    for (std::size_t i = 0; i < line.points_mm.size(); ++i) {
+        const Eigen::Vector3d at_m = (line.points_mm[i] * 1e3).array().round().matrix() * 1e-6;
+        if (!branch.points_m.empty() && branch.points_m.back() == at_m) continue;
+        branch.points_m.push_back(at_m);
+        branch.radii_m.push_back(std::round(line.radii_mm[i] * 1e3) * 1e-6);
+    }
+    if (branch.points_m.size() < 2) throw Fault(line.name + ": has no length: leave it out of [tree]");
+    return branch;
+}
+
+void turn(VesselBranch &branch)
+{
+    std::reverse(branch.points_m.begin(), branch.points_m.end());
+    std::reverse(branch.radii_m.begin(), branch.radii_m.end());
+}
+
+// A vessel that divides at its end has no stump behind the division.
+std::size_t leaving_point(const VesselBranch &parent, std::size_t point)
+{
+    const std::size_t last = parent.points_m.size() - 1;
+    const double left_m = (parent.points_m[last] - parent.points_m[point]).norm();
+    return left_m <= parent.radii_m[last] ? last : point;
+}
+
+struct Join {
+    double radii = std::numeric_limits<double>::infinity();
+    std::size_t line = 0, parent = 0, point = 0;
+    bool from_last = false;
+};
+
+// The best of all ends that could be joined to a branch.
+Join best_join(const std::vector<VesselBranch> &loose, const std::vector<VesselBranch> &joined)
+{
+    Join best;
+    for (std::size_t l = 0; l < loose.size(); ++l)
+        for (std::size_t p = 0; p < joined.size(); ++p)
+            for (bool from_last : {false, true}) {
+                const Foot foot =
+                    foot_on(joined[p], from_last ? loose[l].points_m.back() : loose[l].points_m.front());
+                if (foot.radii < best.radii) best = {foot.radii, l, p, foot.point, from_last};
+            }
+    return best;
+}
+
+std::size_t root_of(const std::vector<VesselBranch> &branches, const TreeText &text, bool &from_last)
+{
+    std::size_t root = 0;
+    double widest_m = 0.0;
+    for (std::size_t i = 0; i < branches.size(); ++i) {
+        const VesselBranch &branch = branches[i];
+        if (text.inlet.empty() ? std::max(branch.radii_m.front(), branch.radii_m.back()) <= widest_m
+                               : branch.name != text.inlet)
+            continue;
+        root = i;
+        widest_m = std::max(branch.radii_m.front(), branch.radii_m.back());
+        from_last = text.inlet.empty() ? branch.radii_m.back() > branch.radii_m.front() : text.inlet_is_last;
+    }
+    if (!(widest_m > 0.0)) throw Fault("[tree] has no centreline '" + text.inlet + "' for its inlet");
+    return root;
+}
+
+VesselBranch &named(VesselTree &tree, const std::string &name, const char *key)
+{
+    for (VesselBranch &branch : tree.branches)
+        if (branch.name == name) return branch;
+    throw Fault(std::string("[tree] ") + key + " names '" + name + "', which is no centreline of it");
+}
+
+void state_beds_and_flows(VesselTree &tree, const TreeText &text)
+{
+    for (const std::string &name : text.left_coronary)
+        named(tree, name, "left_coronary").bed = VesselBed::left_coronary;
+    for (const std::string &name : text.right_coronary)
+        named(tree, name, "right_coronary").bed = VesselBed::right_coronary;
+    for (const auto &[name, flow_ml_min] : text.flow_ml_min) {
+        VesselBranch &branch = named(tree, name, "flow_ml_min");
+        if (!tree.is_outlet(static_cast<std::size_t>(&branch - tree.branches.data())))
+            throw Fault("[tree] flow_ml_min names '" + name +
+                        "', where no blood leaves: state the flows of its branches");
+        branch.flow_ml_s = flow_ml_min / 60.0;
+    }
+}
+
+} // namespace
+
+std::string branch_name(const std::filesystem::path &file)
+{
+    std::string name = file.filename().string();
+    for (const char *ending : {".json", ".mrk"})
+        if (name.ends_with(ending)) name.resize(name.size() - std::char_traits<char>::length(ending));
+    name.resize(std::min<std::size_t>(name.size(), SELD_SCENE_BRANCH_NAME_BYTES - 1));
+    return name;
+}
+
+VesselTree join_branches(const std::vector<Centreline> &lines, const TreeText &text)
+{
+    if (lines.size() > SELD_SCENE_BRANCH_MAX)
+        throw Fault("[tree] has more than " + std::to_string(int{SELD_SCENE_BRANCH_MAX}) + " centrelines");
+    std::vector<VesselBranch> loose;
+    for (const Centreline &line : lines) {
+        loose.push_back(branch_of(line));
+        for (std::size_t i = 0; i + 1 < loose.size(); ++i)
+            if (loose[i].name == loose.back().name)
+                throw Fault("[tree] has two centrelines called '" + loose.back().name + "': rename one");
+    }
+    VesselTree tree;
+    bool from_last = false;
+    const std::size_t root = root_of(loose, text, from_last);
+    if (from_last) turn(loose[root]);
+    tree.branches.push_back(loose[root]);
+    loose.erase(loose.begin() + static_cast<std::ptrdiff_t>(root));
+    while (!loose.empty()) {
+        const Join join = best_join(loose, tree.branches);
+        if (join.radii > apart_max_radii) {
+            char text_apart[80];
+            std::snprintf(text_apart, sizeof text_apart, "ends %.1f radii away from", join.radii);
+            throw Fault("[tree] '" + loose[join.line].name + "' " + text_apart + " the nearest vessel, '" +
+                        tree.branches[join.parent].name +
+                        "': lengthen it into that vessel, or leave it out of [tree]");
+        }
+        VesselBranch branch = loose[join.line];
+        loose.erase(loose.begin() + static_cast<std::ptrdiff_t>(join.line));
+        if (join.from_last) turn(branch);
+        branch.parent = static_cast<int>(join.parent);
+        branch.parent_point = leaving_point(tree.branches[join.parent], join.point);
+        tree.branches.push_back(branch);
+    }
+    state_beds_and_flows(tree, text);
+    std::string error;
+    if (!check_vessel_tree(tree, error)) throw Fault("[tree] " + error);
+    return tree;
+}
+
+std::string branches_report(const VesselTree &tree)
+{
+    double length_mm = 0.0, volume_ml = 0.0;
+    std::size_t outlets = 0, stated = 0;
+    for (std::size_t b = 0; b < tree.branches.size(); ++b) {
+        const VesselBranch &branch = tree.branches[b];
+        for (std::size_t i = 1; i < branch.points_m.size(); ++i) {
+            const double step_m = (branch.points_m[i] - branch.points_m[i - 1]).norm();
+            const double radius_m = 0.5 * (branch.radii_m[i] + branch.radii_m[i - 1]);
+            length_mm += step_m * 1e3;
+            volume_ml += step_m * 3.14159265358979323846 * radius_m * radius_m * 1e6;
+        }
+        if (!tree.is_outlet(b)) continue;
+        ++outlets;
+        stated += branch.flow_ml_s > 0.0;
+    }
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "vessels           %zu branches, %.0f mm, %.0f ml, from %s to %zu outlets (%zu with a stated flow)\n",
+        tree.branches.size(), length_mm, volume_ml, tree.branches[0].name.c_str(), outlets, stated);
+    return text;
+}
+
+} // namespace seld::bake
