@@ -13,7 +13,8 @@ void seld_app_init(seld_app *app, const seld_port *port)
     app->state = SELD_WIRE_STATE_INIT;
     app->mode = SELD_WIRE_MODE_LOCKSTEP;
     seld_wire_decoder_init(&app->decoder);
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) seld_app_track_default(&app->tracks[k]);
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++)
+        seld_app_track_default(&app->tracks[k], port->force_uN_per_count);
     seld_app_hands_reset(app);
     seld_app_coupling_reset(app);
     seld_app_motors_off(app);

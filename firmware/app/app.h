@@ -117,6 +117,7 @@ typedef struct seld_app_track {
     uint64_t rotation_turn48_per_count; /* one turn = 2^48 */
     uint32_t translation_jump_counts;   /* largest believable change in one tick */
     uint32_t rotation_jump_counts;
+    uint32_t force_built_uN_per_count; /* the port's */
     int32_t force_limit_mN;
     int32_t torque_limit_uN_m;
     seld_app_axis axes[2]; /* along and about the line */

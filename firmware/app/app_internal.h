@@ -66,7 +66,7 @@ uint32_t seld_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, seld_lum
 /* app_rig.c: configuration of the tracks */
 void seld_app_rig(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_rig_take(seld_app *app, const seld_wire_rig *wire);
-void seld_app_track_default(seld_app_track *track);
+void seld_app_track_default(seld_app_track *track, uint32_t force_uN_per_count);
 
 /* app_command.c: states and modes */
 void seld_app_command(seld_app *app, const uint8_t *payload, size_t length);

@@ -10,7 +10,8 @@ enum {
     GAIN_MAX_milli = 4000,
     OPTIONS_ALL = SELD_WIRE_OPTION_TRANSLATION_REVERSED | SELD_WIRE_OPTION_ROTATION_REVERSED,
     FORCE_MAX_uN_per_count = 1000000,
-    DAMPING_MAX = 1000000, /* in both units */
+    FORCE_BUILT_uN_per_count = 1000, /* where the port does not say */
+    DAMPING_MAX = 1000000,           /* in both units */
     COUPLING_MAX_N_per_m = 5000,
     COUPLING_MAX_uN_m_per_rad = 100000,
     LAG_MAX_us = 20000,
@@ -49,12 +50,28 @@ static const seld_wire_track first = {
     .torque_limit_uN_m = SELD_APP_TORQUE_LIMIT_uN_m,
     .force_slew_mN_per_tick = SELD_APP_FORCE_SLEW_mN_per_tick,
     .torque_slew_uN_m_per_tick = SELD_APP_TORQUE_SLEW_uN_m_per_tick,
-    .force_uN_per_count = 1000,
 };
 
-/* Everything but translation and rotation scale, which come first. `limits` are the largest allowed now. */
-static bool track_is_good(const seld_wire_track *wire, const seld_wire_track *limits, uint32_t *field)
+/* A scale that is too small makes every force look small, and then no check sees a large one. So a host may correct what the rig's
+ * builder stated by what sensors differ among themselves; another sensor needs somebody at the rig. */
+static bool is_scale(uint32_t asked, const seld_app_track *present, bool is_free)
 {
+    const uint32_t built = present->force_built_uN_per_count;
+    if (is_free) return asked <= FORCE_MAX_uN_per_count;
+    return asked == present->wire.force_uN_per_count || in_range(asked, built - built / 4, built + built / 4);
+}
+
+/* What a host may change of a track beyond what it may always. */
+typedef struct track_rights {
+    bool raises_limits, moves_scale;
+} track_rights;
+
+/* False: *field names the offender. */
+static bool track_is_good(const seld_wire_track *wire, const seld_app_track *present, track_rights rights,
+                          uint32_t *field)
+{
+    const seld_wire_track *limits =
+        rights.raises_limits ? &first : &present->wire; /* the largest allowed now */
     const bool ok[] = {
         in_range(wire->translation_pm_per_count, TRANSLATION_MIN_pm, TRANSLATION_MAX_pm),
         in_range(wire->rotation_counts_per_turn, ROTATION_MIN_counts, ROTATION_MAX_counts),
@@ -65,7 +82,7 @@ static bool track_is_good(const seld_wire_track *wire, const seld_wire_track *li
         wire->torque_slew_uN_m_per_tick <= limits->torque_slew_uN_m_per_tick,
         (wire->options & ~(uint32_t)OPTIONS_ALL) == 0,
         true, /* any zero of the force sensor */
-        wire->force_uN_per_count <= FORCE_MAX_uN_per_count,
+        is_scale(wire->force_uN_per_count, present, rights.moves_scale),
         wire->damping_mN_s_per_m <= DAMPING_MAX,
         wire->damping_nN_m_s_per_rad <= DAMPING_MAX,
         wire->actuator_lag_us <= LAG_MAX_us,
@@ -85,11 +102,12 @@ static bool track_is_good(const seld_wire_track *wire, const seld_wire_track *li
 }
 
 /* Check everything, then take it over. False: *field names the offender. */
-static bool track_set(seld_app_track *track, const seld_wire_track *asked, bool is_unlocked, uint32_t *field)
+static bool track_set(seld_app_track *track, const seld_wire_track *asked, track_rights rights,
+                      uint32_t *field)
 {
     seld_wire_track wire = *asked;
     keep_defaults(&wire, &track->wire);
-    if (!track_is_good(&wire, is_unlocked ? &first : &track->wire, field)) return false;
+    if (!track_is_good(&wire, track, rights, field)) return false;
     track->wire = wire;
     /* 2^46 m / 10^12 = 2^34 / 5^12 per picometre; 5e8 x 2^34 < 2^63. */
     track->translation_m_q46_per_count =
@@ -106,11 +124,13 @@ static bool track_set(seld_app_track *track, const seld_wire_track *asked, bool 
     return true;
 }
 
-void seld_app_track_default(seld_app_track *track)
+void seld_app_track_default(seld_app_track *track, uint32_t force_uN_per_count)
 {
     uint32_t field;
     track->wire = first;
-    track_set(track, &first, true, &field);
+    track->force_built_uN_per_count = force_uN_per_count != 0 ? force_uN_per_count : FORCE_BUILT_uN_per_count;
+    track->wire.force_uN_per_count = track->force_built_uN_per_count;
+    track_set(track, &first, (track_rights){true, true}, &field);
 }
 
 /* Checked as a whole before a single track changes. */
@@ -121,10 +141,12 @@ void seld_app_rig_take(seld_app *app, const seld_wire_rig *wire)
     SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_READY, SELD_REJECT_WRONG_STATE, app->state, 0);
     SELD_REJECT_IF(app, type, wire->tracks_count == 0, SELD_REJECT_TOOL_COUNT, 0, SELD_TOOL_MAX);
     bool is_unlocked = app->has_rig && app->rig.local_unlock;
+    bool has_motors = (app->port->capabilities & SELD_WIRE_CAPABILITY_MOTORS) != 0;
+    const track_rights rights = {.raises_limits = is_unlocked, .moves_scale = is_unlocked || !has_motors};
     for (uint16_t k = 0; k < wire->tracks_count; k++) {
         uint32_t field = 0;
         candidates[k] = app->tracks[k];
-        bool ok = track_set(&candidates[k], &wire->tracks[k], is_unlocked, &field);
+        bool ok = track_set(&candidates[k], &wire->tracks[k], rights, &field);
         SELD_REJECT_IF(app, type, !ok, SELD_REJECT_RIG_RANGE, k, field);
     }
     for (uint16_t k = 0; k < wire->tracks_count; k++) app->tracks[k] = candidates[k];

@@ -17,9 +17,8 @@
 #include <stdint.h>
 
 enum {
-    SELD_PORT_TOOL_MAX = 3, /* tracks: one per tool, from the innermost */
-    SELD_PORT_DRIVE_HOLD_ms =
-        5, /* the power stage drops power this long after the last flip of the drive line */
+    SELD_PORT_TOOL_MAX = 3,      /* tracks: one per tool, from the innermost */
+    SELD_PORT_DRIVE_HOLD_ms = 5, /* the power stage drops power so long after the last flip */
     SELD_PORT_SERIAL_BYTES = 24, /* longest serial */
 };
 
@@ -94,6 +93,8 @@ typedef struct seld_port {
     uint8_t *scene_slots[2];   /* two buffers: the old scene stays valid until the new one is validated */
     uint32_t scene_slot_bytes; /* size of each, 4-byte aligned */
     uint32_t capabilities;     /* SELD_WIRE_CAPABILITY_* that depend on the port: encoders, motors */
+    uint32_t
+        force_uN_per_count; /* scale of the force sensors as built; 0: 1,000. Hosts may move it by a quarter */
 } seld_port;
 
 #endif

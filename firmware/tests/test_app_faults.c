@@ -475,8 +475,13 @@ static uint32_t no_time(void *context)
 
 static seld_app app;
 static seld_port_outputs outputs;
-static const seld_port port = {&outputs, transmit, room,         no_inputs, keep_outputs,
-                               no_time,  "x",      {NULL, NULL}, 0,         0};
+static const seld_port port = {.context = &outputs,
+                               .transmit = transmit,
+                               .transmit_room = room,
+                               .inputs = no_inputs,
+                               .outputs = keep_outputs,
+                               .now_us = no_time,
+                               .serial = "x"};
 
 static void an_error_of_our_own_takes_the_power_at_once(void **state)
 {

@@ -266,7 +266,7 @@ static void the_rig_is_read_back_as_it_is_in_force(void **state)
     track.force_limit_mN = 700;
     track.force_slew_mN_per_tick = 7;
     track.force_zero_counts = -12;
-    track.force_uN_per_count = 250;
+    track.force_uN_per_count = 800;
     track.seal_mN = 30;
     bench_drain(&b);
     client_rig(host, &track, 1);
@@ -293,7 +293,7 @@ static void a_rig_that_cannot_be_is_refused_by_field(void **state)
                                     &track.torque_slew_uN_m_per_tick, &track.options,
                                     &track.force_uN_per_count,        &track.coupling_N_per_m,
                                     &track.coupling_uN_m_per_rad,     &track.seal_mN};
-        static const uint32_t values[] = {999, 15, 4001, 8001, 20001, 51, 126, 4, 1000001, 1601, 3201, 2001};
+        static const uint32_t values[] = {999, 15, 4001, 8001, 20001, 51, 126, 4, 1251, 1601, 3201, 2001};
         bench_drain(&b);
         client_get(host, SELD_WIRE_GET_RIG);
         TAKE(rig, &before);
@@ -319,6 +319,33 @@ static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
     track.coupling_mN_s_per_m = 201;
     client_rig(host, &track, 1);
     expect_reject(SELD_REJECT_RIG_RANGE);
+}
+
+/* A host that says that a count is a thousandth of what it is would blind every check of forces. The bench's sensors have 1 mN per
+ * count; what is in force may always be said again. */
+static void the_force_sensors_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t uN_per_count;
+        bool unlocked, taken;
+    } asks[] = {{1, false, false},    {749, false, false},  {750, false, true},  {1250, false, true},
+                {1251, false, false}, {4000, true, true},   {4000, false, true}, {3999, false, false},
+                {1000, false, true},  {4000, false, false}, {1, true, true},     {1000001, true, false}};
+    seld_wire_track track = client_plain_track();
+    for (size_t i = 0; i < sizeof asks / sizeof *asks; i++) {
+        b.rig.local_unlock = asks[i].unlocked;
+        bench_tick(&b);
+        bench_drain(&b);
+        track.force_uN_per_count = asks[i].uN_per_count;
+        client_rig(host, &track, 1);
+        if (asks[i].taken) {
+            assert_true(client_expect_status(host, &status));
+        } else {
+            expect_reject(SELD_REJECT_RIG_RANGE);
+            assert_int_equal(reject.detail2, 9);
+        }
+    }
 }
 
 static void limits_rise_only_with_the_local_unlock(void **state)
@@ -468,6 +495,7 @@ int main(void)
         TEST(the_rig_is_read_back_as_it_is_in_force),
         TEST(a_rig_that_cannot_be_is_refused_by_field),
         TEST(a_coupling_stiffer_than_the_rig_can_render_is_refused),
+        TEST(the_force_sensors_scale_moves_by_a_quarter_without_the_local_unlock),
         TEST(limits_rise_only_with_the_local_unlock),
         TEST(the_sensors_are_read_as_they_are),
         cmocka_unit_test(orders_without_a_frame_take_power_away_and_do_nothing_else),

@@ -258,7 +258,7 @@ void a_fault_in_the_trial_is_told_and_logged(void **)
 
 // --- calibration ---
 
-// 4 000 counts for 100 mm the wrong way round, 2 turns of 1 024 counts, zero at -120, 100 g are 500 counts.
+// 4 000 counts for 100 mm the wrong way round, 2 turns of 1 024 counts, zero at -120, 100 g are 1 000 counts.
 void script_motion(Bench &b)
 {
     b.options.turns = 2.0;
@@ -267,7 +267,7 @@ void script_motion(Bench &b)
                       {"", {}},
                       {"", [&] { b.rig.inputs.hands[0].rotation_counts += 2048, b.rig.sample(); }},
                       {"", [&] { b.rig.inputs.tracks[0].force_raw = -120, b.rig.sample(); }},
-                      {"", [&] { b.rig.inputs.tracks[0].force_raw = 380, b.rig.sample(); }},
+                      {"", [&] { b.rig.inputs.tracks[0].force_raw = 880, b.rig.sample(); }},
                       {"yes", [&] { b.rig.inputs.tracks[0].force_raw = -120; }}};
 }
 
@@ -282,7 +282,7 @@ void calibration_is_measured_written_and_read_back(void **)
     assert_int_equal(track.rotation_counts_per_turn, 1024);
     assert_int_equal(track.options, SELD_WIRE_OPTION_TRANSLATION_REVERSED);
     assert_int_equal(track.force_zero_counts, -120);
-    assert_int_equal(track.force_uN_per_count, 1961); // 0.980665 N / 500
+    assert_int_equal(track.force_uN_per_count, 981); // 0.980665 N / 1 000
 }
 
 void a_calibration_that_is_stopped_anywhere_changes_nothing(void **)

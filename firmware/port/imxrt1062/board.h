@@ -24,7 +24,8 @@ enum {
     BOARD_SUPPLY_MAX_raw = 3500,
     BOARD_SENSOR_MIN_raw = 100, /* of force and pressure sensors: outside is a broken cable */
     BOARD_SENSOR_MAX_raw = 3995,
-    BOARD_FORCE_ZERO_raw = 2048, /* counts that are subtracted; the exact zero comes by calibration */
+    BOARD_FORCE_ZERO_raw = 2048,     /* counts that are subtracted; the exact zero comes by calibration */
+    BOARD_FORCE_uN_per_count = 9766, /* 20 N at full scale; a host corrects it by a quarter at most */
     BOARD_DEBOUNCE_ticks = 5,
     BOARD_STOP_RELEASE_ticks = 50, /* an emergency stop counts at once; its release only after this */
 };

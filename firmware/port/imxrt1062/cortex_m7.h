@@ -42,4 +42,10 @@ static inline void core_barrier(void)
     __asm__ volatile("dsb\n isb" ::: "memory");
 }
 
+/* What was written is in memory before what comes next, for others than the processor. */
+static inline void core_data_barrier(void)
+{
+    __asm__ volatile("dsb" ::: "memory");
+}
+
 #endif

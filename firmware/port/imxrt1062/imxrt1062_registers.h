@@ -7,14 +7,20 @@
  *   DAISY_<input>_<pad>        offset of an input's selection register, its value (of IOMUXC)
  *
  * tools/check/test_registers.py holds every line here, and the width of every access, against the machine-readable
- * description of the crate imxrt-ral. May include: nothing. Called by: this folder. */
+ * description of the crate imxrt-ral. May include: nothing. Called by: this folder; firmware/tests/test_board_usb.c, which puts a model
+ * of a peripheral in the place of the macros below. */
 #ifndef SELD_IMXRT1062_REGISTERS_H
 #define SELD_IMXRT1062_REGISTERS_H
 
 #include <stdint.h>
 
+#ifndef R32
 #define R16(base, offset) (*(volatile uint16_t *)(uintptr_t)((base) + (offset)))
 #define R32(base, offset) (*(volatile uint32_t *)(uintptr_t)((base) + (offset)))
+/* Where a test has a model: every access by name. */
+#define LOAD(REGISTER) (REGISTER)
+#define STORE(REGISTER, value) ((REGISTER) = (value))
+#endif
 
 /* BITS(FIELD, value), MASK(FIELD), SET_FIELD(REGISTER, FIELD, value): FIELD is one of the pairs below. */
 #define BITS(...) BITS_(__VA_ARGS__)

@@ -27,6 +27,7 @@ static seld_port port = {
     .serial = serial,
     .scene_slots = {slots[0], slots[1]},
     .capabilities = SELD_WIRE_CAPABILITY_ENCODERS | SELD_WIRE_CAPABILITY_MOTORS,
+    .force_uN_per_count = BOARD_FORCE_uN_per_count,
 };
 
 static void greet(bool has_scenes)

@@ -5,6 +5,7 @@
  * bit of ENDPTCOMPLETE. Heads, descriptors and buffers lie in memory that is not cached (the section .dma, or tightly
  * coupled memory). Interrupts stay off: poll() reads what has happened. Every loop has a bound. */
 #include "firmware/port/imxrt1062/board.h"
+#include "firmware/port/imxrt1062/cortex_m7.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 
 enum {
@@ -73,9 +74,14 @@ static volatile uint32_t *control_of(uint8_t endpoint)
     return &R32(BASE_USB1, USB_ENDPTCTRL_0 + (number - 1) * USB_STRIDE_ENDPTCTRL);
 }
 
+static void change(volatile uint32_t *where, uint32_t mask, uint32_t bits)
+{
+    STORE(*where, (LOAD(*where) & ~mask) | bits);
+}
+
 static void wait_clear(volatile uint32_t *where, uint32_t bits)
 {
-    for (int i = 0; i < WAIT_MAX && (*where & bits) != 0; i++) {
+    for (int i = 0; i < WAIT_MAX && (LOAD(*where) & bits) != 0; i++) {
     }
 }
 
@@ -83,11 +89,11 @@ static void wait_clear(volatile uint32_t *where, uint32_t bits)
 static void flush(uint32_t bits)
 {
     for (int i = 0; i < 4; i++) {
-        R32(BASE_USB1, USB_ENDPTFLUSH) = bits;
+        STORE(R32(BASE_USB1, USB_ENDPTFLUSH), bits);
         wait_clear(&R32(BASE_USB1, USB_ENDPTFLUSH), bits);
-        if ((R32(BASE_USB1, USB_ENDPTSTAT) & bits) == 0) break;
+        if ((LOAD(R32(BASE_USB1, USB_ENDPTSTAT)) & bits) == 0) break;
     }
-    R32(BASE_USB1, USB_ENDPTCOMPLETE) = bits;
+    STORE(R32(BASE_USB1, USB_ENDPTCOMPLETE), bits);
     controller.complete &= ~bits;
 }
 
@@ -95,13 +101,13 @@ static void flush(uint32_t bits)
 static void udc_connect(void *context, bool connected)
 {
     (void)context;
-    SET_FIELD(R32(BASE_USB1, USB_USBCMD), USB_USBCMD_RS, connected ? 1u : 0u);
+    change(&R32(BASE_USB1, USB_USBCMD), MASK(USB_USBCMD_RS), BITS(USB_USBCMD_RS, connected ? 1u : 0u));
 }
 
 static void udc_set_address(void *context, uint8_t address)
 {
     (void)context;
-    R32(BASE_USB1, USB_DEVICEADDR) = BITS(USB_DEVICEADDR_USBADR, address);
+    STORE(R32(BASE_USB1, USB_DEVICEADDR), BITS(USB_DEVICEADDR_USBADR, address));
 }
 
 static bool udc_open(void *context, uint8_t endpoint, seld_udc_type type, uint16_t packet_bytes)
@@ -114,7 +120,7 @@ static bool udc_open(void *context, uint8_t endpoint, seld_udc_type type, uint16
     head->capabilities = (uint32_t)packet_bytes << HEAD_PACKET_SHIFT | HEAD_NO_EMPTY_PACKETS;
     head->next = LINK_END;
     head->token = 0;
-    uint32_t value = *control;
+    uint32_t value = LOAD(*control);
     if (endpoint & SELD_UDC_IN) {
         if ((value & MASK(USB_ENDPTCTRL_0_RXE)) == 0) SET_FIELD(value, USB_ENDPTCTRL_0_RXT, TYPE_UNUSED);
         value &= ~(MASK(USB_ENDPTCTRL_0_TXT) | MASK(USB_ENDPTCTRL_0_TXS));
@@ -124,7 +130,7 @@ static bool udc_open(void *context, uint8_t endpoint, seld_udc_type type, uint16
         value &= ~(MASK(USB_ENDPTCTRL_0_RXT) | MASK(USB_ENDPTCTRL_0_RXS));
         value |= BITS(USB_ENDPTCTRL_0_RXT, type) | MASK(USB_ENDPTCTRL_0_RXR) | MASK(USB_ENDPTCTRL_0_RXE);
     }
-    *control = value;
+    STORE(*control, value);
     return true;
 }
 
@@ -133,7 +139,8 @@ static void udc_close(void *context, uint8_t endpoint)
     (void)context;
     if ((endpoint & 0x7fu) == 0) return;
     flush(bit_of(endpoint));
-    *control_of(endpoint) &= endpoint & SELD_UDC_IN ? ~MASK(USB_ENDPTCTRL_0_TXE) : ~MASK(USB_ENDPTCTRL_0_RXE);
+    change(control_of(endpoint),
+           endpoint & SELD_UDC_IN ? MASK(USB_ENDPTCTRL_0_TXE) : MASK(USB_ENDPTCTRL_0_RXE), 0);
 }
 
 /* Lets the controller have the transfer that is described. */
@@ -142,15 +149,15 @@ static void prime(uint8_t endpoint)
     usb_head *head = &memory.heads[pipe_of(endpoint)];
     head->next = (uint32_t)(uintptr_t)&memory.transfers[pipe_of(endpoint)];
     head->token = 0;
-    __asm__ volatile("dsb" ::: "memory");
-    R32(BASE_USB1, USB_ENDPTPRIME) = bit_of(endpoint);
+    core_data_barrier();
+    STORE(R32(BASE_USB1, USB_ENDPTPRIME), bit_of(endpoint));
 }
 
 static void udc_arm(void *context, uint8_t endpoint, uint8_t *bytes, uint32_t count)
 {
     (void)context;
     /* A setup packet that is still to be told makes this transfer void: priming now would answer the wrong request. */
-    if ((endpoint & 0x7fu) == 0 && R32(BASE_USB1, USB_ENDPTSETUPSTAT) != 0) return;
+    if ((endpoint & 0x7fu) == 0 && LOAD(R32(BASE_USB1, USB_ENDPTSETUPSTAT)) != 0) return;
     usb_transfer *transfer = &memory.transfers[pipe_of(endpoint)];
     uint32_t begin = (uint32_t)(uintptr_t)bytes;
     if (count > TRANSFER_BYTES_MAX) count = TRANSFER_BYTES_MAX;
@@ -168,30 +175,31 @@ static void udc_stall(void *context, uint8_t endpoint)
     volatile uint32_t *control = control_of(endpoint);
     if ((endpoint & 0x7fu) == 0) {
         flush(bit_of(0) | bit_of(SELD_UDC_IN));
-        *control |=
-            MASK(USB_ENDPTCTRL0_RXS) | MASK(USB_ENDPTCTRL0_TXS); /* the next setup packet clears them */
+        uint32_t both = MASK(USB_ENDPTCTRL0_RXS) | MASK(USB_ENDPTCTRL0_TXS);
+        change(control, both, both); /* the next setup packet clears them */
         return;
     }
     flush(bit_of(endpoint));
-    *control |= endpoint & SELD_UDC_IN ? MASK(USB_ENDPTCTRL_0_TXS) : MASK(USB_ENDPTCTRL_0_RXS);
+    uint32_t stall = endpoint & SELD_UDC_IN ? MASK(USB_ENDPTCTRL_0_TXS) : MASK(USB_ENDPTCTRL_0_RXS);
+    change(control, stall, stall);
 }
 
 static void udc_test(void *context, uint8_t selector)
 {
     (void)context;
-    SET_FIELD(R32(BASE_USB1, USB_PORTSC1), USB_PORTSC1_PTC, selector);
+    change(&R32(BASE_USB1, USB_PORTSC1), MASK(USB_PORTSC1_PTC), BITS(USB_PORTSC1_PTC, selector));
 }
 
 /* --- what has happened --- */
 static void close_all(void)
 {
-    R32(BASE_USB1, USB_ENDPTSETUPSTAT) = R32(BASE_USB1, USB_ENDPTSETUPSTAT);
-    R32(BASE_USB1, USB_ENDPTCOMPLETE) = R32(BASE_USB1, USB_ENDPTCOMPLETE);
+    STORE(R32(BASE_USB1, USB_ENDPTSETUPSTAT), LOAD(R32(BASE_USB1, USB_ENDPTSETUPSTAT)));
+    STORE(R32(BASE_USB1, USB_ENDPTCOMPLETE), LOAD(R32(BASE_USB1, USB_ENDPTCOMPLETE)));
     wait_clear(&R32(BASE_USB1, USB_ENDPTPRIME), UINT32_MAX);
     flush(UINT32_MAX);
     controller.complete = 0;
-    R32(BASE_USB1, USB_DEVICEADDR) = 0;
-    for (uint8_t number = 1; number < ENDPOINTS; number++) *control_of(number) = 0;
+    STORE(R32(BASE_USB1, USB_DEVICEADDR), 0);
+    for (uint8_t number = 1; number < ENDPOINTS; number++) STORE(*control_of(number), 0);
     for (uint32_t pipe = 0; pipe < PIPES; pipe++) {
         memory.heads[pipe].next = LINK_END;
         memory.heads[pipe].token = 0;
@@ -205,10 +213,10 @@ static void close_all(void)
 /* The bus: a reset begins (URI) and ends (port change, the speed is known); quiet for 3 ms (SLI); the cable (BSV). */
 static bool take_bus(seld_udc_event *event)
 {
-    uint32_t status = R32(BASE_USB1, USB_USBSTS), port = R32(BASE_USB1, USB_PORTSC1);
-    R32(BASE_USB1, USB_USBSTS) = status;
+    uint32_t status = LOAD(R32(BASE_USB1, USB_USBSTS)), port = LOAD(R32(BASE_USB1, USB_PORTSC1));
+    STORE(R32(BASE_USB1, USB_USBSTS), status);
     bool had_power = controller.has_power;
-    controller.has_power = (R32(BASE_USB1, USB_OTGSC) & MASK(USB_OTGSC_BSV)) != 0;
+    controller.has_power = (LOAD(R32(BASE_USB1, USB_OTGSC)) & MASK(USB_OTGSC_BSV)) != 0;
     if (had_power && !controller.has_power) {
         close_all();
         controller.is_resetting = controller.is_suspended = false;
@@ -238,15 +246,15 @@ static bool take_bus(seld_udc_event *event)
 static bool take_setup(seld_udc_event *event)
 {
     volatile uint32_t *command = &R32(BASE_USB1, USB_USBCMD);
-    if ((R32(BASE_USB1, USB_ENDPTSETUPSTAT) & 1u) == 0) return false;
-    R32(BASE_USB1, USB_ENDPTSETUPSTAT) = 1;
+    if ((LOAD(R32(BASE_USB1, USB_ENDPTSETUPSTAT)) & 1u) == 0) return false;
+    STORE(R32(BASE_USB1, USB_ENDPTSETUPSTAT), 1);
     bool is_whole = false;
     for (int i = 0; i < WAIT_MAX && !is_whole; i++) {
-        *command |= MASK(USB_USBCMD_SUTW);
+        change(command, MASK(USB_USBCMD_SUTW), MASK(USB_USBCMD_SUTW));
         for (uint32_t k = 0; k < SELD_UDC_SETUP_BYTES; k++) event->setup[k] = memory.heads[0].setup[k];
-        is_whole = (*command & MASK(USB_USBCMD_SUTW)) != 0;
+        is_whole = (LOAD(*command) & MASK(USB_USBCMD_SUTW)) != 0;
     }
-    *command &= ~MASK(USB_USBCMD_SUTW);
+    change(command, MASK(USB_USBCMD_SUTW), 0);
     wait_clear(&R32(BASE_USB1, USB_ENDPTSETUPSTAT), 1);
     flush(bit_of(0) | bit_of(SELD_UDC_IN));
     if (!is_whole) return false;
@@ -279,8 +287,8 @@ static bool take_transfer(uint8_t endpoint, seld_udc_event *event)
 
 static bool take_complete(seld_udc_event *event)
 {
-    uint32_t bits = R32(BASE_USB1, USB_ENDPTCOMPLETE);
-    R32(BASE_USB1, USB_ENDPTCOMPLETE) = bits;
+    uint32_t bits = LOAD(R32(BASE_USB1, USB_ENDPTCOMPLETE));
+    STORE(R32(BASE_USB1, USB_ENDPTCOMPLETE), bits);
     controller.complete |= bits;
     for (uint8_t number = 0; number < ENDPOINTS && controller.complete != 0; number++) {
         for (uint32_t way = 0; way < 2; way++) {
@@ -304,13 +312,13 @@ static bool udc_poll(void *context, seld_udc_event *event)
 const seld_udc *usb_udc_start(void)
 {
     volatile uint32_t *command = &R32(BASE_USB1, USB_USBCMD);
-    *command = MASK(USB_USBCMD_RST);
+    STORE(*command, MASK(USB_USBCMD_RST));
     if (!board_wait(command, MASK(USB_USBCMD_RST), 0)) return NULL;
-    R32(BASE_USB1, USB_USBMODE) = BITS(USB_USBMODE_CM, MODE_DEVICE) | BITS(USB_USBMODE_SLOM, 1);
-    SET_FIELD(*command, USB_USBCMD_ITC, 0);
+    STORE(R32(BASE_USB1, USB_USBMODE), BITS(USB_USBMODE_CM, MODE_DEVICE) | BITS(USB_USBMODE_SLOM, 1));
+    change(command, MASK(USB_USBCMD_ITC), 0);
     close_all();
     /* In device mode this register holds the address of the heads (ENDPTLISTADDR). */
-    R32(BASE_USB1, USB_ASYNCLISTADDR) = (uint32_t)(uintptr_t)memory.heads;
+    STORE(R32(BASE_USB1, USB_ASYNCLISTADDR), (uint32_t)(uintptr_t)memory.heads);
     controller.udc = (seld_udc){
         .context = NULL,
         .can_high_speed = true,
