@@ -65,6 +65,9 @@ class Reader
         const std::size_t count = seld_wire_read(&head, 4);
         if (kind_ < HEAD || kind_ > ROOM)
             fail(RecordingFault::damaged, "is damaged: unknown chunk kind " + std::to_string(kind_));
+        if (!is_size_of(kind_, count, recording_.header.tools.size()))
+            fail(RecordingFault::damaged, "is damaged: a chunk of kind " + std::to_string(kind_) +
+                                              " cannot have " + std::to_string(count) + " bytes");
         if (count > left - chunk_head_bytes - chunk_tail_bytes) return false;
         const std::size_t covered = chunk_head_bytes + count;
         seld_wire_reader tail = seld_wire_reader_make(bytes_.data() + position_ + covered, chunk_tail_bytes);

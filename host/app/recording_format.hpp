@@ -1,4 +1,4 @@
-// What recorder and reader share: chunk kinds and the header's codec.
+// What recorder and reader share: chunk kinds, their sizes and the header's codec.
 // May include: recording.hpp. Called by: recorder.cpp, recording.cpp.
 #pragma once
 #include "host/app/recording.hpp"
@@ -33,6 +33,30 @@ constexpr std::size_t tick_bytes(std::size_t tool_count)
     return SELD_WIRE_BYTES_encoders - (SELD_WIRE_TOOL_MAX - tool_count) * SELD_WIRE_BYTES_hand + 8;
 }
 inline constexpr std::size_t command_bytes = 4 + 2 + 3 * 4;
+inline constexpr std::size_t hash_bytes = 4 + 8;         // HASH and END
+inline constexpr std::size_t view_bytes = 4 + 2 + 6 * 4; // of version 2
+inline constexpr std::size_t state_bytes_max = 4 + (1 << 20);
+
+// Can a chunk of this kind have so many bytes? A length that is none is damage, and no sign of a file that was cut off.
+constexpr bool is_size_of(std::uint32_t kind, std::size_t bytes, std::size_t tool_count)
+{
+    switch (kind) {
+    case HEAD:
+        return bytes <= head_bytes_max;
+    case TICKS:
+        return bytes >= 8 && (bytes - 8) % tick_bytes(tool_count) == 0 &&
+               (bytes - 8) / tick_bytes(tool_count) <= Recorder::ticks_per_chunk;
+    case SNAPSHOT:
+    case RESUMED:
+        return bytes > 4 && bytes <= state_bytes_max;
+    case VIEW:
+        return bytes == view_bytes;
+    case ROOM:
+        return bytes == command_bytes;
+    default:
+        return bytes == hash_bytes;
+    }
+}
 
 inline void put_text(seld_wire_writer &writer, const std::string &text)
 {

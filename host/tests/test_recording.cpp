@@ -59,6 +59,12 @@ Recorded record(const std::string &script)
     return recorded;
 }
 
+std::uint32_t word(const std::vector<std::uint8_t> &from, std::size_t place)
+{
+    return std::uint32_t{from[place]} | std::uint32_t{from[place + 1]} << 8 |
+           std::uint32_t{from[place + 2]} << 16 | std::uint32_t{from[place + 3]} << 24;
+}
+
 const Recorded &session()
 {
     static const Recorded recorded =
@@ -134,10 +140,6 @@ void recordings_of_version_2_still_load(void **)
     std::size_t at = 8;
     bytes.assign(session().bytes.begin(), session().bytes.begin() + 8);
     bytes[7] = '2';
-    const auto word = [](const std::vector<std::uint8_t> &from, std::size_t place) {
-        return std::uint32_t{from[place]} | std::uint32_t{from[place + 1]} << 8 |
-               std::uint32_t{from[place + 2]} << 16 | std::uint32_t{from[place + 3]} << 24;
-    };
     const std::vector<std::uint8_t> &now = session().bytes;
     const auto put = [&](std::vector<std::uint8_t> &to, std::uint32_t value) {
         for (int i = 0; i < 4; i++) to.push_back(static_cast<std::uint8_t>(value >> 8 * i));
@@ -188,6 +190,28 @@ void a_recording_cut_off_anywhere_keeps_its_whole_chunks(void **)
     assert_int_equal(ticks_before, session().result.figures.ticks);
 }
 
+// A chunk that says it is longer than any of its kind is damage, and no sign of a file that was cut off.
+void a_flipped_high_bit_of_a_length_is_no_cut(void **)
+{
+    std::vector<std::uint8_t> bytes = session().bytes;
+    int chunks = 0;
+    for (std::size_t at = 8; at < bytes.size(); at += 12 + word(bytes, at + 4), chunks++) {
+        for (unsigned bit = 21; bit < 32; bit++) {
+            std::uint8_t &byte = bytes[at + 4 + bit / 8];
+            byte = static_cast<std::uint8_t>(byte ^ 1u << bit % 8);
+            try {
+                seld::parse_recording(bytes, "x.rec");
+                fail_msg("bit %u of the length of chunk %d reads as a file that was cut off", bit, chunks);
+            } catch (const seld::RecordingError &error) {
+                assert_true(error.fault == seld::RecordingFault::damaged);
+                assert_non_null(strstr(error.what(), "x.rec: is damaged: a chunk of kind"));
+            }
+            byte = static_cast<std::uint8_t>(byte ^ 1u << bit % 8);
+        }
+    }
+    assert_true(chunks > 4);
+}
+
 // One bit flipped at a time. A flip in a chunk's length field may look like a cut-off file; everything else is refused.
 void a_flipped_bit_is_never_taken_for_a_complete_recording(void **)
 {
@@ -228,13 +252,9 @@ void ticks_out_of_order_are_refused(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;
     std::size_t at = 8;
-    const auto word = [&](std::size_t place) {
-        return bytes[place] | bytes[place + 1] << 8 | bytes[place + 2] << 16 |
-               static_cast<std::uint32_t>(bytes[place + 3]) << 24;
-    };
-    while (word(at) != 2) at += 12 + word(at + 4);
+    while (word(bytes, at) != 2) at += 12 + word(bytes, at + 4);
     bytes[at + 8] = 1;
-    const std::uint32_t covered = 8 + word(at + 4);
+    const std::uint32_t covered = 8 + word(bytes, at + 4);
     const std::uint32_t crc = seld_wire_crc32(0, bytes.data() + at, covered);
     for (unsigned i = 0; i < 4; i++) bytes[at + covered + i] = static_cast<std::uint8_t>(crc >> (8 * i));
     try {
@@ -291,6 +311,7 @@ int main()
         cmocka_unit_test(commands_to_the_room_are_recorded_with_their_ticks),
         cmocka_unit_test(recordings_of_version_2_still_load),
         cmocka_unit_test(a_recording_cut_off_anywhere_keeps_its_whole_chunks),
+        cmocka_unit_test(a_flipped_high_bit_of_a_length_is_no_cut),
         cmocka_unit_test(a_flipped_bit_is_never_taken_for_a_complete_recording),
         cmocka_unit_test(other_files_and_newer_versions_are_refused_by_name),
         cmocka_unit_test(ticks_out_of_order_are_refused),
