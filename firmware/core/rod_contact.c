@@ -189,6 +189,9 @@ static inline bool sample(const seld_model *model, seld_state *state, seld_work 
     bool known = (work->normal_q30.v[0] | work->normal_q30.v[1] | work->normal_q30.v[2]) != 0;
     if (!known && work->distance_m_q30 > 0) {
         state->words.fault_bits |= SELD_FAULT_OUTSIDE;
+        if (work->depth_m_q30 > state->scratch.outside_m_q30) {
+            state->scratch.outside_m_q30 = work->depth_m_q30;
+        }
     }
     return known;
 }
@@ -257,6 +260,7 @@ void seld_contact_find(const seld_model *model, seld_state *state)
     seld_work *work = state->scratch.nodes;
     seld_node_state *node = state->words.nodes;
     const seld_line_node *line = state->line.nodes;
+    state->scratch.outside_m_q30 = 0;
     /* two held nodes too: the solve reads past the last free one */
     for (uint32_t i = 0; i < na + 2; i++, work++, node++, line++) {
         work->touching = 0;
@@ -353,7 +357,8 @@ static void charge_outer_tool(seld_state *state, const seld_node_state *node, co
 void seld_contact_finish(const seld_model *model, seld_state *state, seld_output *output)
 {
     output->contact_count = 0;
-    output->penetration_max_m_q30 = 0;
+    output->penetration_max_m_q30 =
+        state->scratch.outside_m_q30; /* no contact acts there, and it is the deepest */
     const seld_work *work = state->scratch.nodes;
     seld_node_state *node = state->words.nodes;
     const seld_line_node *line = state->line.nodes;

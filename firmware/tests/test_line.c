@@ -160,6 +160,21 @@ static void a_twist_beyond_the_joints_format_is_refused(void **context)
     check_refused(&tool, 1, SELD_BUILD_OVERFLOW, 0, 0);
 }
 
+/* 1e-7 N m^2 for 100 mm and 3e-2 behind, each in range, in elements of 8 mm: no one exponent has room for both, and the tip would be
+ * a tip of noise. */
+static void a_tip_too_soft_beside_its_shaft_is_refused(void **context)
+{
+    (void)context;
+    seld_instrument tool = make_tool(3e-2, 600000, 8000, 445, 0);
+    tool.knot_count = 4;
+    tool.knots[3] = tool.knots[2] = tool.knots[1];
+    tool.knots[1] = tool.knots[0];
+    tool.knots[1].arc_um = 100000;
+    tool.knots[2].arc_um = 101000;
+    tool.knots[0].bend_stiffness_nN_m2 = tool.knots[1].bend_stiffness_nN_m2 = 100;
+    check_refused(&tool, 1, SELD_BUILD_OVERFLOW, 0, 0);
+}
+
 static void a_mass_beyond_the_nodes_format_is_refused(void **context)
 {
     (void)context;
@@ -179,6 +194,7 @@ int main(void)
         cmocka_unit_test(a_curve_tighter_than_the_elements_is_refused_at_its_knot),
         cmocka_unit_test(a_tool_that_cannot_reach_the_shortest_line_is_refused),
         cmocka_unit_test(a_twist_beyond_the_joints_format_is_refused),
+        cmocka_unit_test(a_tip_too_soft_beside_its_shaft_is_refused),
         cmocka_unit_test(a_mass_beyond_the_nodes_format_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

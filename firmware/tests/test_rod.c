@@ -290,6 +290,31 @@ static void random_hand_does_not_blow_the_rod_up(void **context)
     reference_tube_free(tube);
 }
 
+/* Beyond the field there is no normal and so no contact, but such a node is deeper than any. The whole wire lies 0.1 m beside the tube;
+ * the field's far value is 15.6 mm, the wire's radius comes to it. */
+static void a_node_beyond_the_field_is_the_deepest(void **context)
+{
+    (void)context;
+    reference_tube *tube = reference_three_bends(0.004, 0);
+    seld_instrument wire = reference_wire(5e-4, 600000, 3000, 0.2);
+    rig *r = calloc(1, sizeof *r);
+    seld_entry entry = reference_entry();
+    seld_build_place place;
+    const uint32_t inserted_um = 60000;
+    for (int beside = 0; beside < 2; beside++) {
+        entry.position_m_q30.v[1] += beside * (1 << 30) / 10;
+        assert_int_equal(seld_model_build(&r->model, &wire, 1, &tube->lumen, &entry, &place), SELD_BUILD_OK);
+        seld_state_init(&r->model, &r->state, &inserted_um);
+        rig_step(r);
+        const double depth_mm = r->output.penetration_max_m_q30 / Q30 * 1e3;
+        if (beside ? depth_mm < 15.6 : depth_mm > 1)
+            fail_msg("%s the field: depth %.3f mm", beside ? "beyond" : "in", depth_mm);
+        assert_int_equal((r->output.fault_bits & SELD_FAULT_OUTSIDE) != 0, beside);
+    }
+    free(r);
+    reference_tube_free(tube);
+}
+
 /* --- state ----------------------------------------------------------------------------------------------------- */
 
 static rig *busy_rig(const reference_tube *tube)
@@ -458,6 +483,7 @@ int main(void)
         cmocka_unit_test(curved_wire_without_load_takes_its_circle),
         cmocka_unit_test(sliding_on_the_floor_costs_mu_times_weight),
         cmocka_unit_test(random_hand_does_not_blow_the_rod_up),
+        cmocka_unit_test(a_node_beyond_the_field_is_the_deepest),
         cmocka_unit_test(restored_state_goes_on_bit_for_bit),
         cmocka_unit_test(restore_refuses_impossible_words),
         cmocka_unit_test(one_more_count_of_the_hand_gives_another_hash),
