@@ -142,27 +142,27 @@ void strange_host(const Fault &fault, seld::Transport &pipe)
     if (action != 0) send_raw(pipe, SELD_WIRE_TYPE_command, payload);
 }
 
-Undisturbed run_undisturbed()
+Undisturbed run_undisturbed(Level &level)
 {
     Undisturbed undisturbed;
-    SimBench bench(campaign_plant());
-    seld::Link link(bench.pipe());
+    const auto bench = level.make(campaign_plant());
+    seld::Link link(bench->pipe());
     campaign_set_up(link);
     const Ending ending = lockstep_session(link, lockstep_ticks, 1);
     undisturbed.lockstep = ending.states;
     undisturbed.lockstep_hash = ending.hash;
-    free_run_undisturbed(undisturbed);
+    free_run_undisturbed(level, undisturbed);
     return undisturbed;
 }
 
-Outcome run_fault(const Fault &fault, const Undisturbed &undisturbed)
+Outcome run_fault(Level &level, const Fault &fault, const Undisturbed &undisturbed)
 {
     Outcome outcome;
     try {
         if (fault.session == Session::free_run)
-            run_free(fault, undisturbed, outcome);
+            run_free(level, fault, undisturbed, outcome);
         else
-            run_asked(fault, undisturbed, outcome);
+            run_asked(level, fault, undisturbed, outcome);
     } catch (const std::exception &error) {
         outcome.failure = error.what();
     }

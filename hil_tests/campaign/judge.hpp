@@ -1,11 +1,11 @@
-// One fault in one session at level 0, and what must hold afterwards: force within its limit, no force in time, the host told,
+// One fault in one session at any level, and what must hold afterwards: force within its limit, no force in time, the host told,
 // every tick up to the fault recorded, and the session resumed to the same hash or ended as documented (docs/hil.md).
-// May include: fault.hpp, faulty_pipe.hpp, hil_tests/cases, hil_tests/l0. Called by: hil_tests/campaign.
+// What the same sessions are without a fault is always level 0's: so levels are compared, too.
+// May include: fault.hpp, faulty_pipe.hpp, hil_tests/cases. Called by: hil_tests/campaign.
 #pragma once
 #include "hil_tests/campaign/fault.hpp"
 #include "hil_tests/campaign/faulty_pipe.hpp"
 #include "hil_tests/cases/conversation.hpp"
-#include "hil_tests/l0/sim_bench.hpp"
 #include <optional>
 
 namespace hil
@@ -41,13 +41,13 @@ void campaign_set_up(seld::Link &link);
 PlantSettings campaign_plant();
 bool same_state(const seld_wire_tick_state &a, const seld_wire_tick_state &b);
 
-Undisturbed run_undisturbed();
-Outcome run_fault(const Fault &fault, const Undisturbed &undisturbed);
+Undisturbed run_undisturbed(Level &level);
+Outcome run_fault(Level &level, const Fault &fault, const Undisturbed &undisturbed);
 
 // The two kinds of session; both throw Failure.
-void run_asked(const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome);
-void run_free(const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome);
-void free_run_undisturbed(Undisturbed &undisturbed);
+void run_asked(Level &level, const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome);
+void run_free(Level &level, const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome);
+void free_run_undisturbed(Level &level, Undisturbed &undisturbed);
 
 // What another host says in the middle of a session, to the very device; its answers go where answers go.
 void strange_host(const Fault &fault, seld::Transport &pipe);

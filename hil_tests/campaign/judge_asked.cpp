@@ -13,8 +13,9 @@ constexpr int attempts_max = 6;
 class Host
 {
   public:
-    Host(const Fault &fault, const Undisturbed &undisturbed)
-        : fault_(fault), undisturbed_(undisturbed), bench_(campaign_plant()), pipe_(bench_.pipe())
+    Host(Level &level, const Fault &fault, const Undisturbed &undisturbed)
+        : fault_(fault), undisturbed_(undisturbed), bench_(level.make(campaign_plant())),
+          pipe_(bench_->pipe())
     {
     }
 
@@ -75,7 +76,7 @@ class Host
     {
         if (has_met_ || !fault_.is_group("host.") || tick != fault_.at - 1) return;
         has_met_ = true;
-        strange_host(fault_, bench_.pipe());
+        strange_host(fault_, bench_->pipe());
     }
 
     void finish()
@@ -119,14 +120,14 @@ class Host
     // In LOCKSTEP no motor ever has power.
     void check_motors()
     {
-        bench_.advance(5);
-        check(!bench_.plant().is_stage_on() && bench_.plant().motor_peak_N() == 0.0,
+        bench_->advance(5);
+        check(!bench_->plant().is_stage_on() && bench_->plant().motor_peak_N() == 0.0,
               "a motor has power in LOCKSTEP");
     }
 
     const Fault &fault_;
     const Undisturbed &undisturbed_;
-    SimBench bench_;
+    std::unique_ptr<Bench> bench_;
     FaultyPipe pipe_;
     std::optional<seld::Link> link_;
     std::vector<seld_wire_tick_state> recorded_;
@@ -136,9 +137,9 @@ class Host
 
 } // namespace
 
-void run_asked(const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome)
+void run_asked(Level &level, const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome)
 {
-    Host(fault, undisturbed).run(outcome);
+    Host(level, fault, undisturbed).run(outcome);
 }
 
 } // namespace hil

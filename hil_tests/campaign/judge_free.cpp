@@ -47,13 +47,13 @@ const Answer *answer_of(const Fault &fault)
 class Loop
 {
   public:
-    Loop(const Fault *fault, const Undisturbed &undisturbed, Outcome &outcome)
-        : fault_(fault), undisturbed_(undisturbed), outcome_(outcome), bench_(campaign_plant()),
-          pipe_(bench_.pipe()), link_(pipe_)
+    Loop(Level &level, const Fault *fault, const Undisturbed &undisturbed, Outcome &outcome)
+        : fault_(fault), undisturbed_(undisturbed), outcome_(outcome), bench_(level.make(campaign_plant())),
+          pipe_(bench_->pipe()), link_(pipe_)
     {
         campaign_set_up(link_);
-        start_free_run(bench_, link_);
-        Plant::Track &track = bench_.plant().track(0);
+        start_free_run(*bench_, link_);
+        Plant::Track &track = bench_->plant().track(0);
         track.translation.set_hand(Hand::spring);
         track.rotation.set_hand(Hand::spring);
         track.translation.move_hand(hand_m_per_s);
@@ -67,7 +67,7 @@ class Loop
             if (fault_ != nullptr && ms_ + 1 == fault_->at) inject();
             if (ms_ % host_every_ms == 0) talk();
             pipe_.tick();
-            bench_.advance(1);
+            bench_->advance(1);
             observe();
             motor_N_.push_back(motor_N());
         }
@@ -92,10 +92,10 @@ class Loop
     seld_wire_status ask_status();
     void start_again();
 
-    double motor_N() { return bench_.plant().track(0).translation.motor_force(); }
+    double motor_N() { return bench_->plant().track(0).translation.motor_force(); }
     bool is_safe()
     {
-        Plant &plant = bench_.plant();
+        Plant &plant = bench_->plant();
         return plant.motor_peak_N() <= force_none_N && plant.motor_torque_peak_N_m() <= torque_none_N_m;
     }
     bool is_wrong_way() const { return is("rig.encoder_stuck") || is("rig.encoder_reversed"); }
@@ -104,7 +104,7 @@ class Loop
     const Fault *fault_;
     const Undisturbed &undisturbed_;
     Outcome &outcome_;
-    SimBench bench_;
+    std::unique_ptr<Bench> bench_;
     FaultyPipe pipe_;
     seld::Link link_;
     std::uint32_t ms_ = 0, delivered_ = 0, last_frame_ms_ = 0, silence_ms_ = 0, silent_from_ms_ = 0;
@@ -146,7 +146,7 @@ void Loop::expect_off(SafeClass which)
 void Loop::observe()
 {
     ms_++;
-    Plant &plant = bench_.plant();
+    Plant &plant = bench_->plant();
     outcome_.peak_N = std::max(outcome_.peak_N, plant.motor_peak_N());
     outcome_.peak_N_m = std::max(outcome_.peak_N_m, plant.motor_torque_peak_N_m());
     if (fault_ == nullptr) return;
@@ -182,7 +182,7 @@ void Loop::watch_silence()
     const int bar = bar_ms(SafeClass::host_silence);
     outcome_.safe_class = SafeClass::host_silence;
     check(is_safe() || static_cast<int>(gap) < bar, "%.3f N %u ms after the last frame, allowed %d",
-          bench_.plant().motor_peak_N(), unsigned{gap}, bar);
+          bench_->plant().motor_peak_N(), unsigned{gap}, bar);
     if (is_safe() && outcome_.safe_ms < 0) outcome_.safe_ms = static_cast<int>(gap);
 }
 
@@ -195,7 +195,7 @@ void Loop::inject()
     if (fault_->is_group("host.")) {
         const bool stops =
             is("host.wrong_schema") || (is("host.second") && (fault_->value == 3 || fault_->value == 4));
-        strange_host(*fault_, bench_.pipe());
+        strange_host(*fault_, bench_->pipe());
         if (stops) expect_off(SafeClass::command);
         return;
     }
@@ -210,12 +210,12 @@ void Loop::inject()
 
 void Loop::break_rig()
 {
-    Plant &plant = bench_.plant();
+    Plant &plant = bench_->plant();
     Plant::Track &track = plant.track(0);
     Encoder &along = track.translation_encoder, &about = track.rotation_encoder;
     const auto stand_still = [&](std::uint32_t count) {
         for (std::uint32_t i = 0; i < count; i++) {
-            bench_.freeze(1);
+            bench_->freeze(1);
             observe();
         }
     };
@@ -237,12 +237,12 @@ void Loop::break_rig()
     if (is("rig.emergency_stop")) plant.emergency_stop = true;
     if (is("rig.supply_lost") || is("rig.brown_out")) plant.supply_good = false;
     if (is("rig.freeze") || is("rig.brown_out")) stand_still(fault_->value);
-    if (is("rig.brown_out")) bench_.brown_out(1);
+    if (is("rig.brown_out")) bench_->brown_out(1);
 }
 
 void Loop::repair()
 {
-    Plant &plant = bench_.plant();
+    Plant &plant = bench_->plant();
     Plant::Track &track = plant.track(0);
     for (Axis *axis : {&track.translation, &track.rotation}) {
         axis->set_motor_fault(MotorFault::none);
@@ -254,7 +254,7 @@ void Loop::repair()
     track.is_over_current = plant.emergency_stop = false;
     plant.supply_good = true;
     pipe_.plug();
-    bench_.advance(2);
+    bench_->advance(2);
 }
 
 // --- the verdict ---
@@ -331,8 +331,8 @@ void Loop::judge_rig(const seld_wire_status &status)
     check(recorded_.size() == status.tick, "%zu ticks recorded of %u up to the fault", recorded_.size(),
           unsigned{status.tick});
     for (std::uint32_t i = 0; i < latched_ms; i++) {
-        bench_.advance(1);
-        check(!bench_.plant().is_stage_on(), "power came back %u ms later", unsigned{i});
+        bench_->advance(1);
+        check(!bench_->plant().is_stage_on(), "power came back %u ms later", unsigned{i});
     }
 }
 
@@ -355,7 +355,7 @@ void Loop::judge()
         judge_rig(status);
     } else if (is_off || (is("host.second") && fault_->value == 4)) {
         const std::uint8_t state = is_off ? SELD_WIRE_STATE_ARMED : SELD_WIRE_STATE_READY;
-        check(status.state == state && !bench_.plant().is_stage_on(), "%s after the other host",
+        check(status.state == state && !bench_->plant().is_stage_on(), "%s after the other host",
               seld_wire_state_name(status.state));
         outcome_.ending = "stopped";
     } else {
@@ -388,18 +388,18 @@ void Loop::start_again()
 
 } // namespace
 
-void free_run_undisturbed(Undisturbed &undisturbed)
+void free_run_undisturbed(Level &level, Undisturbed &undisturbed)
 {
     Outcome outcome;
-    Loop loop(nullptr, undisturbed, outcome);
+    Loop loop(level, nullptr, undisturbed, outcome);
     loop.run();
     undisturbed.free_run = loop.recorded();
     undisturbed.motor_N = loop.motor();
 }
 
-void run_free(const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome)
+void run_free(Level &level, const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome)
 {
-    Loop loop(&fault, undisturbed, outcome);
+    Loop loop(level, &fault, undisturbed, outcome);
     loop.run();
     loop.judge();
 }

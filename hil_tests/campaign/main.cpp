@@ -1,5 +1,7 @@
 // The program hil_campaign: faults on purpose (docs/hil.md), all of them, a spread, or one by its line.
 #include "hil_tests/campaign/table.hpp"
+#include "hil_tests/l0/sim_bench.hpp"
+#include "hil_tests/l1/emulated_bench.hpp"
 #include "host/app/interrupt.hpp"
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -9,7 +11,7 @@ namespace
 {
 
 struct Options {
-    std::string only, kind, file = "out/hil_campaign.tsv";
+    std::string only, kind, level = "L0", file = "out/hil_campaign.tsv";
     std::size_t spread = 0;
     bool lists = false;
 };
@@ -25,6 +27,9 @@ std::vector<hil::Fault> chosen(const Options &options)
 
 void parse(CLI::App &app, Options &options)
 {
+    app.add_option("--level", options.level, "L0: the app in this process; L1: the image in an emulator")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"L0", "L1"}));
     app.add_option("--only", options.only, "One fault by its line");
     app.add_option("--kind", options.kind, "Only faults whose name begins with this");
     app.add_option("--spread", options.spread, "So many, spread over all kinds; 0: all")
@@ -43,13 +48,16 @@ int run(const Options &options)
         for (const hil::Fault &fault : faults) std::printf("%s\n", hil::line_of(fault).c_str());
         return 0;
     }
-    const hil::Undisturbed undisturbed = hil::run_undisturbed();
-    hil::CampaignTable table;
+    hil::SimLevel l0;
+    hil::EmulatedLevel l1;
+    hil::Level &level = options.level == "L1" ? static_cast<hil::Level &>(l1) : l0;
+    const hil::Undisturbed undisturbed = hil::run_undisturbed(l0);
+    hil::CampaignTable table(options.level);
     for (const hil::Fault &fault : faults) {
         if (seld::is_interrupted()) break;
         if (table.count() % 250 == 0)
             std::fprintf(stderr, "%zu of %zu faults\n", table.count(), faults.size());
-        const hil::Outcome outcome = hil::run_fault(fault, undisturbed);
+        const hil::Outcome outcome = hil::run_fault(level, fault, undisturbed);
         table.add(fault, outcome);
         if (!options.only.empty() && !outcome.message.empty())
             std::printf("host: %s\n", outcome.message.c_str());

@@ -25,8 +25,8 @@ void CampaignTable::add(const Fault &fault, const Outcome &outcome)
                      text("%.3f\t%.2f\t", outcome.peak_N, outcome.peak_N_m * 1e3) +
                      (outcome.failure.empty() ? outcome.message : outcome.failure));
     if (!outcome.failure.empty())
-        failures_.push_back(text("%s\n    again: build/bin/hil_campaign --only \"%s\"",
-                                 outcome.failure.c_str(), line.c_str()));
+        failures_.push_back(text("%s\n    again: build/bin/hil_campaign --level %s --only \"%s\"",
+                                 outcome.failure.c_str(), level_.c_str(), line.c_str()));
 }
 
 void CampaignTable::print() const
@@ -48,7 +48,7 @@ void CampaignTable::print() const
                         worst_ms_[i], unsigned{powered_[i]}, bar_ms(which));
     }
     for (const std::string &failure : failures_) std::printf("FAILED: %s\n", failure.c_str());
-    std::printf("%zu faults, %zu failed\n", lines_.size(), failures_.size());
+    std::printf("%zu faults at %s, %zu failed\n", lines_.size(), level_.c_str(), failures_.size());
 }
 
 void CampaignTable::write(const std::string &path) const

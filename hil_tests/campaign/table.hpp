@@ -10,6 +10,7 @@ namespace hil
 class CampaignTable
 {
   public:
+    explicit CampaignTable(const std::string &level = "L0") : level_(level) {}
     void add(const Fault &fault, const Outcome &outcome);
     void print() const;
     void write(const std::string &path) const; // throws std::runtime_error
@@ -23,6 +24,7 @@ class CampaignTable
         int safe_ms = -1;
         double peak_N = 0.0;
     };
+    std::string level_;
     std::map<std::string, Row> rows_;
     int worst_ms_[safe_classes] = {-1, -1, -1, -1, -1, -1};
     std::uint32_t powered_[safe_classes] = {};

@@ -56,7 +56,7 @@ ALLOWED = {
                      "host/link"],
     "hil_tests/cases": ["hil_tests/plant", "hil_tests/l0", "hil_tests/l1", "host", "shared", "firmware/tests/reference"],
     "hil_tests/cases/tests": ["hil_tests", "host", "firmware/tests/reference/long_run.h"],
-    "hil_tests/campaign": ["hil_tests/cases", "hil_tests/l0", "hil_tests/plant", "host", "shared"],
+    "hil_tests/campaign": ["hil_tests/cases", "hil_tests/l0", "hil_tests/l1", "hil_tests/plant", "host", "shared"],
     "hil_tests/campaign/tests": ["hil_tests"],
     "hil_tests/l1/tests": ["host/link", "hil_tests/usb", "shared"],
     "hil_tests/plant/tests": ["hil_tests/plant"],

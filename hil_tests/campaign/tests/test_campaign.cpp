@@ -1,5 +1,6 @@
 // Faults on purpose, a spread over every kind (make hil does all), and what the campaign itself promises.
 #include "hil_tests/campaign/table.hpp"
+#include "hil_tests/l0/sim_bench.hpp"
 #include <csetjmp>
 #include <cstdarg>
 #include <cstdio>
@@ -15,10 +16,11 @@ namespace
 
 void a_spread_of_faults_does_no_harm(void **)
 {
-    const hil::Undisturbed undisturbed = hil::run_undisturbed();
+    hil::SimLevel level;
+    const hil::Undisturbed undisturbed = hil::run_undisturbed(level);
     hil::CampaignTable table;
     for (const hil::Fault &fault : hil::spread_of(hil::all_faults(), 208))
-        table.add(fault, hil::run_fault(fault, undisturbed));
+        table.add(fault, hil::run_fault(level, fault, undisturbed));
     table.print();
     assert_int_equal(table.failures(), 0);
     assert_true(table.count() >= 200);
