@@ -28,7 +28,7 @@ CXXFLAGS := -std=c++20 $(DEBUG) $(WARN) $(CXXWARN) -I. -isystem /usr/include/eig
 LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
-LIBS       := hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/room host/dicom host/xray/gl host/xray host/effects host/link host/model tools/anatomy tools/bake tools/mesh tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
+LIBS       := hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/room host/dicom host/xray/gl host/xray host/effects host/link host/model tools/anatomy tools/centreline/fit tools/bake tools/centreline tools/mesh tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
               firmware/port/mailbox firmware/app/usb firmware/core shared/scene shared/wire
 lib_file    = $(BUILD)/lib/lib$(subst /,_,$(1)).a
 lib_sources = $(filter-out %/main.cpp,$(wildcard $(1)/*.c $(1)/*.cpp))
@@ -38,19 +38,22 @@ objects     = $(patsubst %,$(BUILD)/obj/%.o,$(1))
 FIRMWARE_LIBS := firmware/port/sim firmware/app firmware/core shared/scene shared/wire
 DEVICE_LIBS   := hil_tests/usb firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
 HOST_LIBS     := host/app host/room host/dicom host/xray/gl host/xray host/effects host/link host/model $(FIRMWARE_LIBS)
-BAKE_LIBS     := tools/bake tools/mesh host/model firmware/core shared/scene shared/wire
+BAKE_LIBS     := tools/bake tools/centreline tools/mesh host/model firmware/core shared/scene shared/wire
+LINE_LIBS     := tools/centreline/fit tools/bake tools/centreline tools/mesh host/xray/gl host/model
+LINE_HOST     := host/app/picture_canvas.cpp host/app/picture_font.cpp host/app/picture_png.cpp host/app/window_screen.cpp
 ANATOMY_LIBS  := tools/anatomy tools/mesh host/model
 VALIDATE_LIBS := tools/validate host/model firmware/core
 VCSIM3_LIBS   := tools/vcsim3 host/app host/model firmware/core shared/scene shared/wire
 HIL_LIBS      := hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant hil_tests/usb $(HOST_LIBS) firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
 HIL_REFERENCE := firmware/tests/reference/tube_lumen.c
 VDB_LINK      := -lopenvdb -ltbb -lImath-3_1
-BAKE_LINK     := $(VDB_LINK) -lassimp -lccd
+BAKE_LINK     := $(VDB_LINK) -lassimp -lccd -lpugixml -lz
+LINE_LINK     := $(BAKE_LINK) -lpng -lglfw -ldl
 HOST_LINK     := -lpng -lglfw -lusb-1.0 -ldl -ldcmdata -lofstd
 
-PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
+PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/centreline $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: dissector all run window test validate bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig install-udev bench-xray-peers
+.PHONY: dissector all run window test validate validate-centreline bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig install-udev bench-xray-peers
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -75,7 +78,7 @@ USB_ID_FLAGS := -DSELD_USB_VENDOR_ID=0x$(word 1,$(subst :, ,$(USB_ID))) -DSELD_U
 $(BUILD)/obj/firmware/app/usb/%.c.o: CFLAGS += $(USB_ID_FLAGS)
 $(BUILD)/obj/host/link/%.cpp.o $(BUILD)/obj/host/app/%.cpp.o: CXXFLAGS += $(USB_ID_FLAGS)
 # The command line's parser is half a minute of templates that run once: not optimised, half of that.
-QUICK := $(BUILD)/obj/host/app/cli.cpp.o $(BUILD)/obj/host/app/cli_rig.cpp.o $(BUILD)/obj/host/app/cli_dicom.cpp.o
+QUICK := $(BUILD)/obj/host/app/cli.cpp.o $(BUILD)/obj/host/app/cli_rig.cpp.o $(BUILD)/obj/host/app/cli_dicom.cpp.o $(BUILD)/obj/tools/centreline/fit/main.cpp.o
 # Under the sanitizers what reads, asks and writes is compiled without optimising, which takes two thirds of the time.
 QUICK += $(if $(SAN),$(foreach folder,host/app host/dicom host/link host/model hil_tests,$(BUILD)/obj/$(folder)/%.cpp.o))
 $(QUICK): override OPT := -O0
@@ -104,7 +107,7 @@ $(BUILD)/pch/%/headers.hpp.gch:
 	$(Q) $(CXX) $(PCH_FLAGS_$*) -x c++-header $(@:.gch=) -o $@
 .PRECIOUS: $(BUILD)/pch/%/headers.hpp.gch
 # Tests are long lists that run once.
-$(BUILD)/obj/host/tests/%.cpp.o $(BUILD)/obj/tools/bake/tests/%.cpp.o $(BUILD)/obj/hil_tests/cases/tests/%.cpp.o: OPT := -O1
+$(BUILD)/obj/host/tests/%.cpp.o $(BUILD)/obj/tools/bake/tests/%.cpp.o $(BUILD)/obj/tools/centreline/tests/%.cpp.o $(BUILD)/obj/hil_tests/cases/tests/%.cpp.o: OPT := -O1
 $(BUILD)/obj/%.cpp.o: %.cpp $(if $(PCH),| $(foreach kind,plain pixels quick,$(BUILD)/pch/$(kind)/headers.hpp.gch))
 	@mkdir -p $(@D)
 	$(Q) $(CXX) $(if $(PCH),-include $(PCH_FOLDER)/headers.hpp) $(CXXFLAGS) $(OPT) -c $< -o $@
@@ -126,6 +129,7 @@ endef
 $(eval $(call program,seldinger,host/app/main.cpp,$(HOST_LIBS),$(HOST_LINK)))
 $(eval $(call program,bake,tools/bake/main.cpp,$(BAKE_LIBS),$(BAKE_LINK)))
 $(eval $(call program,anatomy,tools/anatomy/main.cpp,$(ANATOMY_LIBS),$(VDB_LINK)))
+$(eval $(call program,centreline,tools/centreline/fit/main.cpp $(LINE_HOST),$(LINE_LIBS),$(LINE_LINK)))
 $(eval $(call program,vcsim3,tools/vcsim3/main.cpp,$(VCSIM3_LIBS),-lpng))
 $(eval $(call program,docs,tools/docs/main.cpp tools/docs/dissector.cpp,shared/wire,))
 HIL_PROGRAM := $(BUILD)/bin/hil
@@ -178,6 +182,7 @@ window: packages-build packages-run ## push and turn a wire by keyboard (needs a
 FIRMWARE_TESTS := $(wildcard firmware/tests/test_*.c shared/*/tests/test_*.c hil_tests/test_*.c)
 HOST_TESTS     := $(wildcard host/tests/test_*.cpp)
 TOOL_TESTS     := $(wildcard tools/bake/tests/test_*.cpp)
+LINE_TESTS     := $(wildcard tools/centreline/tests/test_*.cpp)
 VALIDATE_TESTS := $(wildcard tools/validate/tests/test_*.cpp)
 THESIS_TESTS   := $(wildcard tools/vcsim3/tests/test_*.cpp)
 HIL_TESTS      := $(wildcard hil_tests/*/tests/test_*.cpp)
@@ -195,12 +200,13 @@ $(foreach t,$(FIRMWARE_TESTS),$(eval $(call test_rule,$(t),$(DEVICE_LIBS),,$(REF
 # Those of USB link a bus of ours before libusb.
 $(foreach t,$(HOST_TESTS),$(eval $(call test_rule,$(t),$(HOST_LIBS),$(HOST_LINK),$(if $(findstring test_usb,$(t)),host/tests/fake_usb.cpp))))
 $(foreach t,$(TOOL_TESTS),$(eval $(call test_rule,$(t),$(BAKE_LIBS),$(BAKE_LINK),)))
+$(foreach t,$(LINE_TESTS),$(eval $(call test_rule,$(t),$(LINE_LIBS),$(LINE_LINK),$(LINE_HOST))))
 $(foreach t,$(THESIS_TESTS),$(eval $(call test_rule,$(t),tools/vcsim3 host/app host/model $(FIRMWARE_LIBS),-lpng,$(REFERENCE))))
 $(foreach t,$(VALIDATE_TESTS),$(eval $(call test_rule,$(t),$(VALIDATE_LIBS),,)))
 $(foreach t,$(HIL_TESTS),$(eval $(call test_rule,$(t),$(HIL_LIBS),$(HOST_LINK),$(REFERENCE))))
-$(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/room host/dicom host/xray/gl host/xray host/effects host/link tools/bake tools/mesh host/model $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
+$(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/room host/dicom host/xray/gl host/xray host/effects host/link tools/bake tools/centreline tools/mesh host/model $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
-ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS) $(TOOL_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
+ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS) $(TOOL_TESTS) $(LINE_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
 
 tests-build: $(ALL_TEST_PROGRAMS) $(BUILD)/firmware/seldinger-mps2_an500.elf $(BUILD)/firmware/seldinger-imxrt1062.elf ## build the test programs
 tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS),$(call test_program,$(t))) $(BUILD)/firmware/seldinger-mps2_an500.elf $(BUILD)/bin/seldinger ## build those without OpenVDB
@@ -291,6 +297,10 @@ matrix: packages-build packages-test packages-matrix ## one hash on five machine
 validate: packages-build ## compare the rod with closed forms; writes out/validation.html and .tsv, renews docs/validation.md
 	@$(QUIET_MAKE) $(BUILD)/bin/validate
 	@$(BUILD)/bin/validate --jobs $(JOBS) --docs docs/validation.md
+
+validate-centreline: packages-build packages-test ## recover the stEVE_bench curves from their surface (needs ../shared/anatomy): docs/centreline.md
+	@$(QUIET_MAKE) $(BUILD)/test/tools/centreline/tests/test_steve
+	@SELD_WHOLE=1 $(BUILD)/test/tools/centreline/tests/test_steve
 
 # --- benchmarks: docs/bench.md -------------------------------------------------------------------------------------
 BENCHES := $(wildcard firmware/bench/bench_*.c)
@@ -434,8 +444,17 @@ $(PHANTOM_SCENE): $(PHANTOM_TEXT) $(BUILD)/bin/bake
 	@echo "Baking $(PHANTOM_SCENE)"
 	@$(BUILD)/bin/bake $(PHANTOM_TEXT) -o $(PHANTOM_SCENE)
 
-thesis: packages-build packages-bench ## Figures 5.11 to 5.14 of the thesis by its own rod and by ours: out/thesis/index.html (minutes)
-	@$(QUIET_MAKE) $(BUILD)/bin/vcsim3 $(PHANTOM_SCENE)
+LINE_POINTS := shared/examples/centrelines/aorta.toml
+LINE_FIGURE := out/thesis/figure_5_9.png
+$(LINE_FIGURE) $(LINE_FIGURE:.png=.csv) &: $(ANATOMY) $(LINE_POINTS) $(BUILD)/bin/centreline
+	@mkdir -p $(@D)
+	@echo "Making $(LINE_FIGURE)"
+	@$(BUILD)/bin/centreline fit $(ANATOMY) --points $(LINE_POINTS) -o $(LINE_FIGURE:.png=.csv)
+	@$(BUILD)/bin/centreline show $(LINE_FIGURE:.png=.csv) --mesh $(ANATOMY) --turn -20 --size 1600 -o $(LINE_FIGURE)
+
+thesis: packages-build packages-bench ## Figures 5.9 and 5.11 to 5.14 of the thesis, by its own rod and by ours: out/thesis/index.html (minutes)
+	@$(QUIET_MAKE) $(BUILD)/bin/vcsim3 $(BUILD)/bin/centreline $(PHANTOM_SCENE)
+	@$(MAKE) --no-print-directory PACKAGES=skip $(LINE_FIGURE)
 	@$(BUILD)/bin/vcsim3 figures --scene $(PHANTOM_SCENE) -o out/thesis --threads $(JOBS) --instructions
 
 docs: packages-build ## write the generated tables of docs/wire.md, usb.md, faults.md and instruments.md, and its picture

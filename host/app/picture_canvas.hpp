@@ -1,5 +1,5 @@
 // A white sheet for charts: boxes, smooth lines of any width, letters of the display's font.
-// May include: picture, picture_font. Called by: instrument_picture.
+// May include: picture, picture_font. Called by: instrument_picture, tools/centreline/fit.
 #pragma once
 #include "host/app/picture.hpp"
 #include <string_view>
@@ -30,9 +30,9 @@ class Sheet
     // Letters 5 x 7 times scale; (x, y) is the corner at the top left.
     void text(int x, int y, std::string_view text, int scale, Ink ink);
     static int text_width(std::string_view text, int scale);
+    void blend(int x, int y, Ink ink, double share); // one pixel; share 1 covers what was there
 
   private:
-    void blend(int x, int y, Ink ink, double share);
     void cover(const std::vector<SheetPoint> &points, double width, Ink ink);
 
     Image image_;

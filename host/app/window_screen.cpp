@@ -115,6 +115,43 @@ std::unique_ptr<GlContext> Screen::context() const
     return std::make_unique<WindowContext>(window_);
 }
 
+void Screen::on_pointer(PointerHandler handler)
+{
+    pointer_handler_ = std::move(handler);
+    // The callbacks are C's: they know the window only.
+    struct Of {
+        Screen *operator()(GLFWwindow *window) const
+        {
+            return static_cast<Screen *>(glfwGetWindowUserPointer(window));
+        }
+    };
+    static constexpr Of of;
+    glfwSetMouseButtonCallback(window_, [](GLFWwindow *window, int button, int action, int) {
+        const bool is_press = action == GLFW_PRESS;
+        of(window)->point(
+            {is_press ? PointerEvent::Kind::press : PointerEvent::Kind::release, button, 0, 0, 0});
+    });
+    glfwSetCursorPosCallback(window_, [](GLFWwindow *window, double, double) {
+        of(window)->point({PointerEvent::Kind::move, 0, 0, 0, 0});
+    });
+    glfwSetScrollCallback(window_, [](GLFWwindow *window, double, double notches) {
+        of(window)->point({PointerEvent::Kind::wheel, 0, 0, 0, notches});
+    });
+}
+
+void Screen::point(PointerEvent event)
+{
+    int width = 0, height = 0;
+    double x = 0.0, y = 0.0;
+    glfwGetWindowSize(window_, &width, &height);
+    glfwGetCursorPos(window_, &x, &y);
+    const int edge = std::min(width, height);
+    if (edge <= 0 || texture_edge_ == 0) return; // nothing is shown
+    event.x = (x - (width - edge) / 2) * texture_edge_ / edge;
+    event.y = (y - (height - edge) / 2) * texture_edge_ / edge;
+    pointer_handler_(event);
+}
+
 void Screen::poll()
 {
     glfwPollEvents();

@@ -75,7 +75,7 @@ try {
     if (text.tree.centrelines.empty()) return {};
     std::vector<Centreline> lines;
     for (const std::filesystem::path &file : text.tree.centrelines)
-        lines.push_back(read_centreline(file, text.tree.placement));
+        for (Centreline &line : read_centrelines(file, text.tree.placement)) lines.push_back(std::move(line));
     VesselTree tree = join_branches(lines, text.tree);
     report += branches_report(tree);
     return tree;
@@ -147,7 +147,8 @@ Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progres
     } else {
         std::vector<Centreline> lines;
         for (const std::filesystem::path &file : text.lumen.centrelines)
-            lines.push_back(read_centreline(file, text.lumen.mesh.placement));
+            for (Centreline &line : read_centrelines(file, text.lumen.mesh.placement))
+                lines.push_back(std::move(line));
         mesh = surface_of(lines, text.lumen.surface_mm, progress);
     }
     check_closed(mesh, text.lumen.mesh.cap);

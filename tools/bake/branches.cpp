@@ -126,7 +126,7 @@ void state_beds_and_flows(VesselTree &tree, const TreeText &text)
 std::string branch_name(const std::filesystem::path &file)
 {
     std::string name = file.filename().string();
-    for (const char *ending : {".json", ".mrk"})
+    for (const char *ending : {".json", ".mrk", ".csv", ".vtp", ".obj"})
         if (name.ends_with(ending)) name.resize(name.size() - std::char_traits<char>::length(ending));
     name.resize(std::min<std::size_t>(name.size(), SELD_SCENE_BRANCH_NAME_BYTES - 1));
     return name;

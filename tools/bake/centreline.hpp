@@ -1,12 +1,13 @@
-// Centrelines with radii (3D Slicer markups curves) and the surface of the vessel they describe.
-// May include: mesh.hpp. Called by: bake.cpp, tests.
+// Centrelines with radii (files of tools/centreline) in the patient, and the surface of the vessel they describe.
+// May include: mesh.hpp, tools/centreline. Called by: bake.cpp, tests.
 #pragma once
 #include "tools/bake/mesh.hpp"
+#include "tools/centreline/tree.hpp"
 
 namespace seld::bake
 {
 
-constexpr std::size_t centreline_points_max = 100'000;
+using centreline::tapered_capsule_distance;
 
 struct Centreline {
     std::string name;
@@ -14,8 +15,9 @@ struct Centreline {
     std::vector<double> radii_mm;
 };
 
-// Reads the first curve of a .mrk.json file. Its coordinateSystem is ignored: `placement.axes` says what the axes are.
-// Throws Fault naming file, control point and field.
+// Reads every curve of a .mrk.json, .vtp, .csv or .obj file; `read_centreline` gives the first. What a file says of its axes is
+// ignored: `placement.axes` says what they are. A branch of many is called FILE/BRANCH. Throws Fault naming file, point and field.
+std::vector<Centreline> read_centrelines(const std::filesystem::path &file, const Placement &placement);
 Centreline read_centreline(const std::filesystem::path &file, const Placement &placement);
 
 // Position and unit tangent at a distance along the curve from its first or last point, looking into the curve.
@@ -23,10 +25,6 @@ struct CurvePoint {
     Eigen::Vector3d position_mm, direction;
 };
 CurvePoint along(const Centreline &line, bool from_last, double distance_mm);
-
-// Distance to a capsule whose radius changes linearly from a to b (the hull of the two spheres), negative inside.
-double tapered_capsule_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double radius_a,
-                                const Eigen::Vector3d &b, double radius_b);
 
 // The union of the tapered capsules between neighbouring points, as a closed mesh made at the given voxel.
 Mesh surface_of(const std::vector<Centreline> &lines, double voxel_mm, Progress &progress);

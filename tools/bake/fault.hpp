@@ -1,14 +1,11 @@
 // A reason why a scene cannot be baked: one sentence with file, element and remedy. bake's main prints it and ends with 1.
-// May include: nothing. Called by: tools/bake.
+// May include: tools/mesh/fault.hpp. Called by: tools/bake.
 #pragma once
-#include <stdexcept>
-#include <string>
+#include "tools/mesh/fault.hpp"
 
 namespace seld::bake
 {
 
-struct Fault : std::runtime_error {
-    using std::runtime_error::runtime_error;
-};
+using seld::Fault;
 
 } // namespace seld::bake

@@ -382,14 +382,6 @@ const toml::table &table_of(const SceneText &scene, const toml::table &root, con
 
 } // namespace
 
-double millimetres_per(const std::string &unit)
-{
-    if (unit == "m") return 1000.0;
-    if (unit == "cm") return 10.0;
-    if (unit == "mm") return 1.0;
-    return unit == "um" ? 1e-3 : 0.0;
-}
-
 SceneText read_scene_text(const std::filesystem::path &file, const Folders &folders)
 {
     SceneText scene;

@@ -1,6 +1,8 @@
 // The text of a scene (TOML), read and checked key by key: docs/scene.md.
 // May include: fault.hpp. Called by: bake.cpp.
 #pragma once
+#include "tools/mesh/fault.hpp"
+
 #include <Eigen/Geometry>
 #include <filesystem>
 #include <map>
@@ -98,9 +100,6 @@ struct SceneText {
     EntryText entry;
     std::vector<BodyText> bodies;
 };
-
-// Millimetres per unit, 0 for a unit nobody knows.
-double millimetres_per(const std::string &unit);
 
 // Folders that paths may begin with.
 struct Folders {

@@ -164,6 +164,21 @@ Mesh closed_surface(const Mesh &mesh, double voxel_mm, double close_mm)
     return offset_surface(offset_surface(mesh, voxel_mm, close_mm), voxel_mm, -close_mm);
 }
 
+std::vector<InsideVoxel> inside_voxels(const Mesh &mesh, double voxel_mm)
+{
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d &v : mesh.vertices_mm) box.extend(v);
+    // No place inside is deeper than half the box is thick.
+    const auto grid =
+        level_set(mesh, voxel_mm, band_voxels, box.sizes().minCoeff() / 2 / voxel_mm + band_voxels);
+    std::vector<InsideVoxel> inside;
+    for (auto value = grid->cbeginValueOn(); value; ++value) {
+        const openvdb::Coord at = value.getCoord();
+        if (*value < 0) inside.push_back({{at.x(), at.y(), at.z()}, -*value});
+    }
+    return inside;
+}
+
 Mesh clipped(const Mesh &mesh, const Eigen::AlignedBox3d &box, double voxel_mm)
 {
     Mesh brick;

@@ -1,6 +1,6 @@
 // A body's surface made anew from a level set: pieces that overlap become one solid, cracks and faults of the mesh vanish,
-// and surfaces at a distance inside or outside come from the same field.
-// May include: mesh.hpp, vdb.hpp. Called by: form.cpp, tests.
+// surfaces at a distance inside or outside come from the same field, and so do the voxels inside.
+// May include: mesh.hpp, vdb.hpp. Called by: form.cpp, tools/centreline/fit, tests.
 #pragma once
 #include "tools/bake/mesh.hpp"
 
@@ -22,6 +22,13 @@ Mesh clipped(const Mesh &mesh, const Eigen::AlignedBox3d &box, double voxel_mm);
 
 // What of `mesh` lies outside all of `taken`, each blown up by `gap_mm`.
 Mesh difference(const Mesh &mesh, const std::vector<const Mesh *> &taken, double voxel_mm, double gap_mm);
+
+// A voxel inside a closed mesh, and how far its middle, cell * voxel_mm, lies from the surface.
+struct InsideVoxel {
+    std::array<int, 3> cell;
+    float depth_mm;
+};
+std::vector<InsideVoxel> inside_voxels(const Mesh &mesh, double voxel_mm);
 
 // Vertices at which two sheets of a surface meet become two: afterwards every edge has two triangles.
 void separate_sheets(Mesh &mesh);

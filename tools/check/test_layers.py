@@ -40,7 +40,12 @@ ALLOWED = {
     "host/app": ["host", "shared"],  # recordings and sessions hold the wire's own records
     "host/bench": ["host", "firmware/bench/bench.h"],
     "host/tests": ["host", "shared", "firmware/port/sim/sim.h", "firmware/core/core.h", "firmware/tests/reference/long_run.h"],  # test_usb: a bus of sim ports
-    "tools/bake": ["shared", "host/model", "tools/mesh"] + CORE_PUBLIC,
+    "tools/bake": ["shared", "host/model", "tools/mesh", "tools/centreline/tree.hpp", "tools/centreline/formats.hpp"] + CORE_PUBLIC,
+    "tools/centreline": ["tools/mesh", "host/model/pending_file.hpp"],
+    # The window and pictures are the host's, which know nothing of it.
+    "tools/centreline/fit": ["tools/centreline", "tools/bake", "tools/mesh", "host/model", "host/app/picture.hpp",
+                             "host/app/picture_canvas.hpp", "host/app/window_screen.hpp", "host/app/interrupt.hpp"],
+    "tools/centreline/tests": ["tools/centreline", "tools/bake", "tools/mesh", "host/model"],
     "tools/anatomy": ["shared", "host/model", "tools/mesh"] + CORE_PUBLIC,
     "tools/mesh": [],
     # core_hash.c owns the core's memory and looks into it; it also runs on a bare board.

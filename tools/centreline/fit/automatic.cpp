@@ -1,0 +1,221 @@
+// Ways are taken back from the farthest voxel, as in TEASAR (Sato et al. 2000), until every voxel is covered.
+#include "tools/centreline/fit/automatic.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+
+namespace seld::centreline
+{
+namespace
+{
+
+constexpr double cover_radii = 1.5, cover_voxels = 2.0; // of a way about its line
+constexpr std::size_t tries_max = 20000;
+
+std::vector<Eigen::Vector3d> places(const Voxels &voxels, const std::vector<std::size_t> &way)
+{
+    std::vector<Eigen::Vector3d> points;
+    for (std::size_t voxel : way) points.push_back(voxels.centre_mm(voxel));
+    return points;
+}
+
+// Which voxels lie near a way that is already taken.
+class Cover
+{
+  public:
+    explicit Cover(const Voxels &voxels) : voxels_(voxels), is_covered_(voxels.size(), false) {}
+
+    bool has(std::size_t voxel) const { return is_covered_[voxel]; }
+
+    void add(const std::vector<std::size_t> &way)
+    {
+        double since_mm = INFINITY;
+        for (std::size_t k = 0; k < way.size(); ++k) {
+            if (k > 0) since_mm += (voxels_.centre_mm(way[k]) - voxels_.centre_mm(way[k - 1])).norm();
+            // Balls a fifth of their radius apart leave no hollow that matters.
+            const double reach = cover_radii * voxels_.depth_mm(way[k]) + cover_voxels * voxels_.voxel_mm();
+            if (since_mm < 0.2 * reach && k + 1 < way.size()) continue;
+            since_mm = 0;
+            ball(way[k], reach);
+        }
+    }
+
+  private:
+    // All that hangs together with its middle within the ball: not the vessel beside.
+    void ball(std::size_t middle, double reach_mm)
+    {
+        const Eigen::Vector3d centre = voxels_.centre_mm(middle);
+        std::vector<std::size_t> front{middle};
+        ++stamp_;
+        if (seen_.empty()) seen_.assign(is_covered_.size(), 0);
+        seen_[middle] = stamp_;
+        while (!front.empty()) {
+            const std::size_t here = front.back();
+            front.pop_back();
+            is_covered_[here] = true;
+            voxels_.each_neighbour(here, [&](std::size_t other, double) {
+                if (seen_[other] == stamp_ || (voxels_.centre_mm(other) - centre).norm() > reach_mm) return;
+                seen_[other] = stamp_;
+                front.push_back(other);
+            });
+        }
+    }
+
+    const Voxels &voxels_;
+    std::vector<bool> is_covered_;
+    std::vector<std::uint32_t> seen_;
+    std::uint32_t stamp_ = 0;
+};
+
+// Reached voxels, farthest first.
+std::vector<std::size_t> by_length(const Ways &ways)
+{
+    std::vector<std::size_t> order;
+    for (std::size_t v = 0; v < ways.from.size(); ++v)
+        if (ways.from[v] >= 0) order.push_back(v);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return ways.length_mm[a] > ways.length_mm[b]; });
+    return order;
+}
+
+// Ways from the source to every tip that is worth a branch, the longest first.
+std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const Ways &ways,
+                                                   const AutoWish &wish, bake::Progress &progress)
+{
+    Cover cover(voxels);
+    std::vector<std::vector<std::size_t>> kept;
+    std::size_t tries = 0;
+    const std::vector<std::size_t> order = by_length(ways);
+    for (std::size_t n = 0; n < order.size() && tries < tries_max; ++n) {
+        if (cover.has(order[n])) continue;
+        ++tries;
+        progress.step(n);
+        const std::vector<std::size_t> way = ways.to(order[n]);
+        std::size_t begin = way.size() - 1; // of what no branch covers yet
+        while (begin > 0 && !cover.has(way[begin - 1])) --begin;
+        const double own_mm = ways.length_mm[way.back()] - ways.length_mm[way[begin]];
+        const double least_mm =
+            std::max(wish.shortest_mm, wish.prune * voxels.depth_mm(way[begin ? begin - 1 : 0]));
+        if (kept.empty() || own_mm >= least_mm) kept.push_back(way);
+        cover.add({way.begin() + static_cast<std::ptrdiff_t>(begin), way.end()});
+    }
+    return kept;
+}
+
+// The depth of the vessel at a tip: of the deepest voxel within a few millimetres of way.
+double width_at(const Voxels &voxels, const std::vector<std::size_t> &way)
+{
+    double depth = 0;
+    const Eigen::Vector3d tip = voxels.centre_mm(way.back());
+    for (std::size_t k = way.size(); k-- > 0;) {
+        if ((voxels.centre_mm(way[k]) - tip).norm() > depth + 4 * voxels.voxel_mm()) break;
+        depth = std::max(depth, voxels.depth_mm(way[k]));
+    }
+    return depth;
+}
+
+long near_point(const Lumen &lumen, const Eigen::Vector3d &p_mm)
+{
+    const Voxels &voxels = lumen.voxels();
+    for (double reach = voxels.voxel_mm(); reach < 6; reach *= 2) {
+        const long voxel = voxels.nearest(p_mm, reach);
+        if (voxel >= 0) return voxel;
+    }
+    return -1;
+}
+
+std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::string> &notes,
+                     bake::Progress &progress)
+{
+    const Voxels &voxels = lumen.voxels();
+    if (wish.inlet_mm) {
+        const long voxel = near_point(lumen, *wish.inlet_mm);
+        if (voxel < 0)
+            throw Fault("the inlet at " + bake::place_text(*wish.inlet_mm) +
+                        " lies outside the vessel: move it inside");
+        return static_cast<std::size_t>(voxel);
+    }
+    const Opening *widest = nullptr;
+    for (const Opening &opening : lumen.openings())
+        if ((!widest || opening.radius_mm > widest->radius_mm) && near_point(lumen, opening.centre_mm) >= 0)
+            widest = &opening;
+    if (widest) {
+        notes.push_back("the inlet is the widest opening, at " + bake::place_text(widest->centre_mm));
+        return static_cast<std::size_t>(near_point(lumen, widest->centre_mm));
+    }
+    // From the deepest voxel the farthest is a tip; from there all tips are found, and the widest is the inlet.
+    std::size_t deepest = 0;
+    for (std::size_t v = 0; v < voxels.size(); ++v)
+        if (voxels.depth_mm(v) > voxels.depth_mm(deepest)) deepest = v;
+    const std::size_t tip = by_length(find_ways(voxels, {deepest}, -1)).front();
+    const Ways ways = find_ways(voxels, {tip}, -1);
+    std::vector<std::vector<std::size_t>> tips = ways_to_tips(voxels, ways, wish, progress);
+    tips.push_back({tips.front().rbegin(), tips.front().rend()}); // the first tip itself
+    const auto best = std::max_element(tips.begin(), tips.end(), [&](const auto &a, const auto &b) {
+        return width_at(voxels, a) < width_at(voxels, b);
+    });
+    notes.push_back("the inlet is the widest end, at " + bake::place_text(voxels.centre_mm(best->back())));
+    return best->back();
+}
+
+// Other pieces of the mesh that the tree does not reach.
+void note_unreached(const Voxels &voxels, const Ways &ways, std::vector<std::string> &notes)
+{
+    std::size_t reached = 0, sample = 0;
+    for (std::size_t v = 0; v < voxels.size(); ++v) {
+        if (ways.from[v] >= 0)
+            ++reached;
+        else if (voxels.depth_mm(v) > voxels.depth_mm(sample) || ways.from[sample] >= 0)
+            sample = v;
+    }
+    const double share = 1 - static_cast<double>(reached) / static_cast<double>(voxels.size());
+    if (share < 1e-3) return;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "%.1f %% of the inside cannot be reached from the inlet, its widest place is at %s: "
+                  "another vessel, or one closed between",
+                  100 * share, bake::place_text(voxels.centre_mm(sample)).c_str());
+    notes.push_back(text);
+}
+
+void name_branches(Tree &tree)
+{
+    std::vector<int> children(tree.branches.size() + 1, 0);
+    for (Branch &branch : tree.branches) {
+        const int number = ++children[branch.parent + 1];
+        const std::string before = branch.parent < 0 ? "" : tree.branches[branch.parent].name + ".";
+        branch.name = before + std::to_string(number);
+        if (branch.name.size() > 50) branch.name = "b" + std::to_string(&branch - tree.branches.data());
+    }
+}
+
+} // namespace
+
+Tree fit_automatic(const Lumen &lumen, const AutoWish &wish, std::vector<std::string> &notes,
+                   bake::Progress &progress)
+{
+    const Voxels &voxels = lumen.voxels();
+    progress.stage("finding ends", 0);
+    const std::size_t inlet = inlet_of(lumen, wish, notes, progress);
+    const Ways ways = find_ways(voxels, {inlet}, -1);
+    note_unreached(voxels, ways, notes);
+    const std::vector<std::vector<std::size_t>> tips = ways_to_tips(voxels, ways, wish, progress);
+    Tree tree;
+    progress.stage("fitting spheres", tips.size());
+    for (std::size_t n = 0; n < tips.size(); ++n) {
+        Way way;
+        way.points_mm = places(voxels, tips[n]);
+        if (n > 0) way.parent = std::max(0, parent_of(tree, way.points_mm));
+        grow_branch(tree, lumen, way, wish.grow);
+        progress.step(n + 1);
+    }
+    progress.finish();
+    tree = split_at_junctions(tree);
+    name_branches(tree);
+    check_tree(tree, "the tree");
+    return tree;
+}
+
+} // namespace seld::centreline

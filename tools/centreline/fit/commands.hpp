@@ -1,0 +1,40 @@
+// What the program's commands do, given their options. May include: everything of fit. Called by: main.
+#pragma once
+#include "tools/centreline/fit/automatic.hpp"
+#include "tools/centreline/fit/guided.hpp"
+#include "tools/centreline/flow.hpp"
+
+#include <string>
+#include <vector>
+
+namespace seld::centreline
+{
+
+struct Options {
+    // The mesh and how to read it.
+    std::string mesh, unit = "mm", cap = "any";
+    std::vector<std::string> parts;
+    std::string data = "../shared/anatomy", shipped = "build/anatomy/aorta";
+    double voxel_mm = 0;
+
+    std::string points, output, project, screenshot;
+    std::string tree; // of carry and show
+    std::vector<std::string> inputs;
+    std::string folder, radii_from, axes;
+    std::vector<double> inlet_mm;
+    double turn_deg = 0, tilt_deg = 0;
+    int size = 1000, frames = 0;
+    bool as_is = false, split = false, with_names = false;
+    AutoWish automatic;
+    FlowSettings flow;
+};
+
+// Each returns the exit code; throws Fault, UsageError or OutputError.
+int command_fit(const Options &options);
+int command_auto(const Options &options);
+int command_convert(const Options &options);
+int command_carry(const Options &options);
+int command_show(const Options &options);
+int command_edit(const Options &options);
+
+} // namespace seld::centreline

@@ -1,0 +1,28 @@
+// From a rough way through a vessel to inscribed spheres in its middle: docs/centreline.md.
+// May include: lumen.hpp, tools/centreline. Called by: grow, carry, tests.
+#pragma once
+#include "tools/centreline/fit/lumen.hpp"
+#include "tools/centreline/tree.hpp"
+
+namespace seld::centreline
+{
+
+struct LineWish {
+    double spacing = 0.5; // of neighbouring spheres, in radii
+    const Branch *parent =
+        nullptr; // points inside its tube stay on the way from the parent's middle to the wall
+    bool holds_first = true, holds_last = true; // the ends stay where they are
+};
+
+// The place in the plane through p across `direction`, at most limit_mm away, where the inscribed sphere is largest.
+Eigen::Vector3d centred(const Lumen &lumen, const Eigen::Vector3d &p_mm, const Eigen::Vector3d &direction,
+                        double limit_mm);
+
+// Spheres along the way, at least two.
+std::vector<Sphere> fit_line(const Lumen &lumen, const std::vector<Eigen::Vector3d> &way_mm,
+                             const LineWish &wish);
+
+// The same line with spheres at other distances; first and last stay.
+std::vector<Sphere> spaced(const Lumen &lumen, const std::vector<Eigen::Vector3d> &line_mm, double spacing);
+
+} // namespace seld::centreline

@@ -1,0 +1,190 @@
+// Command line of `centreline`: docs/centreline.md.
+#include "host/model/output_files.hpp"
+#include "tools/centreline/fit/commands.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+
+namespace
+{
+
+using seld::centreline::Options;
+
+constexpr const char *examples =
+    "Examples:\n"
+    "  centreline edit coronaries.obj --project lca.toml -o lca.csv    click the points, F fits, Esc saves\n"
+    "  centreline fit coronaries.obj --points lca.toml -o lca.csv      the same without a window\n"
+    "  centreline auto build/anatomy/aorta/scene.toml -o aorta.vtp     everything from the mesh\n"
+    "  centreline carry lca.csv frames/ -o out/lca                     through all frames of a beating "
+    "heart\n"
+    "  centreline convert a.mrk.json b.mrk.json -o tree.vtp            curves become a tree\n"
+    "  centreline show lca.csv --mesh coronaries.obj -o lca.png        a picture, manual points red\n"
+    "Trees: .csv, .mrk.json (3D Slicer), .vtp (VMTK), .obj. Meshes: .stl, .obj, .ply, .gltf, .glb, or a "
+    "scene's .toml.\n"
+    "Exit codes: 0 done, 1 the input is unusable (the message says why), 2 usage.\n";
+
+void add_mesh_options(CLI::App &command, Options &options)
+{
+    command.add_option("--unit", options.unit, "of the mesh: m, cm, mm or um")
+        ->check(CLI::IsMember({"m", "cm", "mm", "um"}))
+        ->capture_default_str();
+    command.add_option("--part", options.parts,
+                       "only this part of the mesh file; may end in *, may be repeated");
+    command.add_option("--cap", options.cap, "openings that are closed: none, flat or any")
+        ->check(CLI::IsMember({"none", "flat", "any"}))
+        ->capture_default_str();
+    command.add_option("--data", options.data, "folder of paths beginning with data: in a scene's text")
+        ->capture_default_str();
+    command.add_option("--shipped", options.shipped, "folder of paths beginning with shipped:")
+        ->capture_default_str();
+}
+
+void add_fit_options(CLI::App &command, Options &options)
+{
+    command
+        .add_option("--voxel-mm", options.voxel_mm,
+                    "grid for the ways; 0: by the size of the vessel, 0.15 to 1 mm")
+        ->check(CLI::Range(0.0, 5.0))
+        ->capture_default_str();
+    command.add_option("--spacing", options.automatic.grow.spacing, "of neighbouring spheres, in radii")
+        ->check(CLI::Range(0.1, 2.0))
+        ->capture_default_str();
+    command.add_option("--inlet-mm-s", options.flow.inlet_mm_s, "mean speed of the blood in each inlet")
+        ->check(CLI::Range(0.1, 5000.0))
+        ->capture_default_str();
+    command.add_option("--inlet-ml-min", options.flow.inlet_ml_min, "or its flow; 0: by the speed")
+        ->check(CLI::Range(0.0, 50000.0))
+        ->capture_default_str();
+}
+
+void add_auto_options(CLI::App &command, Options &options)
+{
+    command
+        .add_option("--prune", options.automatic.prune,
+                    "a branch goes on at least so many radii of the vessel it leaves")
+        ->check(CLI::Range(0.0, 100.0))
+        ->capture_default_str();
+    command.add_option("--shortest-mm", options.automatic.shortest_mm, "and at least so far")
+        ->check(CLI::Range(0.0, 1000.0))
+        ->capture_default_str();
+}
+
+void add_tree_output(CLI::App &command, Options &options, bool is_required)
+{
+    CLI::Option *output =
+        command.add_option("-o,--output", options.output, "the tree: .csv, .mrk.json, .vtp or .obj");
+    if (is_required) output->required();
+}
+
+void add_mesh(CLI::App &command, Options &options)
+{
+    command.add_option("MESH", options.mesh, "the vessel's surface")->required();
+    add_mesh_options(command, options);
+    add_fit_options(command, options);
+}
+
+void add_making(CLI::App &app, Options &options)
+{
+    CLI::App *fit = app.add_subcommand("fit", "spheres between points that a person gave");
+    add_mesh(*fit, options);
+    fit->add_option("--points", options.points, "start, end and bifurcation points (TOML)")->required();
+    add_tree_output(*fit, options, true);
+    CLI::App *automatic = app.add_subcommand("auto", "the whole tree from the mesh alone");
+    add_mesh(*automatic, options);
+    add_auto_options(*automatic, options);
+    automatic
+        ->add_option("--inlet", options.inlet_mm,
+                     "x y z, mm: where the blood comes in; else the widest opening or end")
+        ->expected(3);
+    automatic->add_option("--points", options.points,
+                          "also write the points that were found, for `fit` and `edit`");
+    add_tree_output(*automatic, options, true);
+    CLI::App *edit = app.add_subcommand("edit", "a window to set, drag and fit points; resumes its project");
+    add_mesh(*edit, options);
+    add_auto_options(*edit, options);
+    edit->add_option("--project", options.project, "the points, saved with Ctrl-S and at the end")
+        ->required();
+    edit->add_option("--frames", options.frames, "end after so many screens (for tests); 0: until Esc")
+        ->check(CLI::Range(0, 1000000));
+    edit->add_option("--screenshot", options.screenshot, "PNG of the last screen");
+    add_tree_output(*edit, options, false);
+}
+
+void add_using(CLI::App &app, Options &options)
+{
+    CLI::App *convert =
+        app.add_subcommand("convert", "from one format to another; curves that touch become a tree");
+    convert->add_option("TREE", options.inputs, "one file or several")->required();
+    convert->add_flag("--as-is", options.as_is, "do not join curves");
+    convert->add_flag("--split", options.split, "branches end where others leave");
+    convert
+        ->add_option("--inlet", options.inlet_mm,
+                     "x y z, mm: the tree begins at the curve with an end there; else at the widest")
+        ->expected(3);
+    convert->add_option("--radii-from", options.radii_from, "measure the radii in this mesh");
+    convert->add_option("--axes", options.axes,
+                        "turn: the file's axes that become x, y and z, like +x,+z,-y");
+    add_mesh_options(*convert, options);
+    add_tree_output(*convert, options, true);
+    CLI::App *carry = app.add_subcommand("carry", "one tree through a folder of meshes with one topology");
+    carry->add_option("TREE", options.tree, "the tree of the first mesh")->required();
+    carry->add_option("FOLDER", options.folder, "one mesh per frame, numbered")->required();
+    carry->add_option("-o,--output", options.output, "folder for tree_00.csv, tree_01.csv ...")->required();
+    add_mesh_options(*carry, options);
+    CLI::App *show = app.add_subcommand("show", "a picture of mesh and spheres");
+    show->add_option("TREE", options.tree, "the tree")->required();
+    show->add_option("--mesh", options.mesh, "the vessel's surface")->required();
+    show->add_option("--points", options.points, "points to draw too");
+    show->add_flag("--names", options.with_names, "write the points' names");
+    show->add_option("-o,--output", options.output, "the PNG to write")->required();
+    show->add_option("--turn", options.turn_deg,
+                     "degrees about the head axis, above 0 from the patient's left")
+        ->check(CLI::Range(-360.0, 360.0))
+        ->capture_default_str();
+    show->add_option("--tilt", options.tilt_deg, "degrees towards the head")
+        ->check(CLI::Range(-90.0, 90.0))
+        ->capture_default_str();
+    show->add_option("--size", options.size, "pixels")->check(CLI::Range(100, 4000))->capture_default_str();
+    add_mesh_options(*show, options);
+}
+
+int run(const std::string &command, const Options &options)
+{
+    using namespace seld::centreline;
+    if (command == "fit") return command_fit(options);
+    if (command == "auto") return command_auto(options);
+    if (command == "convert") return command_convert(options);
+    if (command == "carry") return command_carry(options);
+    if (command == "show") return command_show(options);
+    return command_edit(options);
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    Options options;
+    if (const char *folder = std::getenv("SELD_ANATOMY")) options.data = folder;
+    CLI::App app{"centreline: vessel trees of inscribed spheres, from a mesh and a few points, or from the "
+                 "mesh alone"};
+    app.footer(examples);
+    app.require_subcommand(1);
+    add_making(app, options);
+    add_using(app, options);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError &error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    seld::bake::Progress::catch_interrupts();
+    try {
+        return run(app.get_subcommands().front()->get_name(), options);
+    } catch (const seld::UsageError &error) {
+        std::fprintf(stderr, "centreline: %s\n", error.what());
+        return 2;
+    } catch (const std::exception &error) {
+        std::fprintf(stderr, "centreline: %s\n", error.what());
+    }
+    return 1;
+}

@@ -1,0 +1,34 @@
+// What a person says of a vessel tree: start, end and bifurcation points, in a text (TOML) that is also the editor's project.
+// May include: tools/mesh/fault.hpp, tools/bake/mesh.hpp. Called by: guided, editor, main, tests.
+#pragma once
+#include "tools/bake/mesh.hpp"
+
+#include <filesystem>
+
+namespace seld::centreline
+{
+
+constexpr std::size_t points_max = 2000;
+
+enum class PointKind { start, end, bifurcation };
+const char *kind_name(PointKind kind);
+
+struct Point {
+    PointKind kind = PointKind::end;
+    std::string name;  // of the branch that ends here
+    std::string after; // name of the point before it on the way from the start; empty: found from the mesh
+    Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();
+};
+
+struct PointText {
+    std::string mesh; // file it belongs to, as written; empty: none
+    std::string unit = "mm";
+    std::vector<Point> points;
+};
+
+// Throws Fault "FILE:LINE: ...".
+PointText read_points(const std::filesystem::path &file);
+std::string points_text(const PointText &text);
+void write_points(const std::filesystem::path &file, const PointText &text); // whole or not at all
+
+} // namespace seld::centreline

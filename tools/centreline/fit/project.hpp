@@ -1,0 +1,41 @@
+// What the editor edits, without its window: points, undo, what is saved, which tree was fitted last.
+// May include: points.hpp. Called by: editor, tests.
+#pragma once
+#include "tools/centreline/fit/points.hpp"
+
+namespace seld::centreline
+{
+
+class Project
+{
+  public:
+    // Goes on with the file where it exists, else begins anew; `mesh` as it is to stand in the file. Throws Fault.
+    Project(const std::filesystem::path &file, const std::string &mesh, const std::string &unit);
+
+    const std::vector<Point> &points() const { return text_.points; }
+    // Each of these is one step of undo.
+    void add(const Point &point);
+    void move(std::size_t point, const Eigen::Vector3d &to_mm);
+    void remove(std::size_t point);
+    void replace(std::vector<Point> points);
+    // While a point is dragged only the last place counts: no step until `move`.
+    void drag(std::size_t point, const Eigen::Vector3d &to_mm) { text_.points[point].position_mm = to_mm; }
+    bool undo();
+    bool redo();
+
+    bool is_saved() const { return points_text(text_) == saved_; }
+    void save(); // whole or not at all
+    const std::filesystem::path &file() const { return file_; }
+    bool was_resumed() const { return was_resumed_; }
+
+  private:
+    void keep();
+
+    std::filesystem::path file_;
+    PointText text_;
+    std::string saved_;
+    bool was_resumed_ = false;
+    std::vector<std::vector<Point>> before_, after_;
+};
+
+} // namespace seld::centreline

@@ -1,0 +1,80 @@
+// The inside of a closed mesh as voxels with their distance to the wall, and shortest ways through them that keep to the middle.
+// May include: tools/bake/mesh.hpp. Called by: lumen, guided, automatic.
+#pragma once
+#include "tools/bake/mesh.hpp"
+
+namespace seld::centreline
+{
+
+constexpr double voxels_inside_max = 3e7;
+
+class Voxels
+{
+  public:
+    // Throws Fault when the mesh has no inside, or one of too many voxels.
+    Voxels(const bake::Mesh &closed, double voxel_mm);
+
+    std::size_t size() const { return depth_mm_.size(); }
+    double voxel_mm() const { return voxel_mm_; }
+    Eigen::Vector3d centre_mm(std::size_t voxel) const;
+    double depth_mm(std::size_t voxel) const { return depth_mm_[voxel]; } // to the wall, above 0
+    // The inside voxel nearest to the point, at most `reach_mm` away; -1: none.
+    long nearest(const Eigen::Vector3d &p_mm, double reach_mm) const;
+    // The deepest voxel that steepest ascent reaches from here: the middle of the vessel, never along it.
+    std::size_t middle_near(std::size_t voxel) const;
+    // Calls use(neighbour, distance_mm) for those of the 26 around to which the way surely stays inside: two balls inside the
+    // vessel that overlap hold the way between their middles, so that no thin wall is crossed.
+    template <typename Use> void each_neighbour(std::size_t voxel, Use use) const
+    {
+        const Eigen::Array3i &cell = cell_[voxel];
+        for (int z = -1; z <= 1; ++z)
+            for (int y = -1; y <= 1; ++y)
+                for (int x = -1; x <= 1; ++x) {
+                    if (x == 0 && y == 0 && z == 0) continue;
+                    const long other = at({cell[0] + x, cell[1] + y, cell[2] + z});
+                    if (other < 0) continue;
+                    const double distance = step_mm_[x * x + y * y + z * z];
+                    if (depth_mm_[voxel] + depth_mm_[other] >= distance)
+                        use(static_cast<std::size_t>(other), distance);
+                }
+    }
+
+  private:
+    // -1: outside.
+    long at(const Eigen::Array3i &cell) const
+    {
+        const Eigen::Array3i local = cell - low_;
+        if (local.minCoeff() < 0) return -1;
+        const Eigen::Array3i b(local[0] >> 3, local[1] >> 3, local[2] >> 3);
+        if ((b >= bricks_).any()) return -1;
+        const std::int32_t brick = brick_of_[brick_index(b)];
+        return brick < 0 ? -1 : brick_[brick][(local[0] & 7) + 8 * ((local[1] & 7) + 8 * (local[2] & 7))];
+    }
+    std::size_t brick_index(const Eigen::Array3i &b) const
+    {
+        return b[0] +
+               static_cast<std::size_t>(bricks_[0]) * (b[1] + static_cast<std::size_t>(bricks_[1]) * b[2]);
+    }
+
+    double voxel_mm_;
+    std::array<double, 4> step_mm_; // to a neighbour along one, two or three axes
+    Eigen::Array3i low_, bricks_;
+    std::vector<std::int32_t> brick_of_; // coarse grid -> brick, -1: nothing inside
+    std::vector<std::array<std::int32_t, 512>> brick_;
+    std::vector<Eigen::Array3i> cell_;
+    std::vector<float> depth_mm_;
+};
+
+// Cheapest ways from the sources to every voxel: a millimetre costs 1 / depth^2, so that ways run in the middle.
+struct Ways {
+    std::vector<std::int32_t> from;   // -1: not reached; a source is its own
+    std::vector<float> length_mm;     // from the source
+    std::vector<std::int32_t> source; // number in the list of sources
+
+    // From the source to the voxel.
+    std::vector<std::size_t> to(std::size_t voxel) const;
+};
+// Stops early when `target` (not -1) is reached. Throws Fault when the user interrupted.
+Ways find_ways(const Voxels &voxels, const std::vector<std::size_t> &sources, long target);
+
+} // namespace seld::centreline

@@ -1,0 +1,129 @@
+// What the formats share: the file, its lines, words and numbers.
+#include "tools/centreline/formats.hpp"
+#include "host/model/pending_file.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+namespace seld::centreline
+{
+namespace
+{
+
+constexpr std::size_t name_bytes_max = 63;
+
+bool ends_with(const std::filesystem::path &file, const std::string &ending)
+{
+    std::string name = file.filename().string();
+    for (char &c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return name.size() > ending.size() &&
+           name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+[[noreturn]] void refuse_ending(const std::filesystem::path &file)
+{
+    throw Fault(file.string() + ": is no centreline by its name: use .csv, .mrk.json, .vtp or .obj");
+}
+
+std::string content_of(const std::filesystem::path &file)
+{
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error))
+        throw Fault(file.string() + ": is no readable file: check the name");
+    const auto bytes = std::filesystem::file_size(file, error);
+    if (error || bytes > file_bytes_max)
+        throw Fault(file.string() + ": cannot be read, or is larger than 256 MiB");
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream out;
+    out << in.rdbuf();
+    if (!in) throw Fault(file.string() + ": cannot be read: check the file's permissions");
+    return out.str();
+}
+
+} // namespace
+
+Tree read_tree(const std::filesystem::path &file, bool needs_radii)
+{
+    const std::string name = file.string();
+    if (ends_with(file, ".json")) return read_markups(content_of(file), name);
+    if (ends_with(file, ".vtp")) return read_polydata(content_of(file), name);
+    if (ends_with(file, ".csv")) return read_csv(content_of(file), name);
+    if (ends_with(file, ".obj")) return read_polyline(content_of(file), name, needs_radii);
+    refuse_ending(file);
+}
+
+void write_tree(const std::filesystem::path &file, const Tree &tree)
+{
+    check_tree(tree, file.string());
+    std::string text;
+    if (ends_with(file, ".json"))
+        text = markups_text(tree);
+    else if (ends_with(file, ".vtp"))
+        text = polydata_text(tree);
+    else if (ends_with(file, ".csv"))
+        text = csv_text(tree);
+    else if (ends_with(file, ".obj"))
+        text = polyline_text(tree);
+    else
+        refuse_ending(file);
+    write_whole_file(file.string(), text);
+}
+
+std::vector<TextLine> lines_of(std::string_view text)
+{
+    std::vector<TextLine> lines;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = std::min(text.find('\n', at), text.size());
+        std::string_view line = text.substr(at, end - at);
+        if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+        lines.push_back({line, lines.size() + 1});
+        at = end + 1;
+    }
+    return lines;
+}
+
+std::vector<std::string_view> words_of(std::string_view line)
+{
+    constexpr std::string_view blanks = " \t\r\n";
+    std::vector<std::string_view> words;
+    for (std::size_t at = line.find_first_not_of(blanks); at != line.npos;) {
+        const std::size_t end = std::min(line.find_first_of(blanks, at), line.size());
+        words.push_back(line.substr(at, end - at));
+        at = line.find_first_not_of(blanks, end);
+    }
+    return words;
+}
+
+double number_of(std::string_view word)
+{
+    if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+    double value = NAN;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    return error == std::errc() && end == word.data() + word.size() ? value : NAN;
+}
+
+std::string plain_name(const std::string &name)
+{
+    std::string plain;
+    for (char c : name.substr(0, name_bytes_max)) {
+        const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                              std::string_view(" _-.()").find(c) != std::string_view::npos;
+        plain += is_plain ? c : '_';
+    }
+    return plain;
+}
+
+std::string number_text(double value)
+{
+    char text[40];
+    std::snprintf(text, sizeof text, "%.6f", value);
+    std::string number = text;
+    number.erase(number.find_last_not_of('0') + 1);
+    if (number.back() == '.') number.pop_back();
+    return number == "-0" ? "0" : number;
+}
+
+} // namespace seld::centreline

@@ -1,0 +1,128 @@
+// Separate curves become a tree: which begins inside which, and where it leaves.
+#include "tools/centreline/tree.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace seld::centreline
+{
+namespace
+{
+
+// As long as a curve stays so near to its parent's line, in radii of the parent, it has not left it.
+constexpr double along_share = 0.3;
+// Farthest that a curve may begin outside a tube and still belong to it, in its own radii: tools stop at the wall.
+constexpr double outside_share = 0.5;
+
+double mean_radius_mm(const Branch &branch)
+{
+    double sum = 0;
+    for (const Sphere &sphere : branch.spheres) sum += sphere.radius_mm;
+    return sum / static_cast<double>(branch.spheres.size());
+}
+
+// One end of a curve that is not yet in the tree, in the tube of a branch that is.
+struct Choice {
+    std::size_t curve = 0, parent = 0;
+    bool is_last = false;    // the curve's last point: it runs against the blood
+    double depth = INFINITY; // in radii of the parent, below 0 inside
+};
+
+void consider(Choice &best, const Tree &tree, std::size_t curve, std::size_t parent)
+{
+    const Branch &own = tree.branches[curve];
+    for (bool is_last : {false, true}) {
+        const Sphere &end = is_last ? own.spheres.back() : own.spheres.front();
+        const HullPlace place = hull_place(tree.branches[parent], end.centre_mm);
+        if (place.distance_mm > outside_share * end.radius_mm) continue;
+        const double depth = place.distance_mm / tree.branches[parent].spheres[place.sphere].radius_mm;
+        if (depth < best.depth) best = {curve, parent, is_last, depth};
+    }
+}
+
+// What runs along the parent's line is cut, and the parent's sphere put before the rest.
+void attach(Branch &curve, const Branch &parent)
+{
+    std::size_t left = 0;
+    double at = line_place(parent, curve.spheres[0].centre_mm).at;
+    for (; left + 2 < curve.spheres.size(); ++left) {
+        const LinePlace place = line_place(parent, curve.spheres[left].centre_mm);
+        if (place.distance_mm > along_share * place.radius_mm) break;
+        at = place.at;
+    }
+    curve.parent_sphere = std::min(static_cast<std::size_t>(std::lround(at)), parent.spheres.size() - 1);
+    curve.spheres.erase(curve.spheres.begin(), curve.spheres.begin() + static_cast<std::ptrdiff_t>(left));
+    const Sphere &shared = parent.spheres[curve.parent_sphere];
+    const bool is_there =
+        (curve.spheres.front().centre_mm - shared.centre_mm).norm() < 0.1 * shared.radius_mm;
+    if (is_there && curve.spheres.size() > 2)
+        curve.spheres.front() = shared;
+    else
+        curve.spheres.insert(curve.spheres.begin(), shared);
+}
+
+// The curve whose end is nearest to the inlet comes first and runs away from it.
+void begin_at(std::vector<Branch> &curves, const Eigen::Vector3d &inlet_mm)
+{
+    std::size_t first = 0;
+    bool is_last = false;
+    double nearest = INFINITY;
+    for (std::size_t c = 0; c < curves.size(); ++c)
+        for (bool last : {false, true}) {
+            const Sphere &end = last ? curves[c].spheres.back() : curves[c].spheres.front();
+            const double distance = (end.centre_mm - inlet_mm).norm();
+            if (distance < nearest) nearest = distance, first = c, is_last = last;
+        }
+    if (is_last) std::reverse(curves[first].spheres.begin(), curves[first].spheres.end());
+    std::rotate(curves.begin(), curves.begin() + static_cast<std::ptrdiff_t>(first),
+                curves.begin() + static_cast<std::ptrdiff_t>(first) + 1);
+}
+
+} // namespace
+
+Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm)
+{
+    std::vector<std::size_t> roots;
+    for (std::size_t b = 0; b < tree.branches.size(); ++b)
+        if (tree.branches[b].parent < 0) roots.push_back(b);
+    if (roots.size() != tree.branches.size() || roots.size() == 1)
+        return tree; // the file says who leaves whom
+    // The widest is the trunk; whatever touches no tube of the tree so far begins another.
+    std::stable_sort(roots.begin(), roots.end(), [&](std::size_t a, std::size_t b) {
+        return mean_radius_mm(tree.branches[a]) > mean_radius_mm(tree.branches[b]);
+    });
+    Tree made;
+    Tree left;
+    for (std::size_t b : roots) left.branches.push_back(tree.branches[b]);
+    if (inlet_mm) begin_at(left.branches, *inlet_mm);
+    std::vector<Choice> best(left.branches.size()); // for each curve that is left, among what is made
+    std::vector<bool> is_placed(left.branches.size(), false);
+    for (std::size_t count = 0; count < left.branches.size(); ++count) {
+        std::size_t next = left.branches.size();
+        for (std::size_t c = 0; c < best.size(); ++c)
+            if (!is_placed[c] && (next == best.size() || best[c].depth < best[next].depth)) next = c;
+        Branch branch = left.branches[next];
+        if (std::isfinite(best[next].depth)) {
+            branch.parent = static_cast<int>(best[next].parent);
+            if (best[next].is_last) std::reverse(branch.spheres.begin(), branch.spheres.end());
+            attach(branch, made.branches[best[next].parent]);
+        }
+        is_placed[next] = true;
+        made.branches.push_back(std::move(branch));
+        // Only the new branch can be a better parent than those before.
+        Tree pair;
+        pair.branches.resize(2);
+        pair.branches[1] = made.branches.back();
+        for (std::size_t c = 0; c < best.size(); ++c) {
+            if (is_placed[c]) continue;
+            pair.branches[0] = left.branches[c];
+            Choice choice{c, 0, false, best[c].depth};
+            consider(choice, pair, 0, 1);
+            if (choice.depth < best[c].depth)
+                best[c] = {c, made.branches.size() - 1, choice.is_last, choice.depth};
+        }
+    }
+    return made;
+}
+
+} // namespace seld::centreline

@@ -1,0 +1,128 @@
+#!/usr/bin/env bash
+# The program: what it writes, what it refuses and how, and the editor under a virtual display: clicks, undo, save, resume, Ctrl-C.
+set -u
+. "$(dirname "$0")/../../../host/tests/program.sh"
+program="$build/bin/centreline"
+[ -x "$program" ] || make -s PACKAGES=skip "$program" >&2
+
+# An open tube of radius 2 mm and 30 mm along y.
+python3 - "$work/tube.obj" <<'PY'
+import math, sys
+with open(sys.argv[1], "w") as file:
+    for i in range(61):
+        for j in range(32):
+            a = 2 * math.pi * j / 32
+            file.write("v %.6f %.6f %.6f\n" % (2 * math.cos(a), i / 2, -2 * math.sin(a)))
+    v = lambda i, j: 32 * i + j % 32 + 1
+    for i in range(60):
+        for j in range(32):
+            file.write("f %d %d %d\nf %d %d %d\n" % (v(i, j), v(i + 1, j), v(i + 1, j + 1), v(i, j), v(i + 1, j + 1), v(i, j + 1)))
+PY
+cat >"$work/points.toml" <<'EOF2'
+format = 1
+[[point]]
+kind = "start"
+name = "inlet"
+position_mm = [0.5, 1, 0]
+[[point]]
+kind = "end"
+name = "tube"
+position_mm = [0, 29, 0.3]
+EOF2
+tube="$work/tube.obj" points="$work/points.toml"
+
+"$program" --help >"$log" 2>&1 && grep -q "centreline edit coronaries.obj" "$log" && grep -q "Exit codes" "$log"
+result $? "--help shows examples and exit codes"
+"$program" fit "$tube" --points "$points" -o "$work/tree.csv" >"$log" 2>&1 && grep -q "^0	tube	-1" "$log" && [ -s "$work/tree.csv" ]
+result $? "fit writes a tree and prints its branches"
+"$program" auto "$tube" -o "$work/auto.vtp" --points "$work/found.toml" --inlet 0 0 0 >"$log" 2>&1 && grep -q 'kind = "start"' "$work/found.toml"
+result $? "auto writes a tree and the points that it found"
+"$program" convert "$work/tree.csv" -o "$work/a.vtp" >"$log" 2>&1 && "$program" convert "$work/a.vtp" -o "$work/b.obj" >>"$log" 2>&1 &&
+    "$program" convert "$work/b.obj" -o "$work/c.mrk.json" >>"$log" 2>&1 && "$program" convert "$work/c.mrk.json" -o "$work/d.csv" >>"$log" 2>&1 &&
+    diff <(cut -d, -f6-9 "$work/tree.csv" | tail -n +3) <(cut -d, -f6-9 "$work/d.csv" | tail -n +3) >>"$log"
+result $? "convert by way of every format keeps every sphere"
+grep -v radius_mm "$work/b.obj" >"$work/bare.obj"
+"$program" convert "$work/bare.obj" --radii-from "$tube" -o "$work/measured.csv" >"$log" 2>&1 &&
+    awk -F, 'NR > 2 && ($9 < 1.9 || $9 > 2.01) {bad = 1} END {exit bad}' "$work/measured.csv"
+result $? "convert measures radii in a mesh"
+"$program" show "$work/tree.csv" --mesh "$tube" -o "$work/show.png" --size 300 >"$log" 2>&1 && [ "$(head -c 4 "$work/show.png" | tail -c 3)" = PNG ]
+result $? "show writes a picture"
+mkdir "$work/frames"
+for i in 0 1 2; do awk -v up="$i" '/^v/ {$4 += up} {print}' "$tube" >"$work/frames/f$i.obj"; done
+"$program" carry "$work/tree.csv" "$work/frames" -o "$work/beat" >"$log" 2>&1 && [ "$(ls "$work/beat")" = "$(printf 'tree_0.csv\ntree_1.csv\ntree_2.csv')" ] &&
+    paste -d, <(tail -n +3 "$work/beat/tree_0.csv") <(tail -n +3 "$work/beat/tree_2.csv") |
+        awk -F, '{off = $19 - $8 - 2; if (off < 0) off = -off; if (off > 0.1) bad = 1} END {exit bad}'
+result $? "carry takes the spheres along, frame by frame"
+
+[ -x "$build/bin/bake" ] || make -s PACKAGES=skip "$build/bin/bake" >&2
+printf '[scene]\nname = "t"\n[lumen]\ncentrelines = ["tree.csv"]\n[entry]\nposition_mm = [0, 9, 0]\ndirection = [0, 1, 0]\n' >"$work/scene.toml"
+"$build/bin/bake" "$work/scene.toml" -o "$work/t.scene" --poses 0 --points 100 >"$log" 2>&1 && grep -q "^vessels *1 branch" "$log"
+result $? "bake makes a lumen and its tree of vessels from what was fitted"
+
+refuse() { # name, exit code, pattern, arguments ...
+    local name="$1" code="$2" pattern="$3"
+    shift 3
+    "$program" "$@" >"$log" 2>&1
+    [ $? = "$code" ] && grep -Eq -e "$pattern" "$log" && [ ! -e "$work/no.csv" ]
+    result $? "$name"
+}
+refuse "no command is wrong usage" 2 "subcommand"
+refuse "an unknown option is wrong usage" 2 "--fast" auto "$tube" -o "$work/no.csv" --fast
+refuse "an output onto the mesh is wrong usage" 2 "would overwrite what MESH reads" auto "$tube" -o "$tube"
+refuse "an unknown ending is refused" 1 "use .csv, .mrk.json, .vtp or .obj" auto "$tube" -o "$work/no.txt"
+refuse "a missing mesh is refused" 1 "gone.obj" auto "$work/gone.obj" -o "$work/no.csv"
+refuse "an open mesh is refused where nothing may be capped" 1 "2 openings" auto "$tube" --cap none -o "$work/no.csv"
+echo 'format = 1
+[[point]]
+kind = "begin"
+position_mm = [0, 0, 0]' >"$work/bad.toml"
+refuse "a point of unknown kind is refused with its line" 1 "bad.toml:2: kind is 'begin'" fit "$tube" --points "$work/bad.toml" -o "$work/no.csv"
+sed 's/\[0, 29, 0.3\]/[0, 29]/' "$points" >"$work/bad.toml"
+refuse "a position of two numbers is refused with its line" 1 "bad.toml:9: position_mm" fit "$tube" --points "$work/bad.toml" -o "$work/no.csv"
+sed 's/29, 0.3/290, 0.3/' "$points" >"$work/bad.toml"
+refuse "a point outside the vessel is refused by name" 1 "end point 'tube' at \(0.0, 290.0, 0.3\) mm" fit "$tube" --points "$work/bad.toml" -o "$work/no.csv"
+env -u DISPLAY -u WAYLAND_DISPLAY "$program" edit "$tube" --project "$work/none.toml" >"$log" 2>&1
+[ $? = 1 ] && grep -q "no display" "$log"
+result $? "without a display the editor says so"
+
+# A person: start below, end above, a third point taken back, fit, save.
+cat >"$work/person.sh" <<'EOF2'
+"$program" edit "$tube" --project "$work/p.toml" -o "$work/edited.csv" --screenshot "$work/edit.png" >"$work/log" 2>&1 &
+editor=$!
+for _ in $(seq 200); do window=$(xdotool search --name "Seldinger centreline" 2>/dev/null) && break; sleep 0.05; done
+sleep 0.4
+xdotool windowfocus "$window"
+at() { xdotool mousemove --window "$window" "$1" "$2"; sleep 0.1; xdotool click 1; sleep 0.15; }
+at 384 700; at 384 80; at 384 400
+xdotool key ctrl+z; sleep 0.1
+xdotool key ctrl+z; sleep 0.1
+xdotool key ctrl+y; sleep 0.1
+xdotool key f; sleep 0.6
+xdotool key Escape
+wait "$editor"
+EOF2
+export program tube work
+timeout 60 xvfb-run -a bash "$work/person.sh"
+[ $? = 0 ] && [ "$(grep -c kind "$work/p.toml")" = 2 ] && grep -q 'kind = "start"' "$work/p.toml" && grep -q 'kind = "end"' "$work/p.toml"
+result $? "clicks set points, undo and redo, and the project is saved at the end"
+[ -s "$work/edited.csv" ] && awk -F, 'NR > 3 && ($6 * $6 + $8 * $8 > 0.04) {bad = 1} END {exit bad}' "$work/edited.csv"
+result $? "F fits a tree in the middle of the vessel, and it is written"
+xvfb-run -a "$program" edit "$tube" --project "$work/p.toml" --frames 3 >"$log" 2>&1 && [ "$(grep -c kind "$work/p.toml")" = 2 ]
+result $? "the project is resumed"
+cp "$work/p.toml" "$work/kept.toml"
+cat >"$work/stop.sh" <<'EOF2'
+"$program" edit "$tube" --project "$work/p.toml" >"$work/log" 2>&1 &
+editor=$!
+for _ in $(seq 200); do xdotool search --name "Seldinger centreline" >/dev/null 2>&1 && break; sleep 0.05; done
+sleep 0.3
+kill -INT "$editor"
+wait "$editor"
+EOF2
+timeout 60 xvfb-run -a bash -c "set -m; . '$work/stop.sh'" 2>/dev/null
+[ $? = 1 ] && grep -q "points are saved" "$log" && cmp -s "$work/p.toml" "$work/kept.toml"
+result $? "Ctrl-C saves the points and ends with 1"
+"$program" edit "$work/frames/f1.obj" --project "$work/p.toml" >"$log" 2>&1
+[ $? = 1 ] && grep -q "belongs to the mesh" "$log"
+result $? "a project of another mesh is refused"
+echo "1..$number"
+exit $failed

@@ -1,0 +1,137 @@
+// Claims: a project keeps points through saving, undo and redo, and a click means the middle of the vessel behind it.
+#include "host/model/pending_file.hpp"
+#include "tools/centreline/fit/editor.hpp"
+#include "tools/centreline/fit/tree_picture.hpp"
+#include "tools/centreline/tests/shapes.hpp"
+
+using namespace seld;
+using namespace seld::centreline;
+using namespace seld::centreline::tests;
+
+namespace
+{
+
+Point point(PointKind kind, double y, const char *name = "")
+{
+    Point made;
+    made.kind = kind;
+    made.name = name;
+    made.position_mm = {0.25, y, -1};
+    return made;
+}
+
+void a_project_is_saved_and_resumed(void **)
+{
+    const Folder folder;
+    const std::filesystem::path file = folder.path / "p.toml";
+    {
+        Project project(file, "a \"b\".obj", "cm");
+        assert_true(!project.was_resumed() && !project.is_saved());
+        project.add(point(PointKind::start, 1, "in"));
+        project.add(point(PointKind::bifurcation, 2));
+        project.save();
+        assert_true(project.is_saved());
+        project.remove(0);
+        assert_true(!project.is_saved());
+    }
+    const Project again(file, "a \"b\".obj", "cm");
+    assert_true(again.was_resumed() && again.is_saved());
+    assert_int_equal(again.points().size(), 2);
+    assert_string_equal(again.points()[0].name.c_str(), "in");
+    assert_true(again.points()[1].kind == PointKind::bifurcation);
+    assert_true(again.points()[1].position_mm == Eigen::Vector3d(0.25, 2, -1));
+    says([&] { Project other(file, "c.obj", "mm"); }, {"belongs to the mesh a \"b\".obj", "c.obj"});
+    // A save that fails leaves the old file.
+    Project lost(folder.path / "no" / "p.toml", "a.obj", "mm");
+    bool is_refused = false;
+    try {
+        lost.save();
+    } catch (const OutputError &) {
+        is_refused = true;
+    }
+    assert_true(is_refused);
+}
+
+void every_change_can_be_undone_and_done_again(void **)
+{
+    const Folder folder;
+    Project project(folder.path / "p.toml", "a.obj", "mm");
+    std::vector<std::string> states;
+    const auto state = [&] { return points_text({"", "mm", project.points()}); };
+    const auto step = [&](const std::function<void()> &change) {
+        states.push_back(state());
+        change();
+    };
+    step([&] { project.add(point(PointKind::start, 1)); });
+    step([&] { project.add(point(PointKind::end, 5)); });
+    step([&] { project.move(1, {0, 7, 0}); });
+    step([&] { project.remove(0); });
+    step([&] { project.replace({point(PointKind::end, 9), point(PointKind::start, 2)}); });
+    states.push_back(state());
+    assert_true(!project.redo());
+    for (std::size_t n = states.size() - 1; n-- > 0;) {
+        assert_true(project.undo());
+        assert_string_equal(state().c_str(), states[n].c_str());
+    }
+    assert_true(!project.undo());
+    for (std::size_t n = 1; n < states.size(); ++n) {
+        assert_true(project.redo());
+        assert_string_equal(state().c_str(), states[n].c_str());
+    }
+    // A new change forgets what was undone.
+    assert_true(project.undo());
+    project.add(point(PointKind::end, 3));
+    assert_true(!project.redo());
+}
+
+void a_click_means_the_middle_of_the_first_vessel_behind_it(void **)
+{
+    // Two tubes one behind the other, seen from the front.
+    bake::Mesh mesh = tube_mesh(2, 30, 0, 60, 32);
+    const bake::Mesh back = mesh;
+    for (const Eigen::Vector3d &v : back.vertices_mm)
+        mesh.vertices_mm.push_back(v - Eigen::Vector3d(0, 0, 20));
+    const auto count = static_cast<std::uint32_t>(back.vertices_mm.size());
+    for (const bake::Triangle &t : back.triangles)
+        mesh.triangles.push_back({t[0] + count, t[1] + count, t[2] + count});
+    bake::Progress progress;
+    const Lumen lumen(mesh, {}, progress);
+    for (double turned : {0.0, 180.0}) {
+        const View view = view_of(lumen.wall(), turned, 0, 600, 600);
+        const SheetPoint at = view.place({1.2, 10, 0});
+        const auto place = picked(lumen, view, at.x, at.y);
+        assert_true(place.has_value());
+        const Eigen::Vector3d wanted(0, 10, turned == 0 ? 0 : -20);
+        if ((*place - wanted).norm() > 0.5) fail_msg("%.2f %.2f %.2f", place->x(), place->y(), place->z());
+        assert_true(!picked(lumen, view, 5, 5));
+    }
+}
+
+// +x to the right, +y up; from the patient's left (+x) one looks along -x, and +z lies to the left.
+void views_look_from_where_they_say(void **)
+{
+    View view;
+    view.width = view.height = 100;
+    const SheetPoint front = view.place({10, 20, 0});
+    assert_true(std::abs(front.x - 60) < 1e-9 && std::abs(front.y - 30) < 1e-9);
+    view.turn_deg = 90;
+    const SheetPoint side = view.place({0, 0, 10});
+    assert_true(std::abs(side.x - 40) < 1e-9 && std::abs(side.y - 50) < 1e-9);
+    assert_true((view.axes().row(2).transpose() - Eigen::Vector3d::UnitX()).norm() < 1e-9);
+    view.turn_deg = 0;
+    view.tilt_deg = 90;
+    assert_true((view.axes().row(2).transpose() - Eigen::Vector3d::UnitY()).norm() < 1e-9);
+    assert_true((view.ray_start_mm(60, 50) - Eigen::Vector3d(10, 0, 0)).norm() < 1e-9);
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {cmocka_unit_test(a_project_is_saved_and_resumed),
+                                cmocka_unit_test(every_change_can_be_undone_and_done_again),
+                                cmocka_unit_test(a_click_means_the_middle_of_the_first_vessel_behind_it),
+                                cmocka_unit_test(views_look_from_where_they_say)};
+    cmocka_set_message_output(CM_OUTPUT_TAP);
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}

@@ -1,0 +1,167 @@
+// Claims: curves that touch become one tree, a tree can be cut at its junctions, and the flow in it is Poiseuille's. Shown
+// against closed forms.
+#include "tools/centreline/flow.hpp"
+#include "tools/centreline/tests/trees.hpp"
+
+using namespace seld::centreline;
+using namespace seld::centreline::tests;
+
+namespace
+{
+
+constexpr double pi = 3.14159265358979323846, ml_min = 60.0 / 1000.0; // per mm^3/s
+
+void is_near(double got, double wanted, double share, const char *what)
+{
+    if (!(std::abs(got - wanted) <= share * std::abs(wanted)))
+        fail_msg("%s is %.9g, expected %.9g", what, got, wanted);
+}
+
+void curves_that_touch_become_a_tree(void **)
+{
+    Tree curves;
+    // The thinner ones begin inside the trunk's tube; the second runs the other way round.
+    curves.branches.push_back(straight("b", {1, 10, 0}, {12, 14, 0}, 12, 1, 1));
+    curves.branches.push_back(straight("c", {-15, 22, 0}, {-2, 20, 0}, 14, 1, 1));
+    curves.branches.push_back(straight("trunk", {0, 0, 0}, {0, 40, 0}, 41, 4, 3));
+    curves.branches.push_back(straight("far", {100, 0, 0}, {100, 9, 0}, 9, 1, 1));
+    const Tree tree = joined(curves);
+    check_tree(tree, "joined");
+    assert_string_equal(tree.branches[0].name.c_str(), "trunk");
+    int found = 0;
+    for (const Branch &branch : tree.branches) {
+        if (branch.name == "far") assert_int_equal(branch.parent, -1);
+        if (branch.name != "b" && branch.name != "c") continue;
+        ++found;
+        assert_int_equal(branch.parent, 0);
+        // At the sphere abreast of where it began, and away from there.
+        assert_int_equal(branch.parent_sphere, branch.name == "b" ? 10 : 20);
+        assert_true(std::abs(branch.spheres.back().centre_mm.x()) > 10);
+    }
+    assert_int_equal(found, 2);
+}
+
+// As VMTK has it: two lines from one inlet, the same up to where they part.
+void lines_that_run_together_part_where_they_part(void **)
+{
+    Tree curves;
+    for (double side : {1.0, -1.0}) {
+        Branch line = straight("", {0, 0, 0}, {0, 20, 0}, 41, 2, 2);
+        const Branch rest = straight("", {0, 20, 0}, {12 * side, 30 + side, 0}, 30, 2, 2);
+        line.spheres.insert(line.spheres.end(), rest.spheres.begin() + 1, rest.spheres.end());
+        curves.branches.push_back(line);
+    }
+    const Tree tree = split_at_junctions(joined(curves));
+    check_tree(tree, "parted");
+    assert_int_equal(tree.branches.size(), 3);
+    const Eigen::Vector3d fork = tree.branches[0].spheres.back().centre_mm;
+    // Within the share of the radius that counts as running along.
+    if ((fork - Eigen::Vector3d(0, 20, 0)).norm() > 1.2) fail_msg("forks at %.2f, %.2f", fork.x(), fork.y());
+}
+
+void a_split_tree_ends_at_every_junction(void **)
+{
+    Tree tree;
+    tree.branches.push_back(straight("trunk", {0, 0, 0}, {0, 10, 0}, 11, 2, 2));
+    for (int at : {3, 7}) {
+        Branch side =
+            straight("side", {0, static_cast<double>(at), 0}, {9, static_cast<double>(at), 0}, 10, 1, 1);
+        side.spheres[0].radius_mm = 2;
+        side.parent = 0;
+        side.parent_sphere = static_cast<std::size_t>(at);
+        tree.branches.push_back(side);
+    }
+    const Tree split = split_at_junctions(tree);
+    check_tree(split, "split");
+    assert_int_equal(split.branches.size(), 5);
+    assert_int_equal(sphere_count(split), sphere_count(tree) + 2); // each cut sphere twice
+    for (const Branch &branch : split.branches)
+        if (branch.parent >= 0)
+            assert_int_equal(branch.parent_sphere, split.branches[branch.parent].spheres.size() - 1);
+}
+
+void own_spheres_begin_outside_the_parent(void **)
+{
+    Tree tree;
+    tree.branches.push_back(straight("trunk", {0, 0, 0}, {0, 10, 0}, 11, 3, 3));
+    Branch side = straight("side", {0, 5, 0}, {10, 5, 0}, 21, 1, 1);
+    side.parent = 0;
+    side.parent_sphere = 5;
+    tree.branches.push_back(side);
+    assert_int_equal(first_own_sphere(tree, 0), 0);
+    assert_int_equal(first_own_sphere(tree, 1), 6); // at x = 3: no longer below the wall
+}
+
+// R = 8 mu L / (pi r^4), and for a cone the mean of r^-4 over the length.
+void resistance_of_a_tube_is_poiseuilles(void **)
+{
+    is_near(tube_resistance({{0, 0, 0}, 1.5}, {{0, 7, 0}, 1.5}, 3.5),
+            8 * 3.5e-3 * 7 / (pi * std::pow(1.5, 4)), 1e-12, "tube");
+    double sum = 0;
+    constexpr int pieces = 20000;
+    for (int i = 0; i < pieces; ++i) sum += std::pow(2 - 1.2 * (i + 0.5) / pieces, -4) / pieces;
+    is_near(tube_resistance({{0, 0, 0}, 2.0}, {{0, 7, 0}, 0.8}, 3.5), 8 * 3.5e-3 * 7 * sum / pi, 1e-7,
+            "cone");
+}
+
+void flow_divides_as_the_conductances(void **)
+{
+    Tree tree;
+    tree.branches.push_back(straight("trunk", {0, 0, 0}, {0, 20, 0}, 5, 2, 2));
+    const double radii[] = {1.5, 1.0}, lengths[] = {30, 15};
+    for (int k = 0; k < 2; ++k) {
+        Branch side =
+            straight("side", {0, 20, 0}, {k ? -lengths[k] : lengths[k], 20, 0}, 6, radii[k], radii[k]);
+        side.parent = 0;
+        side.parent_sphere = 4;
+        tree.branches.push_back(side);
+    }
+    FlowSettings settings;
+    settings.inlet_ml_min = 120;
+    const std::vector<double> flow = set_flow(tree, settings);
+    is_near(flow[0], 120, 1e-12, "inlet");
+    is_near(flow[1] + flow[2], 120, 1e-12, "sum of the branches");
+    const double cubes = 1.5 * 1.5 * 1.5 + 1, bed = 90 * 133.322 / (120 / ml_min) * cubes;
+    double conductance[2];
+    for (int k = 0; k < 2; ++k)
+        conductance[k] =
+            1 / (8 * 3.5e-3 * lengths[k] / (pi * std::pow(radii[k], 4)) + bed / std::pow(radii[k], 3));
+    is_near(flow[1] / flow[2], conductance[0] / conductance[1], 1e-9, "ratio");
+    is_near(tree.branches[1].spheres[3].speed_mm_s, flow[1] / ml_min / (pi * 1.5 * 1.5), 1e-12, "speed");
+    is_near(tree.branches[0].spheres[0].speed_mm_s, 120 / ml_min / (pi * 4), 1e-12, "speed at the inlet");
+}
+
+// A side branch in the middle takes its share there, and mass is kept at every sphere.
+void flow_is_kept_along_a_branch_with_sides(void **)
+{
+    Tree tree;
+    tree.branches.push_back(straight("trunk", {0, 0, 0}, {0, 20, 0}, 21, 2, 1));
+    Branch side = straight("side", {0, 8, 0}, {10, 8, 0}, 9, 1, 1);
+    side.parent = 0;
+    side.parent_sphere = 8;
+    tree.branches.push_back(side);
+    const std::vector<double> flow = set_flow(tree, {});
+    const auto through = [&](std::size_t i) {
+        const Sphere &s = tree.branches[0].spheres[i];
+        return s.speed_mm_s * pi * s.radius_mm * s.radius_mm * ml_min;
+    };
+    is_near(through(0), 150 * pi * 4 * ml_min, 1e-12, "inlet");
+    is_near(through(8), through(0), 1e-12, "before");
+    is_near(through(9) + flow[1], through(0), 1e-12, "behind");
+    is_near(through(20), through(9), 1e-12, "end");
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {cmocka_unit_test(curves_that_touch_become_a_tree),
+                                cmocka_unit_test(lines_that_run_together_part_where_they_part),
+                                cmocka_unit_test(a_split_tree_ends_at_every_junction),
+                                cmocka_unit_test(own_spheres_begin_outside_the_parent),
+                                cmocka_unit_test(resistance_of_a_tube_is_poiseuilles),
+                                cmocka_unit_test(flow_divides_as_the_conductances),
+                                cmocka_unit_test(flow_is_kept_along_a_branch_with_sides)};
+    cmocka_set_message_output(CM_OUTPUT_TAP);
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}

@@ -1,0 +1,36 @@
+// The number arrays of VTK's XML files: text, or base64 with or without zlib, beside their element or appended.
+// VTK file formats, kitware "VTK XML Formats". May include: formats.hpp. Called by: format_polydata.
+#pragma once
+#include "tools/centreline/formats.hpp"
+
+#include <pugixml.hpp>
+
+namespace seld::centreline
+{
+
+constexpr std::size_t array_bytes_max = std::size_t{256} << 20;
+
+class VtkFile
+{
+  public:
+    // Parses the text, checks the root element. Throws Fault.
+    VtkFile(const std::string &text, const std::string &name);
+
+    const pugi::xml_document &document() const { return document_; }
+    const std::string &name() const { return name_; }
+
+    // The values of a DataArray element. Throws Fault naming the array when they cannot be read, or are not `count` (if not 0).
+    std::vector<double> values(const pugi::xml_node &array, std::size_t count) const;
+
+    [[noreturn]] void fail(const std::string &what) const { throw Fault(name_ + ": " + what); }
+
+  private:
+    std::string bytes_of(const pugi::xml_node &array, const std::string &what) const;
+
+    std::string name_;
+    pugi::xml_document document_;
+    bool is_big_end_first_ = false, is_compressed_ = false;
+    std::size_t header_bytes_ = 4;
+};
+
+} // namespace seld::centreline

@@ -1,0 +1,23 @@
+// A reason why a file or a wish cannot be used: one sentence with file, element and remedy. The tools' main prints it and ends
+// with 1. May include: nothing. Called by: tools/bake, tools/centreline.
+#pragma once
+#include <stdexcept>
+#include <string>
+
+namespace seld
+{
+
+struct Fault : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+// Millimetres per unit ("m", "cm", "mm", "um"), 0 for a unit nobody knows.
+inline double millimetres_per(const std::string &unit)
+{
+    if (unit == "m") return 1000.0;
+    if (unit == "cm") return 10.0;
+    if (unit == "mm") return 1.0;
+    return unit == "um" ? 1e-3 : 0.0;
+}
+
+} // namespace seld
