@@ -22,7 +22,7 @@ struct Body {
 
 struct Bodies {
     std::vector<Body> bodies;
-    VesselTree vessels; // empty: the file has none
+    VesselTree vessels = {}; // empty: the file has none
 };
 
 // Reads a body file. On failure returns false and says in `error` which file, which section and what to do;
