@@ -166,6 +166,8 @@ int command_convert(const Options &options)
                 sphere.radius_mm = std::max(1e-3, lumen.radius_mm(sphere.centre_mm));
         print_notes(lumen.notes());
     }
+    for (Branch &branch : all.branches)
+        for (Sphere &sphere : branch.spheres) sphere.radius_mm *= options.radii_times;
     const std::optional<Eigen::Vector3d> inlet_mm = inlet_of(options);
     if (!options.as_is) all = joined(all, inlet_mm ? &*inlet_mm : nullptr);
     if (options.split) all = split_at_junctions(all);

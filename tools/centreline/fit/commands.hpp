@@ -22,6 +22,7 @@ struct Options {
     std::vector<std::string> inputs;
     std::string folder, radii_from, axes;
     std::vector<double> inlet_mm;
+    double radii_times = 1;
     double turn_deg = 0, tilt_deg = 0;
     int size = 1000, frames = 0;
     bool as_is = false, split = false, with_names = false;

@@ -42,9 +42,11 @@ class Editor
             if (event.is_press || event.is_repeat) take_key(event.key);
         });
         screen_.on_pointer([this](const Screen::PointerEvent &event) { take_pointer(event); });
-        notice_ = project.was_resumed() ? "resumed " + project.file().filename().string()
-                                        : "click into the vessel where the blood comes in";
+        notice_ = project.was_resumed()
+                      ? "resumed " + project.file().filename().string() + ", H shows the keys"
+                      : "click into the vessel where the blood comes in";
         if (project.was_resumed()) kind_ = PointKind::end;
+        shows_help_ = !project.was_resumed();
     }
 
     // False when a signal ended it.
@@ -298,6 +300,20 @@ class Editor
         is_dirty_ = true;
     }
 
+    // Lines on a ground that dims the picture.
+    static void panel(Sheet &sheet, int top, const std::vector<std::string> &lines, Ink ink)
+    {
+        int width = 0, y = top + 8;
+        for (const std::string &line : lines) width = std::max(width, Sheet::text_width(line, 2));
+        for (int row = top; !lines.empty() && row < y + 20 * static_cast<int>(lines.size()); ++row)
+            for (int column = 0; column < width + 20; ++column)
+                sheet.blend(column, row, {255, 255, 255}, 0.85);
+        for (const std::string &line : lines) {
+            sheet.text(10, y, line, 2, ink);
+            y += 20;
+        }
+    }
+
     void show()
     {
         if (glass_.empty()) glass_ = glass_of(lumen_.wall(), view_);
@@ -306,20 +322,18 @@ class Editor
         drawing.points = &project_.points();
         drawing.chosen = chosen_;
         Sheet sheet = draw_tree(glass_, view_, drawing);
-        int y = 10;
-        for (const char *line : help) {
-            if (!shows_help_) break;
-            sheet.text(10, y, line, 2, text_ink);
-            y += 20;
-        }
+        std::vector<std::string> lines;
+        if (shows_help_) lines.assign(std::begin(help), std::end(help));
+        panel(sheet, 0, lines, text_ink);
         const std::string state =
             std::to_string(project_.points().size()) + " points, next " + kind_name(kind_) +
             (project_.is_saved() ? ", saved" : ", not saved") +
-            (is_tree_old_ ? "" : ", " + std::to_string(sphere_count(tree_)) + " spheres");
+            (is_tree_old_ ? ", F fits" : ", " + std::to_string(sphere_count(tree_)) + " spheres");
+        lines.clear();
+        for (std::size_t at = 0; at < notice_.size() && lines.size() < 4; at += 62)
+            lines.push_back(notice_.substr(at, 62));
+        panel(sheet, edge - 74 - 20 * static_cast<int>(lines.size()), lines, is_bad_ ? notice_ink : text_ink);
         sheet.text(edge - 10 - Sheet::text_width(state, 2), edge - 24, state, 2, text_ink);
-        for (std::size_t at = 0, line = 0; at < notice_.size() && line < 4; at += 60, ++line)
-            sheet.text(10, edge - 130 + static_cast<int>(line) * 20, notice_.substr(at, 60), 2,
-                       is_bad_ ? notice_ink : text_ink);
         screen_.show(sheet.image());
         is_dirty_ = false;
     }

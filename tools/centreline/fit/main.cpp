@@ -123,6 +123,11 @@ void add_using(CLI::App &app, Options &options)
                      "x y z, mm: the tree begins at the curve with an end there; else at the widest")
         ->expected(3);
     convert->add_option("--radii-from", options.radii_from, "measure the radii in this mesh");
+    convert
+        ->add_option("--radii-times", options.radii_times,
+                     "widen every sphere: vessels drawn too thin are blown up again")
+        ->check(CLI::Range(0.01, 100.0))
+        ->capture_default_str();
     convert->add_option("--axes", options.axes,
                         "turn: the file's axes that become x, y and z, like +x,+z,-y");
     add_mesh_options(*convert, options);

@@ -189,7 +189,9 @@ Sheet draw_tree(const std::vector<float> &glass, const View &view, const TreeDra
         const std::string letter = point.kind == PointKind::start ? "S"
                                    : point.kind == PointKind::end ? "E"
                                                                   : "B";
-        const std::string label = drawing.with_names && !point.name.empty() ? point.name : letter;
+        const std::string label =
+            (drawing.with_names || static_cast<int>(i) == drawing.chosen) && !point.name.empty() ? point.name
+                                                                                                 : letter;
         sheet.text(static_cast<int>(at.x) + 9, static_cast<int>(at.y) - 7, label, 2, letter_ink);
     }
     if (drawing.with_scale) draw_scale(sheet, view);

@@ -30,7 +30,8 @@ struct TreeDrawing {
     const Tree *tree = nullptr;
     const std::vector<Point> *points = nullptr; // manual points, red
     int chosen = -1;                            // one of them, ringed
-    bool with_names = true, with_scale = true;
+    bool with_names = false;                    // of all points; else only that of the chosen one
+    bool with_scale = true;
 };
 Sheet draw_tree(const std::vector<float> &glass, const View &view, const TreeDrawing &drawing);
 

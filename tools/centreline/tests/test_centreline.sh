@@ -41,6 +41,13 @@ result $? "auto writes a tree and the points that it found"
     "$program" convert "$work/b.obj" -o "$work/c.mrk.json" >>"$log" 2>&1 && "$program" convert "$work/c.mrk.json" -o "$work/d.csv" >>"$log" 2>&1 &&
     diff <(cut -d, -f6-9 "$work/tree.csv" | tail -n +3) <(cut -d, -f6-9 "$work/d.csv" | tail -n +3) >>"$log"
 result $? "convert by way of every format keeps every sphere"
+"$program" convert "$work/tree.csv" --radii-times 1.5 --axes +y,-x,+z -o "$work/wide.csv" >"$log" 2>&1 &&
+    paste -d, <(tail -n +3 "$work/tree.csv") <(tail -n +3 "$work/wide.csv") |
+    awk -F, '{r = $20 - 1.5 * $9; x = $17 - $7; y = $18 + $6; if (r * r + x * x + y * y > 1e-8) bad = 1} END {exit bad}'
+result $? "convert widens and turns as it is told"
+refuse_axes() { "$program" convert "$work/tree.csv" --axes "$1" -o "$work/no.csv" >"$log" 2>&1; [ $? = 2 ] && [ ! -e "$work/no.csv" ]; }
+refuse_axes +x,+y && refuse_axes +x,+x,+z && refuse_axes -x,+y,+z && refuse_axes +x,+y,+w
+result $? "axes that are too few, twice the same, mirrored or unknown are wrong usage"
 grep -v radius_mm "$work/b.obj" >"$work/bare.obj"
 "$program" convert "$work/bare.obj" --radii-from "$tube" -o "$work/measured.csv" >"$log" 2>&1 &&
     awk -F, 'NR > 2 && ($9 < 1.9 || $9 > 2.01) {bad = 1} END {exit bad}' "$work/measured.csv"
