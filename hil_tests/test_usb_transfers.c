@@ -460,6 +460,26 @@ static void the_device_unplugs_itself_on_request(void **state)
     echo((const uint8_t *)"\1\2\3", 4);
 }
 
+/* With the third packet of a transfer of five: the host sees its transfer end in the middle, and the app never the third. */
+static void the_device_unplugs_itself_within_a_transfer(void **state)
+{
+    (void)state;
+    static uint8_t frame[5 * 512];
+    memset(frame, 'x', sizeof frame);
+    const uint32_t before = rig.bytes_in;
+    assert_int_equal(usb_rig_control(&rig, 0x40, SELD_USB_REQUEST_UNPLUG, 20, 3, 0, NULL, NULL), USB_OK);
+    usb_rig_settle(&rig);
+    assert_true(usb_host_sees_device(&rig.host));
+    assert_int_not_equal(usb_host_out(&rig.host, STREAM, 512, frame, sizeof frame), USB_OK);
+    assert_int_equal(rig.bytes_in - before, 2 * 512);
+    assert_false(usb_host_sees_device(&rig.host));
+    assert_int_equal(rig.link, SELD_USB_DETACHED);
+    for (int i = 0; i < 20; i++) usb_rig_tick(&rig);
+    assert_int_equal(usb_rig_configure(&rig, true), USB_OK);
+    drain_new_stream();
+    echo((const uint8_t *)"\1\2\3", 4);
+}
+
 /* Suspend and resume of an unplugged device, tokens without a reset: nothing answers, nothing breaks. */
 static void a_bus_out_of_order_is_survived(void **state)
 {
@@ -523,6 +543,7 @@ int main(void)
         TEST(settings_are_read_back_and_refused),
         TEST(suspend_keeps_everything),
         TEST(the_device_unplugs_itself_on_request),
+        TEST(the_device_unplugs_itself_within_a_transfer),
         TEST(a_bus_out_of_order_is_survived),
         TEST(malformed_tokens_are_not_answered),
     };

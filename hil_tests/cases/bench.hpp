@@ -46,6 +46,14 @@ class Bench
         hold(false);
     }
 
+    // The device's cable comes out once so many more bytes have gone to it, in the middle of a transfer, and is in again after `away_ms`
+    // of the rig. False: it hangs on no cable here.
+    virtual bool pull_cable(std::uint32_t bytes, std::uint32_t away_ms)
+    {
+        static_cast<void>(bytes), static_cast<void>(away_ms);
+        return false;
+    }
+
     // Supply gone and back: the device starts again, wherever it was. The rig sees `milliseconds` without supply.
     void brown_out(std::uint32_t milliseconds)
     {

@@ -7,6 +7,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace hil
 {
@@ -23,6 +24,7 @@ struct Report {
     std::string hash;              // of the aorta session
     double worst_instructions = 0; // of a tick
     int cases = 1, passed = 1;     // of a command that ran several
+    std::vector<std::string> rows; // of a command that printed a table as ours: what has figures
     void add(const std::string &figure) { text += (text.empty() ? "" : "; ") + figure; }
 };
 
@@ -45,5 +47,6 @@ std::span<const Case> all_cases();
 std::span<const Case> session_cases();
 std::span<const Case> safety_cases();
 std::span<const Case> haptic_cases();
+std::span<const Case> unplug_cases();
 
 } // namespace hil

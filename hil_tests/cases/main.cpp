@@ -78,6 +78,7 @@ class Table
                         row.failure.empty() ? "ok" : "FAILED", row.seconds, row.name.c_str(),
                         row.failure.c_str(), row.failure.empty() || row.report.text.empty() ? "" : "; ",
                         row.report.text.c_str());
+            for (const std::string &inner : row.report.rows) std::printf("      %s\n", inner.c_str());
         }
         print_sums();
         std::printf("%zu passed, %d failed%s\n", rows_.size() - static_cast<std::size_t>(failed), failed,
@@ -219,6 +220,7 @@ void follow(const std::string &command, hil::Report &report)
         const bool is_not_ok = line.starts_with("not ok ") || (is_row && line.compare(6, 6, "FAILED") == 0);
         report.cases += is_ok || is_not_ok;
         report.passed += is_ok;
+        if (is_row && line.find(": ") != std::string::npos) report.rows.push_back(line);
         if (line.starts_with("# link.")) report.add(line.substr(2));
         if (line.starts_with("#- ")) report.add(line.substr(3));
         if (line.starts_with("# final hash ")) report.hash = line.substr(line.find_last_of(' ') + 1);

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
+#include <libusb-1.0/libusb.h>
 #include <stdexcept>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -17,6 +18,7 @@ namespace
 constexpr std::uint32_t settle_ms = 3; // of ours: what the device said in its time has come, as a rule
 constexpr std::uint32_t return_limit_ms = 20000; // of a device that starts again
 
+constexpr unsigned request_limit_ms = 2000;
 constexpr int opens_max = 50;
 constexpr useconds_t retry_us = 50000;
 
@@ -88,6 +90,20 @@ void RemoteBench::hold(bool held)
 seld_port_outputs RemoteBench::restart()
 {
     return channel_.ask(BenchOrder::power_cycle).outputs;
+}
+
+// By the device itself: vendor request 0x21 of docs/usb.md.
+bool RemoteBench::pull_cable(std::uint32_t bytes, std::uint32_t away_ms)
+{
+    constexpr std::uint8_t to_device = 0x40, unplug = 0x21;
+    constexpr std::uint32_t packet_bytes = 512;
+    const seld::UsbContext context = seld::usb_context();
+    const seld::UsbHandle handle = seld::usb_open(context.get(), serial_);
+    const int result = libusb_control_transfer(
+        handle.get(), to_device, unplug, static_cast<std::uint16_t>(away_ms),
+        static_cast<std::uint16_t>(bytes / packet_bytes + 1), nullptr, 0, request_limit_ms);
+    if (result < 0) throw std::runtime_error(seld::usb_trouble(result, "the request to leave the bus"));
+    return true;
 }
 
 // One that went is looked for again, and whoever asked last is told by then.

@@ -31,6 +31,7 @@ class RemoteBench final : public Bench, private seld::Transport
   public:
     RemoteBench(const PlantSettings &settings, BenchChannel &channel, const std::string &serial);
     seld::Transport &pipe() override { return *this; }
+    bool pull_cable(std::uint32_t bytes, std::uint32_t away_ms) override;
 
   protected:
     seld_port_outputs edge(const seld_port_inputs &inputs) override;

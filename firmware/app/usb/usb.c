@@ -61,7 +61,13 @@ static void pipe_done(seld_usb *usb, uint8_t endpoint, uint32_t bytes)
         usb->is_armed[pipe] = false;
         if (pipe == SELD_USB_STATUS_OUT) seld_usb_hid_received(usb, bytes);
         if (pipe == SELD_USB_STREAM_IN) seld_usb_stream_sent(usb, bytes);
-        if (pipe == SELD_USB_STREAM_OUT) seld_usb_stream_received(usb, bytes);
+        if (pipe == SELD_USB_STREAM_OUT) {
+            if (usb->off_packets > 0 && --usb->off_packets == 0) {
+                seld_usb_leave(usb);
+                return;
+            }
+            seld_usb_stream_received(usb, bytes);
+        }
     }
 }
 
@@ -95,6 +101,7 @@ static void to_default(seld_usb *usb)
     usb->address = 0;
     usb->configuration = 0;
     usb->is_suspended = false;
+    usb->off_packets = 0;
     usb->hid_idle = 0;
     for (int pipe = 0; pipe < SELD_USB_PIPE_COUNT; pipe++) usb->is_armed[pipe] = usb->is_halted[pipe] = false;
     seld_usb_control_reset(usb);
@@ -108,6 +115,12 @@ void seld_usb_connect(seld_usb *usb, bool connected)
     usb->off_ms = 0;
     udc->connect(udc->context, connected);
     to_default(usb);
+}
+
+void seld_usb_leave(seld_usb *usb)
+{
+    seld_usb_connect(usb, false);
+    usb->off_ms = usb->off_value_ms;
 }
 
 /* --- events --- */

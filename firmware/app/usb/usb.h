@@ -40,8 +40,10 @@ enum {
     SELD_USB_OFF_MAX_ms = 10000,
 
     /* vendor requests to the device */
-    SELD_USB_REQUEST_MS_OS = 0x20,  /* IN, wIndex 7: Microsoft OS 2.0 descriptor set */
-    SELD_USB_REQUEST_UNPLUG = 0x21, /* OUT, no data: off the bus for wValue ms (1 .. 10 000), then back */
+    SELD_USB_REQUEST_MS_OS = 0x20, /* IN, wIndex 7: Microsoft OS 2.0 descriptor set */
+    SELD_USB_REQUEST_UNPLUG =
+        0x21, /* OUT, no data: off the bus for wValue ms (1 .. 10 000), then back. wIndex 0: at once, else with
+                                       that packet of the stream, which is lost in the middle of a transfer */
 };
 
 typedef enum seld_usb_link {
@@ -100,6 +102,8 @@ typedef struct seld_usb {
     uint8_t configuration; /* 0 or 1 */
     uint8_t link;          /* last told to the app */
     uint32_t off_ms;       /* 0: not counting */
+    uint16_t off_packets;  /* of the stream to the device until it goes off the bus; 0: stays */
+    uint16_t off_value_ms; /* and then for so long */
     bool is_halted[SELD_USB_PIPE_COUNT];
     bool is_armed[SELD_USB_PIPE_COUNT];
 
@@ -107,6 +111,7 @@ typedef struct seld_usb {
     uint8_t stage;             /* of the transfer under way */
     uint8_t after_status;      /* what to do when its status stage is over */
     uint16_t after_value;      /* with which value */
+    uint16_t after_index;      /* and index */
     bool ends_empty;           /* an empty packet is still to follow the data */
     seld_usb_setup setup;      /* its request */
     uint32_t requests_refused; /* answered with STALL */

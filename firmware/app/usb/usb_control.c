@@ -54,10 +54,10 @@ static bool vendor(seld_usb *usb, const seld_usb_setup *setup, seld_wire_writer 
     if (setup->type == (to_device | SELD_USB_TYPE_IN) && setup->request == SELD_USB_REQUEST_MS_OS)
         return setup->value == 0 && setup->index == 7 && seld_usb_ms_os_set(reply);
     if (setup->type != to_device || setup->request != SELD_USB_REQUEST_UNPLUG) return false;
-    if (setup->value == 0 || setup->value > SELD_USB_OFF_MAX_ms || setup->index != 0 || setup->length != 0)
-        return false;
+    if (setup->value == 0 || setup->value > SELD_USB_OFF_MAX_ms || setup->length != 0) return false;
     usb->after_status = SELD_USB_AFTER_UNPLUG;
     usb->after_value = setup->value;
+    usb->after_index = setup->index;
     return true;
 }
 
@@ -115,7 +115,7 @@ static void status_over(seld_usb *usb)
 {
     const seld_udc *udc = usb->config.udc;
     const uint8_t after = usb->after_status;
-    const uint16_t value = usb->after_value;
+    const uint16_t value = usb->after_value, index = usb->after_index;
     seld_usb_control_reset(usb);
     switch (after) {
     case SELD_USB_AFTER_ADDRESS:
@@ -123,8 +123,9 @@ static void status_over(seld_usb *usb)
         udc->set_address(udc->context, usb->address);
         break;
     case SELD_USB_AFTER_UNPLUG:
-        seld_usb_connect(usb, false);
-        usb->off_ms = value;
+        usb->off_packets = index;
+        usb->off_value_ms = value;
+        if (index == 0) seld_usb_leave(usb);
         break;
     case SELD_USB_AFTER_TEST:
         udc->test(udc->context, (uint8_t)value);

@@ -105,5 +105,6 @@ void seld_usb_pipe_halt(seld_usb *usb, seld_usb_pipe pipe);
 void seld_usb_pipe_arm(seld_usb *usb, seld_usb_pipe pipe, uint8_t *bytes, uint32_t count);
 bool seld_usb_pipe_is_free(const seld_usb *usb, seld_usb_pipe pipe); /* open, not halted, nothing armed */
 void seld_usb_tell_link(seld_usb *usb);
+void seld_usb_leave(seld_usb *usb); /* off the bus for off_value_ms */
 
 #endif

@@ -1,0 +1,237 @@
+// The cable is pulled in the middle of a transfer. Where the device hangs on USB it takes itself off the bus with a packet of the transfer
+// (docs/usb.md); elsewhere the pipe ends within a frame. What was on its way is lost, both ways.
+#include "hil_tests/cases/conversation.hpp"
+#include <algorithm>
+#include <optional>
+
+namespace hil
+{
+
+namespace
+{
+
+constexpr std::uint32_t away_ms = 60, batch = 64, pulls_per_session = 2;
+constexpr int attempts_max = 6;
+
+// The cable of a bench that has none of its own.
+class Cable final : public seld::Transport
+{
+  public:
+    explicit Cable(Bench &bench) : bench_(bench) {}
+
+    void pull(std::uint32_t bytes)
+    {
+        if (!bench_.pull_cable(bytes, away_ms)) left_ = bytes;
+    }
+
+    // The device is away for so long, and then there is somebody to talk to again.
+    void plug()
+    {
+        bench_.advance(away_ms + 1);
+        is_out_ = false;
+        left_.reset();
+        std::uint8_t lost[4096];
+        try {
+            while (bench_.pipe().read(lost) > 0) {
+            }
+        } catch (const seld::LinkError &) { // it tells once that the device was away
+        }
+    }
+
+    void write(std::span<const std::uint8_t> bytes) override
+    {
+        if (is_out_) gone();
+        if (!left_ || *left_ >= bytes.size()) {
+            bench_.pipe().write(bytes);
+            if (left_) *left_ -= static_cast<std::uint32_t>(bytes.size());
+            return;
+        }
+        bench_.pipe().write(bytes.first(*left_));
+        is_out_ = true;
+        gone();
+    }
+
+    std::size_t read(std::span<std::uint8_t> bytes) override
+    {
+        if (is_out_) gone();
+        return bench_.pipe().read(bytes);
+    }
+
+    void pass_time_ms(std::uint32_t milliseconds) override { bench_.pipe().pass_time_ms(milliseconds); }
+
+  private:
+    [[noreturn]] static void gone()
+    {
+        throw seld::LinkError("the device is gone: its cable was pulled. Remedy: plug it in");
+    }
+
+    Bench &bench_;
+    std::optional<std::uint32_t> left_;
+    bool is_out_ = false;
+};
+
+// A host whose cable is pulled once in the upload of the scene and once in the session, and that goes on each time.
+class Traveller
+{
+  public:
+    Traveller(Bench &bench, std::uint32_t upload_bytes, std::uint32_t session_bytes)
+        : bench_(bench), cable_(bench), bytes_{upload_bytes, session_bytes}
+    {
+    }
+
+    Ending travel(std::uint32_t ticks)
+    {
+        for (int attempt = 0; attempt < attempts_max; attempt++) {
+            try {
+                link_.emplace(cable_);
+                link_->hello();
+                if (!goes_on()) begin();
+                return finish(ticks);
+            } catch (const seld::LinkError &error) {
+                check(*error.what() != '\0', "an error without a message");
+                lost_++;
+                cable_.plug();
+            }
+        }
+        throw Failure("no end after " + std::to_string(attempts_max) + " attempts");
+    }
+
+    std::uint32_t lost() const { return lost_; }
+    std::uint32_t resumed() const { return resumed_; }
+
+  private:
+    void pull(std::uint32_t which)
+    {
+        if (pulled_ != which) return;
+        pulled_++;
+        cable_.pull(bytes_[which]);
+    }
+
+    // The device did what it was asked last, and stands where the answers ended.
+    bool goes_on()
+    {
+        const seld_wire_status status = link_->read_status();
+        const bool is_built =
+            status.state == SELD_WIRE_STATE_RUNNING || status.state == SELD_WIRE_STATE_ARMED;
+        if (!is_built || status.tick != ending_.states.size()) {
+            if (status.state != SELD_WIRE_STATE_READY) link_->reset();
+            return false;
+        }
+        if (status.state == SELD_WIRE_STATE_RUNNING) link_->stop();
+        link_->start();
+        resumed_++;
+        return true;
+    }
+
+    void begin()
+    {
+        pull(0);
+        set_up(*link_);
+        link_->use_lockstep();
+        link_->arm();
+        link_->start();
+        ending_ = {};
+    }
+
+    Ending finish(std::uint32_t ticks)
+    {
+        std::vector<seld_wire_encoders> inputs;
+        while (link_->tick() < ticks) {
+            if (link_->tick() >= ticks / 2) pull(1);
+            inputs.clear();
+            for (std::uint32_t i = 0; i < batch && link_->tick() + i < ticks; i++)
+                inputs.push_back(sample_input(link_->tick() + i));
+            const auto states = link_->step(inputs, false);
+            ending_.states.insert(ending_.states.end(), states.begin(), states.end());
+        }
+        ending_.tick = link_->tick();
+        ending_.hash = link_->read_hash64().hash;
+        return ending_;
+    }
+
+    Bench &bench_;
+    Cable cable_;
+    std::uint32_t bytes_[pulls_per_session], pulled_ = 0, lost_ = 0, resumed_ = 0;
+    std::optional<seld::Link> link_;
+    Ending ending_;
+};
+
+void a_cable_pulled_in_mid_transfer_costs_no_bit(Level &level, const CaseOptions &options, Report &report)
+{
+    const std::uint32_t ticks =
+        std::max<std::uint32_t>(4 * batch, std::min<std::uint32_t>(options.ticks, 400));
+    const Ending alone = host_only_session(ticks, batch);
+    std::uint32_t pulls = 0, resumed = 0;
+    // Within a frame of the upload and of the session, and between two frames.
+    static constexpr std::uint32_t places[][2] = {{9000, 1}, {700, 700}, {30000, 1300}};
+    for (std::size_t i = 0; i < std::size(places); i += options.spread) {
+        const auto bench = level.make({});
+        Traveller traveller(*bench, places[i][0], places[i][1]);
+        check_same(alone, traveller.travel(ticks), "undisturbed and with the cable pulled");
+        check(traveller.lost() == pulls_per_session, "the host lost the device %u times, not %u",
+              unsigned{traveller.lost()}, unsigned{pulls_per_session});
+        pulls += traveller.lost();
+        resumed += traveller.resumed();
+    }
+    report.add(text("%u pulls, %u sessions resumed, %u played again", unsigned{pulls}, unsigned{resumed},
+                    unsigned{pulls - resumed}));
+}
+
+// Forces are gone 50 ms after the last byte, the session goes on without a host, and with one the forces come back.
+void a_cable_pulled_under_power_fades_the_forces(Level &level, const CaseOptions &, Report &report)
+{
+    constexpr std::uint32_t push_ms = 200, silent_ms = 50;
+    constexpr double none_N = 0.02;
+    const auto bench = level.make({});
+    Cable cable(*bench);
+    std::optional<seld::Link> link(cable);
+    set_up(*link);
+    start_free_run(*bench, *link);
+    push_by_spring_hand(bench->plant());
+    keep_running(*link, push_ms);
+    const double before_N = bench->plant().motor_peak_N();
+    cable.pull(3);
+    std::uint32_t ms = 0;
+    try {
+        for (; ms < silent_ms; ms++) {
+            if (ms % 8 == 0) keep_talking(*link);
+            bench->advance(1);
+        }
+    } catch (const seld::LinkError &) {
+        bench->advance(silent_ms - ms);
+        ms = UINT32_MAX;
+    }
+    check(ms == UINT32_MAX, "nothing told the host that the cable is out");
+    const double left_N = bench->plant().motor_peak_N();
+    check(before_N > 0.05 && left_N <= none_N,
+          "%.3f N before, %.3f N %u ms after the cable was pulled, allowed %.2f", before_N, left_N,
+          unsigned{silent_ms}, none_N);
+    cable.plug();
+    link.emplace(cable);
+    link->hello();
+    const seld_wire_status status = link->read_status();
+    check(status.state == SELD_WIRE_STATE_RUNNING, "the session ended by itself: %s",
+          seld_wire_state_name(status.state));
+    double back_N = 0.0;
+    for (std::uint32_t i = 0; i < push_ms; i += 8) {
+        keep_running(*link, 8);
+        back_N = std::max(back_N, bench->plant().motor_peak_N());
+    }
+    check(back_N > none_N, "no force comes back with the host: %.3f N", back_N);
+    report.add(text("%.2f N before, %.3f N after %u ms, %.2f N with the host back", before_N, left_N,
+                    unsigned{silent_ms}, back_N));
+}
+
+constexpr Case cases[] = {
+    {"a_cable_pulled_in_mid_transfer_costs_no_bit", a_cable_pulled_in_mid_transfer_costs_no_bit},
+    {"a_cable_pulled_under_power_fades_the_forces", a_cable_pulled_under_power_fades_the_forces},
+};
+
+} // namespace
+
+std::span<const Case> unplug_cases()
+{
+    return cases;
+}
+
+} // namespace hil
