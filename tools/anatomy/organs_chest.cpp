@@ -95,11 +95,47 @@ Part heart_part(double wall_mm)
 
 } // namespace
 
-Solid heart_blood()
+Solid heart_outline()
 {
+    constexpr double PERICARDIUM_MM = 1.5;
     Solid solid;
-    solid.add(heart_part(5.0));
+    solid.add(heart_part(PERICARDIUM_MM));
     return solid;
+}
+
+std::vector<Chamber> heart_chambers()
+{
+    constexpr double LEFT_WALL_MM = 10.0, THIN_WALL_MM = 2.5;
+    Part left(0.0), right(8.0), right_atrium(0.0), left_atrium(0.0);
+    left.add<Ellipsoid>(Vec3(38, 94, 22), Vec3(42, 23, 22), axis_to({0.74, -0.46, 0.48}));
+    right.add<Ellipsoid>(Vec3(12, 87, 36), Vec3(44, 30, 25), axis_to({0.9, -0.35, 0.2}));
+    right.add<Ellipsoid>(Vec3(20, 140, 34), Vec3(14, 28, 13), axis_to({1, 0.15, -0.2}));
+    right_atrium.add<Ellipsoid>(Vec3(-20, 106, 12), Vec3(24, 35, 27));
+    left_atrium.add<Ellipsoid>(Vec3(8, 128, -18), Vec3(34, 21, 19));
+    const Distance left_ventricle = [left](const Vec3 &p) { return left.distance(p); };
+    const Distance right_ventricle = [=](const Vec3 &p) {
+        return smooth_max(right.distance(p), LEFT_WALL_MM - left_ventricle(p), 3.0);
+    };
+    // The valves' planes: an atrium ends where the ventricles begin.
+    const Distance right_side = [=](const Vec3 &p) {
+        const double taken = std::min(right.distance(p) - THIN_WALL_MM, left_ventricle(p) - LEFT_WALL_MM);
+        return smooth_max(right_atrium.distance(p), -taken, 3.0);
+    };
+    const Distance left_side = [=](const Vec3 &p) {
+        const double taken = std::min({right.distance(p) - THIN_WALL_MM, left_ventricle(p) - THIN_WALL_MM,
+                                       right_atrium.distance(p) - THIN_WALL_MM});
+        return smooth_max(left_atrium.distance(p), -taken, 3.0);
+    };
+    const auto around = [](const Part &part) {
+        Box box = part.bounds;
+        box.include(part.bounds.low, 3.0);
+        box.include(part.bounds.high, 3.0);
+        return box;
+    };
+    return {{"left_ventricle", left_ventricle, around(left)},
+            {"right_ventricle", right_ventricle, around(right)},
+            {"right_atrium", right_side, around(right_atrium)},
+            {"left_atrium", left_side, around(left_atrium)}};
 }
 
 Solid mediastinum()
@@ -136,7 +172,7 @@ Solid mediastinum()
 Solid airway()
 {
     Part part(4.0);
-    part.rod({{-1, 342, -4}, {-2, 300, -8}, {-5, 250, -20}, {-6, 205, -29}}, {8.5, 8.5, 8.8, 9.0});
+    part.rod({{-1, 326, -5}, {-2, 300, -8}, {-5, 250, -20}, {-6, 205, -29}}, {8.5, 8.5, 8.8, 9.0});
     part.rod({{-6, 206, -29}, {-20, 192, -28}, {-33, 180, -27}}, {7.5, 7.0, 6.0});
     part.rod({{-6, 205, -29}, {14, 190, -29}, {34, 179, -28}}, {7.0, 6.0, 5.5});
     Solid solid;

@@ -1,4 +1,4 @@
-/* Skin, bowel gas and perirenal fat. */
+/* Skin, and the fat under it. */
 #include "tools/anatomy/organs.hpp"
 #include <algorithm>
 #include <cmath>
@@ -75,69 +75,13 @@ Solid skin()
     return solid;
 }
 
-namespace
+double flesh_depth_mm(const Vec3 &p)
 {
-
-/* A pouch of gas: a row of uneven balls along a course, as the folds of the colon make it. */
-void add_pouches(Part &part, const std::vector<Vec3> &course, double radius_mm, uint32_t seed)
-{
-    uint32_t state = seed;
-    auto random = [&state] { // xorshift: the same on every machine; 0 to 1
-        state ^= state << 13;
-        state ^= state >> 17;
-        state ^= state << 5;
-        return state / 4294967296.0;
-    };
-    const Curve curve = sample_curve(course, std::vector<double>(course.size(), radius_mm), 0.85 * radius_mm);
-    for (const CurvePoint &point : curve) {
-        const double r = radius_mm * (0.62 + 0.45 * random());
-        const Vec3 shift = 0.35 * radius_mm * Vec3(random() - 0.5, random() - 0.5, random() - 0.5);
-        part.add<Ellipsoid>(point.position_mm + shift, Vec3(r, r * (0.9 + 0.2 * random()), r));
-    }
-}
-
-} // namespace
-
-Solid bowel_gas()
-{
-    Solid solid;
-    auto pouch = [&](const std::vector<Vec3> &course, double radius_mm, uint32_t seed) {
-        Part part(3.5);
-        add_pouches(part, course, radius_mm, seed);
-        solid.add(part);
-    };
-    Part stomach(10.0);
-    stomach.add<Ellipsoid>(Vec3(66, 36, 4), Vec3(31, 15, 27));
-    stomach.add<Ellipsoid>(Vec3(48, 22, 26), Vec3(24, 12, 22));
-    solid.add(stomach);
-    pouch({{-112, 2, 38}, {-118, -22, 36}, {-106, -40, 52}}, 15, 11); // hepatic flexure
-    pouch({{-78, -64, 70}, {-46, -82, 80}, {-20, -88, 84}}, 14, 23);  // transverse colon
-    pouch({{24, -82, 82}, {58, -62, 72}, {84, -38, 58}}, 12, 5);
-    pouch({{112, 4, 6}, {120, -18, 0}, {122, -34, -4}}, 14, 77);           // splenic flexure
-    pouch({{-112, -150, 36}, {-116, -178, 40}, {-108, -206, 44}}, 19, 41); // caecum
-    pouch({{120, -110, 10}, {124, -138, 14}}, 10, 97);                     // descending colon
-    pouch({{66, -238, 58}, {42, -252, 62}, {22, -240, 60}}, 13, 131);      // sigmoid
-    pouch({{0, -268, -52}, {3, -290, -46}}, 15, 151);                      // rectum
-    pouch({{-24, -132, 78}, {-4, -142, 82}}, 8, 201);                      // small bowel
-    pouch({{40, -168, 74}, {58, -162, 70}}, 8, 223);
-    pouch({{-52, -226, 66}, {-38, -232, 70}}, 7, 239);
-    return solid;
-}
-
-Solid kidney_fat()
-{
-    Solid solid;
-    for (double s : {-1.0, 1.0}) {
-        const Eigen::Matrix3d lean =
-            (Eigen::AngleAxisd(s * 0.22, Vec3::UnitZ()) * Eigen::AngleAxisd(0.2, Vec3::UnitX()))
-                .toRotationMatrix();
-        const Vec3 centre = side(s, 77, s > 0 ? -38 : -52, -52);
-        Part part(0.0);
-        part.add<Ellipsoid>(centre, Vec3(35, 65, 31), lean);
-        part.cut<Ellipsoid>(centre, Vec3(27, 57, 23), lean);
-        solid.add(part);
-    }
-    return solid;
+    // Thin over the chest, thicker over belly and hips.
+    constexpr double SKIN_MM = 2.0, CHEST_FAT_MM = 5.0, BELLY_FAT_MM = 14.0, FROM_MM = 110.0, TO_MM = -30.0;
+    const double share = std::clamp((FROM_MM - p.y()) / (FROM_MM - TO_MM), 0.0, 1.0);
+    const double smooth = share * share * (3.0 - 2.0 * share);
+    return SKIN_MM + CHEST_FAT_MM + smooth * (BELLY_FAT_MM - CHEST_FAT_MM);
 }
 
 } // namespace anatomy

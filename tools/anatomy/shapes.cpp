@@ -140,26 +140,34 @@ double Ellipsoid::distance(const Vec3 &point) const
 }
 
 Plate::Plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_mm)
+    : Plate(a, b, c, Vec3::Constant(half_thickness_mm))
+{
+}
+
+Plate::Plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &half_thickness_mm)
     : a_(a), b_(b), c_(c), half_thickness_mm_(half_thickness_mm)
 {
-    for (const Vec3 &corner : {a, b, c}) bounds.include(corner, half_thickness_mm);
+    for (const Vec3 &corner : {a, b, c}) bounds.include(corner, half_thickness_mm.maxCoeff());
 }
 
 double Plate::distance(const Vec3 &point) const
 {
     const Vec3 normal = (b_ - a_).cross(c_ - a_);
     const Vec3 corners[3] = {a_, b_, c_};
-    bool over_face = true;
-    double edge_squared = std::numeric_limits<double>::max();
+    Vec3 share; // of the corner opposite to each edge, where the point's foot lies over the face
+    double edge_squared = std::numeric_limits<double>::max(), thickness = 0.0;
     for (int i = 0; i < 3; i++) {
-        const Vec3 edge = corners[(i + 1) % 3] - corners[i], offset = point - corners[i];
-        over_face = over_face && edge.cross(normal).dot(offset) <= 0.0;
+        const int next = (i + 1) % 3, opposite = (i + 2) % 3;
+        const Vec3 edge = corners[next] - corners[i], offset = point - corners[i];
+        share[opposite] = edge.cross(offset).dot(normal) / normal.squaredNorm();
         const double t = std::clamp(offset.dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-        edge_squared = std::min(edge_squared, (offset - t * edge).squaredNorm());
+        const double squared = (offset - t * edge).squaredNorm();
+        if (squared >= edge_squared) continue;
+        edge_squared = squared;
+        thickness = (1.0 - t) * half_thickness_mm_[i] + t * half_thickness_mm_[next];
     }
-    const double distance =
-        over_face ? std::abs(normal.dot(point - a_)) / normal.norm() : std::sqrt(edge_squared);
-    return distance - half_thickness_mm_;
+    if (share.minCoeff() < 0.0) return std::sqrt(edge_squared) - thickness;
+    return std::abs(normal.dot(point - a_)) / normal.norm() - share.dot(half_thickness_mm_);
 }
 
 Drum::Drum(const Vec3 &centre, const Eigen::Matrix3d &rotation, double width_mm, double height_mm,
@@ -201,6 +209,14 @@ Tube &Part::rod(const std::vector<Vec3> &points, const std::vector<double> &radi
 }
 
 Plate &Part::plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_mm, double cortex_mm)
+{
+    Plate &flat = add<Plate>(a, b, c, half_thickness_mm);
+    flat.cortex_mm = cortex_mm;
+    return flat;
+}
+
+Plate &Part::plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &half_thickness_mm,
+                   double cortex_mm)
 {
     Plate &flat = add<Plate>(a, b, c, half_thickness_mm);
     flat.cortex_mm = cortex_mm;

@@ -73,16 +73,16 @@ class Ellipsoid : public Shape
     Eigen::Matrix3d inverse_;
 };
 
-/* Triangle thickened by half_thickness_mm: flat bone (ilium, scapula, laminae). */
+/* Triangle thickened by half_thickness_mm, which may differ from corner to corner: flat bone (ilium, scapula, laminae). */
 class Plate : public Shape
 {
   public:
     Plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_mm);
+    Plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &half_thickness_mm);
     double distance(const Vec3 &point) const override;
 
   private:
-    Vec3 a_, b_, c_;
-    double half_thickness_mm_;
+    Vec3 a_, b_, c_, half_thickness_mm_;
 };
 
 /* Vertebral body: a waisted drum with slightly hollow end plates and a flattened back. Axis y of the frame points up. */
@@ -136,6 +136,8 @@ class Part
     Tube &rod(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double cortex_mm = 1.0);
     Plate &plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_mm,
                  double cortex_mm = 1.0);
+    Plate &plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &half_thickness_mm,
+                 double cortex_mm);
     double distance(const Vec3 &point) const;
     double marrow_distance(const Vec3 &point) const;
     /* The same part for points inside `box`, correct where the distance is below reach_mm. */

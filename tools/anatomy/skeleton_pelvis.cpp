@@ -1,6 +1,7 @@
 /* Hip bones and upper femurs. Hip centres 172 mm apart, bi-iliac width about 280 mm, femoral heads 48 mm: assumed, typical for
  * a man. Front superior spines and the symphysis lie in one frontal plane, as in a standing pelvis. */
 #include "tools/anatomy/skeleton.hpp"
+#include <algorithm>
 #include <cmath>
 
 namespace anatomy
@@ -30,10 +31,38 @@ std::vector<Vec3> resampled(const std::vector<Vec3> &row, size_t count)
     return points;
 }
 
+/* Plates that meet edge to edge, as one shape: their union is plain, for smooth joining would raise a ridge on every edge. */
+class Sheet : public Shape
+{
+  public:
+    void add(const Plate &plate)
+    {
+        plates_.push_back(plate);
+        bounds.include(plate.bounds);
+    }
+    double distance(const Vec3 &point) const override
+    {
+        double best = 1e9;
+        for (const Plate &plate : plates_)
+            if (plate.bounds.distance(point) < best) best = std::min(best, plate.distance(point));
+        return best;
+    }
+    std::shared_ptr<Shape> near(const Box &box, double reach_mm) const override
+    {
+        auto trimmed = std::make_shared<Sheet>(*this);
+        std::erase_if(trimmed->plates_,
+                      [&](const Plate &plate) { return plate.bounds.distance(box) > reach_mm; });
+        return trimmed;
+    }
+
+  private:
+    std::vector<Plate> plates_;
+};
+
 /* Iliac wing: a thin hollow fan between the thick crest and the arcuate line, laid out in rows from the line to the crest. */
 void add_ilium(Part &part, double s)
 {
-    constexpr size_t ACROSS = 17, ROWS = 6;
+    constexpr size_t ACROSS = 25, ROWS = 10;
     const std::vector<Vec3> crest = {{116, -270, 24}, {120, -252, 40}, {126, -232, 50},  {135, -206, 42},
                                      {141, -182, 26}, {138, -163, 2},  {124, -154, -26}, {98, -160, -54},
                                      {70, -180, -76}, {46, -208, -89}, {43, -230, -86}};
@@ -45,14 +74,23 @@ void add_ilium(Part &part, double s)
         const Vec3 point = base[i] + share * (rim[i] - base[i]) + hollow * Vec3(7, -2, -5);
         return mirrored(s, point);
     };
+    // Thick at the line, thin in the middle; one thickness per corner, so that plates meet without a step.
+    auto half_mm = [](size_t row) {
+        const double share = static_cast<double>(row) / (ROWS - 1);
+        return 2.6 + 3.4 * std::exp(-4.5 * share);
+    };
+    Sheet &wing = part.add<Sheet>();
     for (size_t row = 0; row + 1 < ROWS; row++) {
-        const double half_thickness_mm = row == 0 ? 5.0 : (row == 1 ? 3.4 : 2.5);
+        const double low = half_mm(row), high = half_mm(row + 1);
         for (size_t i = 0; i + 1 < ACROSS; i++) {
-            part.plate(corner(i, row), corner(i + 1, row), corner(i, row + 1), half_thickness_mm, 1.1);
-            part.plate(corner(i + 1, row), corner(i, row + 1), corner(i + 1, row + 1), half_thickness_mm,
-                       1.1);
+            const Vec3 a = corner(i, row), b = corner(i + 1, row), c = corner(i, row + 1),
+                       d = corner(i + 1, row + 1);
+            wing.add(Plate(a, b, c, Vec3(low, low, high)));
+            wing.add(Plate(b, c, d, Vec3(low, high, high)));
         }
     }
+    wing.cortex_mm = 1.1;
+    part.bounds.include(wing.bounds);
     std::vector<Vec3> top, bottom;
     for (size_t i = 0; i < ACROSS; i++) {
         top.push_back(corner(i, ROWS - 1));

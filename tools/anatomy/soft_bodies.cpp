@@ -1,0 +1,232 @@
+#include "tools/anatomy/soft_bodies.hpp"
+#include <cmath>
+
+namespace anatomy
+{
+
+namespace
+{
+
+constexpr double SOFT_ERROR_MM = 0.3;
+
+/* Voxel of a body that has little room in its parent: a coarse anatomy keeps it fine, so that it stays inside. */
+double tight_mm(double voxel_mm, double scale)
+{
+    return voxel_mm * std::min(scale, 1.2);
+}
+
+// --- layers ---------------------------------------------------------------------------------------------------------
+
+/* The skin's outside: it passes every bone with some flesh between. */
+LocalDistance outline_distance(const Solid &bones)
+{
+    const Solid outline = skin();
+    return [=](const Box &box, double reach_mm) -> Distance {
+        constexpr double FLESH_MM = 5.0, BLEND_MM = 8.0;
+        return [outline, near = bones.near(box, reach_mm + FLESH_MM + BLEND_MM)](const Vec3 &p) {
+            const double own = outline.distance(p);
+            if (own < -2.0 * FLESH_MM - BLEND_MM) return own;
+            return smooth_min(own, std::max(near.distance(p), beyond_cuts(p)) - FLESH_MM, BLEND_MM);
+        };
+    };
+}
+
+/* What lies `depth` under the skin's outside; where a bone comes near the skin it is covered all the same. */
+LocalDistance layer_distance(const Solid &bones, double least_mm, double (*depth_mm)(const Vec3 &))
+{
+    return [least_mm, depth_mm, bones, outline = outline_distance(bones)](const Box &box,
+                                                                          double reach_mm) -> Distance {
+        constexpr double COVER_MM = 2.0, BLEND_MM = 4.0, DEEPEST_MM = 30.0;
+        return [=, near = bones.near(box, reach_mm + COVER_MM + BLEND_MM),
+                own = outline(box, reach_mm + DEEPEST_MM)](const Vec3 &p) {
+            const double skin_mm = own(p);
+            const double covered = std::max(near.distance(p), beyond_cuts(p)) - COVER_MM;
+            return std::max(skin_mm + least_mm, smooth_min(skin_mm + depth_mm(p), covered, BLEND_MM));
+        };
+    };
+}
+
+double skin_depth_mm(const Vec3 &)
+{
+    return 2.0;
+}
+
+} // namespace
+
+std::vector<Body> layer_bodies(const Solid &bones, double scale)
+{
+    const Box where = grown(skin().bounds, 12.0);
+    return {
+        {"skin", "soft", "", {where, outline_distance(bones), tight_mm(4.0, scale), SOFT_ERROR_MM}},
+        {"fat",
+         "adipose",
+         "skin",
+         {where, layer_distance(bones, 2.0, skin_depth_mm), tight_mm(4.0, scale), SOFT_ERROR_MM}},
+        {"flesh",
+         "muscle",
+         "fat",
+         {where, layer_distance(bones, 3.5, flesh_depth_mm), tight_mm(4.0, scale), SOFT_ERROR_MM}},
+    };
+}
+
+// --- chest ----------------------------------------------------------------------------------------------------------
+
+namespace
+{
+
+/* One lung: its cavity less everything else in the chest. */
+LocalDistance lung_distance(double sign, const Solid &bones)
+{
+    const Solid middle = mediastinum(), air = airway(), aorta_wall = tree_solid(aorta_tree(), 2.0);
+    const Distance cavity = lung_cavity(sign);
+    return [=](const Box &box, double reach_mm) -> Distance {
+        constexpr double PLEURA_MM = 2.0;
+        const double reach = reach_mm + PLEURA_MM + 1.0;
+        return [=, heart = middle.near(box, reach), trachea = air.near(box, reach),
+                aorta = aorta_wall.near(box, reach), bone = bones.near(box, reach)](const Vec3 &p) {
+            double taken = std::min(trachea.distance(p), aorta.distance(p));
+            taken = std::min(heart.distance(p), std::min(taken, bone.distance(p)) - PLEURA_MM);
+            return smooth_max(cavity(p), -taken, 1.5);
+        };
+    };
+}
+
+/* Lungs with their vessels; they give way to bones, aorta, airway and mediastinum. */
+void add_lungs(std::vector<Body> &bodies, const Solid &bones, double scale)
+{
+    for (double s : {-1.0, 1.0}) {
+        const std::string name = s < 0 ? "lung_right" : "lung_left";
+        const LocalDistance lung = lung_distance(s, bones);
+        const Solid tree = lung_vessels(s, lung(lung_bounds(s), 20.0));
+        const LocalDistance vessels = [=](const Box &box, double reach_mm) -> Distance {
+            constexpr double INSIDE_MM = 1.3;
+            return [own = tree.near(box, reach_mm), around = lung(box, reach_mm + INSIDE_MM)](const Vec3 &p) {
+                const double distance = own.distance(p);
+                return distance > 1e3 ? distance : std::max(distance, around(p) + INSIDE_MM);
+            };
+        };
+        bodies.push_back(
+            {name, "lung", "flesh", {grown(lung_bounds(s), 4.0), lung, 2.2 * scale, SOFT_ERROR_MM}});
+        bodies.push_back(
+            {name + "_vessels", "blood", name, {grown(tree.bounds, 2.0), vessels, 1.2 * scale, 0.2}});
+    }
+}
+
+/* The shape where it keeps clear of the bones. */
+LocalDistance clear_of_bones(const Solid &solid, const Solid &bones)
+{
+    return [=](const Box &box, double reach_mm) -> Distance {
+        constexpr double CLEAR_MM = 2.0;
+        return [own = solid.near(box, reach_mm), bone = bones.near(box, reach_mm + CLEAR_MM)](const Vec3 &p) {
+            return smooth_max(own.distance(p), CLEAR_MM - bone.distance(p), 1.0);
+        };
+    };
+}
+
+/* Muscle in the heart's outline, and the blood of its four chambers in it. */
+void add_heart(std::vector<Body> &bodies, const Solid &bones, double scale)
+{
+    const Solid outline = heart_outline();
+    const LocalDistance muscle = clear_of_bones(outline, bones);
+    bodies.push_back(
+        {"heart", "muscle", "flesh", {grown(outline.bounds, 3.0), muscle, 2.4 * scale, SOFT_ERROR_MM}});
+    for (const Chamber &chamber : heart_chambers()) {
+        const LocalDistance inside = [=](const Box &box, double reach_mm) -> Distance {
+            constexpr double WALL_MM = 2.0; // the thinnest, that of the atria
+            return [own = chamber.distance, around = muscle(box, reach_mm + WALL_MM)](const Vec3 &p) {
+                return smooth_max(own(p), around(p) + WALL_MM, 1.0);
+            };
+        };
+        bodies.push_back(
+            {chamber.name, "blood", "heart", {chamber.bounds, inside, 2.4 * scale, SOFT_ERROR_MM}});
+    }
+}
+
+} // namespace
+
+std::vector<Body> chest_bodies(const Solid &bones, double scale)
+{
+    std::vector<Body> bodies;
+    add_lungs(bodies, bones, scale);
+    add_heart(bodies, bones, scale);
+    const Solid air = airway();
+    bodies.push_back({"airway",
+                      "air",
+                      "flesh",
+                      {grown(air.bounds, 3.0), clear_of_bones(air, bones), 1.5 * scale, SOFT_ERROR_MM}});
+    return bodies;
+}
+
+// --- belly ----------------------------------------------------------------------------------------------------------
+
+namespace
+{
+
+constexpr double DIAPHRAGM_MM = 4.0, ORGAN_GAP_MM = 1.5;
+
+/* The room of the belly's organs, filled with fat: its outline less diaphragm, heart, bones and psoas. */
+LocalDistance belly_distance(const Solid &bones)
+{
+    const Solid heart = mediastinum(), loins = psoas(), nests = kidney_nests();
+    const Distance right = lung_cavity(-1.0), left = lung_cavity(1.0);
+    const Solid outline = skin();
+    return [=](const Box &box, double reach_mm) -> Distance {
+        constexpr double CLEAR_MM = 3.0, BLEND_MM = 6.0, WALL_MM = 3.0;
+        const double reach = reach_mm + DIAPHRAGM_MM + BLEND_MM;
+        return [=, bone = bones.near(box, reach), middle = heart.near(box, reach),
+                flank = loins.near(box, reach), nest = nests.near(box, reach)](const Vec3 &p) {
+            const double room = smooth_min(belly_outline(p), nest.distance(p), BLEND_MM);
+            const double chest = std::min({right(p), left(p), middle.distance(p)});
+            double taken = std::min(chest - DIAPHRAGM_MM, bone.distance(p) - CLEAR_MM);
+            taken = std::min(taken, flank.distance(p));
+            const double kept = smooth_max(room, -taken, 2.0);
+            if (kept > 3.0 * BLEND_MM) return kept; // far outside: the wall does not matter
+            return std::max(kept, outline.distance(p) + flesh_depth_mm(p) + WALL_MM);
+        };
+    };
+}
+
+/* An organ: its shape within the belly, clear of the organs before it. `shape` may be larger than what is left of it. */
+LocalDistance organ_distance(const Solid &shape, const LocalDistance &belly, const Solid &before,
+                             double inset_mm)
+{
+    return [=](const Box &box, double reach_mm) -> Distance {
+        const double gap = ORGAN_GAP_MM + inset_mm;
+        return [=, own = shape.near(box, reach_mm + 1.0), other = before.near(box, reach_mm + gap),
+                room = belly(box, reach_mm + gap)](const Vec3 &p) {
+            const double kept = smooth_max(own.distance(p), gap - other.distance(p), 1.0);
+            return smooth_max(kept, room(p) + gap, 1.0);
+        };
+    };
+}
+
+} // namespace
+
+std::vector<Body> belly_bodies(const Solid &bones, double scale)
+{
+    const LocalDistance belly = belly_distance(bones);
+    std::vector<Body> bodies = {
+        {"belly_fat", "adipose", "flesh", {belly_bounds(), belly, tight_mm(3.4, scale), SOFT_ERROR_MM}}};
+    Solid before;
+    const auto add = [&](const char *name, const char *material, const char *inside, const Solid &shape,
+                         double voxel_mm, double inset_mm) {
+        bodies.push_back({name,
+                          material,
+                          inside,
+                          {grown(shape.bounds, 3.0), organ_distance(shape, belly, before, inset_mm),
+                           tight_mm(voxel_mm, scale), SOFT_ERROR_MM}});
+    };
+    const Solid kidney_pair = kidneys(), liver_shape = liver(), spleen_shape = spleen();
+    add("kidneys", "muscle", "belly_fat", kidney_pair, 2.6, 0.0);
+    before.add(kidney_pair);
+    add("liver", "muscle", "belly_fat", liver_shape, 3.4, 0.0);
+    before.add(liver_shape);
+    add("spleen", "muscle", "belly_fat", spleen_shape, 3.0, 0.0);
+    before.add(spleen_shape);
+    constexpr double WALL_MM = 2.5; // of the bowel around its gas
+    add("bowel", "soft", "belly_fat", bowel(WALL_MM), 3.0, 0.0);
+    add("bowel_gas", "air", "bowel", bowel_gas(0.0), 2.0, WALL_MM - 0.5);
+    return bodies;
+}
+
+} // namespace anatomy
