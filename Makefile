@@ -53,7 +53,7 @@ HOST_LINK     := -lpng -lglfw -lusb-1.0 -ldl -ldcmdata -lofstd
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/centreline $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: dissector all run window test validate validate-centreline bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig install-udev bench-xray-peers
+.PHONY: gallery dissector all run window test validate validate-centreline bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig install-udev bench-xray-peers
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -177,6 +177,23 @@ window: packages-build packages-run ## push and turn a wire by keyboard (needs a
 	@$(QUIET_MAKE) $(PROGRAMS)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
 	@$(BUILD)/bin/seldinger view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec
+
+# --- the gallery: docs/gallery.md ---------------------------------------------------------------------------------------
+GALLERY       := pelvis arch chest loin
+GALLERY_DOCS  := docs/images/gallery
+gallery: packages-build packages-run ## renew the pictures of docs/gallery.md
+	@$(QUIET_MAKE) $(PROGRAMS)
+	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
+	@mkdir -p out/gallery $(GALLERY_DOCS)
+	@for name in $(GALLERY); do \
+	    $(BUILD)/bin/seldinger run --scene $(SCENE) --tool $(WIRE) --session shared/examples/gallery/$$name.session \
+	        --fps 8 --quiet --png out/gallery/$$name.png > out/gallery/$$name.log || exit 1; \
+	    ffmpeg -v error -y -i out/gallery/$$name.png -q:v 4 $(GALLERY_DOCS)/$$name.jpg || exit 1; \
+	    echo "$(GALLERY_DOCS)/$$name.jpg"; done
+	@$(BUILD)/bin/seldinger run --scene $(SCENE) --tool $(WIRE) --session shared/examples/gallery/arch.session \
+	    --fps 8 --quiet --style vcsim3 --png out/gallery/arch_vcsim3.png > out/gallery/arch_vcsim3.log
+	@ffmpeg -v error -y -i out/gallery/arch_vcsim3.png -i out/gallery/arch.png -filter_complex hstack -q:v 4 \
+	    $(GALLERY_DOCS)/thesis_look.jpg && echo "$(GALLERY_DOCS)/thesis_look.jpg"
 
 # --- tests: every test_* file is one program --------------------------------------------------------------------
 FIRMWARE_TESTS := $(wildcard firmware/tests/test_*.c shared/*/tests/test_*.c hil_tests/test_*.c)
