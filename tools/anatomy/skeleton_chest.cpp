@@ -1,4 +1,5 @@
 /* Ribs, sternum, clavicles, shoulder blades and heads of the humerus. All dimensions assumed, from a chest 280 mm wide inside. */
+#include "tools/anatomy/sheet.hpp"
 #include "tools/anatomy/skeleton.hpp"
 #include <cmath>
 
@@ -70,23 +71,39 @@ Part sternum_part()
     return part;
 }
 
+/* The blade between its medial border and its neck and lateral border, from the superior angle down to the inferior one. */
+Sheet blade(double s)
+{
+    constexpr size_t DOWN = 55, ACROSS = 25;
+    const auto medial = evenly_along(
+        {{84, 268, -104}, {82, 238, -113}, {85, 205, -118}, {99, 162, -120}, {115, 129, -118}}, DOWN);
+    const auto lateral = evenly_along(
+        {{134, 257, -70}, {143, 236, -66}, {141, 210, -82}, {138, 188, -97}, {122, 133, -117}}, DOWN);
+    std::vector<std::vector<SheetPoint>> rows(DOWN);
+    for (size_t row = 0; row < DOWN; row++)
+        for (size_t i = 0; i < ACROSS; i++) {
+            const double share = static_cast<double>(i) / (ACROSS - 1), middle = 4.0 * share * (1.0 - share);
+            const double width_mm = (lateral[row] - medial[row]).norm();
+            // Hollow towards the ribs; thin in the middle.
+            const Vec3 point =
+                medial[row] + share * (lateral[row] - medial[row]) - 0.1 * middle * width_mm * Vec3::UnitZ();
+            rows[row].push_back({side(s, point.x(), point.y(), point.z()), 2.4 - 0.35 * middle});
+        }
+    return Sheet(rows);
+}
+
 /* Arms are raised: the blade is turned outwards and the humerus points up. */
 Part scapula_part(double s)
 {
     Part part(4.0);
-    const Vec3 upper = side(s, 84, 268, -104), lower = side(s, 118, 130, -118),
-               glenoid = side(s, 146, 238, -62);
-    const Vec3 medial = side(s, 84, 205, -118), axillary = side(s, 139, 190, -96),
-               middle = side(s, 108, 218, -106);
-    for (const auto &[a, b] : {std::pair{upper, medial},
-                               {medial, lower},
-                               {lower, axillary},
-                               {axillary, glenoid},
-                               {glenoid, upper}})
-        part.plate(a, b, middle, 1.6, 1.0);
-    part.rod({medial, lower, axillary}, {2.8, 4.2, 4.4}, 1.2);
-    part.rod({axillary, glenoid + Vec3(-s * 2, -10, 0)}, {4.6, 6.0}, 1.2);
-    part.rod({upper, medial}, {2.6, 2.6});
+    const Vec3 glenoid = side(s, 146, 238, -62);
+    part.add<Sheet>(blade(s)).cortex_mm = 1.0;
+    part.rod({side(s, 84, 268, -104), side(s, 82, 238, -113), side(s, 85, 205, -118), side(s, 99, 162, -120),
+              side(s, 116, 129, -118)},
+             {2.6, 2.6, 2.6, 3.2, 4.2}, 1.1);
+    part.rod(
+        {side(s, 117, 129, -118), side(s, 138, 188, -97), side(s, 141, 210, -82), side(s, 143, 230, -68)},
+        {4.2, 4.4, 4.6, 6.0}, 1.2);
     part.add<Ellipsoid>(glenoid, Vec3(7, 17, 11)).cortex_mm = 1.2;
     // Spine of the scapula to the acromion, and the coracoid.
     part.plate(side(s, 90, 238, -112), side(s, 150, 262, -72), side(s, 128, 250, -112), 2.4);

@@ -1,5 +1,6 @@
 /* Hip bones and upper femurs. Hip centres 172 mm apart, bi-iliac width about 280 mm, femoral heads 48 mm: assumed, typical for
  * a man. Front superior spines and the symphysis lie in one frontal plane, as in a standing pelvis. */
+#include "tools/anatomy/sheet.hpp"
 #include "tools/anatomy/skeleton.hpp"
 #include <algorithm>
 #include <cmath>
@@ -17,88 +18,32 @@ Vec3 mirrored(double s, const Vec3 &point)
     return {s * point.x(), point.y(), point.z()};
 }
 
-/* A row of the iliac wing from front to back, resampled so that rows can be joined by plates. */
-std::vector<Vec3> resampled(const std::vector<Vec3> &row, size_t count)
-{
-    const Curve curve = sample_curve(row, std::vector<double>(row.size(), 1.0), 0.5);
-    std::vector<Vec3> points;
-    for (size_t i = 0; i < count; i++) {
-        const double arc = curve.back().arc_mm * static_cast<double>(i) / static_cast<double>(count - 1);
-        size_t k = 0;
-        while (k + 1 < curve.size() && curve[k].arc_mm < arc) k++;
-        points.push_back(curve[k].position_mm);
-    }
-    return points;
-}
-
-/* Plates that meet edge to edge, as one shape: their union is plain, for smooth joining would raise a ridge on every edge. */
-class Sheet : public Shape
-{
-  public:
-    void add(const Plate &plate)
-    {
-        plates_.push_back(plate);
-        bounds.include(plate.bounds);
-    }
-    double distance(const Vec3 &point) const override
-    {
-        double best = 1e9;
-        for (const Plate &plate : plates_)
-            if (plate.bounds.distance(point) < best) best = std::min(best, plate.distance(point));
-        return best;
-    }
-    std::shared_ptr<Shape> near(const Box &box, double reach_mm) const override
-    {
-        auto trimmed = std::make_shared<Sheet>(*this);
-        std::erase_if(trimmed->plates_,
-                      [&](const Plate &plate) { return plate.bounds.distance(box) > reach_mm; });
-        return trimmed;
-    }
-
-  private:
-    std::vector<Plate> plates_;
-};
-
 /* Iliac wing: a thin hollow fan between the thick crest and the arcuate line, laid out in rows from the line to the crest. */
 void add_ilium(Part &part, double s)
 {
-    constexpr size_t ACROSS = 25, ROWS = 10;
+    constexpr size_t ACROSS = 121, ROWS = 37, ROD_STEP = 5;
     const std::vector<Vec3> crest = {{116, -270, 24}, {120, -252, 40}, {126, -232, 50},  {135, -206, 42},
                                      {141, -182, 26}, {138, -163, 2},  {124, -154, -26}, {98, -160, -54},
                                      {70, -180, -76}, {46, -208, -89}, {43, -230, -86}};
     const std::vector<Vec3> line = {{84, -282, 18},  {83, -268, 6},   {80, -255, -4},  {75, -245, -16},
                                     {68, -237, -30}, {60, -230, -44}, {53, -226, -56}, {48, -232, -68}};
-    const auto rim = resampled(crest, ACROSS), base = resampled(line, ACROSS);
-    auto corner = [&](size_t i, size_t row) {
+    const auto rim = evenly_along(crest, ACROSS), base = evenly_along(line, ACROSS);
+    std::vector<std::vector<SheetPoint>> rows(ROWS);
+    for (size_t row = 0; row < ROWS; row++) {
         const double share = static_cast<double>(row) / (ROWS - 1), hollow = 4.0 * share * (1.0 - share);
-        const Vec3 point = base[i] + share * (rim[i] - base[i]) + hollow * Vec3(7, -2, -5);
-        return mirrored(s, point);
-    };
-    // Thick at the line, thin in the middle; one thickness per corner, so that plates meet without a step.
-    auto half_mm = [](size_t row) {
-        const double share = static_cast<double>(row) / (ROWS - 1);
-        return 2.6 + 3.4 * std::exp(-4.5 * share);
-    };
-    Sheet &wing = part.add<Sheet>();
-    for (size_t row = 0; row + 1 < ROWS; row++) {
-        const double low = half_mm(row), high = half_mm(row + 1);
-        for (size_t i = 0; i + 1 < ACROSS; i++) {
-            const Vec3 a = corner(i, row), b = corner(i + 1, row), c = corner(i, row + 1),
-                       d = corner(i + 1, row + 1);
-            wing.add(Plate(a, b, c, Vec3(low, low, high)));
-            wing.add(Plate(b, c, d, Vec3(low, high, high)));
+        const double half_mm = 2.6 + 3.4 * std::exp(-4.5 * share); // thick at the line, thin in the middle
+        for (size_t i = 0; i < ACROSS; i++) {
+            const Vec3 point = base[i] + share * (rim[i] - base[i]) + hollow * Vec3(7, -2, -5);
+            rows[row].push_back({mirrored(s, point), half_mm});
         }
     }
-    wing.cortex_mm = 1.1;
-    part.bounds.include(wing.bounds);
+    part.add<Sheet>(rows).cortex_mm = 1.1;
     std::vector<Vec3> top, bottom;
-    for (size_t i = 0; i < ACROSS; i++) {
-        top.push_back(corner(i, ROWS - 1));
-        bottom.push_back(corner(i, 0));
-    }
     std::vector<double> top_radii, bottom_radii;
-    for (size_t i = 0; i < ACROSS; i++) {
+    for (size_t i = 0; i < ACROSS; i += ROD_STEP) {
         const double share = static_cast<double>(i) / (ACROSS - 1);
+        top.push_back(rows.back()[i].position_mm);
+        bottom.push_back(rows.front()[i].position_mm);
         top_radii.push_back(5.2 + 1.6 * std::cos(12.0 * share));
         bottom_radii.push_back(12.0 - 4.0 * share);
     }

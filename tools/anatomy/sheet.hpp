@@ -1,0 +1,36 @@
+/* Thin curved bone as a grid of points, such as the iliac wing and the shoulder blade. */
+#pragma once
+#include "tools/anatomy/shapes.hpp"
+
+namespace anatomy
+{
+
+struct SheetPoint {
+    Vec3 position_mm;
+    double half_thickness_mm;
+};
+
+/* Rows of equally many points, at least two each way; four neighbours are joined by two plates. Points should lie 2 to 3 mm
+ * apart: plates then meet almost flat. Where a sheet is seen edge-on, X-rays show a kink of a few degrees as a streak. */
+class Sheet : public Shape
+{
+  public:
+    explicit Sheet(const std::vector<std::vector<SheetPoint>> &rows);
+    /* Plain union: smooth joining would raise a ridge on every edge. */
+    double distance(const Vec3 &point) const override;
+    std::shared_ptr<Shape> near(const Box &box, double reach_mm) const override;
+
+  private:
+    struct Patch { // plates that lie together
+        size_t first, last;
+        Box bounds;
+    };
+    double nearest_in(const Patch &patch, const Vec3 &point, double best) const;
+    std::shared_ptr<const std::vector<Plate>> plates_;
+    std::vector<Patch> patches_;
+};
+
+/* `count` points at equal distances along the smooth curve through `points`. */
+std::vector<Vec3> evenly_along(const std::vector<Vec3> &points, size_t count);
+
+} // namespace anatomy
