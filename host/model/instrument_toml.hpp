@@ -1,9 +1,10 @@
 // Reading of instrument files: tables with known keys, values with a source, errors with a place.
-// May include: text. Called by: the instrument files of host/model.
+// May include: text, toml. Called by: the instrument files of host/model.
 #pragma once
+#include "host/model/toml.hpp"
+
 #include <map>
 #include <string>
-#include <toml++/toml.h>
 #include <vector>
 
 namespace seld::instrument_file

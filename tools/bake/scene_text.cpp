@@ -1,5 +1,6 @@
 // Reading the text of a scene with toml++. Every fault names file, line and key.
 #include "tools/bake/scene_text.hpp"
+#include "host/model/toml.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
 
@@ -7,7 +8,6 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <set>
-#include <toml++/toml.h>
 
 namespace seld::bake
 {

@@ -151,6 +151,7 @@ def bake_command_lines(bench):
 
 def bake_texts(bench):
     bake_scene(bench, "a scene with a syntax error is refused with its line", r"bad\.toml:3", "[scene]\nname = \"a\"\nx == 3\n")
+    bake_scene(bench, "a scene with a lone bracket is refused with its line", r"bad\.toml:2: ", "[scene]\n[\n")
     bake_scene(bench, "a misspelt key is refused with its line", r"bad\.toml:6.*tolerence", scene_text(more="tolerence_mm = 0.1"))
     bake_scene(bench, "a mesh without a unit is refused", "unit", scene_text(unit=""))
     bake_scene(bench, "an unknown unit is refused", "inch", scene_text(unit='unit = "inch"'))
@@ -389,6 +390,7 @@ def seldinger_texts(bench):
         bench.bad(name, session_run(wire="bad.toml"), 1, r"bad\.toml" + pattern)
 
     instrument("an instrument with a syntax error is refused with its line", ":1:", "format == 1\n")
+    instrument("an instrument with a lone bracket is refused with its line", ":2:", "format = 2\n[\n")
     instrument("a misspelt key of an instrument is refused", ".*raduis", wire.replace("radius_outer_mm", "raduis_outer_mm", 1))
     instrument("an instrument of another format is refused", ".*format", wire.replace("format = 2", "format = 3", 1))
     instrument("a stiffness beyond its range is refused", ".*bend_stiffness", wire.replace("value = 2e-6", "value = 2e+6", 1))

@@ -1,11 +1,11 @@
 // Points as TOML.
 #include "tools/centreline/fit/points.hpp"
 #include "host/model/pending_file.hpp"
+#include "host/model/toml.hpp"
 #include "tools/centreline/formats.hpp"
 
 #include <cmath>
 #include <set>
-#include <toml++/toml.h>
 
 namespace seld::centreline
 {

@@ -4,6 +4,9 @@
 #include "tools/centreline/fit/tree_picture.hpp"
 #include "tools/centreline/tests/shapes.hpp"
 
+#include <array>
+#include <random>
+
 using namespace seld;
 using namespace seld::centreline;
 using namespace seld::centreline::tests;
@@ -84,6 +87,42 @@ void every_change_can_be_undone_and_done_again(void **)
     assert_true(!project.redo());
 }
 
+// Anything but a crash, and each refusal begins with the file's name.
+void damaged_texts_of_points_are_points_or_faults(void **)
+{
+    const Folder folder;
+    const std::filesystem::path file = folder.path / "p.toml";
+    const std::string good =
+        points_text({"a.obj", "mm", {point(PointKind::start, 1, "in"), point(PointKind::end, 9, "out")}});
+    std::mt19937 random(3);
+    std::size_t faults = 0;
+    for (int n = 0; n < 400; ++n) {
+        std::string text = good;
+        const std::size_t at = random() % text.size();
+        switch (n % 4) {
+        case 0:
+            text[at] = static_cast<char>(random());
+            break;
+        case 1:
+            text.resize(at);
+            break;
+        case 2:
+            text.erase(at, 1 + random() % 9);
+            break;
+        default:
+            text.insert(at, std::array{"[", "\"", "nan", "[[point]]\n"}[random() % 4]);
+        }
+        std::ofstream(file, std::ios::binary) << text;
+        try {
+            read_points(file);
+        } catch (const Fault &fault) {
+            assert_true(std::string(fault.what()).rfind(file.string(), 0) == 0);
+            ++faults;
+        }
+    }
+    assert_true(faults > 200);
+}
+
 void a_click_means_the_middle_of_the_first_vessel_behind_it(void **)
 {
     // Two tubes one behind the other, seen from the front.
@@ -130,6 +169,7 @@ int main()
 {
     const CMUnitTest tests[] = {cmocka_unit_test(a_project_is_saved_and_resumed),
                                 cmocka_unit_test(every_change_can_be_undone_and_done_again),
+                                cmocka_unit_test(damaged_texts_of_points_are_points_or_faults),
                                 cmocka_unit_test(a_click_means_the_middle_of_the_first_vessel_behind_it),
                                 cmocka_unit_test(views_look_from_where_they_say)};
     cmocka_set_message_output(CM_OUTPUT_TAP);
