@@ -400,6 +400,8 @@ HIL_LEVELS := $(HIL_RIG) $(HIL_PROGRAM) $(HIL_CAMPAIGN) $(IMAGE) $(BUILD)/bin/se
 # Seconds of a session that the rig leads at L2 and L3, milliseconds of one in FREE_RUN at L0 and L1.
 HIL_LED  ?= 15
 HIL_FREE ?= 4000
+# Faults on purpose on the image: a spread over all kinds.
+HIL_SPREAD ?= 40
 ON_USB := BUILD=$(BUILD) HIL=$(HIL_FOLDER) SECONDS_LED=$(HIL_LED) hil_tests/on_usb.sh
 hil_also = --also "$(1) $(3) $(ON_USB) $(1) $(2)"
 hil_usb = $(call hil_also,$(1),checks,libusb_and_hidapi) $(call hil_also,$(1),app,the_whole_app) $(call hil_also,$(1),cases,the_same_cases_on_the_image) \
@@ -411,7 +413,8 @@ HIL_L3 := $(call hil_usb,L3)
 hil: packages-build packages-run packages-hil packages-usb packages-matrix ## every level of emulation with every case, and the aorta session: docs/hil.md
 	@$(QUIET_MAKE) $(HIL_LEVELS) hil-programs
 	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
-	@$(HIL_PROGRAM) --scene $(SCENE) --free-run $(HIL_FREE) --also "L0 faults_on_purpose $(HIL_CAMPAIGN)" $(HIL_L2) $(HIL_L3) \
+	@$(HIL_PROGRAM) --scene $(SCENE) --free-run $(HIL_FREE) --also "L0 faults_on_purpose $(HIL_CAMPAIGN)" \
+	    --also "L1 faults_on_purpose $(HIL_CAMPAIGN) --level L1 --spread $(HIL_SPREAD) --tsv out/hil_campaign_l1.tsv" $(HIL_L2) $(HIL_L3) \
 	    --also "L4 one_hash_on_five_machines tools/check/matrix.py --short --jobs $(JOBS)" \
 	    --also "L4 the_app_and_its_wire hil_tests/l4/wire_everywhere.sh"
 
