@@ -161,8 +161,14 @@ VesselTree join_branches(const std::vector<Centreline> &lines, const TreeText &t
         VesselBranch branch = loose[join.line];
         loose.erase(loose.begin() + static_cast<std::ptrdiff_t>(join.line));
         if (join.from_last) turn(branch);
-        branch.parent = static_cast<int>(join.parent);
-        branch.parent_point = leaving_point(tree.branches[join.parent], join.point);
+        // One that begins where a branch begins leaves that branch's parent, at the same place.
+        std::size_t parent = join.parent, point = join.point;
+        while (point == 0 && tree.branches[parent].parent >= 0) {
+            point = tree.branches[parent].parent_point;
+            parent = static_cast<std::size_t>(tree.branches[parent].parent);
+        }
+        branch.parent = static_cast<int>(parent);
+        branch.parent_point = leaving_point(tree.branches[parent], point);
         tree.branches.push_back(branch);
     }
     state_beds_and_flows(tree, text);

@@ -73,6 +73,21 @@ void lines_in_any_order_and_direction_become_a_tree(void **)
     assert_false(tree.is_outlet(0)); // it divides
 }
 
+// As the centreline tool and VMTK write a fork: its branches begin at one place, here a little beyond the trunk's end.
+void branches_that_begin_together_leave_one_parent(void **)
+{
+    const VesselTree tree = join_branches({line("trunk", {0, 0, 0}, {0, 50, 0}, 6, 5),
+                                           line("left", {0, 50.5, 0}, {30, 90, 0}, 3, 2.5),
+                                           line("right", {0, 50.5, 0}, {-30, 90, 0}, 3, 2.5)},
+                                          {});
+    for (std::size_t b = 1; b < 3; ++b) {
+        assert_int_equal(tree.branches[b].parent, 0);
+        assert_int_equal(tree.branches[b].parent_point, tree.branches[0].points_m.size() - 1);
+        assert_true(tree.is_outlet(b));
+    }
+    assert_false(tree.is_outlet(0));
+}
+
 void inlet_beds_and_flows_are_those_of_the_text(void **)
 {
     TreeText text;
@@ -150,6 +165,7 @@ int main()
 {
     const CMUnitTest tests[] = {
         cmocka_unit_test(lines_in_any_order_and_direction_become_a_tree),
+        cmocka_unit_test(branches_that_begin_together_leave_one_parent),
         cmocka_unit_test(inlet_beds_and_flows_are_those_of_the_text),
         cmocka_unit_test(what_makes_no_tree_is_refused_by_name),
         cmocka_unit_test(a_branch_is_called_as_its_file),
