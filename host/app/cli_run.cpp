@@ -3,6 +3,7 @@
 #include "host/app/cli_rig.hpp"
 #include "host/app/interrupt.hpp"
 #include "host/app/run.hpp"
+#include "host/model/text.hpp"
 #include <cstdio>
 #include <unistd.h>
 
@@ -93,6 +94,18 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
     check_dicom_settings(pictures.dicom);
 }
 
+// An injection that these tools or this scene do not allow is found before the session begins.
+void check_injections(const Session &session, const std::vector<Instrument> &tools,
+                      const SessionPictures *pictures)
+{
+    for (const Statement &statement : session.statements)
+        for (const RoomCommand &command : statement.room) {
+            const std::string why =
+                pictures ? pictures->contrast().refusal(command) : injection_refusal(tools, command);
+            if (!why.empty()) throw FileError(session.file, statement.line, 0, why);
+        }
+}
+
 } // namespace
 
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes)
@@ -133,6 +146,7 @@ int command_run(const RunOptions &options)
     picture_settings.shows_progress = !options.quiet;
     if (writes_pictures(picture_settings))
         pictures = std::make_unique<SessionPictures>(picture_settings, tools);
+    check_injections(session, tools, pictures.get());
     std::unique_ptr<Recorder> recorder;
     if (!options.record.empty()) {
         const RecordingHeader header = {device.identity().core_version,
@@ -152,6 +166,12 @@ int command_run(const RunOptions &options)
                                     : run_session(device, session, recorder.get(), pictures.get(), settings);
     print_result(result, tools);
     if (pictures) print_dose(pictures->room().dose());
+    if (pictures && pictures->contrast().was_used())
+        std::printf("contrast medium       %.1f ml, %.0f mg iodine: %.0f in the vessels, %.0f out, %.0f back "
+                    "through the inlet\n",
+                    pictures->contrast().injected_ml(), pictures->contrast().flow().budget().injected_mg,
+                    pictures->contrast().flow().held_mg(), pictures->contrast().flow().budget().out_mg,
+                    pictures->contrast().flow().budget().reflux_mg);
     if (!options.json.empty())
         write_report(options.json, result, scene.path, tools, session.file,
                      pictures ? &pictures->room() : nullptr);

@@ -199,8 +199,14 @@ class Display
                          with.pulse_ms),
                   room.is_underexposed ? amber : dim);
         }
+        if (info_.contrast_ml > 0.0 || info_.contrast_ml_s > 0.0)
+            right(margin_ + 5 * line_,
+                  info_.contrast_ml_s > 0.0
+                      ? format("INJECTION %.1f ml  %.1f ml/s", info_.contrast_ml, info_.contrast_ml_s)
+                      : format("CONTRAST %.1f ml", info_.contrast_ml),
+                  info_.contrast_ml_s > 0.0 ? amber : white);
         if (info_.dose_alert_Gy > 0.0)
-            right(margin_ + 5 * line_, format("DOSE ABOVE %g Gy", info_.dose_alert_Gy), red);
+            right(margin_ + 6 * line_, format("DOSE ABOVE %g Gy", info_.dose_alert_Gy), red);
     }
 
     // Bottom: the session's time on the right, what the hands feel on the left.

@@ -28,6 +28,8 @@ struct OverlayInfo {
     double kerma_mGy = 0.0;  // sum at the reference point
     double kerma_rate_mGy_min = 0.0;
     double kap_Gy_cm2 = 0.0;
+    double contrast_ml = 0.0;       // injected; 0 and no flow: nothing is shown
+    double contrast_ml_s = 0.0;     // at the moment
     double dose_alert_Gy = 0.0;     // passed and not acknowledged; 0: none
     std::string notice;             // one line in the middle, e.g. a warning; empty for none
     std::vector<std::string> panel; // help panel, one line each; empty for none

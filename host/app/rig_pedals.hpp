@@ -1,8 +1,10 @@
-// The pedals of a rig: its button bits become commands to the room. May include: shared/wire, room/command.
+// Pedals and syringe of a rig: button bits and counts become commands to the room. May include: shared/wire, room/command.
 // Called by: run_free, window_live.
 #pragma once
 #include "host/room/command.hpp"
 #include "shared/wire/wire.h"
+#include <algorithm>
+#include <optional>
 #include <vector>
 
 namespace seld
@@ -26,6 +28,40 @@ class RigPedals
 
   private:
     std::uint32_t buttons_ = 0;
+};
+
+// The syringe's plunger: what it gave in 20 ms goes in during the next 20 ms. A count is 1 ul. Drawing back fills the syringe.
+class RigSyringe
+{
+  public:
+    static constexpr std::uint32_t window_ticks = 20;
+
+    // Counts at `tick`, which may wrap; the first ones are where it begins.
+    std::optional<RoomCommand> change(std::uint32_t tick, std::int32_t counts)
+    {
+        const auto moved = static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) -
+                                                     static_cast<std::uint32_t>(counts_));
+        counts_ = counts;
+        if (!has_begun_) {
+            has_begun_ = true;
+            window_ = tick / window_ticks;
+            return {};
+        }
+        // No hand is faster; a sensor that jumps injects nothing.
+        if (moved > 0 && moved <= inject_rate_max_ul_s) volume_ul_ += moved;
+        if (tick / window_ticks == window_) return {};
+        window_ = tick / window_ticks;
+        const std::int32_t volume_ul =
+            std::min<std::int32_t>(volume_ul_, inject_rate_max_ul_s / (1000 / int{window_ticks}));
+        volume_ul_ = 0;
+        if (volume_ul == 0) return {};
+        return RoomCommand{RoomAction::inject, {volume_ul, volume_ul * (1000 / int{window_ticks}), 0}};
+    }
+
+  private:
+    bool has_begun_ = false;
+    std::int32_t counts_ = 0, volume_ul_ = 0;
+    std::uint32_t window_ = 0;
 };
 
 } // namespace seld

@@ -62,6 +62,8 @@ class FreeRunner final : private FreeRunSink
         if (recorder_) recorder_->tick(tick.input, tick.state);
         for (const RoomCommand &command : pedals_.changes(tick.input.buttons))
             pass(tick.state.tick + 1, command);
+        if (const auto injection = syringe_.change(tick.state.tick, tick.input.syringe_counts))
+            pass(tick.state.tick + 1, *injection);
     }
 
     void pass(std::uint32_t tick, const RoomCommand &command)
@@ -116,6 +118,7 @@ class FreeRunner final : private FreeRunSink
 
     Device &device_;
     RigPedals pedals_;
+    RigSyringe syringe_;
     Recorder *recorder_;
     FrameSink *sink_;
     const RunSettings &settings_;

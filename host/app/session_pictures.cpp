@@ -13,6 +13,7 @@ namespace
 {
 
 constexpr int shown_bits = 12; // of XrayPicture::shown
+constexpr std::uint32_t notice_ticks = 4000;
 
 } // namespace
 
@@ -52,6 +53,7 @@ SessionPictures::SessionPictures(const PictureSettings &settings, const std::vec
     xray_ = std::make_unique<Xray>(scene_, settings_.threads,
                                    paths_maker(settings_.xray, settings_.window_context));
     if (settings_.style == "vcsim3") thesis_look_ = std::make_unique<Vcsim3Look>(bodies, settings_.threads);
+    contrast_ = std::make_unique<SessionContrast>(bodies.vessels, tools);
     const bool needs_movie = !settings_.mp4_path.empty();
     if (needs_movie && !movie_.open(settings_.mp4_path, settings_.size, settings_.size,
                                     static_cast<int>(settings_.pictures_per_second), error)) {
@@ -88,7 +90,12 @@ OverlayInfo SessionPictures::display(const SessionFrame &frame) const
     info.kerma_rate_mGy_min = dose.kerma_rate_mGy_min();
     info.kap_Gy_cm2 = dose.total().kap_Gy_cm2;
     if (dose.unseen_alert()) info.dose_alert_Gy = dose_alert_levels_Gy[*dose.unseen_alert()];
+    if (contrast_->was_used()) {
+        info.contrast_ml = contrast_->injected_ml();
+        info.contrast_ml_s = contrast_->flow_ml_s();
+    }
     info.notice = notice_.empty() ? info.room.notice : notice_;
+    if (info.notice.empty() && frame.wire.tick < contrast_notice_until_) info.notice = contrast_notice_;
     info.panel = panel_;
     return info;
 }
@@ -97,11 +104,16 @@ void SessionPictures::command(std::uint32_t tick, const RoomCommand &command)
 {
     const std::string why = room_.give(tick, command);
     if (!why.empty()) throw std::runtime_error("the X-ray room cannot do this: " + why);
+    const std::string syringe = contrast_->command(tick, command);
+    if (syringe.empty()) return;
+    contrast_notice_ = syringe;
+    contrast_notice_until_ = tick + notice_ticks;
 }
 
 std::uint32_t SessionPictures::next_tick() const
 {
-    return std::min(room_.next_tick(), picture_tick(count_, settings_.pictures_per_second));
+    return std::min(
+        {room_.next_tick(), contrast_->next_tick(), picture_tick(count_, settings_.pictures_per_second)});
 }
 
 // The room goes on to `tick`; true when there is a new X-ray.
@@ -116,10 +128,9 @@ bool SessionPictures::advance(std::uint32_t tick, const SessionFrame &frame)
     xray.size = settings_.size;
     WireFrame shape = frame.wire;
     shape.tick = tick;
-    if (request.settles_at_once)
-        xray_->render(xray, looks_, shape, settings_.seed, pulse_);
-    else
-        xray_->render(xray, looks_, shape, settings_.seed, memory_, pulse_);
+    contrast_->colour(shape);
+    xray_->render(xray, XrayFrame{looks_, shape, contrast_->curves()}, settings_.seed,
+                  request.settles_at_once ? nullptr : &memory_, pulse_);
     tell_failure();
     if (export_) export_pulse(); // what is written for measurement stays physical
     if (thesis_look_) thesis_look_->draw(xray, looks_, shape, settings_.seed, pulse_);
@@ -131,6 +142,7 @@ bool SessionPictures::advance(std::uint32_t tick, const SessionFrame &frame)
 void SessionPictures::frame(const SessionFrame &frame)
 {
     const std::uint32_t now = frame.wire.tick;
+    contrast_->advance(frame.wire);
     bool is_new = false;
     while (has_begun_ && room_.next_tick() < now) is_new = advance(room_.next_tick(), frame) || is_new;
     is_new = advance(now, frame) || is_new;

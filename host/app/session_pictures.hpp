@@ -8,6 +8,7 @@
 #include "host/app/path_choice.hpp"
 #include "host/app/picture.hpp"
 #include "host/app/picture_overlay.hpp"
+#include "host/app/session_contrast.hpp"
 #include "host/model/instrument.hpp"
 #include "host/room/room.hpp"
 #include "host/xray/style_vcsim3.hpp"
@@ -53,6 +54,7 @@ class SessionPictures final : public FrameSink
     void frame(const SessionFrame &frame) override;
     void finish() override;
     const Room &room() const { return room_; }
+    const SessionContrast &contrast() const { return *contrast_; }
     std::uint32_t count() const { return count_; } // pictures of the screen, at the settings' rate
     const std::vector<std::string> &files() const { return files_; } // those written by finish()
     bool was_stopped() const { return was_stopped_; } // Ctrl-C while finish() wrote runs: some are missing
@@ -80,12 +82,14 @@ class SessionPictures final : public FrameSink
     std::vector<std::string> names_;
     std::optional<std::size_t> chosen_tool_;
     bool chooses_all_ = false;
-    std::string notice_;
+    std::string notice_, contrast_notice_;
+    std::uint32_t contrast_notice_until_ = 0; // tick
     std::vector<std::string> panel_;
     XrayScene scene_;
     std::unique_ptr<Xray> xray_;              // after the scene has its bodies
     std::unique_ptr<Vcsim3Look> thesis_look_; // when that style is asked for
     Room room_;
+    std::unique_ptr<SessionContrast> contrast_;
     bool has_begun_ = false;
     XrayMemory memory_;
     XrayPicture pulse_;  // of the last pulse

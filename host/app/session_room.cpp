@@ -10,6 +10,9 @@ namespace
 
 const std::vector<Unit> rate_units = {{"p/s", 1.0}, {"f/s", 1.0}, {"/s", 1.0}};
 const std::vector<Unit> share_units = {{"%", 0.01}};
+const std::vector<Unit> volume_units = {{"ml", 1.0}};
+const std::vector<Unit> flow_units = {{"ml/s", 1.0}, {"ml/min", 1.0 / 60.0}};
+const std::vector<Unit> strength_units = {{"mg/ml", 1.0}};
 const std::vector<Unit> pixel_units = {{"px", 1.0}, {"pixels", 1.0}};
 
 std::int32_t rounded(double value)
@@ -52,8 +55,8 @@ std::int32_t ordinal(LineParser &line, const std::string &what)
 const std::vector<std::string> &room_verbs()
 {
     static const std::vector<std::string> verbs = {
-        "fluoro", "cine", "dsa",   "c-arm",   "view",   "table", "field",       "collimate",
-        "follow", "mask", "shift", "roadmap", "review", "store", "acknowledge", "stop"};
+        "fluoro", "cine",  "dsa",     "c-arm",  "view",  "table",       "field", "collimate", "follow",
+        "mask",   "shift", "roadmap", "review", "store", "acknowledge", "stop",  "inject",    "contrast"};
     return verbs;
 }
 
@@ -93,6 +96,11 @@ std::vector<RoomCommand> RoomParser::parse(LineParser &line, const std::string &
             line.is_at_end() ? 10.0
                              : line.quantity("time", time_units, store_min_ms * 1e-3, store_max_ms * 1e-3);
         add(RoomAction::store, rounded(seconds * 1e3));
+    } else if (verb == "inject") {
+        inject(line);
+    } else if (verb == "contrast") {
+        add(RoomAction::contrast_strength,
+            rounded(line.quantity("strength", strength_units, strength_min_mg_ml, strength_max_mg_ml)));
     } else if (verb == "acknowledge") {
         line.accept("dose");
         add(RoomAction::acknowledge);
@@ -241,6 +249,23 @@ void RoomParser::roadmap(LineParser &line)
     const std::string what = line.choice("roadmap", {"off", "new", "from"});
     if (what == "from") line.expect("run");
     add(RoomAction::roadmap, what == "off" ? 0 : what == "from" ? 1 : 2);
+}
+
+// "inject 8 ml at 4 ml/s", "inject 30 ml at 15 ml/s through tool 2", "inject stop".
+void RoomParser::inject(LineParser &line)
+{
+    if (line.accept("stop")) return add(RoomAction::inject);
+    const double volume_ml = line.quantity("volume", volume_units, 0.1, inject_max_ul * 1e-3);
+    line.expect("at");
+    const double rate_ml_s = line.quantity("rate", flow_units, 0.05, inject_rate_max_ul_s * 1e-3);
+    std::int32_t tool = 0; // the outermost with a lumen
+    if (line.accept("through")) {
+        const std::string name = line.choice("tool", {"catheter", "guide", "tool"});
+        const LineParser before = line;
+        tool = name == "catheter" ? 2 : name == "guide" ? 3 : ordinal(line, "tool");
+        if (tool > 3) before.fail("a tool is 1 to 3, from the innermost");
+    }
+    add(RoomAction::inject, rounded(volume_ml * 1e3), rounded(rate_ml_s * 1e3), tool);
 }
 
 // "review", "review run 2", "review frame 12", "review run 2 frame 12", "review off".

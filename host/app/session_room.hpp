@@ -27,6 +27,7 @@ class RoomParser
     void roadmap(LineParser &line);
     void review(LineParser &line);
     void shift(LineParser &line);
+    void inject(LineParser &line);
     void add(RoomAction action, std::int32_t a = 0, std::int32_t b = 0, std::int32_t c = 0);
 
     std::vector<RoomCommand> commands_;

@@ -18,6 +18,7 @@ constexpr std::int64_t turn_counts_per_second = counts_per_turn / 2,
 constexpr double angle_step_deg = 5.0, table_step_m = 0.02, height_step_m = 0.01, sid_step_m = 0.05;
 constexpr std::int32_t blade_step_permille = 100, store_ms = 10'000;
 constexpr double shift_step_px = 0.5;
+constexpr std::int32_t injection_rates_ul_s[] = {1000, 2000, 4000, 8000, 15000, 25000};
 constexpr std::int32_t fields_um[] = {420'000, 320'000, 250'000, 200'000, 150'000};
 // F2, F3 ... go to these; with Shift to the second where there is one.
 struct PresetKey {
@@ -57,6 +58,7 @@ std::vector<std::string> help_panel(std::size_t tool_count)
                                       "Left / Right      turn it        (Shift: slowly)",
                                       "Space / C         hold: fluoroscopy / acquisition pedal",
                                       "F                 fluoroscopy stays on / off",
+                                      "E  Y              hold: inject contrast (4 ml/s); its rate",
                                       "P  X  O           fluoro rate, cine or DSA, its rate",
                                       "",
                                       "D / A   W / S     C-arm to LAO / RAO, to CRA / CAU",
@@ -237,6 +239,9 @@ void WindowKeys::take_switch(int key)
     case GLFW_KEY_G:
         moves_all_ = tool_count_ > 1 && !moves_all_;
         break;
+    case GLFW_KEY_Y:
+        injection_rate_ = (injection_rate_ + 1) % std::size(injection_rates_ul_s);
+        break;
     case GLFW_KEY_F:
         is_pedal_latched_ = !is_pedal_latched_;
         break;
@@ -271,6 +276,7 @@ void WindowKeys::hold(const Screen &screen)
                          (is_shift_down_ ? turn_slow_counts_per_s : turn_counts_per_second);
     is_pedal_down_ = screen.is_down(GLFW_KEY_SPACE);
     is_cine_down_ = screen.is_down(GLFW_KEY_C);
+    is_injecting_ = screen.is_down(GLFW_KEY_E);
 }
 
 void WindowKeys::lead(std::span<LiveHand> hands) const
@@ -296,6 +302,9 @@ std::vector<RoomCommand> WindowKeys::take_commands()
     if (is_cine_down_ != was_cine_asked_) ask(RoomAction::acquire_pedal, is_cine_down_ ? 1 : 0);
     was_fluoro_asked_ = is_fluoro_asked;
     was_cine_asked_ = is_cine_down_;
+    if (is_injecting_ != was_injecting_)
+        ask(RoomAction::inject, is_injecting_ ? inject_max_ul : 0, injection_rates_ul_s[injection_rate_]);
+    was_injecting_ = is_injecting_;
     return std::exchange(commands_, {});
 }
 
@@ -303,7 +312,8 @@ bool WindowKeys::take_reset()
 {
     const bool wanted = wants_reset_;
     wants_reset_ = false;
-    if (wanted) was_fluoro_asked_ = was_cine_asked_ = false; // the new room has its pedals up
+    if (wanted)
+        was_fluoro_asked_ = was_cine_asked_ = was_injecting_ = false; // the new room has its pedals up
     return wanted;
 }
 

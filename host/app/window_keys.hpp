@@ -56,6 +56,8 @@ class WindowKeys
     bool wants_end_ = false, wants_reset_ = false;
     bool is_pedal_down_ = false, is_pedal_latched_ = false, is_cine_down_ = false;
     bool was_fluoro_asked_ = false, was_cine_asked_ = false;
+    bool is_injecting_ = false, was_injecting_ = false;
+    std::size_t injection_rate_ = 2; // index
     std::int64_t push_um_per_s_ = 0, turn_counts_per_s_ = 0;
 };
 

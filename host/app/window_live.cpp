@@ -63,9 +63,11 @@ void LiveSession::command(const RoomCommand &command)
 void LiveSession::look_at_pedals()
 {
     if (!choice_.is_usb) return;
-    std::uint32_t buttons = 0;
-    device_.ask([&](Link &link) { buttons = link.read_sensors().buttons; });
-    for (const RoomCommand &change : rig_pedals_.changes(buttons)) command(change);
+    seld_wire_sensors sensors{};
+    device_.ask([&](Link &link) { sensors = link.read_sensors(); });
+    for (const RoomCommand &change : rig_pedals_.changes(sensors.buttons)) command(change);
+    if (const auto injection = rig_syringe_.change(device_.link().tick(), sensors.syringe_counts))
+        command(*injection);
 }
 
 void LiveSession::annotate(const std::string &notice, const std::vector<std::string> &panel)
@@ -145,6 +147,8 @@ void LiveSession::tick(const seld_wire_live_tick &tick)
     inputs_.assign(1, tick.input);
     if (recorder_) recorder_->tick(tick.input, tick.state);
     for (const RoomCommand &change : rig_pedals_.changes(tick.input.buttons)) pass(led_tick_ + 1, change);
+    if (const auto injection = rig_syringe_.change(led_tick_, tick.input.syringe_counts))
+        pass(led_tick_ + 1, *injection);
 }
 
 void LiveSession::snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes)

@@ -55,6 +55,7 @@ class LiveSession final : private FreeRunSink
     SessionPictures pictures_;
     std::vector<LiveHand> hands_;
     RigPedals rig_pedals_;
+    RigSyringe rig_syringe_;
     std::uint32_t buttons_ = 0; // pedals by key, as a rig would send them
     std::vector<seld_wire_encoders> inputs_;
     seld_wire_tick_state state_{};

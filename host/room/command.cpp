@@ -48,6 +48,10 @@ constexpr Rule rules[] = {
     {RoomAction::review, "review", {{0, 2}, {0, number_max}, {0, number_max}}},
     {RoomAction::acknowledge, "acknowledge", {}},
     {RoomAction::halt, "halt", {}},
+    {RoomAction::inject, "injection", {{0, inject_max_ul}, {0, inject_rate_max_ul_s}, {0, 3}}},
+    {RoomAction::contrast_strength,
+     "strength of the contrast medium",
+     {{strength_min_mg_ml, strength_max_mg_ml}}},
 };
 
 template <std::size_t count> bool is_one_of(std::int32_t value, const std::int32_t (&values)[count])
@@ -89,6 +93,8 @@ std::string refusal(const RoomCommand &command)
                "/100 per s";
     if (command.action == RoomAction::mask && command.values[0] > command.values[1])
         return "mask: its first frame comes after its last";
+    if (command.action == RoomAction::inject && command.values[0] > 0 && command.values[1] == 0)
+        return "injection: a volume without a rate";
     return "";
 }
 

@@ -30,6 +30,9 @@ enum class RoomAction : std::uint16_t {
     review = 18,       // 0 off, 1 loop, 2 one frame; run number (0: the last); frame from 0
     acknowledge = 19,  // the dose alert was seen
     halt = 20,         // every motor stops where it is
+    // The syringe, which the room passes on: host/app/session_contrast.hpp.
+    inject = 21, // ul (0: stop), ul/s, tool from the innermost 1 ... (0: the outermost with a lumen)
+    contrast_strength = 22, // mg iodine per ml of what is injected from now on
 };
 
 struct RoomCommand {
@@ -51,6 +54,8 @@ inline constexpr std::int32_t sid_min_um = 900'000, sid_max_um = 1'300'000;
 inline constexpr std::int32_t sod_min_um = 600'000, sod_max_um = 850'000;
 inline constexpr std::int32_t blade_min_permille = 50, blade_max_permille = 1000;
 inline constexpr std::int32_t shift_max_centipixels = 2'000;
+inline constexpr std::int32_t inject_max_ul = 200'000, inject_rate_max_ul_s = 50'000;
+inline constexpr std::int32_t strength_min_mg_ml = 10, strength_max_mg_ml = 350;
 inline constexpr std::int32_t store_min_ms = 500, store_max_ms = 20'000;
 inline constexpr std::int32_t fluoro_rates_centihertz[] = {375, 750, 1500, 3000};
 inline constexpr std::int32_t cine_rates_centihertz[] = {750, 1500, 3000};

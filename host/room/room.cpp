@@ -157,6 +157,9 @@ void Room::carry_out(std::uint32_t tick, const RoomCommand &command)
     case RoomAction::acknowledge:
         dose_.acknowledge();
         break;
+    case RoomAction::inject: // the syringe's
+    case RoomAction::contrast_strength:
+        break;
     default:
         carry_out_geometry(tick, command);
     }

@@ -1,0 +1,247 @@
+#include "host/app/session_contrast.hpp"
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace seld
+{
+namespace
+{
+
+using Eigen::Vector3d;
+
+constexpr double widening_step_m = 0.25e-3;
+constexpr double ball_step_m = 2e-3;        // between places of a tool that narrow the lumen
+constexpr double invisible_mg_per_ml = 0.3; // 0.1 % of a 5 mm column: less than noise
+constexpr double forgotten_mg = 0.01;       // in all vessels together
+constexpr double beats_per_min = 70.0;
+constexpr std::uint32_t never = std::numeric_limits<std::uint32_t>::max();
+constexpr double stream_radii = 1.5;  // of the vessel, until the stream from the tip fills it
+constexpr double stream_fades = 0.01; // per ms, after the injection
+
+// A piece of a curve is drawn as a cylinder: one that widens is cut, so that its edge has no steps.
+void go_to(SweptCurve &curve, const SweptPoint &point)
+{
+    const SweptPoint from = curve.points.back();
+    const double wider_m = std::fabs(point.radius_m - from.radius_m);
+    const int pieces = std::clamp(static_cast<int>(wider_m / widening_step_m) + 1, 1, 10);
+    for (int k = 1; k < pieces; ++k) {
+        const double share = static_cast<double>(k) / pieces;
+        curve.points.push_back({from.at_m + share * (point.at_m - from.at_m),
+                                from.radius_m + share * (point.radius_m - from.radius_m),
+                                from.share + share * (point.share - from.share)});
+    }
+    curve.points.push_back(point);
+}
+
+bool has_lumen(const Instrument &tool)
+{
+    return tool.table.knots_count > 0 && tool.table.knots[0].radius_inner_um > 0;
+}
+
+// Place of the line at an arc length from its leading tip.
+Vector3d place_at(const WireFrame &wire, double arc_m)
+{
+    const auto after = std::upper_bound(wire.nodes.begin(), wire.nodes.end(), arc_m,
+                                        [](double arc, const WireNode &node) { return arc < node.arc_m; });
+    if (after == wire.nodes.begin()) return after->position_m;
+    if (after == wire.nodes.end()) return wire.nodes.back().position_m;
+    const WireNode &before = after[-1];
+    const double share = (arc_m - before.arc_m) / (after->arc_m - before.arc_m);
+    return before.position_m + share * (after->position_m - before.position_m);
+}
+
+std::vector<ToolBall> balls_of(const WireFrame &wire)
+{
+    std::vector<ToolBall> balls;
+    for (std::size_t i = 0; i + 1 < wire.nodes.size(); ++i) {
+        const WireNode &from = wire.nodes[i], &to = wire.nodes[i + 1];
+        const double length_m = (to.position_m - from.position_m).norm();
+        const int pieces = std::clamp(static_cast<int>(length_m / ball_step_m), 0, 50) + 1;
+        for (int k = 0; k < pieces; ++k)
+            balls.push_back(
+                {from.position_m + (static_cast<double>(k) / pieces) * (to.position_m - from.position_m),
+                 from.radius_m});
+    }
+    return balls;
+}
+
+} // namespace
+
+std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, std::int32_t asked)
+{
+    for (std::size_t k = tools.size(); k-- > 0;)
+        if ((asked == 0 || k + 1 == static_cast<std::size_t>(asked)) && has_lumen(tools[k])) return k;
+    return {};
+}
+
+std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCommand &command)
+{
+    if (command.action != RoomAction::inject || command.values[0] == 0) return "";
+    const std::int32_t asked = command.values[2];
+    if (injecting_tool(tools, asked)) return "";
+    if (asked == 0) return "NO CATHETER - contrast medium needs a tool with a lumen";
+    if (static_cast<std::size_t>(asked) > tools.size())
+        return "NO TOOL " + std::to_string(asked) + " to inject through";
+    return "'" + tools[static_cast<std::size_t>(asked) - 1].name + "' HAS NO LUMEN to inject through";
+}
+
+SessionContrast::SessionContrast(const VesselTree &vessels, const std::vector<Instrument> &tools)
+    : tools_(tools), flow_(vessels)
+{
+}
+
+std::string SessionContrast::refusal(const RoomCommand &command) const
+{
+    const std::string why = injection_refusal(tools_, command);
+    if (!why.empty() || command.action != RoomAction::inject || command.values[0] == 0) return why;
+    return flow_.cells().size() == 0
+               ? "NO VESSELS - this scene has no tree for contrast medium: bake it again"
+               : "";
+}
+
+std::string SessionContrast::command(std::uint32_t tick, const RoomCommand &command)
+{
+    const std::string why = refusal(command);
+    if (!why.empty()) return why;
+    if (command.action == RoomAction::contrast_strength) iodine_mg_per_ml_ = command.values[0];
+    if (command.action != RoomAction::inject) return "";
+    if (command.values[0] == 0) {
+        injector_.stop();
+        return "";
+    }
+    tool_ = *injecting_tool(tools_, command.values[2]);
+    injector_.inject(tick, command.values[0], command.values[1], iodine_mg_per_ml_);
+    if (state_ == State::idle) state_ = State::waits;
+    was_used_ = true;
+    return "";
+}
+
+std::uint32_t SessionContrast::next_tick() const
+{
+    if (state_ == State::idle || (state_ == State::waits && injector_.is_empty())) return never;
+    return static_cast<std::uint32_t>(std::max<std::int64_t>(look_due(), seen_tick_ + 1));
+}
+
+// Looks are at multiples of look_every_ticks, whatever other frames there are.
+std::uint32_t SessionContrast::look_due() const
+{
+    if (state_ == State::flows) return (look_tick_ / look_every_ticks + 1) * look_every_ticks;
+    return (injector_.first_tick() + look_every_ticks - 1) / look_every_ticks * look_every_ticks;
+}
+
+// To the frame's tick with the tools where they were looked at last; then, when it is time, a look at this frame.
+void SessionContrast::advance(const WireFrame &wire)
+{
+    const std::uint32_t now = wire.tick;
+    if (state_ == State::flows)
+        for (std::int64_t tick = seen_tick_ + 1; tick <= std::int64_t{now}; ++tick) {
+            const auto at = static_cast<std::uint32_t>(tick);
+            fluid_ = injector_.take(at);
+            flow_.step(flow_drive(steady_beat(at, beats_per_min)), fluid_);
+            stream_.strength = fluid_.flow_ml_s > 0.0 ? 1.0 : std::max(stream_.strength - stream_fades, 0.0);
+        }
+    if (next_tick() != never && now >= look_due()) look(wire);
+    seen_tick_ = now;
+    if (state_ == State::flows || !curves_.empty()) make_curves();
+}
+
+void SessionContrast::look(const WireFrame &wire)
+{
+    look_tick_ = wire.tick;
+    if (state_ == State::waits) {
+        if (wire.tick - injector_.first_tick() > look_every_ticks) injector_.skip_to(wire.tick);
+        state_ = State::flows;
+    }
+    if (injector_.is_empty() && flow_.held_mg() < forgotten_mg) {
+        state_ = State::idle;
+        fluid_ = {};
+        return;
+    }
+    if (wire.nodes.empty()) return;
+    flow_.set_tools(balls_of(wire));
+    const double tip_arc_m = tool_ < wire.tip_arc_m.size() ? wire.tip_arc_m[tool_] : 0.0;
+    const CatheterMouth mouth{place_at(wire, tip_arc_m), 1.0};
+    flow_.set_mouths({&mouth, 1});
+    stream_.cell = flow_.cells().nearest(mouth.place_m);
+    stream_.tip_m = mouth.place_m;
+}
+
+// How little of the vessel the stream from the tip fills at a cell: 1 at the tip, 0 where it fills it.
+double SessionContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
+{
+    const FlowCells &cells = flow_.cells();
+    if (cell < stream_.cell || cells[cell].branch != cells[stream_.cell].branch) return 0.0;
+    if (cell == stream_.cell) behind_tip_mm = 0.0;
+    behind_tip_mm += cells[cell].length_mm;
+    return stream_.strength * std::max(1.0 - behind_tip_mm / (stream_radii * cells[cell].radius_mm), 0.0);
+}
+
+// The cell's iodine in a thinner column beside the axis, as wide as it must be to hold it undiluted.
+SweptPoint SessionContrast::stream_point(std::size_t cell, double narrowness) const
+{
+    const FlowCells &cells = flow_.cells();
+    const double mean = flow_.iodine_mg_per_ml(cell), radius_m = cells[cell].radius_mm * 1e-3;
+    const double width = std::max(std::sqrt(std::min(mean / iodine_mg_per_ml_, 1.0)), 1.0 - narrowness);
+    const Vector3d axis = (cells.last_face_m(stream_.cell) - cells.first_face_m(stream_.cell)).normalized();
+    Vector3d beside_m = stream_.tip_m - cells.middle_m(stream_.cell);
+    beside_m -= axis.dot(beside_m) * axis;
+    const double room_m = radius_m * (1.0 - width), distance_m = beside_m.norm() * narrowness;
+    const double share = distance_m > room_m ? room_m / distance_m : 1.0;
+    return {cells.middle_m(cell) + share * narrowness * beside_m, width * radius_m,
+            contrast_share(mean / (width * width))};
+}
+
+// Two columns per vessel: what both layers have at least, over the whole width, and around the axis what the inner one has more.
+// More along the wall than around the axis is shown as if it were mixed. Where medium streams from the tip there is one, thinner.
+void SessionContrast::make_curves()
+{
+    curves_.clear();
+    if (state_ != State::flows) return;
+    for (std::size_t branch = 0; branch < flow_.cells().branch_count(); ++branch)
+        for (bool is_core : {false, true}) make_curves_of(branch, is_core);
+}
+
+void SessionContrast::make_curves_of(std::size_t branch, bool is_core)
+{
+    const FlowCells &cells = flow_.cells();
+    SweptCurve curve{Material::iohexol_350, {}};
+    const auto end_curve = [&] {
+        if (curve.points.size() >= 2) curves_.push_back(curve);
+        curve.points.clear();
+    };
+    double behind_tip_mm = 0.0;
+    const std::size_t begin = cells.branch_begin(branch), end = cells.branch_begin(branch + 1);
+    for (std::size_t i = begin; i < end; ++i) {
+        const double narrowness = stream_at(i, behind_tip_mm);
+        const double core = flow_.core_mg_per_ml(i), wall = flow_.wall_mg_per_ml(i),
+                     mean = 0.5 * (core + wall);
+        double shown = is_core ? std::max(core - wall, 0.0) : std::min(wall, mean);
+        if (narrowness > 0.0) shown = is_core ? 0.0 : mean;
+        if (shown < invisible_mg_per_ml) {
+            end_curve();
+            continue;
+        }
+        const double radius_m = cells[i].radius_mm * 1e-3 * (is_core ? std::sqrt(0.5) : 1.0);
+        SweptPoint point{cells.middle_m(i), radius_m, contrast_share(shown)};
+        if (narrowness > 0.0) point = stream_point(i, narrowness);
+        // A column begins and ends at the faces of its cells.
+        if (curve.points.empty()) {
+            SweptPoint first = point;
+            first.at_m += cells.first_face_m(i) - cells.middle_m(i);
+            curve.points.push_back(first);
+        }
+        go_to(curve, point);
+        if (i + 1 == end) curve.points.push_back({cells.last_face_m(i), point.radius_m, point.share});
+    }
+    end_curve();
+}
+
+void SessionContrast::colour(WireFrame &wire) const
+{
+    if (curves_.empty()) return;
+    for (WireNode &node : wire.nodes)
+        node.contrast_mg_per_ml = flow_.iodine_mg_per_ml(flow_.cells().nearest(node.position_m));
+}
+
+} // namespace seld

@@ -1,0 +1,74 @@
+// Contrast medium in a session: what the syringe was asked for, where the tools are, and what of it the X-ray sees.
+// It follows from the commands and from the line's shape at ticks of its own (next_tick), so a replay shows the same, whatever
+// pictures were asked for. While no medium is in the vessels nothing is computed.
+// May include: effects, xray, model, room/command. Called by: session_pictures.
+#pragma once
+#include "host/effects/injector.hpp"
+#include "host/model/instrument.hpp"
+#include "host/model/wire_frame.hpp"
+#include "host/room/command.hpp"
+#include "host/xray/moved.hpp"
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace seld
+{
+
+// The tool that an injection goes through, counted from the innermost: the one asked for (1 ...), or for 0 the outermost with
+// a lumen. Nothing: there is none.
+std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, std::int32_t asked);
+// Why these tools cannot do what a command asks of the syringe; empty: they can, or it asks nothing.
+std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCommand &command);
+
+class SessionContrast
+{
+  public:
+    static constexpr std::uint32_t look_every_ticks = 40; // at the tools, while medium is in the vessels
+
+    SessionContrast(const VesselTree &vessels, const std::vector<Instrument> &tools);
+
+    // Why a command cannot be carried out; empty: it can.
+    std::string refusal(const RoomCommand &command) const;
+    // The same, and does it.
+    std::string command(std::uint32_t tick, const RoomCommand &command);
+    std::uint32_t next_tick() const; // UINT32_MAX: no look is needed
+    void advance(const WireFrame &wire);
+
+    // For the X-ray: columns of medium, and how much iodine is in the blood around the line.
+    const std::vector<SweptCurve> &curves() const { return curves_; }
+    void colour(WireFrame &wire) const;
+
+    bool was_used() const { return was_used_; }
+    double injected_ml() const { return injector_.injected_ml(); }
+    double flow_ml_s() const { return fluid_.flow_ml_s; } // injected at the moment
+    const ContrastFlow &flow() const { return flow_; }
+
+  private:
+    enum class State { idle, waits, flows };
+    void look(const WireFrame &wire);
+    std::uint32_t look_due() const;
+    void make_curves();
+    void make_curves_of(std::size_t branch, bool is_core);
+    double stream_at(std::size_t cell, double &behind_tip_mm) const;
+    SweptPoint stream_point(std::size_t cell, double narrowness) const;
+
+    const std::vector<Instrument> tools_;
+    ContrastFlow flow_;
+    Injector injector_;
+    State state_ = State::idle;
+    bool was_used_ = false;
+    std::int64_t seen_tick_ = -1; // of the last frame
+    std::uint32_t look_tick_ = 0; // of the last look
+    std::size_t tool_ = 0;        // that the syringe is at
+    double iodine_mg_per_ml_ = 350.0;
+    InjectedFluid fluid_;
+    struct Stream { // from the tip, while medium is injected
+        std::size_t cell = 0;
+        Eigen::Vector3d tip_m = Eigen::Vector3d::Zero();
+        double strength = 0.0; // 1; falls to 0 after the injection
+    } stream_;
+    std::vector<SweptCurve> curves_;
+};
+
+} // namespace seld

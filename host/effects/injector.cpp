@@ -1,0 +1,50 @@
+#include "host/effects/injector.hpp"
+#include <algorithm>
+
+namespace seld
+{
+
+void Injector::inject(std::uint32_t tick, std::int32_t volume_ul, std::int32_t rate_ul_s,
+                      double iodine_mg_per_ml)
+{
+    if (volume_ul <= 0 || rate_ul_s <= 0) return;
+    injections_.push_back({tick, std::int64_t{volume_ul} * 1000, rate_ul_s, iodine_mg_per_ml});
+}
+
+std::uint32_t Injector::first_tick() const
+{
+    std::uint32_t first = injections_.front().tick;
+    for (const Injection &injection : injections_) first = std::min(first, injection.tick);
+    return first;
+}
+
+void Injector::drop_ended()
+{
+    std::erase_if(injections_, [](const Injection &injection) { return injection.left_nl <= 0; });
+}
+
+void Injector::skip_to(std::uint32_t tick)
+{
+    for (Injection &injection : injections_)
+        if (injection.tick < tick) injection.left_nl -= injection.rate_nl * (tick - injection.tick);
+    drop_ended();
+}
+
+InjectedFluid Injector::take(std::uint32_t tick)
+{
+    std::int64_t sum_nl = 0;
+    double iodine = 0.0;
+    for (Injection &injection : injections_) {
+        if (injection.tick >= tick) continue;
+        const std::int64_t nl = std::min(injection.rate_nl, injection.left_nl);
+        injection.left_nl -= nl;
+        sum_nl += nl;
+        iodine += static_cast<double>(nl) * injection.iodine_mg_per_ml;
+    }
+    drop_ended();
+    injected_nl_ += sum_nl;
+    if (sum_nl == 0) return {};
+    return {static_cast<double>(sum_nl) * 1e-3, iodine / static_cast<double>(sum_nl)}; // nl per ms are ul/s
+}
+
+} // namespace seld

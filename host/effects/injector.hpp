@@ -1,0 +1,36 @@
+// What the syringe was asked for, tick by tick, in whole nanolitres: the same on every machine and in every replay.
+// May include: contrast_flow. Called by: host/app, tests.
+#pragma once
+#include "host/effects/contrast_flow.hpp"
+#include <cstdint>
+#include <vector>
+
+namespace seld
+{
+
+class Injector
+{
+  public:
+    // From `tick` on, so much at this rate (1 ul/s is 1 nl per tick). Two at a time add.
+    void inject(std::uint32_t tick, std::int32_t volume_ul, std::int32_t rate_ul_s, double iodine_mg_per_ml);
+    void stop() { injections_.clear(); }
+    bool is_empty() const { return injections_.empty(); }
+    std::uint32_t first_tick() const; // of what is left; not when it is empty
+    // What should have gone in before `tick` is left out: a session that is looked at from its middle.
+    void skip_to(std::uint32_t tick);
+    // During the tick that ends at `tick`.
+    InjectedFluid take(std::uint32_t tick);
+    double injected_ml() const { return static_cast<double>(injected_nl_) * 1e-6; }
+
+  private:
+    struct Injection {
+        std::uint32_t tick = 0;
+        std::int64_t left_nl = 0, rate_nl = 0;
+        double iodine_mg_per_ml = 0.0;
+    };
+    void drop_ended();
+    std::vector<Injection> injections_;
+    std::int64_t injected_nl_ = 0;
+};
+
+} // namespace seld

@@ -1,0 +1,218 @@
+// Claims: in a session contrast medium comes out of the catheter's tip and of nothing else, follows from commands and shapes at
+// fixed ticks whatever pictures were asked for, and the columns that the X-ray gets hold as much iodine as the vessels.
+#include "host/app/rig_pedals.hpp"
+#include "host/app/session.hpp"
+#include "host/app/session_contrast.hpp"
+#include "host/model/text.hpp"
+#include <cmath>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+extern "C" {
+#include <cmocka.h>
+}
+
+using namespace seld;
+using Eigen::Vector3d;
+
+namespace
+{
+
+constexpr std::uint32_t never = std::numeric_limits<std::uint32_t>::max();
+constexpr double pi = 3.14159265358979323846;
+const RoomCommand inject_6_ml{RoomAction::inject, {6000, 4000, 0}};
+
+// 300 mm down the y axis, radius 8 mm, 30 ml/s.
+VesselTree aorta()
+{
+    VesselBranch branch;
+    branch.name = "aorta";
+    branch.flow_ml_s = 30.0;
+    for (int i = 0; i <= 30; ++i) {
+        branch.points_m.push_back({0.0, -0.01 * i, 0.0});
+        branch.radii_m.push_back(0.008);
+    }
+    return {{branch}};
+}
+
+Instrument tool(const char *name, std::uint32_t inner_um)
+{
+    Instrument made;
+    made.name = name;
+    made.table.knots_count = 1;
+    made.table.knots[0].radius_outer_um = 800;
+    made.table.knots[0].radius_inner_um = inner_um;
+    return made;
+}
+
+// Up the aorta from its lower end; the wire is 50 mm ahead of the catheter, whose tip is at y = -150 mm.
+WireFrame line_at(std::uint32_t tick)
+{
+    WireFrame wire;
+    wire.tick = tick;
+    wire.tip_arc_m = {0.0, 0.05};
+    for (int i = 0; i <= 20; ++i) {
+        WireNode node;
+        node.position_m = {0.0, -0.1 - 0.01 * i, 0.0};
+        node.arc_m = 0.01 * i;
+        node.radius_m = 0.0008;
+        wire.nodes.push_back(node);
+    }
+    return wire;
+}
+
+const std::vector<Instrument> wire_and_catheter = {tool("wire", 0), tool("catheter", 485)};
+
+// To `end`, stopping wherever a look is wanted and every `frame_ticks`.
+void go_on(SessionContrast &contrast, std::uint32_t from, std::uint32_t end, std::uint32_t frame_ticks)
+{
+    for (std::uint32_t tick = from; tick < end;) {
+        tick = std::min({end, contrast.next_tick(), (tick / frame_ticks + 1) * frame_ticks});
+        contrast.advance(line_at(tick));
+    }
+}
+
+void medium_comes_out_of_the_catheter_and_not_of_the_wire(void **)
+{
+    SessionContrast contrast(aorta(), wire_and_catheter);
+    contrast.advance(line_at(0));
+    assert_string_equal(contrast.command(1, inject_6_ml).c_str(), "");
+    go_on(contrast, 0, 100, 20);
+    const FlowCells &cells = contrast.flow().cells();
+    assert_true(contrast.flow().held_mg() > 10.0);
+    for (std::size_t i = 0; i < cells.size(); ++i)
+        if (cells.middle_m(i).y() > -0.148) assert_true(contrast.flow().iodine_mg_per_ml(i) == 0.0);
+}
+
+void without_a_catheter_or_vessels_it_says_so(void **)
+{
+    SessionContrast bare(aorta(), {tool("wire", 0)}), no_tree({}, wire_and_catheter),
+        good(aorta(), wire_and_catheter);
+    assert_non_null(std::strstr(bare.command(0, inject_6_ml).c_str(), "NO CATHETER"));
+    assert_non_null(std::strstr(no_tree.command(0, inject_6_ml).c_str(), "NO VESSELS"));
+    assert_non_null(
+        std::strstr(good.refusal({RoomAction::inject, {1000, 1000, 1}}).c_str(), "'wire' HAS NO LUMEN"));
+    assert_non_null(std::strstr(good.refusal({RoomAction::inject, {1000, 1000, 3}}).c_str(), "NO TOOL 3"));
+    assert_true(bare.next_tick() == never && no_tree.next_tick() == never && good.next_tick() == never);
+}
+
+// Frames of a film between the looks change no bit of it.
+void other_pictures_do_not_change_it(void **)
+{
+    SessionContrast often(aorta(), wire_and_catheter), seldom(aorta(), wire_and_catheter);
+    for (SessionContrast *contrast : {&often, &seldom}) {
+        const std::uint32_t frame_ticks = contrast == &often ? 7 : 1000;
+        contrast->advance(line_at(0));
+        go_on(*contrast, 0, 333, frame_ticks);
+        contrast->command(334, inject_6_ml);
+        go_on(*contrast, 333, 1200, frame_ticks);
+    }
+    assert_true(often.flow().held_mg() > 100.0);
+    assert_true(often.flow().snapshot() == seldom.flow().snapshot());
+}
+
+void after_washing_out_no_look_is_wanted(void **)
+{
+    SessionContrast contrast(aorta(), wire_and_catheter);
+    contrast.command(0, inject_6_ml);
+    go_on(contrast, 0, 2000, 1000);
+    assert_true(contrast.next_tick() == 2040);
+    go_on(contrast, 2000, 60000, 1000);
+    assert_true(contrast.next_tick() == never && contrast.curves().empty());
+    assert_true(std::fabs(contrast.injected_ml() - 6.0) < 1e-9);
+    assert_true(std::fabs(contrast.flow().budget().injected_mg - 6.0 * 350.0) < 1e-6);
+}
+
+// Cones of the curves times their share of iohexol 350, against what the cells hold. 2 %: ends that fade out, and linear shares.
+void columns_hold_the_iodine_of_the_vessels(void **)
+{
+    SessionContrast contrast(aorta(), wire_and_catheter);
+    contrast.command(0, inject_6_ml);
+    go_on(contrast, 0, 1000, 1000);
+    double mg = 0.0;
+    for (const SweptCurve &curve : contrast.curves())
+        for (std::size_t i = 0; i + 1 < curve.points.size(); ++i) {
+            const SweptPoint &a = curve.points[i], &b = curve.points[i + 1];
+            const double square =
+                (a.radius_m * a.radius_m + a.radius_m * b.radius_m + b.radius_m * b.radius_m) / 3;
+            mg += pi * square * (b.at_m - a.at_m).norm() * 1e6 * 0.5 * (a.share + b.share) * 350.0;
+        }
+    if (std::fabs(mg - contrast.flow().held_mg()) > 0.02 * mg)
+        fail_msg("curves %.1f mg, vessels %.1f mg", mg, contrast.flow().held_mg());
+}
+
+void blood_around_the_line_takes_its_colour(void **)
+{
+    SessionContrast contrast(aorta(), wire_and_catheter);
+    contrast.command(0, inject_6_ml);
+    go_on(contrast, 0, 1000, 1000);
+    WireFrame wire = line_at(1000);
+    contrast.colour(wire);
+    assert_true(wire.nodes[0].contrast_mg_per_ml == 0.0);  // upstream
+    assert_true(wire.nodes[15].contrast_mg_per_ml > 10.0); // downstream of the catheter's tip
+}
+
+// --- the ways to ask for it ---
+
+void scripts_ask_for_it_in_millilitres(void **)
+{
+    const Session session = parse_session(
+        "contrast 300 mg/ml\ninject 8 ml at 4 ml/s\ninject 30 ml at 15 ml/s through catheter\ninject stop\n",
+        "s");
+    const auto command = [&](std::size_t i) { return session.statements[i].room.at(0); };
+    assert_true(command(0) == (RoomCommand{RoomAction::contrast_strength, {300, 0, 0}}));
+    assert_true(command(1) == (RoomCommand{RoomAction::inject, {8000, 4000, 0}}));
+    assert_true(command(2) == (RoomCommand{RoomAction::inject, {30000, 15000, 2}}));
+    assert_true(command(3) == (RoomCommand{RoomAction::inject, {0, 0, 0}}));
+    for (const char *wrong :
+         {"inject 8 at 4 ml/s", "inject 8 ml", "inject 8 ml at 4 mm/s", "inject 900 ml at 4 ml/s",
+          "inject 8 ml at 4 ml/s through wire", "contrast 3 kg"}) {
+        bool is_refused = false;
+        try {
+            parse_session(wrong, "s");
+        } catch (const FileError &error) {
+            is_refused = std::string(error.what()).find("s:1:") == 0;
+        }
+        if (!is_refused) fail_msg("accepted: %s", wrong);
+    }
+}
+
+// 5,000 counts over 1 s, wrapping, are 5 ml; drawing back and a jump of the sensor are nothing.
+void a_rigs_syringe_injects_what_its_plunger_gives(void **)
+{
+    RigSyringe syringe;
+    std::int32_t counts = std::numeric_limits<std::int32_t>::max() - 1000;
+    std::int64_t volume_ul = 0;
+    const auto move = [&](std::uint32_t tick, std::int32_t by) {
+        counts =
+            static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) + static_cast<std::uint32_t>(by));
+        if (const auto command = syringe.change(tick, counts)) {
+            assert_string_equal(refusal(*command).c_str(), "");
+            volume_ul += command->values[0];
+        }
+    };
+    for (std::uint32_t tick = 1; tick <= 1001; ++tick) move(tick, tick <= 1 ? 0 : 5);
+    for (std::uint32_t tick = 1002; tick <= 2000; ++tick)
+        move(tick, tick == 1500 ? 10'000'000 : tick > 1100 ? -4 : 0);
+    assert_int_equal(volume_ul, 5000);
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(medium_comes_out_of_the_catheter_and_not_of_the_wire),
+        cmocka_unit_test(without_a_catheter_or_vessels_it_says_so),
+        cmocka_unit_test(other_pictures_do_not_change_it),
+        cmocka_unit_test(after_washing_out_no_look_is_wanted),
+        cmocka_unit_test(columns_hold_the_iodine_of_the_vessels),
+        cmocka_unit_test(blood_around_the_line_takes_its_colour),
+        cmocka_unit_test(scripts_ask_for_it_in_millilitres),
+        cmocka_unit_test(a_rigs_syringe_injects_what_its_plunger_gives),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
