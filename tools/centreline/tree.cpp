@@ -25,7 +25,7 @@ void check_sphere(const Sphere &sphere, const std::string &name, std::size_t bra
     if (!(sphere.radius_mm > 0 && sphere.radius_mm <= radius_max_mm))
         refuse(name, branch,
                where + "a radius of " + std::to_string(sphere.radius_mm) +
-                   " mm, which is not above zero and below 1 m: correct it");
+                   " mm, which is not above zero and below 1 m: correct it, or check the file's unit");
     if (!std::isfinite(sphere.speed_mm_s))
         refuse(name, branch, where + "a speed that is no number: correct it");
 }

@@ -27,14 +27,14 @@ def read_ply(path):
 
 def read_scene(path):
     """The few keys of scene.toml that the checks need."""
-    bodies, table, entry = [], None, {}
+    bodies, table, entry, ignored = [], None, {}, {}
     for line in path.read_text().splitlines():
         if line == "[[body]]":
             table = {}
             bodies.append(table)
         elif line.startswith("["):
-            table = entry if line == "[entry]" else {}
-        elif "=" in line and not line.startswith("#"):
+            table = entry if line == "[entry]" else ignored
+        elif "=" in line and not line.startswith("#") and table is not ignored:
             key, value = (part.strip() for part in line.split("=", 1))
             table[key] = json.loads(value)
     return entry, bodies

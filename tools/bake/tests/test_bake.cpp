@@ -289,7 +289,8 @@ void faults_of_a_centreline_name_point_and_field(void **)
     contains(with(markup(p, "5, -1")), {"Radius of control point 1", "not above zero"});
     contains(with(markup("{\"position\": [0, null, 0]}, {\"position\": [0, 40, 0]}", "5, 5")),
              {"position of control point 0", "finite"});
-    contains(with(markup(p, "5000, 5000")), {"largest radius", "coordinateUnits"});
+    contains(with(markup(p, "500, 500")), {"largest radius", "coordinateUnits"});
+    contains(with(markup(p, "5000, 5000")), {"sphere 0", "5000", "check the file's unit"});
     contains(with(std::string(markup_head) + p + "]}]}"), {"no measurement 'Radius'"});
     assert_string_equal(with(markup(p, "5, 4")).c_str(), "");
 }
