@@ -1,8 +1,8 @@
 // Reading the text of a scene with toml++. Every fault names file, line and key.
 #include "tools/bake/scene_text.hpp"
-#include "host/model/toml.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
+#include "tools/bake/toml_file.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -386,18 +386,8 @@ SceneText read_scene_text(const std::filesystem::path &file, const Folders &fold
 {
     SceneText scene;
     scene.file = file;
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(file, ignored))
-        throw Fault(file.string() + ": no such file: give the scene's TOML text");
-    if (std::filesystem::file_size(file, ignored) > 16u << 20)
-        throw Fault(file.string() + ": over 16 MiB, so hardly a scene text: give the TOML file, not a mesh");
-    toml::table root;
-    try {
-        root = toml::parse_file(file.string());
-    } catch (const toml::parse_error &error) {
-        throw Fault(file.string() + ":" + std::to_string(error.source().begin.line) + ": " +
-                    std::string(error.description()));
-    }
+    const toml::table root =
+        read_toml(file, {16, "a scene text", "the scene's TOML text", ": give the TOML file, not a mesh"});
     const Table top{scene, folders, "the file", root};
     top.only({"scene", "lumen", "tree", "entry", "body"});
     const Table head{scene, folders, "[scene]", table_of(scene, root, "scene")};

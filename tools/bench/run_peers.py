@@ -49,24 +49,30 @@ def run(command):
     return done.stdout
 
 
-def prepare(environment):
-    """The python of a virtual environment that has the peers; fetches them when they are not there."""
+def fetch(environment, imports, announcement, packages, refusal):
+    """The python of a virtual environment that can do `imports`; makes it from the list `packages` when it is not there. `refusal`
+    says what that takes."""
     python = os.path.join(environment, "bin", "python")
-    probe = [python, "-c", "import mujoco, elastica"]
+    probe = [python, "-c", "import " + imports]
     if os.path.exists(python) and subprocess.run(probe, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                                  check=False).returncode == 0:
         return python
-    print("Fetching MuJoCo and PyElastica into %s (about 500 MB)" % environment, flush=True)
+    print("Fetching %s" % announcement, flush=True)
     try:
         run([sys.executable, "-m", "venv", environment])
         run([python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r",
-             os.path.join(FOLDER, "peers.txt")])
+             os.path.join(FOLDER, packages)])
         run(probe)
     except CannotMeasure as problem:
-        raise CannotMeasure("the other simulators cannot be installed into %s: it takes a network and Python's venv module "
-                            "(Debian: python3-venv). Nothing else of the project needs them.\n%s"
-                            % (environment, problem)) from problem
+        raise CannotMeasure("%s\n%s" % (refusal, problem)) from problem
     return python
+
+
+def prepare(environment):
+    """The python of a virtual environment that has the peers; fetches them when they are not there."""
+    return fetch(environment, "mujoco, elastica", "MuJoCo and PyElastica into %s (about 500 MB)" % environment, "peers.txt",
+                 "the other simulators cannot be installed into %s: it takes a network and Python's venv module (Debian: "
+                 "python3-venv). Nothing else of the project needs them." % environment)
 
 
 def parse(line, source):

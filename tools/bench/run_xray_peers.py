@@ -12,7 +12,6 @@ into a virtual environment of its own (tools/bench/xray_peers.txt). Ends with 1 
 import argparse
 import array
 import os
-import subprocess
 import sys
 import tempfile
 
@@ -26,22 +25,9 @@ NUMBERS = ("ms_min", "ms_median", "processor_ms_median")
 
 def prepare(environment):
     """The python of a virtual environment that has the peer; fetches it when it is not there."""
-    python = os.path.join(environment, "bin", "python")
-    probe = [python, "-c", "import numpy, gvxrPython3"]
-    if os.path.exists(python) and subprocess.run(probe, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-                                                 check=False).returncode == 0:
-        return python
-    print("Fetching gVirtualXray into %s (about 150 MB)" % environment, flush=True)
-    try:
-        run_peers.run([sys.executable, "-m", "venv", environment])
-        run_peers.run([python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r",
-                       os.path.join(FOLDER, "xray_peers.txt")])
-        run_peers.run(probe)
-    except CannotMeasure as problem:
-        raise CannotMeasure("gVirtualXray cannot be installed into %s: it takes a network, Python's venv module and the libraries of "
-                            "section [xraypeers] in tools/packages.txt. Nothing else of the project needs it.\n%s"
-                            % (environment, problem)) from problem
-    return python
+    return run_peers.fetch(environment, "numpy, gvxrPython3", "gVirtualXray into %s (about 150 MB)" % environment, "xray_peers.txt",
+                           "gVirtualXray cannot be installed into %s: it takes a network, Python's venv module and the libraries of "
+                           "section [xraypeers] in tools/packages.txt. Nothing else of the project needs it." % environment)
 
 
 def measure(command):

@@ -1,7 +1,7 @@
 // Points as TOML.
 #include "tools/centreline/fit/points.hpp"
 #include "host/model/pending_file.hpp"
-#include "host/model/toml.hpp"
+#include "tools/bake/toml_file.hpp"
 #include "tools/centreline/formats.hpp"
 
 #include <cmath>
@@ -11,8 +11,6 @@ namespace seld::centreline
 {
 namespace
 {
-
-constexpr std::uintmax_t text_bytes_max = 4u << 20;
 
 struct Reader {
     std::string file;
@@ -76,18 +74,8 @@ const char *kind_name(PointKind kind)
 PointText read_points(const std::filesystem::path &file)
 {
     const Reader reader{file.string()};
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(file, ignored))
-        throw Fault(file.string() + ": no such file: give a text of points (docs/centreline.md has one)");
-    if (std::filesystem::file_size(file, ignored) > text_bytes_max)
-        throw Fault(file.string() + ": over 4 MiB, so hardly a text of points");
-    toml::table root;
-    try {
-        root = toml::parse_file(file.string());
-    } catch (const toml::parse_error &error) {
-        throw Fault(file.string() + ":" + std::to_string(error.source().begin.line) + ": " +
-                    std::string(error.description()));
-    }
+    const toml::table root =
+        bake::read_toml(file, {4, "a text of points", "a text of points (docs/centreline.md has one)", ""});
     reader.only(root, {"format", "mesh", "unit", "point"});
     const toml::node *format = root.get("format");
     if (!format || format->value<std::int64_t>().value_or(0) != 1)

@@ -1,0 +1,39 @@
+// A TOML file that a person wrote, or a Fault that says what is wrong with it.
+// May include: fault.hpp, host/model/toml.hpp. Called by: readers of the tools' texts.
+#pragma once
+#include "host/model/toml.hpp"
+#include "tools/bake/fault.hpp"
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+namespace seld::bake
+{
+
+// What a kind of text is called in a refusal.
+struct TomlKind {
+    std::uintmax_t MiB_max;
+    const char *what;      // "a scene text"
+    const char *when_none; // what to give, when there is no such file
+    const char *when_huge; // ending of the sentence about a file over the limit, or ""
+};
+
+// Throws Fault with the file, and the line where it is no TOML.
+inline toml::table read_toml(const std::filesystem::path &file, const TomlKind &kind)
+{
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored))
+        throw Fault(file.string() + ": no such file: give " + kind.when_none);
+    if (std::filesystem::file_size(file, ignored) > kind.MiB_max << 20)
+        throw Fault(file.string() + ": over " + std::to_string(kind.MiB_max) + " MiB, so hardly " +
+                    kind.what + kind.when_huge);
+    try {
+        return toml::parse_file(file.string());
+    } catch (const toml::parse_error &error) {
+        throw Fault(file.string() + ":" + std::to_string(error.source().begin.line) + ": " +
+                    std::string(error.description()));
+    }
+}
+
+} // namespace seld::bake
