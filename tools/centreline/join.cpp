@@ -23,20 +23,20 @@ double mean_radius_mm(const Branch &branch)
 
 // One end of a curve that is not yet in the tree, in the tube of a branch that is.
 struct Choice {
-    std::size_t curve = 0, parent = 0;
+    std::size_t parent = 0;
     bool is_last = false;    // the curve's last point: it runs against the blood
     double depth = INFINITY; // in radii of the parent, below 0 inside
 };
 
-void consider(Choice &best, const Tree &tree, std::size_t curve, std::size_t parent)
+void consider(Choice &best, const Branch &curve, const Tree &tree, std::size_t parent)
 {
-    const Branch &own = tree.branches[curve];
+    const Branch &tube = tree.branches[parent];
     for (bool is_last : {false, true}) {
-        const Sphere &end = is_last ? own.spheres.back() : own.spheres.front();
-        const HullPlace place = hull_place(tree.branches[parent], end.centre_mm);
+        const Sphere &end = is_last ? curve.spheres.back() : curve.spheres.front();
+        const HullPlace place = hull_place(tube, end.centre_mm);
         if (place.distance_mm > outside_share * end.radius_mm) continue;
-        const double depth = place.distance_mm / tree.branches[parent].spheres[place.sphere].radius_mm;
-        if (depth < best.depth) best = {curve, parent, is_last, depth};
+        const double depth = place.distance_mm / tube.spheres[place.sphere].radius_mm;
+        if (depth < best.depth) best = {parent, is_last, depth};
     }
 }
 
@@ -110,17 +110,8 @@ Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm)
         is_placed[next] = true;
         made.branches.push_back(std::move(branch));
         // Only the new branch can be a better parent than those before.
-        Tree pair;
-        pair.branches.resize(2);
-        pair.branches[1] = made.branches.back();
-        for (std::size_t c = 0; c < best.size(); ++c) {
-            if (is_placed[c]) continue;
-            pair.branches[0] = left.branches[c];
-            Choice choice{c, 0, false, best[c].depth};
-            consider(choice, pair, 0, 1);
-            if (choice.depth < best[c].depth)
-                best[c] = {c, made.branches.size() - 1, choice.is_last, choice.depth};
-        }
+        for (std::size_t c = 0; c < best.size(); ++c)
+            if (!is_placed[c]) consider(best[c], left.branches[c], made, made.branches.size() - 1);
     }
     return made;
 }
