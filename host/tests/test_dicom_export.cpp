@@ -2,6 +2,7 @@
 // the export is stopped. Pixels are read back by DCMTK; the frames are tiny.
 #include "host/app/dicom_export.hpp"
 #include "host/model/output_files.hpp"
+#include "host/tests/folder.hpp"
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>
@@ -23,14 +24,8 @@ namespace
 
 constexpr int tiny = 4; // pixels along each edge
 
-struct Folder {
-    Folder()
-    {
-        char name[] = "/tmp/seldinger-export-XXXXXX";
-        path = mkdtemp(name);
-        settings.folder = path + "/dicom";
-    }
-    ~Folder() { fs::remove_all(path); }
+struct Folder : tests::Folder {
+    Folder() : tests::Folder("export") { settings.folder = file("dicom"); }
     std::vector<std::string> names() const
     {
         std::vector<std::string> all;
@@ -40,7 +35,6 @@ struct Folder {
         std::sort(all.begin(), all.end());
         return all;
     }
-    std::string path;
     DicomSettings settings;
 };
 

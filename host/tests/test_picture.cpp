@@ -1,5 +1,6 @@
 // Pictures as files: PNG read back by libpng, MP4 by ffprobe; failures leave nothing behind; the display is drawn.
 #include "host/app/picture_overlay.hpp"
+#include "host/tests/folder.hpp"
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -22,20 +23,21 @@ using namespace seld;
 namespace
 {
 
+// One for all tests, gone at the end.
+const tests::Folder &all_files()
+{
+    static const tests::Folder files("picture");
+    return files;
+}
+
 std::string folder()
 {
-    static const std::string path = [] {
-        char name[] = "/tmp/seldinger-picture-XXXXXX";
-        return std::string(mkdtemp(name));
-    }();
-    return path;
+    return all_files().path;
 }
 
 std::size_t files_in_folder()
 {
-    std::size_t count = 0;
-    for (const auto &entry : std::filesystem::directory_iterator(folder())) count += entry.exists();
-    return count;
+    return all_files().count();
 }
 
 XrayPicture grey_picture(int size)
