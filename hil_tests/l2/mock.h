@@ -27,6 +27,8 @@ typedef struct mock_urb { /* a transfer of a program */
 
 typedef struct mock {
     pthread_mutex_t lock;
+    pthread_cond_t handed_in; /* a transfer, for the bus to move */
+    bool is_handed_in;
     usb_peer peer;
     usb_urbs urbs;
     UMockdevTestbed *testbed;

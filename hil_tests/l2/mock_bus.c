@@ -19,12 +19,13 @@
 #include <fcntl.h>
 #include <stdatomic.h>
 #include <stdio.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
-enum { STEP_us = 100, PROGRAM_SECONDS = 200, AWAY_ms = 500, DEVICES_MAX = 4 };
+enum { SLACK_ns = 1, STEP_ns = 100000, PROGRAM_SECONDS = 200, AWAY_ms = 500, DEVICES_MAX = 4 };
 
 static mock mocks[DEVICES_MAX];
 static unsigned mock_count;
@@ -197,12 +198,21 @@ static void on_complete(void *context, const usb_urb *urb)
         mock_usbfs_complete(m, urb);
 }
 
+/* A device in this process does something when its millisecond comes or a transfer is handed in; one elsewhere is looked at
+ * again and again. */
+static void wait_for_work(mock *m)
+{
+    const int64_t until = m->peer.kind == USB_PEER_FILE ? usb_peer_now_ns() + STEP_ns : m->peer.next_tick_ns;
+    const struct timespec time = {until / 1000000000, until % 1000000000};
+    if (!m->is_handed_in) pthread_cond_timedwait(&m->handed_in, &m->lock, &time);
+    m->is_handed_in = false;
+}
+
 static void *run_bus(void *context)
 {
     mock *m = context;
-    const struct timespec pause = {0, STEP_us * 1000};
+    pthread_mutex_lock(&m->lock);
     while (!is_over) {
-        pthread_mutex_lock(&m->lock);
         const usb_host *host = m->peer.host;
         usb_peer_run(&m->peer);
         const bool is_there =
@@ -213,11 +223,10 @@ static void *run_bus(void *context)
         else if (!m->is_plugged && is_there &&
                  usb_peer_now_ns() - m->unplugged_ns > AWAY_ms * (int64_t)1000000)
             plug(m);
-        mock_hidraw_step(m);
-        while (usb_urbs_step(&m->urbs)) usb_peer_run(&m->peer);
-        pthread_mutex_unlock(&m->lock);
-        nanosleep(&pause, NULL);
+        for (mock_hidraw_step(m); usb_urbs_step(&m->urbs); mock_hidraw_step(m)) usb_peer_run(&m->peer);
+        wait_for_work(m);
     }
+    pthread_mutex_unlock(&m->lock);
     return NULL;
 }
 
@@ -269,7 +278,12 @@ static const char *open_devices(int count, char **words, int *used)
 
 static void make_nodes(mock *m, UMockdevTestbed *testbed)
 {
+    pthread_condattr_t clock;
+    pthread_condattr_init(&clock);
+    pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
     pthread_mutex_init(&m->lock, NULL);
+    pthread_cond_init(&m->handed_in, &clock);
+    pthread_condattr_destroy(&clock);
     m->testbed = testbed;
     m->root = umockdev_testbed_get_root_dir(testbed);
     m->usbfs = umockdev_ioctl_base_new();
@@ -296,6 +310,9 @@ int main(int argc, char **argv)
                 wrong);
         return 2;
     }
+    /* Threads and the program inherit it. umockdev sleeps for no time at all behind every ioctl, which by Linux's usual slack is 50 us:
+     * the six ioctls of an interrupt transfer each way would then not fit into a frame. */
+    prctl(PR_SET_TIMERSLACK, SLACK_ns);
     UMockdevTestbed *testbed = umockdev_testbed_new();
     if (!umockdev_in_mock_environment()) {
         fprintf(stderr, "mock_bus: run it by umockdev-wrapper\n");

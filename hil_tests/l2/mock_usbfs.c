@@ -120,6 +120,8 @@ static int submit(mock *m, UMockdevIoctlClient *client, UMockdevIoctlData *argum
     };
     if (!usb_urbs_submit(&m->urbs, &urb)) finish(m, one, ENOENT, 0);
     usb_urbs_step(&m->urbs);
+    m->is_handed_in = true;
+    pthread_cond_signal(&m->handed_in);
     return 0;
 }
 
