@@ -55,6 +55,8 @@ class Device
     // Any other request of the link, with the same care.
     void ask(const std::function<void(Link &)> &request);
     std::uint32_t resumes() const { return resumes_; }
+    // Its time passes without us, and it minds our silence.
+    bool has_its_own_clock() const { return choice_.is_usb && pipe_ != nullptr; }
 
     // FREE_RUN (the choice's free_run): `milliseconds` of a session that the device leads, or of a cable that is away. Every tick
     // is given once and in order. After an unplug the session goes on from the last tick that came, with the hands where they are

@@ -1,5 +1,6 @@
 // A session that the device leads: its ticks are recorded as they come, its pictures shown as they come.
 #include "host/app/interrupt.hpp"
+#include "host/app/presence.hpp"
 #include "host/app/rig_pedals.hpp"
 #include "host/app/run.hpp"
 #include <chrono>
@@ -97,7 +98,10 @@ class FreeRunner final : private FreeRunSink
         if (tick == picture_tick_) return;
         picture_tick_ = tick;
         result_.pictures++;
-        if (sink_) sink_->frame(session_frame(device_, state_, input_));
+        if (!sink_) return;
+        const SessionFrame frame = session_frame(device_, state_, input_);
+        const Presence presence(device_.has_its_own_clock() ? &device_.link() : nullptr);
+        sink_->frame(frame);
     }
 
     void show_progress()

@@ -100,7 +100,7 @@ class Window
         start();
     }
 
-    // False when a signal ended it; everything written is whole all the same.
+    // False when a signal ended it, or the session stands in a fault; everything written is whole all the same.
     bool run()
     {
         Pace pace(options_.frames > 0);
@@ -120,7 +120,13 @@ class Window
         if (!options_.screenshot.empty() && !write_png(options_.screenshot, screen_.read_back(), error))
             throw std::runtime_error(error);
         end_session();
-        return !is_interrupted() && !session_->was_stopped();
+        if (is_interrupted() || session_->was_stopped())
+            std::fprintf(stderr, "seldinger: interrupted; what was written up to here is complete\n");
+        else if (!session_->fault().empty())
+            std::fprintf(stderr, "seldinger: the session ended by a fault: %s\n", session_->fault().c_str());
+        else
+            return true;
+        return false;
     }
 
   private:
@@ -183,9 +189,7 @@ class Window
 int run_window(const WindowOptions &options)
 {
     watch_for_interrupt();
-    if (Window(options).run()) return 0;
-    std::fprintf(stderr, "seldinger: interrupted; what was written up to here is complete\n");
-    return 1;
+    return Window(options).run() ? 0 : 1;
 }
 
 int command_view(WindowOptions options)

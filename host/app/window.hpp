@@ -28,7 +28,8 @@ struct WindowOptions {
     std::string screenshot; // PNG of the window's last screen; empty: none
 };
 
-// 0, 1 when a signal ended it, or throws std::runtime_error (no display, no OpenGL 3.3, a bad file) for exit code 1.
+// 0; 1 when a signal ended it or it was left in a fault; or throws std::runtime_error (no display, no OpenGL 3.3, a bad file) for
+// exit code 1.
 int run_window(const WindowOptions &options);
 
 } // namespace seld

@@ -1,4 +1,5 @@
 #include "host/app/window_live.hpp"
+#include "host/app/presence.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -180,6 +181,7 @@ void LiveSession::picture()
 {
     const seld_wire_encoders input = inputs_.empty() ? seld_wire_encoders{} : inputs_.back();
     frame_ = session_frame(device_, state_, input);
+    const Presence presence(choice_.free_run && device_.has_its_own_clock() ? &device_.link() : nullptr);
     pictures_.frame(frame_);
 }
 

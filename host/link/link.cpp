@@ -444,6 +444,12 @@ void Link::beat()
     has_spoken_ = false;
 }
 
+void Link::say_present()
+{
+    has_spoken_ = false;
+    beat();
+}
+
 // The ticks of the last call; what came since, with the answers of other requests, stays.
 void Link::drop_given()
 {

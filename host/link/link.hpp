@@ -73,6 +73,7 @@ class Link
     // hears of the host at least every heartbeat_ms, with the last input again: after 30 ms of silence it fades the forces.
     static constexpr std::uint32_t heartbeat_ms = 10;
     void send_input(const seld_wire_encoders &encoders);
+    void say_present(); // one heartbeat; nothing is received
     std::vector<seld_wire_tick_state> free_run(std::uint32_t milliseconds);
     // The same ticks with their inputs, sensors and flags, also when it threw; and what happened since it was last asked.
     const std::vector<seld_wire_live_tick> &live_ticks() const { return live_ticks_; }

@@ -2,6 +2,8 @@
 // what comes late is not taken for an answer; a device that talks without end, or hands over without bound, is left with an error;
 // no tick that came is lost to the recording.
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -9,7 +11,9 @@
 #include <deque>
 #include <functional>
 #include <string>
+#include <thread>
 
+#include "host/app/presence.hpp"
 #include "host/link/link.hpp"
 
 extern "C" {
@@ -215,6 +219,34 @@ void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
     assert_int_equal(link.free_run(0).size(), 0);
 }
 
+// A host that makes a picture for longer than the 30 ms after which a device fades its forces: it is heard of meanwhile, and
+// not for ever. Counted, not timed: three frames come while it lives, and after its limit none.
+void a_busy_host_is_present_for_half_a_second(void **)
+{
+    TalkingDevice device;
+    std::atomic<int> heard = 0;
+    device.on_frame = [&] { heard++; };
+    seld::Link link(device);
+    link.send_input({});
+    heard = 0;
+    {
+        const seld::Presence presence(&link);
+        for (int i = 0; i < 1000 && heard < 3; i++)
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        assert_true(heard >= 3);
+        assert_int_equal(device.asked_type, SELD_WIRE_TYPE_input);
+        std::this_thread::sleep_for(2 * seld::Presence::limit);
+        const int last = heard;
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        assert_int_equal(heard, last);
+    }
+    const int last = heard;
+    {
+        const seld::Presence nobody(nullptr);
+    }
+    assert_int_equal(heard, last);
+}
+
 } // namespace
 
 int main()
@@ -225,6 +257,7 @@ int main()
         cmocka_unit_test(a_late_refusal_is_not_taken_for_an_answer),
         cmocka_unit_test(a_device_that_talks_without_end_is_left_with_an_error),
         cmocka_unit_test(a_snapshot_beyond_its_size_is_refused),
+        cmocka_unit_test(a_busy_host_is_present_for_half_a_second),
         cmocka_unit_test(ticks_that_come_behind_the_answer_to_stop_are_recorded),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

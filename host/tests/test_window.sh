@@ -55,6 +55,23 @@ result $? "keys are recorded and replay bit for bit"
 "$program" info "$work/live.rec" 2>&1 | grep -Eq "commands to the room ([4-9]|[1-9][0-9])"
 result $? "pedal and C-arm keys reach the recording"
 
+# The device is gone in mid-session: the window says so, the recording is whole up to there, and the exit code is not 0.
+cat >"$work/gone.sh" <<'EOF'
+"$program" view --instrument "$wire" --device emulator --record "$work/gone.rec" >"$work/gone" 2>&1 &
+window=$!
+for _ in $(seq 100); do xdotool search --name Seldinger >/dev/null 2>&1 && break; sleep 0.1; done
+sleep 0.5
+kill -9 $(ps -o pid= --ppid "$window") # its only child: the emulator
+sleep 0.5
+xdotool search --name Seldinger windowfocus key Escape >/dev/null 2>&1
+wait "$window"
+EOF
+timeout 60 xvfb-run -a bash "$work/gone.sh"
+[ $? = 1 ] && grep -q "ended by a fault: the emulator ended" "$work/gone"
+result $? "a device that goes away is told, and the exit code is 1"
+"$program" replay "$work/gone.rec" --verify >"$work/log" 2>&1
+result $? "what was recorded until then replays bit for bit"
+
 # Two tools: the catheter is chosen, pushed for a second, then the wire and the catheter together.
 cat >"$work/two.sh" <<'EOF'
 "$program" view --tool "$wire" --tool "$catheter" --inserted 60 --inserted 40 --record "$work/two.rec" \
