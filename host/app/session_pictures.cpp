@@ -129,11 +129,11 @@ bool SessionPictures::advance(std::uint32_t tick, const SessionFrame &frame)
     WireFrame shape = frame.wire;
     shape.tick = tick;
     contrast_->colour(shape);
-    xray_->render(xray, XrayFrame{looks_, shape, contrast_->curves()}, settings_.seed,
-                  request.settles_at_once ? nullptr : &memory_, pulse_);
+    const XrayFrame seen{looks_, shape, contrast_->curves()};
+    xray_->render(xray, seen, settings_.seed, request.settles_at_once ? nullptr : &memory_, pulse_);
     tell_failure();
     if (export_) export_pulse(); // what is written for measurement stays physical
-    if (thesis_look_) thesis_look_->draw(xray, looks_, shape, settings_.seed, pulse_);
+    if (thesis_look_) thesis_look_->draw(xray, seen, settings_.seed, pulse_);
     room_.expose(pulse_);
     return true;
 }

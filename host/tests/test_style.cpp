@@ -46,7 +46,7 @@ XrayPicture picture_of(const Bodies &bodies, const WireFrame &wire, int threads,
     const RadiopaqueInstrument tool = guidewire_look();
     Vcsim3Look look(bodies, threads);
     XrayPicture picture;
-    look.draw(small_view(), {&tool, 1}, wire, seed, picture);
+    look.draw(small_view(), XrayFrame{{&tool, 1}, wire}, seed, picture);
     return picture;
 }
 
@@ -56,7 +56,7 @@ void density_of_a_sphere_is_the_stated_product(void **)
     const Bodies bodies = sphere_of("bone_cortical");
     Vcsim3Look look(bodies, 1);
     XrayPicture picture;
-    look.draw(small_view(), {}, {}, 1, picture);
+    look.draw(small_view(), XrayFrame{{}, {}}, 1, picture);
     const View view = make_view(small_view().carm, 128);
     const SurfaceLook surface = surface_look(bodies, 0);
     int compared = 0;
@@ -131,6 +131,46 @@ void wire_is_a_dark_line_at_its_place(void **)
         fail_msg("grey %d and %d beside it", at(row - 5), at(row + 5));
 }
 
+// Mean of the picture's middle rows at this distance below the tube's axis: noise of 0.8 grey values is left.
+double grey_beside_the_axis(const XrayPicture &picture, double below_m)
+{
+    const View view = make_view(small_view().carm, 128);
+    double sum = 0.0;
+    for (int k = 0; k < 120; ++k) {
+        Eigen::Vector2d pixel;
+        assert_true(project(view, {0.0005 * (k - 60), -below_m, 0.0}, pixel));
+        sum += picture.grey[static_cast<std::size_t>(static_cast<int>(pixel.y()) * 128 +
+                                                     static_cast<int>(pixel.x()))];
+    }
+    return sum / 120.0;
+}
+
+// What was in the vessels was missing from this look.
+void contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds(void **)
+{
+    const auto picture_with = [](double share) {
+        const SweptCurve curve{Material::iohexol_350,
+                               {{{-0.04, 0.0, 0.0}, 0.005, share}, {{0.04, 0.0, 0.0}, 0.005, share}}};
+        Vcsim3Look look({}, 1);
+        XrayPicture picture;
+        look.draw(small_view(), XrayFrame{{}, {}, {&curve, 1}}, 1, picture);
+        return picture;
+    };
+    const double background = 255.0 * vcsim3_background;
+    const XrayPicture undiluted = picture_with(1.0), diluted = picture_with(0.05);
+    // Two surfaces whose normal stands at |n.v| = 0.6 to the ray, 4 mm from the axis; a tube of 12 sides and rows of 0.8 mm.
+    const double light = 1.0 - 0.8 * std::pow(1.0 - 0.6, 0.7);
+    const double edge = grey_beside_the_axis(undiluted, 0.004);
+    if (std::abs(edge - background * light * light) > 0.15 * background)
+        fail_msg("grey %.1f at the edge, expected %.1f", edge, background * light * light);
+    assert_true(edge + 40.0 < grey_beside_the_axis(undiluted, 0.0));
+    const double thin = grey_beside_the_axis(diluted, 0.004);
+    if (thin < edge + 30.0 || thin > background - 20.0) fail_msg("grey %.1f diluted", thin);
+    for (const XrayPicture *picture : {&undiluted, &diluted})
+        if (std::abs(grey_beside_the_axis(*picture, 0.008) - background) > 3.0) fail_msg("dark beside it");
+    assert_true(picture_with(0.0).grey == picture_of({}, {}, 1).grey);
+}
+
 void same_bytes_for_any_number_of_threads_and_only_the_seed_changes_the_noise(void **)
 {
     const Bodies bodies = sphere_of("bone_cortical");
@@ -149,6 +189,7 @@ int main()
         cmocka_unit_test(noise_has_the_stated_mean_and_deviation),
         cmocka_unit_test(shows_bones_heart_and_vessels_only),
         cmocka_unit_test(wire_is_a_dark_line_at_its_place),
+        cmocka_unit_test(contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds),
         cmocka_unit_test(same_bytes_for_any_number_of_threads_and_only_the_seed_changes_the_noise),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

@@ -33,6 +33,7 @@ namespace
 constexpr int tool_grid = 2;   // samples per pixel along each edge: a wire is hardly wider than a pixel
 constexpr int tool_sides = 12; // of the tube around a tool
 constexpr int tool_pieces = 4; // between two nodes
+constexpr double contrast_depth = 8.0; // a quarter of undiluted medium looks nearly as dark as all of it
 constexpr double density_per_log2 = 1.4426950408889634 / 65536.0; // 1/65536 nepers as powers of two
 
 // -ln(1 - A (1 - |n.v|)^p) in 1/65536.
@@ -110,7 +111,8 @@ struct Ring {
     std::array<SurfaceCorner, tool_sides> corners;
 };
 
-Ring ring_at(const View &view, const Vector3d &centre, const Vector3d &axis, double radius)
+Ring ring_at(const View &view, const Vector3d &centre, const Vector3d &axis, double radius,
+             const SurfaceLook &look)
 {
     Vector3d across = view.forward.cross(axis);
     if (across.norm() < 1e-6) across = view.up.cross(axis);
@@ -122,10 +124,36 @@ Ring ring_at(const View &view, const Vector3d &centre, const Vector3d &axis, dou
         const Vector3d normal = std::cos(angle) * across + std::sin(angle) * toward;
         const Vector3d at = centre + radius * normal;
         const double cosine = (at - view.source_m).normalized().dot(normal);
-        ring.corners[static_cast<std::size_t>(k)] =
-            surface_corner(view, at, density_q16(vcsim3_tool, cosine));
+        ring.corners[static_cast<std::size_t>(k)] = surface_corner(view, at, density_q16(look, cosine));
     }
     return ring;
+}
+
+void add_band(SurfaceScene &scene, const View &view, const Ring &from, const Ring &to)
+{
+    for (std::size_t k = 0; k < tool_sides; ++k) {
+        const std::size_t n = (k + 1) % tool_sides;
+        add_surface({from.corners[k], from.corners[n], to.corners[k]}, view.size, 0, view.size,
+                    scene.tool_sums.data());
+        add_surface({to.corners[k], from.corners[n], to.corners[n]}, view.size, 0, view.size,
+                    scene.tool_sums.data());
+    }
+}
+
+// Contrast medium in a vessel, or a strut: a tube along the curve, open at its ends.
+void add_curve(SurfaceScene &scene, const View &view, const SweptCurve &curve)
+{
+    Ring last;
+    for (std::size_t i = 0; i < curve.points.size(); ++i) {
+        const SweptPoint &point = curve.points[i];
+        const Vector3d axis = curve.points[std::min(i + 1, curve.points.size() - 1)].at_m -
+                              curve.points[i > 0 ? i - 1 : 0].at_m;
+        if (!point.at_m.allFinite() || axis.norm() < 1e-9) return;
+        const Ring ring = ring_at(view, point.at_m, axis.normalized(), point.radius_m,
+                                  curve_look(curve.material, point.share));
+        if (i > 0) add_band(scene, view, last, ring);
+        last = ring;
+    }
 }
 
 void add_tool(SurfaceScene &scene, const View &view, const RadiopaqueInstrument &tool, const WireFrame &wire,
@@ -144,14 +172,9 @@ void add_tool(SurfaceScene &scene, const View &view, const RadiopaqueInstrument 
             const Vector3d axis =
                 (on_curve(wire.nodes, i, share + 0.05) - on_curve(wire.nodes, i, share - 0.05));
             if (axis.norm() < 1e-9) continue;
-            const Ring ring = ring_at(view, centre, axis.normalized(), radius_m(tool, arc, node.radius_m));
-            for (std::size_t k = 0; has_last && k < tool_sides; ++k) {
-                const std::size_t n = (k + 1) % tool_sides;
-                add_surface({last.corners[k], last.corners[n], ring.corners[k]}, view.size, 0, view.size,
-                            scene.tool_sums.data());
-                add_surface({ring.corners[k], last.corners[n], ring.corners[n]}, view.size, 0, view.size,
-                            scene.tool_sums.data());
-            }
+            const Ring ring =
+                ring_at(view, centre, axis.normalized(), radius_m(tool, arc, node.radius_m), vcsim3_tool);
+            if (has_last) add_band(scene, view, last, ring);
             last = ring;
             has_last = true;
         }
@@ -201,11 +224,18 @@ SurfaceLook surface_look(const Bodies &bodies, std::size_t index)
         body.parent >= 0 ? material_from_name(bodies.bodies[static_cast<std::size_t>(body.parent)].material)
                          : std::nullopt;
     if (material == Material::bone_cortical) return {0.55, 2.0};
-    if (material == Material::iohexol_350) return {0.80, 0.7};
+    if (material == Material::iohexol_350) return vcsim3_contrast;
     const bool is_heart = body.name.rfind("heart", 0) == 0;
     if (is_heart && (material == Material::muscle || material == Material::blood)) return {0.25, 2.0};
     if (material == Material::blood && parent != Material::lung) return {0.12, 2.0};
     return {};
+}
+
+SurfaceLook curve_look(Material material, double share)
+{
+    if (material != Material::iohexol_350) return vcsim3_tool;
+    const double seen = 1.0 - std::exp(-contrast_depth * std::clamp(share, 0.0, 1.0));
+    return {vcsim3_contrast.edge_opacity * seen, vcsim3_contrast.power};
 }
 
 Vcsim3Look::Vcsim3Look(const Bodies &bodies, int threads) : scene_(std::make_unique<SurfaceScene>())
@@ -219,17 +249,19 @@ Vcsim3Look::Vcsim3Look(const Bodies &bodies, int threads) : scene_(std::make_uni
 }
 Vcsim3Look::~Vcsim3Look() = default;
 
-void Vcsim3Look::draw(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
-                      const WireFrame &wire, std::uint64_t seed, XrayPicture &picture)
+void Vcsim3Look::draw(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed,
+                      XrayPicture &picture)
 {
+    const WireFrame &wire = frame.wire;
     const CArm carm = clamp_carm(settings.carm);
     const int size = held_size(settings.size);
     SurfaceScene &scene = *scene_;
     fill_bodies(scene, carm, size);
     const View fine = make_view(carm, size * tool_grid);
     scene.tool_sums.assign(static_cast<std::size_t>(fine.size) * fine.size, 0);
-    for (std::size_t k = 0; k < tools.size(); ++k)
-        add_tool(scene, fine, tools[k], wire, k < wire.tip_arc_m.size() ? wire.tip_arc_m[k] : 0.0);
+    for (const SweptCurve &curve : frame.curves) add_curve(scene, fine, curve);
+    for (std::size_t k = 0; k < frame.tools.size(); ++k)
+        add_tool(scene, fine, frame.tools[k], wire, k < wire.tip_arc_m.size() ? wire.tip_arc_m[k] : 0.0);
     picture.size = size;
     picture.tick = wire.tick;
     picture.grey.resize(scene.sums.size());

@@ -23,6 +23,10 @@ SurfaceLook surface_look(const Bodies &bodies, std::size_t index);
 inline constexpr double vcsim3_background = 0.84; // b, share of white
 inline constexpr double vcsim3_noise = 0.035;     // sigma, share of white
 inline constexpr SurfaceLook vcsim3_tool = {0.75, 0.6};
+inline constexpr SurfaceLook vcsim3_contrast = {0.80, 0.7}; // undiluted
+
+// Of what runs along a curve: contrast medium, by its share of the cross-section (0 .. 1), or a strut, as dark as a tool.
+SurfaceLook curve_look(Material material, double share);
 
 struct SurfaceScene; // triangles with a normal per corner, and the sums of the last view
 
@@ -35,9 +39,8 @@ class Vcsim3Look
     Vcsim3Look &operator=(const Vcsim3Look &) = delete;
 
     // Replaces what the picture shows (grey and shown); its counts and doses stay those of Xray::render. As reproducible as
-    // that: the same bytes for any number of threads. Only carm and size of the settings count.
-    void draw(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
-              const WireFrame &wire, std::uint64_t seed, XrayPicture &picture);
+    // that: the same bytes for any number of threads. Only carm and size of the settings count. Bodies stay where they are.
+    void draw(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayPicture &picture);
 
     // Sum of -ln(1 - opacity) over the bodies' surfaces of the last render, in 1/65536, size*size.
     const std::vector<std::int32_t> &body_density_q16() const;
