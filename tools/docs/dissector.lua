@@ -162,13 +162,18 @@ end
 -- --- packets ---------------------------------------------------------------------------------------------------------
 local rests = {}   -- by direction: bytes of a frame that is not complete
 local befores = {} -- by packet: what was there before it, so that a second pass sees the same
+local claimed = {} -- by direction: the first packet that held a whole frame
 
 function proto.init()
-    rests, befores = {}, {}
+    rests, befores, claimed = {}, {}, {}
+end
+
+local function direction_of(pinfo)
+    return tostring(pinfo.src) .. ">" .. tostring(pinfo.dst)
 end
 
 function proto.dissector(tvb, pinfo, tree)
-    local direction = tostring(pinfo.src) .. ">" .. tostring(pinfo.dst)
+    local direction = direction_of(pinfo)
     if not pinfo.visited then befores[pinfo.number] = rests[direction] or "" end
     local bytes = (befores[pinfo.number] or "") .. tvb:raw()
     local names = {}
@@ -185,5 +190,26 @@ function proto.dissector(tvb, pinfo, tree)
     return tvb:len()
 end
 
+-- A pipe is ours from its first frame whose CRC-32 is right: a capture that began after the device was plugged in knows neither its
+-- numbers nor the class of its interfaces, and other devices use the class "vendor" too.
+local function holds_a_frame(bytes)
+    for stuffed in bytes:gmatch("[^%z]+%z") do
+        local body = unstuff(stuffed:sub(1, -2))
+        if body and #body >= 12 then
+            local low, high = body:byte(-4) + body:byte(-3) * 256, body:byte(-2) + body:byte(-1) * 256
+            if crc32(body:sub(1, -5)) == low + high * 65536 then return true end
+        end
+    end
+    return false
+end
+
+local function is_ours(tvb, pinfo, tree)
+    local direction = direction_of(pinfo)
+    if not claimed[direction] and holds_a_frame(tvb:raw()) then claimed[direction] = pinfo.number end
+    if not claimed[direction] or pinfo.number < claimed[direction] then return false end
+    proto.dissector(tvb, pinfo, tree)
+    return true
+end
+
+proto:register_heuristic("usb.bulk", is_ours)
 DissectorTable.get("wtap_encap"):add(wtap.USER0, proto)
-DissectorTable.get("usb.bulk"):add(0xff, proto)

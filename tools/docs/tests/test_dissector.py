@@ -10,7 +10,7 @@ import zlib
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
 DOCS = os.path.join(ROOT, os.environ.get("BUILD", "build"), "bin", "docs")
-USER0 = 147
+USER0, USB_LINUX = 147, 220
 
 
 def stuffed(body):
@@ -33,8 +33,14 @@ def frame(sequence, kind, payload, flip=0):
     return stuffed(body + struct.pack("<I", zlib.crc32(body) ^ flip))
 
 
-def capture(packets):
-    data = struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, USER0)
+def on_bus(data, device):
+    """What Linux's usbmon tells of a bulk transfer to endpoint 2 (Documentation/usb/usbmon.rst, struct mon_bin_hdr of 64 bytes)."""
+    header = struct.pack("<QBBBBHBBqiiII8siiII", 1, ord("S"), 3, 2, device, 1, ord("-"), 0, 0, 0, -115, len(data), len(data), bytes(8), 0, 0, 0, 0)
+    return header + data
+
+
+def capture(packets, kind):
+    data = struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, kind)
     for i, packet in enumerate(packets):
         data += struct.pack("<IIII", i, 0, len(packet), len(packet)) + packet
     return data
@@ -78,14 +84,31 @@ CLAIMS = [
 ]
 
 
+# A capture that began after the device was plugged in: its class is not in it. Another device of the class "vendor" is not ours.
+def packets_of_bus():
+    ours = packets_of_test()
+    return [on_bus(packet, device) for packet, device in [(ours[3], 2), (b"other" + bytes(27), 3), (ours[0], 2), (ours[3], 2), (ours[4], 2)]]
+
+
+BUS_CLAIMS = [
+    ("before_the_first_whole_frame_a_pipe_is_nobody_s", 0, "_ws.col.Info", "URB_BULK out"),
+    ("another_device_s_bytes_are_left_alone", 1, "_ws.col.Info", "URB_BULK out"),
+    ("a_frame_on_the_bus_is_found_without_the_device_s_class", 2, "_ws.col.Info", "hello"),
+    ("from_then_on_the_pipe_is_read", 4, "seldinger.scene_chunk.offset", "4096"),
+]
+
+
 def main():
     fields = sorted({claim[2] for claim in CLAIMS} - {"_ws.col.Info"})
     with tempfile.TemporaryDirectory() as folder:
         script, path = os.path.join(folder, "seldinger.lua"), os.path.join(folder, "wire.pcap")
         made = subprocess.run([DOCS, "--dissector", script], cwd=ROOT, capture_output=True, text=True, timeout=60)
-        with open(path, "wb") as file:
-            file.write(capture(packets_of_test()))
-        rows, errors = dissect(script, path, *fields) if made.returncode == 0 else (None, made.stderr)
+        rows, errors = [], made.stderr
+        for packets, kind in ((packets_of_test(), USER0), (packets_of_bus(), USB_LINUX)):
+            with open(path, "wb") as file:
+                file.write(capture(packets, kind))
+            more, errors = dissect(script, path, *fields) if made.returncode == 0 else (None, errors)
+            rows = rows + more if rows is not None and more is not None else None
     if rows is None:
         print("not ok 1 - the_dissector_is_loaded_by_tshark")
         print("# " + errors.replace("\n", "\n# "))
@@ -93,13 +116,14 @@ def main():
         sys.exit(1)
     print("ok 1 - the_dissector_is_loaded_by_tshark")
     status = 0
-    for number, (name, packet, field, expected) in enumerate(CLAIMS, 2):
+    claims = CLAIMS + [(name, len(packets_of_test()) + packet, field, expected) for name, packet, field, expected in BUS_CLAIMS]
+    for number, (name, packet, field, expected) in enumerate(claims, 2):
         got = rows[packet][0 if field == "_ws.col.Info" else 1 + fields.index(field)]
         status |= got != expected
         print("%sok %d - %s" % ("" if got == expected else "not ", number, name))
         if got != expected:
             print("# packet %d, %s: '%s', expected '%s'" % (packet, field, got, expected))
-    print("1..%d" % (1 + len(CLAIMS)))
+    print("1..%d" % (1 + len(claims)))
     sys.exit(status)
 
 
