@@ -2,9 +2,8 @@
 #include "tools/bake/field.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
-#include "tools/bake/vdb.hpp"
+#include "tools/bake/level_set.hpp"
 
-#include <openvdb/tools/MeshToVolume.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -41,33 +40,10 @@ struct Brick {
 };
 
 // --- distances on a grid: sample (i,j,k) at voxel centre (i + 1/2) h ---
-struct MeshInVoxels {
-    const Mesh &mesh;
-    double voxel;
-    std::size_t polygonCount() const { return mesh.triangles.size(); }
-    std::size_t pointCount() const { return mesh.vertices_mm.size(); }
-    std::size_t vertexCount(std::size_t) const { return 3; }
-    void getIndexSpacePoint(std::size_t n, std::size_t v, openvdb::Vec3d &p) const
-    {
-        const Eigen::Vector3d at = mesh.vertices_mm[mesh.triangles[n][v]] / voxel;
-        p = openvdb::Vec3d(at.x() - 0.5, at.y() - 0.5, at.z() - 0.5);
-    }
-};
-
-struct Interrupter {
-    void start(const char * = nullptr) {}
-    void end() {}
-    bool wasInterrupted(int = -1) { return Progress::interrupted(); }
-};
-
 openvdb::FloatGrid::Ptr distances(const Mesh &mesh, int level, Progress &progress)
 {
-    start_openvdb();
     progress.stage("distances at " + std::to_string(voxel_mm(level)) + " mm", 0);
-    Interrupter interrupter;
-    auto transform = openvdb::math::Transform::createLinearTransform(voxel_mm(level));
-    auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(
-        interrupter, MeshInVoxels{mesh, voxel_mm(level)}, *transform, band_voxels, band_voxels);
+    auto grid = level_set(mesh, voxel_mm(level), 0.5, band_voxels, band_voxels);
     progress.step(0);
     progress.finish();
     return grid;

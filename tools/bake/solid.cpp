@@ -1,10 +1,9 @@
 // Level sets by OpenVDB: mesh to volume, offset, difference, volume to mesh.
 #include "tools/bake/solid.hpp"
 #include "tools/bake/fault.hpp"
-#include "tools/bake/vdb.hpp"
+#include "tools/bake/level_set.hpp"
 
 #include <openvdb/tools/Composite.h>
-#include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/VolumeToMesh.h>
 
 #include <Eigen/Geometry>
@@ -33,25 +32,10 @@ void check_grid(const Mesh &mesh, double voxel_mm)
     throw Fault(mesh.name + ": " + text + ": make solid_mm larger");
 }
 
-// Signed distance, negative inside, kept `outside` and `inside` voxels far from the surface.
-openvdb::FloatGrid::Ptr level_set(const Mesh &mesh, double voxel_mm, double outside, double inside)
+openvdb::FloatGrid::Ptr checked_level_set(const Mesh &mesh, double voxel_mm, double outside, double inside)
 {
-    start_openvdb();
     check_grid(mesh, voxel_mm);
-    std::vector<openvdb::Vec3s> points;
-    std::vector<openvdb::Vec3I> triangles;
-    points.reserve(mesh.vertices_mm.size());
-    triangles.reserve(mesh.triangles.size());
-    for (const Eigen::Vector3d &v : mesh.vertices_mm) {
-        const Eigen::Vector3f at = (v / voxel_mm).cast<float>();
-        points.emplace_back(at.x(), at.y(), at.z());
-    }
-    for (const Triangle &t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-    const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(points,
-                                                                                             triangles);
-    return openvdb::tools::meshToVolume<openvdb::FloatGrid>(
-        adapter, *openvdb::math::Transform::createLinearTransform(voxel_mm), static_cast<float>(outside),
-        static_cast<float>(inside));
+    return level_set(mesh, voxel_mm, 0, outside, inside);
 }
 
 Mesh surface_at(const openvdb::FloatGrid &grid, double distance_mm, const std::string &name)
@@ -150,8 +134,8 @@ void separate_sheets(Mesh &mesh)
 Mesh offset_surface(const Mesh &mesh, double voxel_mm, double offset_mm)
 {
     const double reach = std::abs(offset_mm) / voxel_mm + band_voxels;
-    const auto grid =
-        level_set(mesh, voxel_mm, offset_mm > 0 ? reach : band_voxels, offset_mm < 0 ? reach : band_voxels);
+    const auto grid = checked_level_set(mesh, voxel_mm, offset_mm > 0 ? reach : band_voxels,
+                                        offset_mm < 0 ? reach : band_voxels);
     Mesh made = surface_at(*grid, offset_mm, mesh.name);
     if (offset_mm >= 0 && (made.triangles.empty() || volume_mm3(made) <= 0))
         throw Fault(mesh.name + ": no solid comes of it: it is thinner than solid_mm = " +
@@ -170,7 +154,7 @@ std::vector<InsideVoxel> inside_voxels(const Mesh &mesh, double voxel_mm)
     for (const Eigen::Vector3d &v : mesh.vertices_mm) box.extend(v);
     // No place inside is deeper than half the box is thick.
     const auto grid =
-        level_set(mesh, voxel_mm, band_voxels, box.sizes().minCoeff() / 2 / voxel_mm + band_voxels);
+        checked_level_set(mesh, voxel_mm, band_voxels, box.sizes().minCoeff() / 2 / voxel_mm + band_voxels);
     std::vector<InsideVoxel> inside;
     for (auto value = grid->cbeginValueOn(); value; ++value) {
         const openvdb::Coord at = value.getCoord();
@@ -187,8 +171,8 @@ Mesh clipped(const Mesh &mesh, const Eigen::AlignedBox3d &box, double voxel_mm)
         brick.vertices_mm.push_back(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)));
     brick.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                        {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-    auto rest = level_set(mesh, voxel_mm, band_voxels, band_voxels);
-    openvdb::tools::csgIntersection(*rest, *level_set(brick, voxel_mm, band_voxels, band_voxels));
+    auto rest = checked_level_set(mesh, voxel_mm, band_voxels, band_voxels);
+    openvdb::tools::csgIntersection(*rest, *checked_level_set(brick, voxel_mm, band_voxels, band_voxels));
     Mesh made = surface_at(*rest, 0, mesh.name);
     if (made.triangles.empty()) throw Fault(mesh.name + ": nothing of it lies in clip_mm: check the corners");
     return made;
@@ -196,10 +180,10 @@ Mesh clipped(const Mesh &mesh, const Eigen::AlignedBox3d &box, double voxel_mm)
 
 Mesh difference(const Mesh &mesh, const std::vector<const Mesh *> &taken, double voxel_mm, double gap_mm)
 {
-    auto rest = level_set(mesh, voxel_mm, band_voxels, band_voxels);
+    auto rest = checked_level_set(mesh, voxel_mm, band_voxels, band_voxels);
     for (const Mesh *other : taken) {
         const Mesh blown = gap_mm > 0 ? offset_surface(*other, voxel_mm, gap_mm) : *other;
-        openvdb::tools::csgDifference(*rest, *level_set(blown, voxel_mm, band_voxels, band_voxels));
+        openvdb::tools::csgDifference(*rest, *checked_level_set(blown, voxel_mm, band_voxels, band_voxels));
     }
     Mesh made = surface_at(*rest, 0, mesh.name);
     if (made.triangles.empty())
