@@ -232,8 +232,10 @@ seld_fault_code seld_app_safety_ready(const seld_app *app)
     for (uint32_t k = 0; k < app->tool_count; k++) {
         const seld_port_track *track = &rig->tracks[k];
         if (encoder_is_lost(app, k)) return SELD_FAULT_CODE_ENCODER_LOST;
-        bool has_sensor = track->force_sensor != SELD_PORT_SENSOR_ABSENT;
-        if (has_sensor && force_sensor_is_lost(app, k)) return SELD_FAULT_CODE_FORCE_SENSOR_LOST;
+        /* Without a sensor no force is checked: for somebody who stands at the rig and knows. */
+        bool has_none = track->force_sensor == SELD_PORT_SENSOR_ABSENT;
+        if (has_none ? !rig->local_unlock : force_sensor_is_lost(app, k))
+            return SELD_FAULT_CODE_FORCE_SENSOR_LOST;
         if (size_of(seld_app_force_measured(app, k)) > FORCE_REST_mN)
             return SELD_FAULT_CODE_ACTUATOR_STUCK_ON;
         if (track->over_current) return SELD_FAULT_CODE_OVER_CURRENT;

@@ -25,7 +25,7 @@ enum {
 /* What a sensor, or the electronics in front of it, says about its own reading. Only OK readings are used. */
 typedef enum seld_port_sensor {
     SELD_PORT_SENSOR_OK = 0,
-    SELD_PORT_SENSOR_ABSENT, /* this rig has none */
+    SELD_PORT_SENSOR_ABSENT, /* this rig has none; a motor without a force sensor needs the local unlock */
     SELD_PORT_SENSOR_RANGE,  /* outside its electrical range: cable broken or shorted, amplifier saturated */
     SELD_PORT_SENSOR_ERROR, /* signal error: illegal quadrature step, check sum, no new sample since the last tick */
 } seld_port_sensor;
@@ -89,12 +89,11 @@ typedef struct seld_port {
     bool (*inputs)(void *context, seld_port_inputs *inputs);
     void (*outputs)(void *context, const seld_port_outputs *outputs);
     uint32_t (*now_us)(void *context); /* free-running, wraps at 2^32; tells how long a tick took */
-    const char *serial;        /* unique to this device, printable ASCII, at most SELD_PORT_SERIAL_BYTES */
-    uint8_t *scene_slots[2];   /* two buffers: the old scene stays valid until the new one is validated */
-    uint32_t scene_slot_bytes; /* size of each, 4-byte aligned */
-    uint32_t capabilities;     /* SELD_WIRE_CAPABILITY_* that depend on the port: encoders, motors */
-    uint32_t
-        force_uN_per_count; /* scale of the force sensors as built; 0: 1,000. Hosts may move it by a quarter */
+    const char *serial;          /* unique to this device, printable ASCII, at most SELD_PORT_SERIAL_BYTES */
+    uint8_t *scene_slots[2];     /* two buffers: the old scene stays valid until the new one is validated */
+    uint32_t scene_slot_bytes;   /* size of each, 4-byte aligned */
+    uint32_t capabilities;       /* SELD_WIRE_CAPABILITY_* that depend on the port: encoders, motors */
+    uint32_t force_uN_per_count; /* scale of the force sensors; 0: 1,000. Hosts may move it by a quarter */
 } seld_port;
 
 #endif

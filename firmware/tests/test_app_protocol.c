@@ -163,6 +163,23 @@ static void an_unsafe_rig_is_not_armed_and_the_cause_is_named(void **state)
     refuse(SELD_WIRE_ACTION_ARM_MOTORS, SELD_REJECT_NO_RIG);
 }
 
+/* No sensor, no check of forces: only for somebody who stands at the rig and closes the switch inside. */
+static void a_rig_without_force_sensor_is_powered_only_by_the_local_unlock(void **state)
+{
+    (void)state;
+    command(SELD_WIRE_ACTION_ARM);
+    b.rig.tracks[0].force_sensor = SELD_PORT_SENSOR_ABSENT;
+    bench_tick(&b);
+    refuse(SELD_WIRE_ACTION_ARM_MOTORS, SELD_REJECT_NOT_SAFE);
+    assert_int_equal(reject.detail1, SELD_FAULT_CODE_FORCE_SENSOR_LOST);
+    b.rig.local_unlock = true;
+    bench_tick(&b);
+    assert_true(client_arm_motors(host));
+    b.rig.local_unlock = false; /* opened again before START */
+    bench_tick(&b);
+    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_SAFE);
+}
+
 static void lockstep_holds_the_motors_off(void **state)
 {
     (void)state;
@@ -489,6 +506,7 @@ int main(void)
         TEST(a_permission_is_not_left_lying_about),
         TEST(no_single_frame_powers_a_motor),
         TEST(an_unsafe_rig_is_not_armed_and_the_cause_is_named),
+        TEST(a_rig_without_force_sensor_is_powered_only_by_the_local_unlock),
         TEST(lockstep_holds_the_motors_off),
         TEST(an_upload_that_was_cut_goes_on_where_it_stopped),
         TEST(what_was_set_up_is_known_by_its_crc),

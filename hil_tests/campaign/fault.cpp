@@ -26,6 +26,8 @@ constexpr FaultKind kinds[] = {
     {"device.lies", "frame", "lie"},
     {"rig.encoder_jump", "tick", "um"},
     {"rig.encoder_turn_jump", "tick", "counts"},
+    {"rig.encoder_turn_stuck", "tick", "hand"},
+    {"rig.encoder_turn_reversed", "tick", "hand"},
     {"rig.encoder_stuck", "tick", "hand"},
     {"rig.encoder_reversed", "tick", "hand"},
     {"rig.encoder_lost", "tick", "axis"},
@@ -165,6 +167,8 @@ void add_rig(Catalogue &c)
                                  "rig.supply_lost", "rig.emergency_stop"})
             c.add(name, Session::free_run, at);
         for (std::uint32_t hand : {0u, 1u}) { // lets go, or holds on
+            c.add("rig.encoder_turn_stuck", Session::free_run, at, hand);
+            c.add("rig.encoder_turn_reversed", Session::free_run, at, hand);
             c.add("rig.encoder_stuck", Session::free_run, at, hand);
             c.add("rig.encoder_reversed", Session::free_run, at, hand);
         }

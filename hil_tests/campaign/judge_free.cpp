@@ -21,6 +21,8 @@ struct Answer {
 const Answer answers[] = {
     {"rig.encoder_jump", {SELD_FAULT_CODE_ENCODER_JUMP_TRANSLATION}},
     {"rig.encoder_turn_jump", {SELD_FAULT_CODE_ENCODER_JUMP_ROTATION}},
+    {"rig.encoder_turn_stuck", {0}}, // looks like a hand: the torque limit is what protects
+    {"rig.encoder_turn_reversed", {0, SELD_FAULT_CODE_ENCODER_JUMP_ROTATION}},
     {"rig.encoder_stuck", {0, SELD_FAULT_CODE_ENCODER_STUCK}},
     {"rig.encoder_reversed", {0, SELD_FAULT_CODE_ENCODER_REVERSED, SELD_FAULT_CODE_ENCODER_JUMP_TRANSLATION}},
     {"rig.encoder_lost", {SELD_FAULT_CODE_ENCODER_LOST}},
@@ -98,6 +100,7 @@ class Loop
         Plant &plant = bench_->plant();
         return plant.motor_peak_N() <= force_none_N && plant.motor_torque_peak_N_m() <= torque_none_N_m;
     }
+    bool is_unseen() const { return is("rig.encoder_turn_stuck") || is("rig.encoder_turn_reversed"); }
     bool is_wrong_way() const { return is("rig.encoder_stuck") || is("rig.encoder_reversed"); }
     bool is(const char *kind) const { return fault_->is(kind); }
 
@@ -199,7 +202,7 @@ void Loop::inject()
         if (stops) expect_off(SafeClass::command);
         return;
     }
-    if (!is_wrong_way()) {
+    if (!is_wrong_way() && !is_unseen()) {
         const bool is_supply = is("rig.brown_out") || is("rig.supply_lost");
         expect_off(is("rig.freeze") ? SafeClass::processor
                    : is_supply      ? SafeClass::supply
@@ -224,6 +227,9 @@ void Loop::break_rig()
     if (is("rig.encoder_stuck")) along.set_fault(SensorFault::stuck);
     if (is("rig.encoder_reversed")) along.set_fault(SensorFault::reversed);
     if (is_wrong_way() && fault_->value == 0) track.translation.set_hand(Hand::none);
+    if (is("rig.encoder_turn_stuck")) about.set_fault(SensorFault::stuck);
+    if (is("rig.encoder_turn_reversed")) about.set_fault(SensorFault::reversed);
+    if (is_unseen() && fault_->value == 0) track.rotation.set_hand(Hand::none);
     if (is("rig.encoder_lost")) (fault_->value == 0 ? along : about).set_fault(SensorFault::silent);
     if (is("rig.force_sensor_range")) track.force_fault = SensorFault::range;
     if (is("rig.force_sensor_silent")) track.force_fault = SensorFault::silent;

@@ -31,11 +31,14 @@ def linked_sample(text):
 
 def findings(port, objects):
     image = os.path.join(FOLDER, "seldinger-%s.elf" % port)
+    figures = io.StringIO()
     try:
-        with contextlib.redirect_stdout(io.StringIO()):
+        with contextlib.redirect_stdout(figures):
             yield from image_report.report(image, os.path.join(FOLDER, objects), port)
     except budget.CannotMeasure as problem:
         yield str(problem)
+    for line in figures.getvalue().splitlines()[1:]:
+        print("#- %s: %s" % (port, line.strip()))
 
 
 def main():

@@ -190,6 +190,8 @@ def main():
     findings = [finding for path in paths for finding in check_file(path, tree.read(path), exists)]
     report.check("every include is an arrow listed in the table of layers", findings)
     report.check("no header includes itself", check_cycles(include_graph(paths)))
+    lines = tree.read("firmware/port/port.h").count("\n")
+    report.check("what a port implements fits into less than 100 lines", ["firmware/port/port.h has %d" % lines] if lines >= 100 else [])
     report.end()
 
 

@@ -13,6 +13,7 @@ RUN_BENCH = os.path.join(tree.ROOT, "tools", "bench", "run_bench.py")
 # name -> (script, expected last line, expected exit code, text that must appear)
 PROGRAMS = {
     "a program whose tests pass is counted": ("echo 1..2; echo ok 1 - a; echo ok 2 - b", "2 passed, 0 failed, 0 skipped", 0, ""),
+    "a figure of a passing program is shown": ("echo 1..1; echo '#- 3 mm'; echo ok 1 - a", "1 passed, 0 failed, 0 skipped", 0, "        3 mm"),
     "a failed test is named and its output shown": (
         "echo 1..2; echo ok 1 - a; echo not ok 2 - tip_is_bent; echo '# 3 mm'; exit 1",
         "1 passed, 1 failed, 0 skipped", 1, "tip_is_bent"),
