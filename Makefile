@@ -55,7 +55,7 @@ HOST_LINK     := -lpng -lglfw -lusb-1.0 -ldl -ldcmdata -lofstd
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/centreline $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: gallery dissector all run window test validate validate-centreline bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig install-udev bench-xray-peers
+.PHONY: gallery dissector all run window test validate validate-centreline bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig hil-faults hil-loop hil-emulator hil-machines install-udev bench-xray-peers
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -77,7 +77,7 @@ $(BUILD)/obj/firmware/core/%.c.o: OPT := $(CORE_OPT)
 $(BUILD)/obj/firmware/core/%.c.o: CFLAGS += -ffreestanding $(if $(findstring clang,$(CC)),,-fno-schedule-insns -fno-tree-pre)
 # The number a rig shows on the bus, vendor:product in hexadecimal: docs/usb.md.
 USB_ID_FLAGS := -DSELD_USB_VENDOR_ID=0x$(word 1,$(subst :, ,$(USB_ID))) -DSELD_USB_PRODUCT_ID=0x$(word 2,$(subst :, ,$(USB_ID)))
-$(BUILD)/obj/firmware/app/usb/%.c.o: CFLAGS += $(USB_ID_FLAGS)
+$(BUILD)/obj/firmware/app/usb/%.c.o $(BUILD)/obj/hil_tests/library/%.c.o: CFLAGS += $(USB_ID_FLAGS)
 $(BUILD)/obj/host/link/%.cpp.o $(BUILD)/obj/host/app/%.cpp.o: CXXFLAGS += $(USB_ID_FLAGS)
 # The command line's parser is half a minute of templates that run once: not optimised, half of that.
 QUICK := $(BUILD)/obj/host/app/cli.cpp.o $(BUILD)/obj/host/app/cli_rig.cpp.o $(BUILD)/obj/host/app/cli_dicom.cpp.o $(BUILD)/obj/tools/centreline/fit/main.cpp.o
@@ -226,7 +226,7 @@ $(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/room host
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
 ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS) $(TOOL_TESTS) $(LINE_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
 
-tests-build: $(ALL_TEST_PROGRAMS) $(BUILD)/firmware/seldinger-mps2_an500.elf $(BUILD)/firmware/seldinger-imxrt1062.elf ## build the test programs
+tests-build: $(ALL_TEST_PROGRAMS) $(HIL_RIG) $(BUILD)/firmware/seldinger-mps2_an500.elf $(BUILD)/firmware/seldinger-imxrt1062.elf ## build the test programs
 tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS),$(call test_program,$(t))) $(BUILD)/firmware/seldinger-mps2_an500.elf $(BUILD)/bin/seldinger ## build those without OpenVDB
 
 # --- the USB side against the host's libraries: docs/usb.md --------------------------------------------------------------
@@ -248,13 +248,15 @@ $(BUILD)/obj/hil_tests/l2/%.c.o: CFLAGS += $(patsubst -I%,-isystem %,$(shell pkg
 $(eval $(call hil_rule,mock_bus,$(wildcard hil_tests/l2/*.c),-lumockdev -lgobject-2.0 -lglib-2.0))
 hil-programs: $(HIL_FOLDER)/bridge $(HIL_FOLDER)/mock_bus $(USB_CHECKS) ## build the programs of hil-mock and hil-guest
 
-hil-mock: packages-usb packages-hil ## level L2: libusb and hidapi see the device by umockdev, on a machine without USB
+hil-mock: packages-build packages-run packages-usb packages-hil ## level L2: libusb and hidapi see the device by umockdev, on a machine without USB
 	@$(QUIET_MAKE) $(HIL_LEVELS) hil-programs
+	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
 	@HIL=$(HIL_FOLDER) hil_tests/l2/test_l2.sh
 	@$(HIL_PROGRAM) --level L2 $(HIL_L2)
 
-hil-guest: packages-usb packages-hil ## level L3: the device behind a real Linux: Debian's kernel in QEMU, xHCI, libusb, hidapi
-	@$(QUIET_MAKE) $(HIL_LEVELS) hil-programs $(SCENE)
+hil-guest: packages-build packages-run packages-usb packages-hil ## level L3: the device behind a real Linux: Debian's kernel in QEMU, xHCI, libusb, hidapi
+	@$(QUIET_MAKE) $(HIL_LEVELS) hil-programs
+	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
 	@$(HIL_PROGRAM) --level L3 $(HIL_L3)
 
 # A fuzz target (fuzz_*.c) is one libFuzzer program and one that writes its first inputs: docs/testing.md.
@@ -389,6 +391,7 @@ IMAGE_SOURCES := $(wildcard firmware/core/*.c firmware/app/*.c firmware/app/usb/
 IMAGE_FLAGS   := -isystem firmware/port/libc -ffunction-sections -fdata-sections
 
 $(BUILD)/firmware/obj/firmware/core/%.c.o: IMAGE_OPT := $(CORE_OPT) -fno-schedule-insns -fno-tree-pre
+$(BUILD)/firmware/obj/firmware/app/usb/%.c.o: IMAGE_OPT := -O2 $(USB_ID_FLAGS)
 $(BUILD)/firmware/obj/%.c.o: IMAGE_OPT ?= -O2
 $(BUILD)/firmware/obj/%.c.o: %.c
 	@mkdir -p $(@D)
@@ -418,8 +421,22 @@ hil: packages-build packages-run packages-hil packages-usb packages-matrix ## ev
 	    --also "L4 one_hash_on_five_machines tools/check/matrix.py --short --jobs $(JOBS)" \
 	    --also "L4 the_app_and_its_wire hil_tests/l4/wire_everywhere.sh"
 
-hil-full: ## make hil with FREE_RUN for a minute everywhere, and all faults at L2 and L3
-	@SHORT="--pause 1" LIMIT=600 $(MAKE) --no-print-directory hil HIL_LED=60 HIL_FREE=60000
+hil-full: ## make hil with FREE_RUN for a minute everywhere, cases in full at L2 and L3, 520 faults on the image, and all faults under the sanitizers
+	@SHORT="--pause 1" LIMIT=600 STRICT=1 $(MAKE) --no-print-directory hil HIL_LED=60 HIL_FREE=60000 HIL_SPREAD=520
+	@$(MAKE) --no-print-directory PACKAGES=skip hil-faults
+
+hil-faults: packages-build ## every fault on purpose at L0 under the sanitizers (a few minutes)
+	@$(SAN_MAKE) $(BUILD)/san/bin/hil_campaign
+	@$(BUILD)/san/bin/hil_campaign --tsv out/hil_campaign_san.tsv
+
+hil-loop hil-emulator: packages-build packages-run packages-hil # levels L0 and L1
+	@$(QUIET_MAKE) $(HIL_LEVELS)
+	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
+	@$(HIL_PROGRAM) --level $(if $(filter hil-loop,$@),L0,L1) --scene $(SCENE) --free-run $(HIL_FREE)
+hil-loop: ## level L0: the cases and the aorta session with the device inside the process
+hil-emulator: ## level L1: the same on the image in an emulated Cortex-M7
+hil-machines: packages-build packages-matrix ## level L4: one hash on five machines, and the app with its wire there
+	@tools/check/matrix.py --short --jobs $(JOBS) && hil_tests/l4/wire_everywhere.sh
 
 hil-rig: packages-build packages-run packages-usb ## the cases that need no plant on a rig of metal: make hil-rig SERIAL=...
 	@$(QUIET_MAKE) $(HIL_PROGRAM)
@@ -433,7 +450,7 @@ RT1062_OBJECTS := $(BUILD)/firmware/imxrt1062
 RT1062_SOURCES := $(wildcard firmware/core/*.c firmware/app/*.c firmware/app/usb/*.c firmware/port/usb/*.c shared/wire/*.c shared/scene/*.c \
                   $(RT1062_FOLDER)/*.c) firmware/port/mps2_an500/memory.c
 $(RT1062_OBJECTS)/firmware/core/%.c.o: IMAGE_OPT := $(CORE_OPT) -fno-schedule-insns -fno-tree-pre
-$(RT1062_OBJECTS)/firmware/app/usb/%.c.o: IMAGE_OPT := -O2 -DSELD_USB_VENDOR_ID=0x$(word 1,$(subst :, ,$(USB_ID))) -DSELD_USB_PRODUCT_ID=0x$(word 2,$(subst :, ,$(USB_ID)))
+$(RT1062_OBJECTS)/firmware/app/usb/%.c.o: IMAGE_OPT := -O2 $(USB_ID_FLAGS)
 $(RT1062_OBJECTS)/%.c.o: IMAGE_OPT ?= -O2
 $(RT1062_OBJECTS)/%.c.o: %.c
 	@mkdir -p $(@D)

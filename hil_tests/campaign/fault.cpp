@@ -232,6 +232,8 @@ std::vector<Fault> all_faults()
 {
     Catalogue c;
     add_frames(c, Session::setup, 12);
+    for (std::uint32_t lie : {lie_scene_is_there, lie_scene_is_another, lie_upload_is_there})
+        c.add("device.lies", Session::setup, set_up_frame, lie, true);
     add_frames(c, Session::lockstep, lockstep_ticks);
     add_hosts(c, Session::lockstep, 3, lockstep_ticks);
     add_hosts(c, Session::free_run, 6, free_ticks / 2);

@@ -44,7 +44,10 @@ std::vector<Fault> all_faults();
 // `count` of them, spread over all kinds.
 std::vector<Fault> spread_of(const std::vector<Fault> &faults, std::size_t count);
 
-inline constexpr std::uint32_t lies = 9, second_actions = 7, hostile_types = 14;
+// Lies of any frame, and those of `set_up`, the third that comes in a set-up.
+inline constexpr std::uint32_t lies = 9, lie_scene_is_there = 9, lie_scene_is_another = 10,
+                               lie_upload_is_there = 11, set_up_frame = 3;
+inline constexpr std::uint32_t second_actions = 7, hostile_types = 14;
 inline constexpr std::uint32_t lockstep_ticks = 40, free_ticks = 120;
 
 } // namespace hil

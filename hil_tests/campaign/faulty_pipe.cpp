@@ -1,4 +1,5 @@
 #include "hil_tests/campaign/faulty_pipe.hpp"
+#include "hil_tests/campaign/judge.hpp"
 #include "hil_tests/plant/random.hpp"
 #include "host/link/link.hpp"
 #include "shared/wire/wire_frame.h"
@@ -17,6 +18,25 @@ namespace
     throw seld::LinkError("the device is gone: its cable was cut. Remedy: plug it in, then begin with HELLO");
 }
 
+// A device that speaks of another scene than it has: all of ours, another of this size, or all of our upload.
+void claim_scene(std::uint32_t lie, std::vector<std::uint8_t> &payload)
+{
+    seld_wire_set_up there;
+    if (!seld_wire_decode_set_up(payload.data(), payload.size(), &there)) return;
+    const std::vector<std::uint8_t> &scene = campaign_scene();
+    const auto bytes = static_cast<std::uint32_t>(scene.size());
+    const std::uint32_t crc32 = seld_wire_crc32(0, scene.data(), scene.size());
+    if (lie == lie_upload_is_there) {
+        there.upload_bytes = there.upload_received = bytes;
+        there.upload_crc32 = crc32;
+    } else {
+        there.scene_bytes = bytes;
+        there.scene_crc32 = lie == lie_scene_is_there ? crc32 : ~crc32;
+    }
+    seld_wire_writer writer = seld_wire_writer_make(payload.data(), payload.size());
+    seld_wire_put_set_up(&writer, &there);
+}
+
 // Changes one thing in a message. Numbers that no device sends: far too large, negative, all ones.
 void change(std::uint32_t lie, Random &random, seld_wire_header &header, std::vector<std::uint8_t> &payload)
 {
@@ -27,6 +47,11 @@ void change(std::uint32_t lie, Random &random, seld_wire_header &header, std::ve
             payload[i] = i + 1 == place + 4 ? first : rest;
     };
     switch (lie) {
+    case lie_scene_is_there:
+    case lie_scene_is_another:
+    case lie_upload_is_there:
+        claim_scene(lie, payload);
+        break;
     case 0:
         payload.resize(size / 2);
         break;

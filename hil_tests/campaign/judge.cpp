@@ -24,16 +24,6 @@ seld_wire_instrument short_wire()
     return wire;
 }
 
-const std::vector<std::uint8_t> &scene()
-{
-    static const std::vector<std::uint8_t> bytes = [] {
-        std::vector<std::uint8_t> file(4u << 20);
-        file.resize(hil_tube_scene(file.data(), file.size()));
-        return file;
-    }();
-    return bytes;
-}
-
 // Frames that no host of ours sends, in a good envelope.
 void send_raw(seld::Transport &pipe, std::uint16_t type, std::span<const std::uint8_t> payload)
 {
@@ -69,6 +59,16 @@ void send_hostile(seld::Transport &pipe, std::uint32_t message, Random &random)
 
 } // namespace
 
+const std::vector<std::uint8_t> &campaign_scene()
+{
+    static const std::vector<std::uint8_t> bytes = [] {
+        std::vector<std::uint8_t> file(4u << 20);
+        file.resize(hil_tube_scene(file.data(), file.size()));
+        return file;
+    }();
+    return bytes;
+}
+
 const char *name_of(SafeClass which)
 {
     static constexpr const char *names[safe_classes] = {"no power at stake",      "host silent or cut off",
@@ -84,12 +84,14 @@ int bar_ms(SafeClass which)
     return which == SafeClass::host_silence ? 50 : 5;
 }
 
-PlantSettings campaign_plant()
+// A motor that no longer listens is held by its driver's current limit, as the rig's builder sets it. Otherwise that lies half as high
+// again, so that it is the firmware's own limit which the actuator shows.
+PlantSettings campaign_plant(bool has_stuck_motor)
 {
+    const double above = has_stuck_motor ? 1.0 : 1.5;
     PlantSettings settings;
-    settings.translation.motor_limit =
-        force_limit_N; // the driver's current limit, as the rig's builder sets it
-    settings.rotation.motor_limit = torque_limit_N_m;
+    settings.translation.motor_limit = above * force_limit_N;
+    settings.rotation.motor_limit = above * torque_limit_N_m;
     return settings;
 }
 
@@ -98,7 +100,7 @@ void campaign_set_up(seld::Link &link)
     static const seld_wire_instrument wire = short_wire();
     link.hello();
     if (link.read_status().state != SELD_WIRE_STATE_READY) link.reset();
-    link.load_scene(scene());
+    link.load_scene(campaign_scene());
     link.load_tools({&wire, 1});
     seld_wire_entry entry{};
     entry.direction_x_q30 = 1 << 30;

@@ -50,7 +50,8 @@ class Loop
 {
   public:
     Loop(Level &level, const Fault *fault, const Undisturbed &undisturbed, Outcome &outcome)
-        : fault_(fault), undisturbed_(undisturbed), outcome_(outcome), bench_(level.make(campaign_plant())),
+        : fault_(fault), undisturbed_(undisturbed), outcome_(outcome),
+          bench_(level.make(campaign_plant(fault != nullptr && fault->is("rig.actuator_stuck_on")))),
           pipe_(bench_->pipe()), link_(pipe_)
     {
         campaign_set_up(link_);

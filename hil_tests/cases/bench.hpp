@@ -2,6 +2,7 @@
 //
 //   L0  SimBench        the app as a library in this process            (hil_tests/l0)
 //   L1  EmulatedBench   the image on an emulated Cortex-M7              (hil_tests/l1)
+//   L2, L3  RemoteBench the image beside a program hil_rig, by USB      (remote_bench.hpp)
 //
 // Time is the bench's: advance() makes milliseconds of device and plant in turn. A device that is not asked stands still.
 // May include: hil_tests/plant, host/link/transport.hpp. Called by: cases, levels.

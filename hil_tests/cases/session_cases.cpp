@@ -2,6 +2,7 @@
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include <chrono>
+#include <cmath>
 
 namespace hil
 {
@@ -69,6 +70,57 @@ void a_free_run_closes_the_loop_as_at_level_0(Level &level, const CaseOptions &o
                     places_m[1] * 1e3, peaks_N[1]));
 }
 
+// What the rig has besides tracks: every level comes with the next ticks, in the input that is recorded.
+void pedals_syringe_and_inflator_reach_the_host(Level &level, const CaseOptions &, Report &report)
+{
+    const auto bench = level.make({});
+    seld::Link link(bench->pipe());
+    set_up(link);
+    start_free_run(*bench, link);
+    constexpr std::uint32_t xray = SELD_WIRE_BUTTON_XRAY, cine = SELD_WIRE_BUTTON_CINE;
+    int changes = 0;
+    for (const std::uint32_t pressed : {xray, xray | cine, cine, 0u}) {
+        Plant &plant = bench->plant();
+        plant.buttons = pressed;
+        plant.syringe_counts += 700 + 100 * changes;
+        plant.inflator_raw = 2000 * ++changes;
+        keep_running(link, 16);
+        check(!link.live_ticks().empty(), "no tick within 16 ms");
+        const seld_wire_encoders &input = link.live_ticks().back().input;
+        check(input.buttons == pressed, "pedals %u, not %u", unsigned{input.buttons}, unsigned{pressed});
+        check(input.syringe_counts == plant.syringe_counts, "syringe %d, not %d", int{input.syringe_counts},
+              int{plant.syringe_counts});
+        check(input.inflator_raw == plant.inflator_raw, "inflator %d, not %d", int{input.inflator_raw},
+              int{plant.inflator_raw});
+    }
+    report.add(text("%d levels of two pedals, syringe and inflator", changes));
+}
+
+// A tool that slides over its roller: the encoder sees the roller, the session goes on, and the hand gets no more than the grip.
+void a_roller_that_slips_is_no_fault(Level &level, const CaseOptions &, Report &report)
+{
+    PlantSettings settings;
+    settings.translation.grip_limit = 0.3;
+    settings.rotation_encoder.jitter_counts = settings.translation_encoder.jitter_counts = 0.7;
+    const auto bench = level.make(settings);
+    seld::Link link(bench->pipe());
+    set_up(link);
+    start_free_run(*bench, link);
+    push_by_spring_hand(bench->plant());
+    double most_N = 0.0;
+    for (std::uint32_t ms = 0; ms < 600; ms += 8) {
+        keep_running(link, 8);
+        most_N = std::max(most_N, std::abs(bench->plant().track(0).translation.force_on_hand()));
+    }
+    const Axis &axis = bench->plant().track(0).translation;
+    const double slipped_m = axis.tool() - axis.roller();
+    check(slipped_m > 1e-3, "the tool slipped by %.3f mm only", slipped_m * 1e3);
+    check(link.read_status().state == SELD_WIRE_STATE_RUNNING, "the session ended: %s",
+          seld_wire_fault_name(link.read_status().fault_code));
+    check(most_N < 0.6, "the hand got %.3f N over a grip of 0.3 N", most_N);
+    report.add(text("slipped by %.1f mm, %.2f N at most", slipped_m * 1e3, most_N));
+}
+
 // Question and answer, one after the other, for a second of ours: every one is answered, and none is lost on the way.
 void every_question_is_answered(Level &level, const CaseOptions &, Report &report)
 {
@@ -99,6 +151,8 @@ constexpr Case cases[] = {
     {"every_question_is_answered", every_question_is_answered, false},
     {"a_pause_in_lockstep_changes_nothing", a_pause_in_lockstep_changes_nothing},
     {"a_free_run_closes_the_loop_as_at_level_0", a_free_run_closes_the_loop_as_at_level_0},
+    {"pedals_syringe_and_inflator_reach_the_host", pedals_syringe_and_inflator_reach_the_host},
+    {"a_roller_that_slips_is_no_fault", a_roller_that_slips_is_no_fault},
 };
 
 } // namespace

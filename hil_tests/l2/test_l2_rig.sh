@@ -38,5 +38,18 @@ expect rig_monitor_by_hidraw 'reports in' rig monitor --seconds 1 --hid hidraw
 expect rig_monitor_by_libusb 'reports in' rig monitor --seconds 1 --hid libusb
 expect a_session_has_the_hash_of_the_sim "final hash *${hash:-none}" run --quiet --device usb --instrument $wire \
     --session "$folder/a.session"
+
+# The image on an emulated Cortex-M7, with the rig around it, in the place of the app in a process.
+plain="${build%/san}"
+count=$((count + 1))
+if "$plain/bin/hil_rig" --live -- env ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$build/hil/mock_bus" --mailbox '{mailbox}' -- \
+    "$build/bin/seldinger" run --quiet --device usb --instrument $wire --session "$folder/a.session" >"$folder/output" 2>&1 &&
+    grep -q -e "final hash *${hash:-none}" "$folder/output"; then
+    echo "ok $count - a_session_on_the_image_has_the_hash_of_the_sim"
+else
+    status=1
+    echo "not ok $count - a_session_on_the_image_has_the_hash_of_the_sim"
+    sed 's/^/# /' "$folder/output"
+fi
 echo "1..$count"
 exit $status

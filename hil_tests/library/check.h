@@ -6,7 +6,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { CHECK_VENDOR_ID = 0x1209, CHECK_PRODUCT_ID = 0x0001 };
+#ifndef SELD_USB_VENDOR_ID /* make USB_ID=... */
+#define SELD_USB_VENDOR_ID 0x1209
+#define SELD_USB_PRODUCT_ID 0x0001
+#endif
+enum { CHECK_VENDOR_ID = SELD_USB_VENDOR_ID, CHECK_PRODUCT_ID = SELD_USB_PRODUCT_ID };
 
 /* Prints "ok N - name" or "not ok N - name"; returns `good`. */
 bool check(bool good, const char *name);

@@ -40,7 +40,7 @@ def fetch(folder):
     if os.path.isfile(os.path.join(source, CHIP + ".rs")):
         return source
     if shutil.which("cargo") is None:
-        raise CannotRead("cargo is missing: `apt-get install cargo`, or `make test`, which does that")
+        raise CannotRead("cargo is missing: `apt-get install cargo`, or `make registers`, which does that")
     os.makedirs(folder, exist_ok=True)
     for name, text in (("Cargo.toml", MANIFEST), ("lib.rs", "")):
         with open(os.path.join(folder, name), "w", encoding="ascii") as file:
