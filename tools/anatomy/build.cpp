@@ -84,11 +84,17 @@ void add_bone(std::vector<Body> &bodies, const BoneGroup &group, const Solid &be
 
 MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness)
 {
+    constexpr double CORONARY_VOXEL_MM = 0.45; // for the smallest radius, 0.6 mm
     const Solid lumen = tree_solid(tree, 0.0);
-    return {grown(lumen.bounds, 2.0), local(lumen), fineness.lumen_voxel_mm, 0.03};
+    const double voxel_mm = tree.coronary_count > 0 ? std::min(fineness.lumen_voxel_mm, CORONARY_VOXEL_MM)
+                                                    : fineness.lumen_voxel_mm;
+    return {grown(lumen.bounds, 2.0), local(lumen), voxel_mm, 0.03};
 }
 
-std::vector<Body> patient_bodies(const Fineness &fineness)
+namespace
+{
+
+std::vector<Body> bodies_with(const HeartVessels &heart_vessels, const Fineness &fineness)
 {
     const double scale = fineness.body_scale;
     const BoneGroup groups[] = {{"spine", spine_bones(), 1.6, BONE_ERROR_MM, GRAIN_MM},
@@ -104,9 +110,21 @@ std::vector<Body> patient_bodies(const Fineness &fineness)
     }
     std::vector<Body> bodies = layer_bodies(bones, scale);
     bodies.insert(bodies.end(), skeleton.begin(), skeleton.end());
-    for (const Body &body : chest_bodies(bones, scale)) bodies.push_back(body);
+    for (const Body &body : chest_bodies(bones, heart_vessels, scale)) bodies.push_back(body);
     for (const Body &body : belly_bodies(bones, scale)) bodies.push_back(body);
     return bodies;
+}
+
+} // namespace
+
+std::vector<Body> patient_bodies(const Fineness &fineness)
+{
+    return bodies_with({}, fineness);
+}
+
+std::vector<Body> heart_patient_bodies(const Fineness &fineness)
+{
+    return bodies_with(heart_vessels(), fineness);
 }
 
 /* A wall of silicone around the vessels in a tank of water, filled with a fluid like blood. */

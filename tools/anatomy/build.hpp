@@ -22,6 +22,7 @@ struct Fineness {
 
 MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness);
 std::vector<Body> patient_bodies(const Fineness &fineness);
+std::vector<Body> heart_patient_bodies(const Fineness &fineness); // with the vessels of the heart
 std::vector<Body> phantom_bodies(const Fineness &fineness);
 
 } // namespace anatomy

@@ -1,6 +1,9 @@
 /* anatomy: makes the anatomy that ships with Seldinger. See docs/anatomy.md. */
+#include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/output.hpp"
+#include "tools/mesh/sequence.hpp"
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -14,11 +17,11 @@ using namespace anatomy;
 struct Options {
     std::filesystem::path folder;
     Fineness fineness;
-    bool bodies = true, quiet = false;
+    bool bodies = true, quiet = false, heart_only = false;
 };
 
 /* Meshes one thing, says so on standard error, and writes it. */
-size_t make_mesh(const Options &options, const std::string &name, const MeshRequest &request)
+Mesh make_mesh(const Options &options, const std::string &name, const MeshRequest &request)
 {
     const auto start = std::chrono::steady_clock::now();
     Mesh mesh;
@@ -33,27 +36,115 @@ size_t make_mesh(const Options &options, const std::string &name, const MeshRequ
     if (!options.quiet)
         std::fprintf(stderr, "  %-20s %7zu triangles  %8.1f cm3  %5.1f s\n", name.c_str(),
                      mesh.triangles.size(), mesh_volume_mm3(mesh) * 1e-3, passed.count());
-    return mesh.triangles.size();
+    return mesh;
 }
 
-int make(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies)
+void make_folder(const Options &options)
 {
     std::error_code failure;
     std::filesystem::create_directories(options.folder, failure);
     if (failure)
         throw std::runtime_error(options.folder.string() +
                                  ": the folder cannot be made: " + failure.message());
-    const size_t lumen = make_mesh(options, "lumen", lumen_request(tree, options.fineness));
+}
+
+/* `keep` sees the mesh of the lumen and of every body. */
+void make_scene(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies,
+                const std::function<void(const std::string &, const Mesh &)> &keep)
+{
+    make_folder(options);
+    const Mesh blood = make_mesh(options, "lumen", lumen_request(tree, options.fineness));
+    const size_t lumen = blood.triangles.size();
+    keep("lumen", blood);
     for (const Vessel &vessel : tree.vessels)
         write_centreline(options.folder / (file_stem(vessel.name) + ".mrk.json"), vessel);
     size_t total = 0;
-    const std::vector<Body> made = options.bodies ? bodies : std::vector<Body>{};
-    for (const Body &body : made) total += make_mesh(options, body.name, body.request);
-    write_scene(options.folder / "scene.toml", tree, made);
+    for (const Body &body : bodies) {
+        const Mesh mesh = make_mesh(options, body.name, body.request);
+        total += mesh.triangles.size();
+        keep(body.name, mesh);
+    }
+    write_scene(options.folder / "scene.toml", tree, bodies);
     std::printf("%s: lumen %zu triangles, %zu bodies with %zu triangles, %zu centrelines\n",
-                (options.folder / "scene.toml").string().c_str(), lumen, made.size(), total,
+                (options.folder / "scene.toml").string().c_str(), lumen, bodies.size(), total,
                 tree.vessels.size());
+}
+
+int make(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies)
+{
+    make_scene(options, tree, options.bodies ? bodies : std::vector<Body>{},
+               [](const std::string &, const Mesh &) {});
     return 0;
+}
+
+void print_figures(const HeartFigures &f)
+{
+    const auto ml = [&](const std::vector<double> &volumes) {
+        const auto [least, most] = std::minmax_element(volumes.begin(), volumes.end());
+        return std::pair(*most, *least);
+    };
+    const auto [left_most, left_least] = ml(f.left_ml);
+    const auto [right_most, right_least] = ml(f.right_ml);
+    std::printf("left ventricle   %5.1f ml to %5.1f ml in frame %d: ejection fraction %.1f %%\n", left_most,
+                left_least, f.systole_frame, 100.0 * f.left_ejection);
+    std::printf("right ventricle  %5.1f ml to %5.1f ml: ejection fraction %.1f %%\n", right_most, right_least,
+                100.0 * f.right_ejection);
+    std::printf("base             descends %.1f mm, turns %+.1f deg as seen from the apex\n",
+                f.base_descent_mm, f.base_turn_deg);
+    std::printf("apex             turns %+.1f deg: twist %.1f deg\n", f.apex_turn_deg, f.twist_deg);
+    std::printf("inner wall       %.0f %% of its motion is towards one centre, which wanders %.0f mm\n",
+                100.0 * f.radial_share, f.centre_path_mm);
+    std::printf("map              shrinks a volume to %.2f at most: nothing folds over\n",
+                f.least_volume_factor);
+    for (const VesselFigures &vessel : f.vessels)
+        std::printf(
+            "%-16s %5.1f mm long, moves %4.1f mm, rests %3.0f ms after systole and %3.0f ms in diastole\n",
+            vessel.name.c_str(), vessel.length_mm, vessel.excursion_mm, vessel.systole_rest_ms,
+            vessel.diastole_rest_ms);
+}
+
+/* The scene at the end of diastole, and what moves in it in 24 frames. */
+int make_heart(const Options &options)
+{
+    const VesselTree tree = heart_tree();
+    std::vector<Body> bodies = heart_patient_bodies(options.fineness);
+    if (options.heart_only) std::erase_if(bodies, [](const Body &body) { return !is_of_heart(body.name); });
+    const HeartBeat beat;
+    HeartSequence sequence;
+    for (const Vessel &vessel : coronary_arteries()) sequence.vessels.push_back(moving_vessel(vessel, beat));
+    const auto keep = [&](const std::string &name, const Mesh &mesh) {
+        if (moves_with_heart(name)) sequence.bodies.push_back(moving_body(name, mesh, beat));
+        if (name == "lumen") write_lumen_frames(options.folder / "lumen_beat", mesh, beat);
+    };
+    if (options.heart_only) {
+        make_folder(options);
+        for (const Body &body : bodies) keep(body.name, make_mesh(options, body.name, body.request));
+    } else {
+        make_scene(options, tree, bodies, keep);
+    }
+    write_sequence(options.folder / "beat", sequence);
+    HeartFigures figures = heart_figures(sequence);
+    figures.least_volume_factor = beat.least_volume_factor();
+    write_text(options.folder / "heart.json", figures_json(figures));
+    print_figures(figures);
+    std::printf("%s: %zu bodies and %zu centrelines in %d frames\n",
+                (options.folder / "beat").string().c_str(), sequence.bodies.size(), sequence.vessels.size(),
+                BEAT_FRAMES);
+    return 0;
+}
+
+int check(const std::filesystem::path &folder)
+{
+    bool is_good = true;
+    for (const seld::mesh::SequenceReport &report :
+         seld::mesh::check_sequence(seld::mesh::read_sequence(folder))) {
+        std::printf("%-20s %7zu vertices %7zu triangles  step %6.2f, to the first frame %6.2f%s%s\n",
+                    report.body.c_str(), report.vertices, report.triangles, report.step_max, report.wrap_max,
+                    report.fault.empty() ? "" : ": ", report.fault.c_str());
+        is_good = is_good && report.fault.empty();
+    }
+    std::printf("%s: %s\n", folder.string().c_str(), is_good ? "good" : "not usable as a beat");
+    return is_good ? 0 : 1;
 }
 
 /* One line per stated diameter: where it holds and where it comes from. Tab separated, so that scripts can read it. */
@@ -106,6 +197,8 @@ int main(int argc, char **argv)
     app.footer("Examples:\n"
                "  anatomy aorta -o out/aorta && bake out/aorta/scene.toml -o out/aorta.seld\n"
                "  anatomy phantom -o out/phantom\n"
+               "  anatomy heart -o out/heart         a beating heart: 24 frames in out/heart/beat\n"
+               "  anatomy check out/heart/beat       a folder of 24 OBJ files, from here or elsewhere\n"
                "  anatomy list            every stated diameter, its place and its source\n"
                "  anatomy list phantom");
     app.require_subcommand(1);
@@ -113,12 +206,21 @@ int main(int argc, char **argv)
     auto *aorta = app.add_subcommand(
         "aorta", "a man's arteries from the groins to the arch, with bones, lungs and skin");
     auto *phantom = app.add_subcommand("phantom", "aorto-iliac and renal silicone phantom for benchmarks");
+    auto *heart = app.add_subcommand(
+        "heart", "the same man with coronary arteries and a heart that beats, in 24 frames of one topology");
+    auto *checked = app.add_subcommand(
+        "check", "whether a folder of 24 OBJ files is a beat: topology, inverted faces, jump at the wrap");
     auto *table = app.add_subcommand("list", "stated diameters with position and source, tab separated");
     add_making_options(*aorta, options);
     add_making_options(*phantom, options);
+    add_making_options(*heart, options);
+    heart->add_flag("--heart-only", options.heart_only,
+                    "only the heart and its vessels, without scene and lumen");
+    std::filesystem::path folder;
+    checked->add_option("FOLDER", folder, "the folder of OBJ files")->required();
     std::string which = "aorta";
-    table->add_option("anatomy", which, "aorta or phantom")
-        ->check(CLI::IsMember({"aorta", "phantom"}))
+    table->add_option("anatomy", which, "aorta, heart or phantom")
+        ->check(CLI::IsMember({"aorta", "heart", "phantom"}))
         ->capture_default_str();
     try {
         app.parse(argc, argv);
@@ -126,8 +228,11 @@ int main(int argc, char **argv)
         return app.exit(error) == 0 ? 0 : 2;
     }
     try {
-        if (*table) return list(which == "aorta" ? aorta_tree() : phantom_tree());
+        if (*table)
+            return list(which == "aorta" ? aorta_tree() : which == "heart" ? heart_tree() : phantom_tree());
+        if (*checked) return check(folder);
         openvdb::initialize();
+        if (*heart) return make_heart(options);
         if (*aorta)
             return make(options, aorta_tree(),
                         options.bodies ? patient_bodies(options.fineness) : std::vector<Body>{});

@@ -64,11 +64,35 @@ std::string tree_text(const VesselTree &tree)
             flows +=
                 (flows.empty() ? "" : ", ") + file_stem(vessel.name) + " = " + number(vessel.flow_ml_min);
     }
+    std::string left, right;
+    for (size_t i = tree.vessels.size() - tree.coronary_count; i < tree.vessels.size(); i++) {
+        std::string &names = is_right_coronary(tree.vessels[i].name) ? right : left;
+        names += (names.empty() ? "\"" : ", \"") + file_stem(tree.vessels[i].name) + "\"";
+    }
     std::string text = "\n# Where blood and contrast medium flow.\n[tree]\ncentrelines = [" + files + "]\n";
     text += "axes = [\"+x\", \"+z\", \"-y\"] # the files are LPS\n";
     text += "inlet = \"" + file_stem(tree.vessels.front().name) + "\"\n";
     if (!flows.empty()) text += "flow_ml_min = { " + flows + " }\n";
+    if (tree.coronary_count > 0) text += "left_coronary = [" + left + "]\nright_coronary = [" + right + "]\n";
     return text;
+}
+
+nlohmann::ordered_json markup_of(const NamedCurve &named)
+{
+    nlohmann::ordered_json points = nlohmann::ordered_json::array(), radii = nlohmann::ordered_json::array();
+    for (size_t i = 0; i < named.curve.size(); i++) {
+        points.push_back(control_point(named.curve[i], named.name, i));
+        radii.push_back(std::round(named.curve[i].radius_mm * 1e4) / 1e4);
+    }
+    const nlohmann::ordered_json radius = {
+        {"name", "Radius"}, {"enabled", true}, {"units", "mm"}, {"controlPointValues", radii}};
+    return {{"type", "Curve"},
+            {"coordinateSystem", "LPS"},
+            {"coordinateUnits", "mm"},
+            {"locked", false},
+            {"labelFormat", "%N-%d"},
+            {"controlPoints", points},
+            {"measurements", nlohmann::ordered_json::array({radius})}};
 }
 
 } // namespace
@@ -99,27 +123,24 @@ void write_ply(const std::filesystem::path &file, const Mesh &mesh, const std::s
 void write_centreline(const std::filesystem::path &file, const Vessel &vessel)
 {
     constexpr double STEP_MM = 4.0;
-    const Curve curve = vessel_curve(vessel, STEP_MM);
-    nlohmann::ordered_json points = nlohmann::ordered_json::array(), radii = nlohmann::ordered_json::array();
-    for (size_t i = 0; i < curve.size(); i++) {
-        points.push_back(control_point(curve[i], vessel.name, i));
-        radii.push_back(std::round(curve[i].radius_mm * 1e4) / 1e4);
-    }
-    const nlohmann::ordered_json radius = {
-        {"name", "Radius"}, {"enabled", true}, {"units", "mm"}, {"controlPointValues", radii}};
-    const nlohmann::ordered_json markup = {{"type", "Curve"},
-                                           {"coordinateSystem", "LPS"},
-                                           {"coordinateUnits", "mm"},
-                                           {"locked", false},
-                                           {"labelFormat", "%N-%d"},
-                                           {"controlPoints", points},
-                                           {"measurements", nlohmann::ordered_json::array({radius})}};
+    write_centrelines(file, {{vessel.name, vessel_curve(vessel, STEP_MM)}});
+}
+
+void write_centrelines(const std::filesystem::path &file, const std::vector<NamedCurve> &curves)
+{
+    nlohmann::ordered_json markups = nlohmann::ordered_json::array();
+    for (const NamedCurve &curve : curves) markups.push_back(markup_of(curve));
     const nlohmann::ordered_json document = {
         {"@schema",
          "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/"
          "Schema/markups-schema-v1.0.3.json#"},
-        {"markups", nlohmann::ordered_json::array({markup})}};
+        {"markups", markups}};
     write_file(file, document.dump(1) + "\n");
+}
+
+void write_text(const std::filesystem::path &file, const std::string &text)
+{
+    write_file(file, text);
 }
 
 void write_scene(const std::filesystem::path &file, const VesselTree &tree, const std::vector<Body> &bodies)
@@ -128,7 +149,9 @@ void write_scene(const std::filesystem::path &file, const VesselTree &tree, cons
         "# Written by `anatomy " + tree.name + "`. Patient frame: +x patient left, +y head, +z front.\n";
     text += "[scene]\nname = \"" + tree.title + "\"\n";
     text += "source = \"Seldinger's own model from stated dimensions; see docs/anatomy.md\"\n\n";
-    text += "[lumen]\nmesh = \"lumen.ply\"\nunit = \"mm\"\n\n";
+    text += "[lumen]\nmesh = \"lumen.ply\"\nunit = \"mm\"\n";
+    if (tree.coronary_count > 0) text += "level_max = 2 # small arteries\ntolerance_mm = 0.05\n";
+    text += "\n";
     text += "# Mouth of the inserter sheath and the direction in which a wire leaves it.\n";
     text += "[entry]\nposition_mm = " + triple(tree.entry_position_mm) +
             "\ndirection = " + triple(tree.entry_direction) + "\n";

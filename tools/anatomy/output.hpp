@@ -15,6 +15,16 @@ void write_ply(const std::filesystem::path &file, const Mesh &mesh, const std::s
 /* One open curve with a "Radius" measurement per control point, in LPS as the file declares (L = +x, P = -z, S = +y). */
 void write_centreline(const std::filesystem::path &file, const Vessel &vessel);
 
+struct NamedCurve {
+    std::string name;
+    Curve curve;
+};
+
+/* The same for several curves in one file. */
+void write_centrelines(const std::filesystem::path &file, const std::vector<NamedCurve> &curves);
+
+void write_text(const std::filesystem::path &file, const std::string &text);
+
 void write_scene(const std::filesystem::path &file, const VesselTree &tree, const std::vector<Body> &bodies);
 
 /* File name of a vessel or body: lower case, words joined by underscores. */

@@ -159,6 +159,7 @@ class Solid
     double distance(const Vec3 &point) const;
     double marrow_distance(const Vec3 &point) const;
     Solid near(const Box &box, double reach_mm) const;
+    bool is_empty() const { return parts_.empty(); }
     Box bounds;
 
   private:

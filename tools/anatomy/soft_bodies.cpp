@@ -75,16 +75,18 @@ namespace
 {
 
 /* One lung: its cavity less everything else in the chest. */
-LocalDistance lung_distance(double sign, const Solid &bones)
+LocalDistance lung_distance(double sign, const Solid &bones, const Solid &vessels)
 {
     const Solid middle = mediastinum(), air = airway(), aorta_wall = tree_solid(aorta_tree(), 2.0);
     const Distance cavity = lung_cavity(sign);
     return [=](const Box &box, double reach_mm) -> Distance {
-        constexpr double PLEURA_MM = 2.0;
+        constexpr double PLEURA_MM = 2.0, ADVENTITIA_MM = 1.0;
         const double reach = reach_mm + PLEURA_MM + 1.0;
         return [=, heart = middle.near(box, reach), trachea = air.near(box, reach),
-                aorta = aorta_wall.near(box, reach), bone = bones.near(box, reach)](const Vec3 &p) {
+                aorta = aorta_wall.near(box, reach), bone = bones.near(box, reach),
+                coronary = vessels.near(box, reach)](const Vec3 &p) {
             double taken = std::min(trachea.distance(p), aorta.distance(p));
+            taken = std::min(taken, coronary.distance(p) - ADVENTITIA_MM + PLEURA_MM);
             taken = std::min(heart.distance(p), std::min(taken, bone.distance(p)) - PLEURA_MM);
             return smooth_max(cavity(p), -taken, 1.5);
         };
@@ -92,11 +94,11 @@ LocalDistance lung_distance(double sign, const Solid &bones)
 }
 
 /* Lungs with their vessels; they give way to bones, aorta, airway and mediastinum. */
-void add_lungs(std::vector<Body> &bodies, const Solid &bones, double scale)
+void add_lungs(std::vector<Body> &bodies, const Solid &bones, const Solid &coronaries, double scale)
 {
     for (double s : {-1.0, 1.0}) {
         const std::string name = s < 0 ? "lung_right" : "lung_left";
-        const LocalDistance lung = lung_distance(s, bones);
+        const LocalDistance lung = lung_distance(s, bones, coronaries);
         const Solid tree = lung_vessels(s, lung(lung_bounds(s), 20.0));
         const LocalDistance vessels = [=](const Box &box, double reach_mm) -> Distance {
             constexpr double INSIDE_MM = 1.3;
@@ -112,22 +114,34 @@ void add_lungs(std::vector<Body> &bodies, const Solid &bones, double scale)
     }
 }
 
-/* The shape where it keeps clear of the bones. */
-LocalDistance clear_of_bones(const Solid &solid, const Solid &bones)
+/* The shape where it keeps that far from another. */
+LocalDistance clear_of(const LocalDistance &shape, const Solid &other, double clear_mm)
 {
     return [=](const Box &box, double reach_mm) -> Distance {
-        constexpr double CLEAR_MM = 2.0;
-        return [own = solid.near(box, reach_mm), bone = bones.near(box, reach_mm + CLEAR_MM)](const Vec3 &p) {
-            return smooth_max(own.distance(p), CLEAR_MM - bone.distance(p), 1.0);
-        };
+        return [=, own = shape(box, reach_mm + 1.0), near = other.near(box, reach_mm + clear_mm)](
+                   const Vec3 &p) { return smooth_max(own(p), clear_mm - near.distance(p), 1.0); };
     };
 }
 
-/* Muscle in the heart's outline, and the blood of its four chambers in it. */
-void add_heart(std::vector<Body> &bodies, const Solid &bones, double scale)
+LocalDistance local(const Solid &solid)
 {
+    return [=](const Box &box, double reach_mm) -> Distance {
+        return [near = solid.near(box, reach_mm)](const Vec3 &p) { return near.distance(p); };
+    };
+}
+
+LocalDistance clear_of_bones(const Solid &solid, const Solid &bones)
+{
+    constexpr double CLEAR_MM = 2.0;
+    return clear_of(local(solid), bones, CLEAR_MM);
+}
+
+/* Muscle in the heart's outline, and the blood of its four chambers in it. */
+void add_heart(std::vector<Body> &bodies, const Solid &bones, const Solid &vessels, double scale)
+{
+    constexpr double VESSEL_WALL_MM = 0.6;
     const Solid outline = heart_outline();
-    const LocalDistance muscle = clear_of_bones(outline, bones);
+    const LocalDistance muscle = clear_of(clear_of_bones(outline, bones), vessels, VESSEL_WALL_MM);
     bodies.push_back(
         {"heart", "muscle", "flesh", {grown(outline.bounds, 3.0), muscle, 2.4 * scale, SOFT_ERROR_MM}});
     for (const Chamber &chamber : heart_chambers()) {
@@ -144,11 +158,57 @@ void add_heart(std::vector<Body> &bodies, const Solid &bones, double scale)
 
 } // namespace
 
-std::vector<Body> chest_bodies(const Solid &bones, double scale)
+Solid HeartVessels::all() const
+{
+    Solid solid = root;
+    solid.add(left);
+    solid.add(right);
+    return solid;
+}
+
+HeartVessels heart_vessels()
+{
+    constexpr double ROOT_LENGTH_MM = 52.0, FILLET_MM = 1.0;
+    const std::vector<Vessel> arteries = coronary_arteries();
+    std::vector<Vessel> left, right;
+    for (const Vessel &artery : arteries) (is_right_coronary(artery.name) ? right : left).push_back(artery);
+    Curve root = vessel_curve(aorta_tree().vessels[0], 1.0);
+    std::erase_if(root, [](const CurvePoint &point) { return point.arc_mm > ROOT_LENGTH_MM; });
+    Part part(0.0);
+    part.add<Tube>(root);
+    HeartVessels vessels{{}, vessels_solid(left, 0.0, FILLET_MM), vessels_solid(right, 0.0, FILLET_MM)};
+    vessels.root.add(part);
+    return vessels;
+}
+
+namespace
+{
+
+void add_heart_vessels(std::vector<Body> &bodies, const HeartVessels &vessels, double scale)
+{
+    constexpr double APART_MM = 0.5, CORONARY_ERROR_MM = 0.05;
+    bodies.push_back({"aortic_root",
+                      "blood",
+                      "flesh",
+                      {grown(vessels.root.bounds, 2.0), local(vessels.root), 1.5 * scale, 0.1}});
+    for (const auto &[name, solid] :
+         {std::pair{"coronaries_left", vessels.left}, {"coronaries_right", vessels.right}})
+        bodies.push_back({name,
+                          "blood",
+                          "flesh",
+                          {grown(solid.bounds, 2.0), clear_of(local(solid), vessels.root, APART_MM),
+                           tight_mm(0.5, scale), CORONARY_ERROR_MM}});
+}
+
+} // namespace
+
+std::vector<Body> chest_bodies(const Solid &bones, const HeartVessels &vessels, double scale)
 {
     std::vector<Body> bodies;
-    add_lungs(bodies, bones, scale);
-    add_heart(bodies, bones, scale);
+    const Solid taken = vessels.all();
+    add_lungs(bodies, bones, taken, scale);
+    add_heart(bodies, bones, taken, scale);
+    if (!taken.is_empty()) add_heart_vessels(bodies, vessels, scale);
     const Solid air = airway();
     bodies.push_back({"airway",
                       "air",

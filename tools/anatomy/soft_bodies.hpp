@@ -23,8 +23,15 @@ inline Box grown(Box box, double margin_mm)
 }
 
 std::vector<Body> layer_bodies(const Solid &bones, double scale); // skin, fat under it, flesh
-std::vector<Body> chest_bodies(const Solid &bones,
-                               double scale); // lungs with vessels, heart with chambers, airway
+/* Root of the aorta and the coronary arteries, where there are any: heart and lungs make room for them. */
+struct HeartVessels {
+    Solid root, left, right;
+    Solid all() const;
+};
+HeartVessels heart_vessels();
+
+/* Lungs with vessels, heart with chambers, airway; and the heart's vessels. */
+std::vector<Body> chest_bodies(const Solid &bones, const HeartVessels &vessels, double scale);
 std::vector<Body> belly_bodies(const Solid &bones, double scale); // fat, organs, bowel with gas
 
 } // namespace anatomy

@@ -16,8 +16,18 @@ Curve vessel_curve(const Vessel &vessel, double step_mm)
 
 Solid tree_solid(const VesselTree &tree, double wall_mm)
 {
-    Part part(tree.fillet_mm);
-    for (const Vessel &vessel : tree.vessels) {
+    constexpr double CORONARY_FILLET_MM = 1.0;
+    const auto coronaries = tree.vessels.end() - static_cast<std::ptrdiff_t>(tree.coronary_count);
+    Solid solid = vessels_solid({tree.vessels.begin(), coronaries}, wall_mm, tree.fillet_mm);
+    if (tree.coronary_count > 0)
+        solid.add(vessels_solid({coronaries, tree.vessels.end()}, wall_mm, CORONARY_FILLET_MM));
+    return solid;
+}
+
+Solid vessels_solid(const std::vector<Vessel> &vessels, double wall_mm, double fillet_mm)
+{
+    Part part(fillet_mm);
+    for (const Vessel &vessel : vessels) {
         Curve curve = vessel_curve(vessel, 1.0);
         for (CurvePoint &point : curve) point.radius_mm += wall_mm;
         part.add<Tube>(curve);

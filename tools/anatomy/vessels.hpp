@@ -27,14 +27,21 @@ struct VesselTree {
     std::vector<Vessel> vessels;
     double fillet_mm; // width over which vessels are blended at their junctions
     Vec3 entry_position_mm, entry_direction;
+    size_t coronary_count = 0; // the last so many vessels: joined more tightly than the others
 };
 
 VesselTree aorta_tree();
+VesselTree heart_tree(); // the same with the coronary arteries
+std::vector<Vessel> coronary_arteries();
+bool is_right_coronary(const std::string &name); // of coronary_arteries()
 VesselTree phantom_tree();
 
 Curve vessel_curve(const Vessel &vessel, double step_mm);
 
 /* Blood space of the whole tree, enlarged by wall_mm. */
 Solid tree_solid(const VesselTree &tree, double wall_mm);
+
+/* Blood space of vessels that are blended over `fillet_mm` where they meet. */
+Solid vessels_solid(const std::vector<Vessel> &vessels, double wall_mm, double fillet_mm);
 
 } // namespace anatomy

@@ -50,7 +50,7 @@ report "every stated diameter has a source or is called assumed" $?
 
 refuses "a missing subcommand is a usage error" 2 "subcommand is required"
 refuses "a missing folder is a usage error" 2 "output" aorta
-refuses "an unknown anatomy is a usage error" 2 "heart" list heart
+refuses "an unknown anatomy is a usage error" 2 "liver" list liver
 refuses "a grid spacing out of range is a usage error" 2 "lumen-mm" phantom -o "$work/x" --lumen-mm 9
 refuses "a number that is none is a usage error" 2 "body-scale" phantom -o "$work/x" --body-scale fine
 : >"$work/file"

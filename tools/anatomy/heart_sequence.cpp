@@ -1,0 +1,111 @@
+#include "tools/anatomy/heart_sequence.hpp"
+#include "tools/anatomy/output.hpp"
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace anatomy
+{
+
+namespace
+{
+
+std::string numbered(const char *stem, int frame, const char *ending)
+{
+    char name[64];
+    std::snprintf(name, sizeof name, "%s_%02d%s", stem, frame, ending);
+    return name;
+}
+
+void append_line(std::string &text, const char *format, auto... values)
+{
+    char line[128];
+    const int length = std::snprintf(line, sizeof line, format, values...);
+    text.append(line, std::min(static_cast<size_t>(length), sizeof line - 1));
+}
+
+std::string frame_text(const HeartSequence &sequence, int frame)
+{
+    std::string text;
+    append_line(text, "# Seldinger heart: frame %d of %d of a beat from the end of diastole, millimetres\n",
+                frame, BEAT_FRAMES);
+    uint32_t first = 1;
+    for (const MovingBody &body : sequence.bodies) {
+        const std::vector<Vec3> &vertices = body.frames_mm[static_cast<size_t>(frame)];
+        text += "o " + body.name + "\n";
+        for (const Vec3 &v : vertices) append_line(text, "v %.3f %.3f %.3f\n", v.x(), v.y(), v.z());
+        for (const auto &t : body.triangles)
+            append_line(text, "f %u %u %u\n", first + t[0], first + t[1], first + t[2]);
+        first += static_cast<uint32_t>(vertices.size());
+    }
+    return text;
+}
+
+} // namespace
+
+bool is_of_heart(const std::string &body)
+{
+    for (const char *name : {"heart", "left_ventricle", "right_ventricle", "left_atrium", "right_atrium",
+                             "aortic_root", "coronaries_left", "coronaries_right"})
+        if (body == name) return true;
+    return false;
+}
+
+bool moves_with_heart(const std::string &body)
+{
+    return is_of_heart(body) || body.rfind("lung_", 0) == 0; // whose border is the heart's in the picture
+}
+
+MovingBody moving_body(const std::string &name, const Mesh &rest, const HeartBeat &beat)
+{
+    MovingBody moving{name, rest.triangles, std::vector<std::vector<Vec3>>(BEAT_FRAMES)};
+    for (const Vec3 &v : rest.vertices_mm) {
+        const std::vector<Vec3> places = beat.frames(v);
+        for (size_t frame = 0; frame < BEAT_FRAMES; frame++) moving.frames_mm[frame].push_back(places[frame]);
+    }
+    return moving;
+}
+
+MovingVessel moving_vessel(const Vessel &vessel, const HeartBeat &beat)
+{
+    constexpr double STEP_MM = 2.0;
+    const Curve rest = vessel_curve(vessel, STEP_MM);
+    MovingVessel moving{vessel.name, std::vector<Curve>(BEAT_FRAMES, rest)};
+    for (size_t i = 0; i < rest.size(); i++) {
+        const std::vector<Vec3> places = beat.frames(rest[i].position_mm);
+        for (size_t frame = 0; frame < BEAT_FRAMES; frame++) {
+            Curve &curve = moving.frames[frame];
+            curve[i].position_mm = places[frame];
+            if (i > 0)
+                curve[i].arc_mm = curve[i - 1].arc_mm + (places[frame] - curve[i - 1].position_mm).norm();
+        }
+    }
+    return moving;
+}
+
+void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, const HeartBeat &beat)
+{
+    std::filesystem::create_directories(folder);
+    const MovingBody moving = moving_body("lumen", rest, beat);
+    for (int frame = 0; frame < BEAT_FRAMES; frame++)
+        write_ply(folder / numbered("lumen", frame, ".ply"),
+                  {moving.frames_mm[static_cast<size_t>(frame)], rest.triangles}, "lumen");
+    Mesh inhaled = rest;
+    for (Vec3 &vertex : inhaled.vertices_mm) vertex = beat.inhaled(vertex);
+    write_ply(folder.string() + "_inhaled.ply", inhaled, "lumen");
+}
+
+void write_sequence(const std::filesystem::path &folder, const HeartSequence &sequence)
+{
+    std::filesystem::create_directories(folder);
+    for (int frame = 0; frame < BEAT_FRAMES; frame++) {
+        std::vector<NamedCurve> curves;
+        for (const MovingVessel &vessel : sequence.vessels)
+            curves.push_back({vessel.name, vessel.frames[static_cast<size_t>(frame)]});
+        write_text(folder / numbered("frame", frame, ".obj"), frame_text(sequence, frame));
+        write_centrelines(folder / numbered("centrelines", frame, ".mrk.json"), curves);
+    }
+}
+
+} // namespace anatomy

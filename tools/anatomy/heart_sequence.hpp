@@ -1,0 +1,64 @@
+/* The heart over one beat: bodies with one set of triangles and their vertices in every frame, the arteries' centrelines, and
+ * what is measured on them. */
+#pragma once
+#include "tools/anatomy/build.hpp"
+#include "tools/anatomy/heart_beat.hpp"
+#include <filesystem>
+
+namespace anatomy
+{
+
+struct MovingBody {
+    std::string name;
+    std::vector<std::array<uint32_t, 3>> triangles;
+    std::vector<std::vector<Vec3>>
+        frames_mm; // BEAT_FRAMES times every vertex; the first is the end of diastole
+};
+
+struct MovingVessel {
+    std::string name;
+    std::vector<Curve> frames;
+};
+
+struct HeartSequence {
+    std::vector<MovingBody> bodies;
+    std::vector<MovingVessel> vessels;
+};
+
+/* Bodies by name: the heart and its vessels; with what moves beside them. */
+bool is_of_heart(const std::string &body);
+bool moves_with_heart(const std::string &body);
+
+MovingBody moving_body(const std::string &name, const Mesh &rest, const HeartBeat &beat);
+MovingVessel moving_vessel(const Vessel &vessel, const HeartBeat &beat);
+
+/* Figures of a beat of BEAT_MS, measured on meshes and centrelines alone. */
+struct VesselFigures {
+    std::string name;
+    double length_mm, excursion_mm; // at the end of diastole; the largest way of any point between two frames
+    double systole_rest_ms, diastole_rest_ms; // longest time in which no point goes further than 1 mm
+};
+
+struct HeartFigures {
+    std::vector<double> left_ml, right_ml; // ventricles, per frame
+    std::vector<double> left_atrium_ml, right_atrium_ml;
+    int systole_frame = 0;                            // of the smallest left ventricle
+    double left_ejection = 0.0, right_ejection = 0.0; // shares
+    double base_descent_mm = 0.0, twist_deg = 0.0, base_turn_deg = 0.0, apex_turn_deg = 0.0;
+    double radial_share = 0.0;        // of the inner wall's motion towards one centre, mean over the steps
+    double centre_path_mm = 0.0;      // how far that centre wanders over systole
+    double least_volume_factor = 0.0; // HeartBeat's, of the map itself
+    std::vector<VesselFigures> vessels;
+};
+
+/* Throws std::runtime_error when a ventricle or a vessel is missing. */
+HeartFigures heart_figures(const HeartSequence &sequence);
+
+/* FOLDER/lumen_00.ply ... of one mesh in every frame, and FOLDER_inhaled.ply beside the folder: what bake fits a lattice to. */
+void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, const HeartBeat &beat);
+
+/* frame_00.obj ... frame_23.obj with one object per body, centrelines_00.mrk.json ... beside them. */
+void write_sequence(const std::filesystem::path &folder, const HeartSequence &sequence);
+std::string figures_json(const HeartFigures &figures);
+
+} // namespace anatomy

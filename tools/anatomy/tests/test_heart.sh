@@ -1,0 +1,61 @@
+#!/bin/sh
+# The beating heart that ships: figures measured by a script of its own on the files, and the check of such folders.
+# Bodies are made coarser than usual (--body-scale 2) and without the skeleton to keep this short.
+BUILD=${BUILD:-build}
+tool=$BUILD/bin/anatomy
+here=$(dirname "$0")
+make -s PACKAGES=skip BUILD="$BUILD" "$tool" >/dev/null || { echo "1..1"; echo "not ok 1 - anatomy builds"; exit 1; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+number=0
+
+report() { # report NAME STATUS
+    number=$((number + 1))
+    if [ "$2" = 0 ]; then echo "ok $number - $1"; else echo "not ok $number - $1"; failed=1; sed 's/^/# /' "$work/said"; fi
+}
+
+refuses() { # refuses NAME WORDS: the check of $work/bad ends with 1 and says the words
+    "$tool" check "$work/bad" >"$work/said" 2>&1
+    [ $? = 1 ] && grep -q -- "$2" "$work/said"
+    report "$1" $?
+    rm -rf "$work/bad"
+}
+
+bad() { cp -r "$work/small" "$work/bad"; }
+
+"$tool" heart -o "$work/heart" --heart-only --body-scale 2 --quiet >"$work/said" 2>&1
+report "the heart is made" $?
+python3 "$here/check_heart.py" "$work/heart" $((number + 1)) || failed=1
+number=$((number + 10))
+
+"$tool" check "$work/heart/beat" >"$work/said" 2>&1
+report "its folder of frames is a beat" $?
+
+# A tetrahedron that grows and shrinks; two objects, one with a face of four corners.
+mkdir "$work/small"
+awk -v folder="$work/small" 'BEGIN { for (i = 0; i < 24; i++) { name = sprintf("%s/f_%02d.obj", folder, i); h = 10 + sin(i * 3.14159265 / 12)
+    printf "o one\nv 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 %.4f\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\no two\nv 0 0 20\nv 5 0 20\nv 5 5 20\nv 0 5 %.4f\nf -4//1 -3//1 -2//1 -1//1\n", h, 10 + h > name
+    close(name) } }'
+"$tool" check "$work/small" >"$work/said" 2>&1 && grep -q "^one  *4 vertices  *4 triangles" "$work/said" && grep -q "^two  *4 vertices  *2 triangles" "$work/said"
+report "objects, negative corners and faces of four corners are read" $?
+bad; rm "$work/bad/f_07.obj"
+refuses "a missing frame is named by the count" "holds 23 .obj files"
+bad; sed -i 's/^f 1 2 4/f 1 4 2/' "$work/bad/f_09.obj"
+refuses "a frame with other faces is named" "f_09.obj: one, triangle 1 has other corners"
+bad; sed -i 's/^o two/o three/' "$work/bad/f_11.obj"
+refuses "a frame with other bodies is named" "f_11.obj: has another body (three, not two)"
+bad; sed -i '5s/.*/v 0 0 -5/' "$work/bad/f_13.obj"
+refuses "inverted faces are named with their frame" "one .*turned in frame 13"
+bad; for i in $(seq 0 23); do sed -i "5s/.*/v 0 0 $((10 + i))/" "$work/bad/f_$(printf %02d "$i").obj"; done
+refuses "a jump from the last frame to the first is found" "one .*from the last frame to the first"
+bad; sed -i '3s/.*/v 10 nan 0/' "$work/bad/f_03.obj"
+refuses "a number that is none is named with file and line" "f_03.obj:3: a vertex needs three finite numbers"
+bad; sed -i '6s/.*/f 1 99 2/' "$work/bad/f_02.obj"
+refuses "a corner without a vertex is named with file and line" "f_02.obj:6: '99' names no vertex"
+mkdir "$work/bad"
+refuses "an empty folder holds no beat" "holds 0 .obj files"
+refuses "a folder that is not there is named" "no such folder"
+
+echo "1..$number"
+exit $failed
