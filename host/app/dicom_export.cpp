@@ -197,6 +197,13 @@ void DicomExport::set_mask(std::size_t run, const RunMask &mask)
     }
 }
 
+void DicomExport::set_contrast(
+    const std::function<std::optional<RunContrast>(std::uint32_t, std::uint32_t)> &given)
+{
+    for (Part &part : parts_)
+        part.run.contrast = given(part.run.frames.front().tick, part.run.frames.back().tick);
+}
+
 std::string DicomExport::study_key() const
 {
     Digest digest;

@@ -4,7 +4,9 @@
 #pragma once
 #include "host/dicom/xa_file.hpp"
 #include "host/xray/run.hpp"
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +47,10 @@ class DicomExport
 
     // The mask of the run with this index, counted from 0. A run of more than one file keeps it in the first.
     void set_mask(std::size_t run, const RunMask &mask);
+
+    // What was injected while a file's frames were made, for each file: `given` is asked with the ticks of its first and last
+    // frame.
+    void set_contrast(const std::function<std::optional<RunContrast>(std::uint32_t, std::uint32_t)> &given);
 
     // Writes the files; the last call. `report` is called with what is done and says whether to go on. Returns the names of the files
     // that are written: all of them, or those before the stop. Throws OutputError.

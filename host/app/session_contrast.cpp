@@ -138,12 +138,45 @@ void SessionContrast::advance(const WireFrame &wire)
         for (std::int64_t tick = seen_tick_ + 1; tick <= std::int64_t{now}; ++tick) {
             const auto at = static_cast<std::uint32_t>(tick);
             fluid_ = injector_.take(at);
+            note_given(at);
             flow_.step(flow_drive(steady_beat(at, beats_per_min)), fluid_);
             stream_.strength = fluid_.flow_ml_s > 0.0 ? 1.0 : std::max(stream_.strength - stream_fades, 0.0);
         }
     if (next_tick() != never && now >= look_due()) look(wire);
     seen_tick_ = now;
     if (state_ == State::flows || !curves_.empty()) make_curves();
+}
+
+// The tick that ends now.
+void SessionContrast::note_given(std::uint32_t tick)
+{
+    if (fluid_.flow_ml_s <= 0.0) return;
+    const bool goes_on = !given_.empty() && given_.back().tick_end + 1 == tick &&
+                         given_.back().fluid.flow_ml_s == fluid_.flow_ml_s &&
+                         given_.back().fluid.iodine_mg_per_ml == fluid_.iodine_mg_per_ml;
+    if (goes_on)
+        given_.back().tick_end = tick;
+    else
+        given_.push_back({tick - 1, tick, fluid_});
+}
+
+std::optional<RunContrast> SessionContrast::given(std::uint32_t from, std::uint32_t to) const
+{
+    RunContrast sum;
+    sum.agent = "iohexol";
+    for (const Given &part : given_) {
+        const std::uint32_t begin = std::max(from, part.tick_begin), end = std::min(to, part.tick_end);
+        if (begin >= end) continue;
+        const double seconds = (end - begin) * 1e-3, volume_ml = seconds * part.fluid.flow_ml_s;
+        if (sum.volume_ml == 0.0) sum.tick_begin = begin;
+        sum.iodine_mg_ml += volume_ml * part.fluid.iodine_mg_per_ml;
+        sum.volume_ml += volume_ml;
+        sum.duration_s += seconds;
+    }
+    if (sum.volume_ml == 0.0) return {};
+    sum.iodine_mg_ml /= sum.volume_ml;
+    sum.flow_ml_s = sum.volume_ml / sum.duration_s;
+    return sum;
 }
 
 void SessionContrast::look(const WireFrame &wire)

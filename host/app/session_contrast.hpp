@@ -8,6 +8,7 @@
 #include "host/model/wire_frame.hpp"
 #include "host/room/command.hpp"
 #include "host/xray/moved.hpp"
+#include "host/xray/run.hpp"
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,11 +43,14 @@ class SessionContrast
     bool was_used() const { return was_used_; }
     double injected_ml() const { return injector_.injected_ml(); }
     double flow_ml_s() const { return fluid_.flow_ml_s; } // injected at the moment
+    // What was injected after tick `from` up to tick `to`, as files tell it: volume and time in all, mean flow and strength.
+    std::optional<RunContrast> given(std::uint32_t from, std::uint32_t to) const;
     const ContrastFlow &flow() const { return flow_; }
 
   private:
     enum class State { idle, waits, flows };
     void look(const WireFrame &wire);
+    void note_given(std::uint32_t tick);
     std::uint32_t look_due() const;
     void make_curves();
     void make_curves_of(std::size_t branch, bool is_core);
@@ -63,7 +67,12 @@ class SessionContrast
     std::size_t tool_ = 0;        // that the syringe is at
     double iodine_mg_per_ml_ = 350.0;
     InjectedFluid fluid_;
-    struct Stream { // from the tip, while medium is injected
+    struct Given { // the same flow, from tick to tick
+        std::uint32_t tick_begin = 0, tick_end = 0;
+        InjectedFluid fluid;
+    };
+    std::vector<Given> given_; // since the session began
+    struct Stream {            // from the tip, while medium is injected
         std::size_t cell = 0;
         Eigen::Vector3d tip_m = Eigen::Vector3d::Zero();
         double strength = 0.0; // 1; falls to 0 after the injection

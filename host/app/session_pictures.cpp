@@ -233,6 +233,8 @@ void SessionPictures::finish_export()
         const StoredRun *stored = kept > 0 ? room_.store().find(kept) : nullptr;
         if (stored && stored->run.mask) export_->set_mask(i, *stored->run.mask);
     }
+    export_->set_contrast(
+        [&](std::uint32_t first, std::uint32_t last) { return contrast_->given(first, last); });
     const bool was_interrupted = is_interrupted();
     std::size_t files = 0;
     ProgressLine line(settings_.shows_progress);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <dcmtk/dcmdata/dcuid.h>
 #include <stdexcept>
 
@@ -175,6 +176,17 @@ void put_times(XaItem &item, const XrayRun &run)
     item.shorts(DCM_PreferredPlaybackSequencing, {0}); // over and over from the first to the last
 }
 
+// The shift again, for a reader who doubts which way it goes.
+std::string mask_in_words(const RunMask &mask)
+{
+    if (mask.shift_x_px == 0.0 && mask.shift_y_px == 0.0) return "mean of the mask frames, not moved";
+    char text[128];
+    std::snprintf(text, sizeof text, "mean of the mask frames, moved %g pixels %s and %g %s",
+                  std::abs(mask.shift_x_px), mask.shift_x_px < 0.0 ? "left" : "right",
+                  std::abs(mask.shift_y_px), mask.shift_y_px < 0.0 ? "up" : "down");
+    return text;
+}
+
 // C.7.6.10: the mean of the mask frames is taken from every other frame.
 void put_mask(XaItem &item, const XrayRun &run)
 {
@@ -195,6 +207,7 @@ void put_mask(XaItem &item, const XrayRun &run)
         mask.shorts(DCM_ApplicableFrameRange, {static_cast<std::uint16_t>(numbers.back() + 1), count});
     mask.floats(DCM_MaskSubPixelShift,
                 {static_cast<float>(run.mask->shift_y_px), static_cast<float>(run.mask->shift_x_px)});
+    mask.text(DCM_MaskOperationExplanation, mask_in_words(*run.mask));
 }
 
 // C.7.6.4

@@ -224,6 +224,31 @@ static void the_window_looks_inside_the_collimator(void **)
     assert_string_equal(read.text(DCM_WindowWidth).c_str(), "1");
 }
 
+// Nobody told the files: volume, flow and strength of what was injected between a file's first and last frame.
+static void each_file_names_the_medium_given_during_its_frames(void **)
+{
+    Folder folder;
+    DicomExport out(folder.settings, "wire");
+    for (std::uint32_t begin : {1000, 5000}) {
+        XrayRun run = header_of(RunKind::cine);
+        run.frames = {frame_at(begin, 7), frame_at(begin + 2000, 7)};
+        out.add_run(run);
+    }
+    out.set_contrast([](std::uint32_t first, std::uint32_t last) -> std::optional<RunContrast> {
+        if (first > 1000) return {};
+        assert_int_equal(last, 3000);
+        return RunContrast{"iohexol", 300.0, 8.0, 4.0, 1100, 2.0};
+    });
+    const std::vector<std::string> written = out.finish(go_on);
+    Read with(written[0]), without(written[1]);
+    assert_string_equal(with.text(DCM_ContrastBolusAgent).c_str(), "iohexol");
+    assert_string_equal(with.text(DCM_ContrastBolusVolume).c_str(), "8");
+    assert_string_equal(with.text(DCM_ContrastFlowRate).c_str(), "4");
+    assert_string_equal(with.text(DCM_ContrastFlowDuration).c_str(), "2");
+    assert_string_equal(with.text(DCM_ContrastBolusIngredientConcentration).c_str(), "300");
+    assert_string_equal(without.text(DCM_ContrastBolusAgent).c_str(), "");
+}
+
 static void a_stopped_export_leaves_whole_files_only(void **)
 {
     Folder folder;
@@ -283,6 +308,7 @@ int main()
         cmocka_unit_test(values_are_logarithmic_unless_asked_otherwise),
         cmocka_unit_test(the_window_spans_the_run),
         cmocka_unit_test(the_window_looks_inside_the_collimator),
+        cmocka_unit_test(each_file_names_the_medium_given_during_its_frames),
         cmocka_unit_test(a_stopped_export_leaves_whole_files_only),
         cmocka_unit_test(an_export_given_up_leaves_no_folder),
         cmocka_unit_test(another_tool_is_another_study),

@@ -144,6 +144,33 @@ void columns_hold_the_iodine_of_the_vessels(void **)
         fail_msg("curves %.1f mg, vessels %.1f mg", mg, contrast.flow().held_mg());
 }
 
+// 6 ml of 350 mg/ml at 4 ml/s from tick 1001 on (the command comes after the frame of tick 1000), then 2 ml of 150 mg/ml at 2 ml/s.
+void what_was_given_between_two_ticks_is_known(void **)
+{
+    SessionContrast contrast(aorta(), wire_and_catheter);
+    contrast.advance(line_at(0));
+    go_on(contrast, 0, 1000, 100);
+    contrast.command(1000, inject_6_ml);
+    go_on(contrast, 1000, 4000, 100);
+    contrast.command(4000, {RoomAction::contrast_strength, {150, 0, 0}});
+    contrast.command(4000, {RoomAction::inject, {2000, 2000, 0}});
+    go_on(contrast, 4000, 6000, 100);
+    assert_false(contrast.given(0, 1000).has_value());
+    assert_false(contrast.given(2501, 4000).has_value());
+    const RunContrast whole = contrast.given(0, 4000).value(), half = contrast.given(1751, 3000).value(),
+                      both = contrast.given(0, 6000).value();
+    const auto assert_given = [](const RunContrast &given, double ml, double ml_s, double s, double mg_ml) {
+        if (std::fabs(given.volume_ml - ml) > 1e-9 || std::fabs(given.flow_ml_s - ml_s) > 1e-9 ||
+            std::fabs(given.duration_s - s) > 1e-9 || std::fabs(given.iodine_mg_ml - mg_ml) > 1e-9)
+            fail_msg("%g ml at %g ml/s in %g s, %g mg/ml", given.volume_ml, given.flow_ml_s, given.duration_s,
+                     given.iodine_mg_ml);
+    };
+    assert_given(whole, 6.0, 4.0, 1.5, 350.0);
+    assert_int_equal(whole.tick_begin, 1001);
+    assert_given(half, 3.0, 4.0, 0.75, 350.0);
+    assert_given(both, 8.0, 8.0 / 2.5, 2.5, (6.0 * 350.0 + 2.0 * 150.0) / 8.0);
+}
+
 void blood_around_the_line_takes_its_colour(void **)
 {
     SessionContrast contrast(aorta(), wire_and_catheter);
@@ -210,6 +237,7 @@ int main()
         cmocka_unit_test(other_pictures_do_not_change_it),
         cmocka_unit_test(after_washing_out_no_look_is_wanted),
         cmocka_unit_test(columns_hold_the_iodine_of_the_vessels),
+        cmocka_unit_test(what_was_given_between_two_ticks_is_known),
         cmocka_unit_test(blood_around_the_line_takes_its_colour),
         cmocka_unit_test(scripts_ask_for_it_in_millilitres),
         cmocka_unit_test(a_rigs_syringe_injects_what_its_plunger_gives),
