@@ -243,7 +243,7 @@ static void nothing_touches_the_table(void **)
     std::printf("# smallest gap %.1f mm, %d of %d motions stopped by the interlock\n", smallest_m * 1e3,
                 blocked, poses);
     assert_true(smallest_m >= 0.02); // it brakes at 2.5 cm and looks at seven places of the way
-    assert_true(blocked > 10);
+    assert_true(blocked > poses / 30);
 }
 
 static void a_blocked_arm_is_free_to_go_back(void **)

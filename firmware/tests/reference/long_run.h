@@ -1,11 +1,11 @@
-/* How much of a long run a test does: all of it, or a fifth under the sanitizers, which take five times as long and see in a fifth
+/* How much of a long run a test does: all of it, or a tenth under the sanitizers, which take five times as long and see in a tenth
  * what they look for. What the test claims of the whole run is held by the build without them. C11 and C++.
  * Called by: tests. */
 #ifndef SELD_REFERENCE_LONG_RUN_H
 #define SELD_REFERENCE_LONG_RUN_H
 
 #ifdef __SANITIZE_ADDRESS__
-#define REFERENCE_RUN(whole) ((whole) / 5)
+#define REFERENCE_RUN(whole) ((whole) / 10)
 #else
 #define REFERENCE_RUN(whole) (whole)
 #endif
