@@ -1,8 +1,9 @@
-/* Counts the instructions of seld_step() on the Cortex-M7 (docs/bench.md, "budget"): reads a case, restores its state, steps,
+/* Counts the instructions of seld_step(), and of the hash that is a part of it, on the Cortex-M7 (docs/bench.md, "budget"): reads a case, restores its state, steps,
  * and prints mean, largest and smallest count, second solves, and whether the state's hash is the PC's.
  * usage (as semihosting arguments): budget_image CASE_FILE
- * May include: budget_case.h, the board. Called by: make budget, in QEMU with -icount shift=0. */
+ * May include: budget_case.h, the core, the board. Called by: make budget, in QEMU with -icount shift=0. */
 #include "firmware/bench/budget_case.h"
+#include "firmware/core/rod.h"
 #include "firmware/port/console_digits.h"
 #include "firmware/port/mps2_an500/semihost.h"
 #include "firmware/port/mps2_an500/systick.h"
@@ -47,6 +48,13 @@ static void __attribute__((noinline)) step(const seld_input *input, seld_output 
     }
 }
 
+static uint32_t __attribute__((noinline)) count_hash(void)
+{
+    uint32_t lane[2], start = systick_now();
+    seld_state_hash_lanes(&state, lane);
+    return systick_since(start);
+}
+
 int main(int argc, char **argv)
 {
     const budget_case *c = (const budget_case *)(const void *)file;
@@ -70,5 +78,6 @@ int main(int argc, char **argv)
     write_number("most_twice", n.most_twice * SYSTICK_INSTRUCTIONS_PER_COUNT);
     write_number("twice", n.twice);
     write_number("contacts", n.contacts);
+    write_number("hash", count_hash() * SYSTICK_INSTRUCTIONS_PER_COUNT);
     return 0;
 }

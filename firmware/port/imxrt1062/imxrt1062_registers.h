@@ -6,7 +6,7 @@
  *   PAD_<pad>_<function>       offset of its mux register, its mux mode, offset of its pad register (of IOMUXC)
  *   DAISY_<input>_<pad>        offset of an input's selection register, its value (of IOMUXC)
  *
- * tools/check/test_registers.py holds every line here, and the width of every access, against the machine-readable
+ * `make registers` (tools/check/check_registers.py) holds every line here, and the width of every access, against the machine-readable
  * description of the crate imxrt-ral. May include: nothing. Called by: this folder; firmware/tests/test_board_usb.c, which puts a model
  * of a peripheral in the place of the macros below. */
 #ifndef SELD_IMXRT1062_REGISTERS_H
