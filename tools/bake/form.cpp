@@ -134,17 +134,23 @@ Deviation decimate(Mesh &mesh, double error_mm)
 {
     constexpr std::size_t points = 10000;
     constexpr int attempts_max = 8;
-    constexpr double lower = 0.6; // the collapse's limit for the next attempt
+    constexpr double flat_share =
+        0.05; // of the error, for what goes first: each attempt begins with what is left then
     const TriangleTree before(mesh);
     const std::vector<Eigen::Vector3d> samples = sample(mesh, points);
+    Mesh flat = mesh;
+    seld::mesh::simplify(flat.vertices_mm, flat.triangles, flat_share * error_mm);
     double limit_mm = 0.5 * error_mm;
-    for (int attempt = 0; attempt < attempts_max; ++attempt, limit_mm *= lower) {
-        Mesh fewer = mesh;
+    for (int attempt = 0; attempt < attempts_max; ++attempt) {
+        Mesh fewer = flat;
         seld::mesh::simplify(fewer.vertices_mm, fewer.triangles, limit_mm);
         const Deviation found = deviation_between(samples, before, fewer, points);
-        if (found.largest_mm > error_mm) continue;
-        mesh = std::move(fewer);
-        return found;
+        if (found.largest_mm <= error_mm) {
+            mesh = std::move(fewer);
+            return found;
+        }
+        limit_mm *=
+            std::clamp(0.9 * error_mm / found.largest_mm, 0.25, 0.75); // about where it would just fit
     }
     return {}; // nothing could go
 }
@@ -184,7 +190,8 @@ Deviation worst(const Mesh &mesh, Neighbour &of, double sign, std::size_t sample
         const Eigen::Vector3d &p = mesh.vertices_mm[i];
         if (sign < 0 && !of.box.contains(p)) continue;
         if (!of.tree) of.tree = std::make_unique<TriangleTree>(of.body.mesh);
-        const double distance = sign * of.tree->nearest(p).distance_mm;
+        if ((of.tree->winding(p) > 0) == (sign > 0)) continue;
+        const double distance = std::abs(of.tree->nearest(p).distance_mm);
         if (distance <= found.largest_mm) continue;
         found.largest_mm = distance;
         found.place_mm = p;

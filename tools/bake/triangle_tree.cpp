@@ -141,6 +141,33 @@ TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d &p_mm, double 
     return {normal.dot(p_mm - hit.point) < 0 ? -distance : distance, hit.point, hit.triangle};
 }
 
+// +1 or -1 where the ray from p along +z leaves or enters through the triangle, else 0. A place on an edge or corner belongs to
+// one of the triangles there (half-open intervals; an edge is computed alike for both its triangles).
+int TriangleTree::crossing(std::uint32_t triangle, const Eigen::Vector3d &p) const
+{
+    const Triangle &t = mesh_.triangles[triangle];
+    bool covers = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t low = std::min(t[k], t[(k + 1) % 3]), high = std::max(t[k], t[(k + 1) % 3]);
+        const Eigen::Vector3d &a = mesh_.vertices_mm[low], &b = mesh_.vertices_mm[high];
+        if ((a.y() > p.y()) == (b.y() > p.y())) continue;
+        if (p.x() < a.x() + (b.x() - a.x()) * ((p.y() - a.y()) / (b.y() - a.y()))) covers = !covers;
+    }
+    const Eigen::Vector3d &normal = face_normals_[triangle];
+    if (!covers || normal.z() == 0) return 0;
+    const double above = normal.dot(mesh_.vertices_mm[t[0]] - p) / normal.z();
+    return above <= 0 ? 0 : normal.z() > 0 ? 1 : -1;
+}
+
+int TriangleTree::winding(const Eigen::Vector3d &p_mm) const
+{
+    std::vector<std::uint32_t> triangles;
+    near({p_mm, Eigen::Vector3d(p_mm.x(), p_mm.y(), std::max(p_mm.z(), nodes_[0].box.max().z()))}, triangles);
+    int sum = 0;
+    for (std::uint32_t triangle : triangles) sum += crossing(triangle, p_mm);
+    return sum;
+}
+
 void TriangleTree::near(const Eigen::AlignedBox3d &box, std::vector<std::uint32_t> &triangles) const
 {
     triangles.clear();

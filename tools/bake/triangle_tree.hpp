@@ -23,6 +23,10 @@ class TriangleTree
     // `bound_mm`: no smaller than the distance (faster), or infinite.
     Nearest nearest(const Eigen::Vector3d &p_mm, double bound_mm = INFINITY) const;
 
+    // How often the surface goes around a place: 1 inside, 0 outside. Counted along a ray, so that it is right where a thin sheet
+    // is folded over at its edge and the sign of nearest() is not, as far away as the fold is the nearest place.
+    int winding(const Eigen::Vector3d &p_mm) const;
+
     // Triangles whose box meets the given box.
     void near(const Eigen::AlignedBox3d &box, std::vector<std::uint32_t> &triangles) const;
 
@@ -42,6 +46,7 @@ class TriangleTree
     };
     void build(std::uint32_t node, std::uint32_t first, std::uint32_t count);
     Hit search(const Eigen::Vector3d &p_mm, double limit_square) const;
+    int crossing(std::uint32_t triangle, const Eigen::Vector3d &p_mm) const;
     Hit closest_on(std::uint32_t triangle, const Eigen::Vector3d &p_mm) const;
 
     const Mesh &mesh_;

@@ -192,6 +192,59 @@ void body_that_leaves_its_parent_or_enters_its_neighbour_is_named(void **)
     contains(nested({28, 10, 10}, -1), {"'inner' reaches 2.0 mm into 'outer'", "less"});
 }
 
+// A plate of 20 x 30 x 1 mm whose end at x = 20 mm is folded over by half a millimetre: the last face looks backwards.
+Mesh folded_plate()
+{
+    const double x[] = {0, 20, 20.5, 20.5, 20, 0}, z[] = {-0.5, -0.5, 0.3, -0.3, 0.5, 0.5};
+    Mesh mesh;
+    for (double y : {0.0, 30.0})
+        for (int i = 0; i < 6; ++i) mesh.vertices_mm.emplace_back(x[i], y, z[i]);
+    for (std::uint32_t i = 0; i < 6; ++i) {
+        const std::uint32_t n = (i + 1) % 6;
+        mesh.triangles.push_back({i, i + 6, n + 6});
+        mesh.triangles.push_back({i, n + 6, n});
+        if (i < 1 || i > 4) continue;
+        mesh.triangles.push_back({0, i, i + 1});
+        mesh.triangles.push_back({6, i + 7, i + 6});
+    }
+    return mesh;
+}
+
+// Lungs, heart and airway "reached 96 mm into" the shoulders, two thin blades with everything in between: where the folded edge
+// was nearest, outside was taken for inside.
+void fold_at_the_edge_of_a_thin_sheet_puts_nothing_inside(void **)
+{
+    Mesh sheets = joined(folded_plate(), moved(cube(10), {90, 0, -5}));
+    assert_true(volume_mm3(sheets) > 0);
+    assert_true(TriangleTree(sheets).nearest({50, 15, 0}).distance_mm < -25); // the sign that is wrong there
+    std::vector<BakedBody> bodies(2);
+    bodies[0] = {"sheets", "bone_cortical", -1, sheets};
+    bodies[1] = {"organ", "muscle", -1, moved(cube(10), {40, 10, -5})};
+    assert_string_equal(nesting_report(bodies, 100).c_str(), "");
+    bodies[1].mesh = moved(cube(10), {85, 2, -3}); // half of it in the cube, 2 mm from its sides
+    contains(nesting_report(bodies, 100), {"'organ' reaches 2.0 mm into 'sheets'"});
+}
+
+// A cube and a torus, on a raster through corners and edges.
+void winding_counts_the_surface_once_inside_and_never_outside(void **)
+{
+    const Mesh box = cube(8), ring = torus(20, 6, 60, 40);
+    const TriangleTree box_tree(box), ring_tree(ring);
+    for (int x = -3; x <= 11; ++x)
+        for (int y = -3; y <= 11; ++y)
+            for (int z = -3; z <= 11; ++z) {
+                const Eigen::Vector3d p(x, y, z);
+                const auto is_between = [&](int low, int high) {
+                    return p.minCoeff() > low && p.maxCoeff() < high;
+                };
+                const int found = box_tree.winding(p);
+                if (is_between(0, 8) && found != 1) fail_msg("%d inside at %d %d %d", found, x, y, z);
+                if (!is_between(-1, 9) && found != 0) fail_msg("%d outside at %d %d %d", found, x, y, z);
+                const double distance = torus_distance(2.5 * p, 20, 6);
+                if (std::abs(distance) > 0.2) assert_int_equal(ring_tree.winding(2.5 * p), distance < 0);
+            }
+}
+
 // --- the text ---
 
 const char *two_boxes =
@@ -301,6 +354,8 @@ int main()
         cmocka_unit_test(grid_that_would_be_too_large_is_refused),
         cmocka_unit_test(deviation_of_two_shifted_cubes_is_the_shift),
         cmocka_unit_test(decimated_surface_stays_within_the_stated_distance),
+        cmocka_unit_test(fold_at_the_edge_of_a_thin_sheet_puts_nothing_inside),
+        cmocka_unit_test(winding_counts_the_surface_once_inside_and_never_outside),
         cmocka_unit_test(body_that_leaves_its_parent_or_enters_its_neighbour_is_named),
         cmocka_unit_test(parts_and_pieces_are_chosen),
         cmocka_unit_test(transforms_come_in_the_stated_order),
