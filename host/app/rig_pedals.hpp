@@ -1,5 +1,5 @@
 // Pedals and syringe of a rig: button bits and counts become commands to the room. May include: shared/wire, room/command.
-// Called by: run_free, window_live.
+// Called by: run_free, window_live, hil_tests/cases.
 #pragma once
 #include "host/room/command.hpp"
 #include "shared/wire/wire.h"

@@ -1,0 +1,144 @@
+// The feet: what they do at the rig reaches the X-ray room of the host in the tick in which they did it, and makes fluoroscopy, a
+// roadmap and a cine run. Pictures are blank here; that X-rays are drawn of them is host/tests' claim.
+#include "hil_tests/cases/conversation.hpp"
+#include "host/app/rig_pedals.hpp"
+#include "host/room/room.hpp"
+
+namespace hil
+{
+
+namespace
+{
+
+constexpr int picture_size = 16;
+constexpr std::uint32_t talk_every_ms = 4;
+
+seld::XrayPicture blank_picture(std::uint32_t tick)
+{
+    seld::XrayPicture picture;
+    picture.size = picture_size;
+    picture.tick = tick;
+    picture.grey.assign(picture_size * picture_size, 128);
+    picture.raw.assign(picture_size * picture_size, 1024);
+    picture.technique.tube_voltage_kV = 70.0;
+    picture.air_kerma_uGy = 1.0;
+    return picture;
+}
+
+// A press by the plant's clock, and where the room heard of it.
+struct Press {
+    std::uint64_t down_ms = 0, up_ms = 0;
+    std::uint32_t down_tick = 0, up_tick = 0, pulses = 0;
+};
+
+// A session that the rig leads, with an X-ray room behind its pedals, as in run_free.cpp.
+class Suite
+{
+  public:
+    explicit Suite(Level &level) : bench_(level.make({})), link_(bench_->pipe())
+    {
+        set_up(link_);
+        start_free_run(*bench_, link_);
+        last_ = link_.tick();
+    }
+
+    seld::Room &room() { return room_; }
+    std::uint32_t tick() const { return last_; }
+
+    void go(std::uint32_t milliseconds)
+    {
+        const std::uint64_t end = bench_->plant().milliseconds() + milliseconds;
+        while (bench_->plant().milliseconds() < end) {
+            link_.send_input(sample_input(0));
+            link_.free_run(std::min<std::uint32_t>(
+                talk_every_ms, static_cast<std::uint32_t>(end - bench_->plant().milliseconds())));
+            for (const seld_wire_live_tick &tick : link_.live_ticks()) take(tick);
+        }
+    }
+
+    Press press(std::uint32_t button, std::uint32_t milliseconds)
+    {
+        press_ = {};
+        press_.down_ms = bench_->plant().milliseconds();
+        bench_->plant().buttons |= button;
+        go(milliseconds);
+        press_.up_ms = bench_->plant().milliseconds();
+        bench_->plant().buttons &= ~button;
+        go(20);
+        return press_;
+    }
+
+  private:
+    void take(const seld_wire_live_tick &live)
+    {
+        const std::uint32_t tick = live.state.tick;
+        check(tick == last_ + 1, "tick %u came after tick %u", unsigned{tick}, unsigned{last_});
+        last_ = tick;
+        room_.advance(tick, nullptr);
+        if (room_.is_pulse_due()) {
+            press_.pulses++;
+            room_.expose(blank_picture(tick));
+        }
+        for (const seld::RoomCommand &command : pedals_.changes(live.input.buttons)) {
+            (command.values[0] ? press_.down_tick : press_.up_tick) = tick;
+            const std::string why = room_.give(tick + 1, command);
+            check(why.empty(), "the room refuses a pedal: %s", why.c_str());
+        }
+    }
+
+    std::unique_ptr<Bench> bench_;
+    seld::Link link_;
+    seld::Room room_;
+    seld::RigPedals pedals_;
+    Press press_;
+    std::uint32_t last_ = 0;
+};
+
+void check_press(const Press &press, const char *what, std::uint32_t pulses_per_s)
+{
+    const std::uint64_t asked = press.up_ms - press.down_ms, heard = press.up_tick - press.down_tick;
+    check(press.down_tick > 0 && heard == asked, "%s: the pedal was down for %llu ms, the room heard of %llu",
+          what, static_cast<unsigned long long>(asked), static_cast<unsigned long long>(heard));
+    // Pulse k of a press begins at ceil(k / rate): docs/room.md.
+    const auto pulses = static_cast<std::uint32_t>((asked * pulses_per_s + 999) / 1000);
+    check(press.pulses == pulses, "%s: %u pulses in %llu ms, %u expected", what, unsigned{press.pulses},
+          static_cast<unsigned long long>(asked), unsigned{pulses});
+}
+
+void pedals_make_fluoroscopy_a_roadmap_and_a_cine_run(Level &level, const CaseOptions &, Report &report)
+{
+    Suite suite(level);
+    suite.go(4);
+    const Press fluoro = suite.press(SELD_WIRE_BUTTON_XRAY, 80);
+    check_press(fluoro, "fluoroscopy", 15);
+    check(!suite.room().is_beam_on(), "the beam stays on after the pedal");
+
+    check(suite.room().give(suite.tick() + 1, {seld::RoomAction::roadmap, {2, 0, 0}}).empty(),
+          "no new roadmap");
+    check_press(suite.press(SELD_WIRE_BUTTON_XRAY, 72), "roadmap", 15);
+    check(suite.room().status().roadmap == seld::RoadmapState::shown, "the press made no roadmap");
+
+    const Press cine = suite.press(SELD_WIRE_BUTTON_CINE, 80);
+    check_press(cine, "cine", 15);
+    check(suite.room().status().runs_kept == 1, "%d runs are kept, not the cine run alone",
+          suite.room().status().runs_kept);
+    check(fluoro.down_tick - fluoro.down_ms == cine.down_tick - cine.down_ms,
+          "the pedals come with different delays");
+    const auto presses = suite.room().dose().irradiations().size();
+    check(presses == 3, "%zu presses made X-rays, not 3", presses);
+    report.add(text("fluoroscopy %u, cine %u pulses, each at its millisecond", unsigned{fluoro.pulses},
+                    unsigned{cine.pulses}));
+}
+
+constexpr Case cases[] = {
+    {"pedals_make_fluoroscopy_a_roadmap_and_a_cine_run", pedals_make_fluoroscopy_a_roadmap_and_a_cine_run},
+};
+
+} // namespace
+
+std::span<const Case> pedal_cases()
+{
+    return cases;
+}
+
+} // namespace hil
