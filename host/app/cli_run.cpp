@@ -44,8 +44,9 @@ void print_result(const RunResult &result, const std::vector<Instrument> &tools)
     print_tools(tools, figures);
     for (std::uint16_t i = 0; i < result.faults.entries_count; i++) {
         const seld_wire_fault_entry &fault = result.faults.entries[i];
-        std::printf("fault                 %s at tick %u: %s\n", seld_wire_fault_name(fault.code),
-                    unsigned{fault.tick_first}, seld_wire_fault_text(fault.code));
+        std::printf("fault                 %s at tick %u, %u in all: %s; remedy: %s\n",
+                    seld_wire_fault_name(fault.code), unsigned{fault.tick_first}, unsigned{fault.count},
+                    seld_wire_fault_text(fault.code), seld_wire_fault_remedy(fault.code));
     }
     if (result.resumes > 0) {
         std::printf("device                went and came back %u times; the session went on bit for bit\n",
@@ -174,7 +175,7 @@ int command_run(const RunOptions &options)
                     pictures->contrast().flow().budget().reflux_mg);
     if (!options.json.empty())
         write_report(options.json, result, scene.path, tools, session.file,
-                     pictures ? &pictures->room() : nullptr);
+                     pictures ? &pictures->room() : nullptr, pictures ? &pictures->contrast() : nullptr);
     if (pictures) print_files(pictures->files());
     if (!result.stopped_by.empty()) {
         std::fprintf(stderr, "seldinger: %s\n", result.stopped_by.c_str());

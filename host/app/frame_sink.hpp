@@ -32,6 +32,9 @@ class FrameSink
     // The next tick at which frame() is wanted, after all that was told up to now.
     virtual std::uint32_t next_tick() const = 0;
     virtual void frame(const SessionFrame &frame) = 0;
+    // Of a replay that begins later: the same without pictures, for what is still there when they begin.
+    virtual std::uint32_t next_look() const { return UINT32_MAX; }
+    virtual void look(const SessionFrame &) {}
     virtual void
     finish() = 0; // after the last frame; throws std::runtime_error when a file could not be written
 };

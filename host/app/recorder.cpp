@@ -47,6 +47,18 @@ std::vector<std::uint8_t> header_bytes(const RecordingHeader &header)
     return bytes;
 }
 
+std::vector<std::uint8_t> side_holes_of(std::size_t tool, const SideHoles &holes)
+{
+    std::vector<std::uint8_t> bytes(side_holes_bytes);
+    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
+    seld_wire_write(&writer, tool, 1);
+    put_double(writer, holes.arc_begin_m);
+    put_double(writer, holes.arc_end_m);
+    seld_wire_write(&writer, holes.count, 4);
+    put_double(writer, holes.diameter_m);
+    return bytes;
+}
+
 std::string pending_name(const std::string &path)
 {
     try {
@@ -64,6 +76,8 @@ Recorder::Recorder(const std::string &path, const RecordingHeader &header)
     if (!file_) throw RecordingError(RecordingFault::unreadable, OutputError(path, errno).what());
     std::fwrite(magic, 1, 8, file_.get());
     chunk(HEAD, header_bytes(header));
+    for (std::size_t k = 0; k < header.tools.size(); k++)
+        for (const SideHoles &holes : header.tools[k].side_holes) chunk(SIDE_HOLES, side_holes_of(k, holes));
 }
 
 // A destructor may not throw: what cannot be written any more is lost, and the recording counts as cut off.

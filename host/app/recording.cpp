@@ -63,7 +63,7 @@ class Reader
         seld_wire_reader head = seld_wire_reader_make(bytes_.data() + position_, left);
         kind_ = static_cast<std::uint32_t>(seld_wire_read(&head, 4));
         const std::size_t count = seld_wire_read(&head, 4);
-        if (kind_ < HEAD || kind_ > ROOM)
+        if (kind_ < HEAD || kind_ > SIDE_HOLES)
             fail(RecordingFault::damaged, "is damaged: unknown chunk kind " + std::to_string(kind_));
         if (!is_size_of(kind_, count, recording_.header.tools.size()))
             fail(RecordingFault::damaged, "is damaged: a chunk of kind " + std::to_string(kind_) +
@@ -161,6 +161,9 @@ class Reader
         case ROOM:
             read_command();
             break;
+        case SIDE_HOLES:
+            read_side_holes();
+            break;
         case END:
             read_end();
             break;
@@ -234,6 +237,25 @@ class Reader
         for (std::int32_t &value : command.values) value = read_i32();
         check_used_up("room");
         take_command(tick, command);
+    }
+
+    void read_side_holes()
+    {
+        const std::size_t tool = seld_wire_read(&payload_, 1);
+        SideHoles holes;
+        holes.arc_begin_m = get_double(payload_);
+        holes.arc_end_m = get_double(payload_);
+        holes.count = static_cast<std::uint32_t>(seld_wire_read(&payload_, 4));
+        holes.diameter_m = get_double(payload_);
+        check_used_up("side holes");
+        const bool is_possible = tool < recording_.header.tools.size() && holes.arc_begin_m >= 0.0 &&
+                                 holes.arc_end_m >= holes.arc_begin_m &&
+                                 holes.arc_end_m < side_holes_end_max_m && holes.count >= 1 &&
+                                 holes.count <= side_holes_max && holes.diameter_m > 0.0 &&
+                                 holes.diameter_m < side_hole_diameter_max_m;
+        if (!is_possible || recording_.header.tools[tool].side_holes.size() >= side_holes_max)
+            fail(RecordingFault::inconsistent, "is inconsistent: side holes that no tool can have");
+        recording_.header.tools[tool].side_holes.push_back(holes);
     }
 
     void take_command(std::uint32_t tick, const RoomCommand &command)

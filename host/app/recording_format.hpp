@@ -20,12 +20,15 @@ enum Kind : std::uint32_t {
     VIEW = 5,
     END = 6,
     RESUMED = 7,
-    ROOM = 8
+    ROOM = 8,
+    SIDE_HOLES = 9
 };
 
 inline constexpr std::size_t chunk_head_bytes = 8, chunk_tail_bytes = 4;
 inline constexpr std::size_t text_bytes_max = 4096;
 inline constexpr std::size_t layers_max = 256;
+inline constexpr std::uint32_t side_holes_max = 40; // groups, and holes of a group
+inline constexpr double side_holes_end_max_m = 2.0, side_hole_diameter_max_m = 0.01;
 inline constexpr std::size_t head_bytes_max = 1 << 17;
 // Of one tick: the record `encoders` with that many hands, and two hash lanes.
 constexpr std::size_t tick_bytes(std::size_t tool_count)
@@ -33,6 +36,7 @@ constexpr std::size_t tick_bytes(std::size_t tool_count)
     return SELD_WIRE_BYTES_encoders - (SELD_WIRE_TOOL_MAX - tool_count) * SELD_WIRE_BYTES_hand + 8;
 }
 inline constexpr std::size_t command_bytes = 4 + 2 + 3 * 4;
+inline constexpr std::size_t side_holes_bytes = 1 + 8 + 8 + 4 + 8;
 inline constexpr std::size_t hash_bytes = 4 + 8;         // HASH and END
 inline constexpr std::size_t view_bytes = 4 + 2 + 6 * 4; // of version 2
 inline constexpr std::size_t state_bytes_max = 4 + (1 << 20);
@@ -53,6 +57,8 @@ constexpr bool is_size_of(std::uint32_t kind, std::size_t bytes, std::size_t too
         return bytes == view_bytes;
     case ROOM:
         return bytes == command_bytes;
+    case SIDE_HOLES:
+        return bytes == side_holes_bytes;
     default:
         return bytes == hash_bytes;
     }

@@ -59,13 +59,35 @@ class Replayer
         const double last = static_cast<double>(recording_.ticks.size());
         const auto wanted =
             static_cast<std::uint32_t>(std::clamp(settings_.from_s * ticks_per_second, 0.0, last));
-        const RecordedSnapshot *snapshot = recording_.snapshot_before(wanted);
+        const RecordedSnapshot *snapshot = recording_.snapshot_before(std::min(wanted, first_injection()));
         if (snapshot) device_.restore(snapshot->bytes);
         while (link_.tick() < wanted && !is_interrupted() && !result_.first_difference_tick) {
-            step(std::min<std::size_t>(
-                     {batch_ticks, wanted - link_.tick(), recording_.ticks_to_resume(link_.tick())}),
-                 false);
+            const std::uint32_t look = sink_ ? sink_->next_look() : UINT32_MAX;
+            std::size_t count = std::min<std::size_t>(
+                {batch_ticks, wanted - link_.tick(), recording_.ticks_to_resume(link_.tick())});
+            if (look > link_.tick()) count = std::min<std::size_t>(count, look - link_.tick());
+            if (sink_ && command_ < recording_.commands.size())
+                count = std::min<std::size_t>(count, std::max<std::size_t>(command_ticks(), 1));
+            step(count, false);
+            pass_commands();
+            if (!sink_ || link_.tick() < sink_->next_look()) continue;
+            link_.read_nodes();
+            sink_->look(session_frame(device_, state_, inputs_.back()));
         }
+    }
+
+    // Medium that was injected earlier may still be in the vessels: what the sink knows begins with it.
+    std::uint32_t first_injection() const
+    {
+        for (const RecordedCommand &recorded : recording_.commands)
+            if (sink_ && recorded.command.action == RoomAction::inject) return recorded.tick;
+        return UINT32_MAX;
+    }
+
+    std::size_t command_ticks() const
+    {
+        const std::uint32_t next = recording_.commands[command_].tick;
+        return next > link_.tick() ? next - link_.tick() : 0;
     }
 
     std::size_t batch_size() const

@@ -1,6 +1,8 @@
 // The figures of a session as JSON.
 #include "host/app/run.hpp"
+#include "host/app/session_contrast.hpp"
 #include "host/model/pending_file.hpp"
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -57,10 +59,33 @@ nlohmann::ordered_json room_report(const Room &room)
     return report;
 }
 
+// Where the iodine is, and what the medium cost: mean time of a 1 ms step and of the columns of a frame, as share of the whole.
+nlohmann::ordered_json contrast_report(const SessionContrast &contrast, double wall_clock_s)
+{
+    const ContrastFlow &flow = contrast.flow();
+    const IodineBudget &budget = flow.budget();
+    const ContrastCost &cost = contrast.cost();
+    const double lost_mg = budget.injected_mg - flow.held_mg() - budget.out_mg - budget.reflux_mg;
+    const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 0.0; };
+    return {{"injected_ml", contrast.injected_ml()},
+            {"iodine_injected_mg", budget.injected_mg},
+            {"iodine_in_vessels_mg", flow.held_mg()},
+            {"iodine_out_mg", budget.out_mg},
+            {"iodine_reflux_mg", budget.reflux_mg},
+            {"iodine_error", ratio(std::fabs(lost_mg), budget.injected_mg)},
+            {"cells", flow.cells().size()},
+            {"steps", cost.steps},
+            {"frames", cost.frames},
+            {"step_us", ratio(cost.step_s * 1e6, static_cast<double>(cost.steps))},
+            {"frame_ms", ratio(cost.frame_s * 1e3, static_cast<double>(cost.frames))},
+            {"share_of_wall_clock", ratio(cost.step_s + cost.frame_s, wall_clock_s)}};
+}
+
 } // namespace
 
 void write_report(const std::string &path, const RunResult &result, const std::string &scene,
-                  const std::vector<Instrument> &tools, const std::string &session, const Room *room)
+                  const std::vector<Instrument> &tools, const std::string &session, const Room *room,
+                  const SessionContrast *contrast)
 {
     const SessionFigures &figures = result.figures;
     char hash[20];
@@ -87,6 +112,8 @@ void write_report(const std::string &path, const RunResult &result, const std::s
                                    {"handle_torque_max_mN_m", tool.torque_max_N_m * 1e3}});
     }
     report["room"] = room ? room_report(*room) : nlohmann::ordered_json();
+    report["contrast"] = contrast && contrast->was_used() ? contrast_report(*contrast, result.seconds)
+                                                          : nlohmann::ordered_json();
     report["interrupted"] = result.was_interrupted;
     report["script_lines_given_up"] = result.given_up_lines;
     report["faults"] = nlohmann::json::array();

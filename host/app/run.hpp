@@ -35,8 +35,11 @@ RunResult run_session(Device &device, const Session &session, Recorder *recorder
 RunResult run_free_session(Device &device, const std::vector<RoomCommand> &begin, double seconds,
                            Recorder *recorder, FrameSink *sink, const RunSettings &settings);
 
-// out/demo.json: the figures of a session. `room`: dose and runs, nullptr when no pictures were made.
+class SessionContrast;
+
+// out/demo.json: the figures of a session. `room` (dose and runs) and `contrast`: nullptr when no pictures were made.
 void write_report(const std::string &path, const RunResult &result, const std::string &scene,
-                  const std::vector<Instrument> &tools, const std::string &session, const Room *room);
+                  const std::vector<Instrument> &tools, const std::string &session, const Room *room,
+                  const SessionContrast *contrast);
 
 } // namespace seld

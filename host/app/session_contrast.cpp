@@ -1,5 +1,6 @@
 #include "host/app/session_contrast.hpp"
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -9,6 +10,12 @@ namespace
 {
 
 using Eigen::Vector3d;
+using Clock = std::chrono::steady_clock;
+
+double seconds(Clock::duration duration)
+{
+    return std::chrono::duration<double>(duration).count();
+}
 
 constexpr double widening_step_m = 0.25e-3;
 constexpr double ball_step_m = 2e-3;        // between places of a tool that narrow the lumen
@@ -66,7 +73,29 @@ std::vector<ToolBall> balls_of(const WireFrame &wire)
     return balls;
 }
 
+double end_hole_radius_m(const Instrument &tool)
+{
+    return tool.table.knots_count > 0 ? tool.table.knots[0].radius_inner_um * 1e-6 : 0.0;
+}
+
 } // namespace
+
+std::vector<CatheterMouth> catheter_mouths(const Instrument &tool, const WireFrame &wire, double tip_arc_m)
+{
+    const double radius_m = end_hole_radius_m(tool);
+    std::vector<CatheterMouth> mouths = {{place_at(wire, tip_arc_m), radius_m * radius_m}};
+    double sum = mouths[0].share;
+    for (const SideHoles &holes : tool.side_holes)
+        for (std::uint32_t i = 0; i < holes.count; ++i) {
+            const double along = holes.count > 1 ? static_cast<double>(i) / (holes.count - 1) : 0.0;
+            const double arc_m =
+                tip_arc_m + holes.arc_begin_m + along * (holes.arc_end_m - holes.arc_begin_m);
+            mouths.push_back({place_at(wire, arc_m), 0.25 * holes.diameter_m * holes.diameter_m});
+            sum += mouths.back().share;
+        }
+    for (CatheterMouth &mouth : mouths) mouth.share = sum > 0.0 ? mouth.share / sum : 1.0;
+    return mouths;
+}
 
 std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, std::int32_t asked)
 {
@@ -134,8 +163,9 @@ std::uint32_t SessionContrast::look_due() const
 void SessionContrast::advance(const WireFrame &wire)
 {
     const std::uint32_t now = wire.tick;
+    const Clock::time_point begin = Clock::now();
     if (state_ == State::flows)
-        for (std::int64_t tick = seen_tick_ + 1; tick <= std::int64_t{now}; ++tick) {
+        for (std::int64_t tick = seen_tick_ + 1; tick <= std::int64_t{now}; ++tick, ++cost_.steps) {
             const auto at = static_cast<std::uint32_t>(tick);
             fluid_ = injector_.take(at);
             note_given(at);
@@ -144,7 +174,12 @@ void SessionContrast::advance(const WireFrame &wire)
         }
     if (next_tick() != never && now >= look_due()) look(wire);
     seen_tick_ = now;
-    if (state_ == State::flows || !curves_.empty()) make_curves();
+    const Clock::time_point stepped = Clock::now();
+    cost_.step_s += seconds(stepped - begin);
+    if (state_ != State::flows && curves_.empty()) return;
+    make_curves();
+    cost_.frame_s += seconds(Clock::now() - stepped);
+    ++cost_.frames;
 }
 
 // The tick that ends now.
@@ -194,10 +229,11 @@ void SessionContrast::look(const WireFrame &wire)
     if (wire.nodes.empty()) return;
     flow_.set_tools(balls_of(wire));
     const double tip_arc_m = tool_ < wire.tip_arc_m.size() ? wire.tip_arc_m[tool_] : 0.0;
-    const CatheterMouth mouth{place_at(wire, tip_arc_m), 1.0};
-    flow_.set_mouths({&mouth, 1});
-    stream_.cell = flow_.cells().nearest(mouth.place_m);
-    stream_.tip_m = mouth.place_m;
+    const std::vector<CatheterMouth> mouths = catheter_mouths(tools_[tool_], wire, tip_arc_m);
+    flow_.set_mouths(mouths);
+    stream_.cell = flow_.cells().nearest(mouths[0].place_m);
+    stream_.tip_m = mouths[0].place_m;
+    stream_.share = mouths[0].share;
 }
 
 // How little of the vessel the stream from the tip fills at a cell: 1 at the tip, 0 where it fills it.
@@ -207,7 +243,8 @@ double SessionContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
     if (cell < stream_.cell || cells[cell].branch != cells[stream_.cell].branch) return 0.0;
     if (cell == stream_.cell) behind_tip_mm = 0.0;
     behind_tip_mm += cells[cell].length_mm;
-    return stream_.strength * std::max(1.0 - behind_tip_mm / (stream_radii * cells[cell].radius_mm), 0.0);
+    return stream_.strength * stream_.share *
+           std::max(1.0 - behind_tip_mm / (stream_radii * cells[cell].radius_mm), 0.0);
 }
 
 // The cell's iodine in a thinner column beside the axis, as wide as it must be to hold it undiluted.

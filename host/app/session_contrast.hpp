@@ -22,6 +22,16 @@ std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, 
 // Why these tools cannot do what a command asks of the syringe; empty: they can, or it asks nothing.
 std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCommand &command);
 
+// Where medium leaves a tool whose tip is at that arc length of the line: the end hole first, then the side holes. Shares by
+// area: the lumen's resistance between the holes is left out.
+std::vector<CatheterMouth> catheter_mouths(const Instrument &tool, const WireFrame &wire, double tip_arc_m);
+
+// What it took, as seconds of the machine: beside the session's own, never in it.
+struct ContrastCost {
+    std::uint64_t steps = 0, frames = 0; // of 1 ms; in which medium was seen
+    double step_s = 0.0, frame_s = 0.0;  // for the columns
+};
+
 class SessionContrast
 {
   public:
@@ -46,6 +56,7 @@ class SessionContrast
     // What was injected after tick `from` up to tick `to`, as files tell it: volume and time in all, mean flow and strength.
     std::optional<RunContrast> given(std::uint32_t from, std::uint32_t to) const;
     const ContrastFlow &flow() const { return flow_; }
+    const ContrastCost &cost() const { return cost_; }
 
   private:
     enum class State { idle, waits, flows };
@@ -67,6 +78,7 @@ class SessionContrast
     std::size_t tool_ = 0;        // that the syringe is at
     double iodine_mg_per_ml_ = 350.0;
     InjectedFluid fluid_;
+    ContrastCost cost_;
     struct Given { // the same flow, from tick to tick
         std::uint32_t tick_begin = 0, tick_end = 0;
         InjectedFluid fluid;
@@ -75,6 +87,7 @@ class SessionContrast
     struct Stream {            // from the tip, while medium is injected
         std::size_t cell = 0;
         Eigen::Vector3d tip_m = Eigen::Vector3d::Zero();
+        double share = 1.0;    // of the medium that leaves at the tip
         double strength = 0.0; // 1; falls to 0 after the injection
     } stream_;
     std::vector<SweptCurve> curves_;

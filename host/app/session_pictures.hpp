@@ -52,6 +52,8 @@ class SessionPictures final : public FrameSink
     void command(std::uint32_t tick, const RoomCommand &command) override;
     std::uint32_t next_tick() const override;
     void frame(const SessionFrame &frame) override;
+    std::uint32_t next_look() const override { return contrast_->next_tick(); }
+    void look(const SessionFrame &frame) override { contrast_->advance(frame.wire); }
     void finish() override;
     const Room &room() const { return room_; }
     const SessionContrast &contrast() const { return *contrast_; }

@@ -39,9 +39,9 @@ Sources read_sources(const Place &place, const toml::table &root)
 
 void read_head(const Place &place, const toml::table &root, Instrument &instrument)
 {
-    check_keys(
-        place, root,
-        {"format", "name", "kind", "description", "shape_name", "sources", "elements", "shape", "preset"});
+    check_keys(place, root,
+               {"format", "name", "kind", "description", "shape_name", "sources", "elements", "shape",
+                "side_holes", "preset"});
     instrument.name = to_text(place, require(place, root, "name"), "name");
     instrument.description = to_text(place, require(place, root, "description"), "description");
     instrument.shape_name = to_text(place, require(place, root, "shape_name"), "shape_name");
@@ -201,6 +201,7 @@ Instrument read_instrument(const std::string &path)
     sources = read_sources(place, root);
     read_elements(place, root, head.table);
     head.shape = read_shape(place, root);
+    head.side_holes = read_side_holes(place, root, head.kind);
     const std::map<std::string, Preset> presets = read_presets(place, root, head.kind);
     std::string unused;
     if (const toml::node *node = sources.unused(unused))

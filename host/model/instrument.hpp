@@ -43,6 +43,13 @@ struct ThesisRow {
     double bend_stiffness_N_m2() const; // E pi r^4 / 4
 };
 
+// Round holes in a catheter's wall, evenly from the first to the last.
+struct SideHoles {
+    double arc_begin_m = 0.0, arc_end_m = 0.0; // of the first and the last, from the distal tip
+    std::uint32_t count = 0;
+    double diameter_m = 0.0;
+};
+
 enum class InstrumentKind { wire, catheter };
 
 struct Instrument {
@@ -54,7 +61,8 @@ struct Instrument {
     seld_wire_instrument table{}; // validated by the device
     std::vector<InstrumentLayer> layers;
     std::vector<InstrumentArc> shape; // from the tip; straight behind the last one
-    std::optional<ThesisRow> thesis;  // of a preset that was made from the table
+    std::vector<SideHoles> side_holes;
+    std::optional<ThesisRow> thesis; // of a preset that was made from the table
 };
 
 // `path` may end in ":preset". Reads and checks every preset of the file whichever is asked for. Throws FileError.

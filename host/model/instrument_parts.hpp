@@ -36,6 +36,9 @@ std::vector<Section> read_sections(const Place &place, const toml::table &preset
 // [[shape]] from the tip.
 std::vector<InstrumentArc> read_shape(const Place &place, const toml::table &root);
 
+// [[side_holes]]; none where the key is missing.
+std::vector<SideHoles> read_side_holes(const Place &place, const toml::table &root, InstrumentKind kind);
+
 void read_elements(const Place &place, const toml::table &root, seld_wire_instrument &wire);
 
 // Knots of sections and arcs together into the instrument's table.

@@ -259,6 +259,32 @@ std::vector<InstrumentArc> read_shape(const Place &place, const toml::table &roo
     return arcs;
 }
 
+std::vector<SideHoles> read_side_holes(const Place &place, const toml::table &root, InstrumentKind kind)
+{
+    constexpr Bounds place_mm = {0.0, length_max_mm}, count_bounds = {1.0, 40.0}, diameter_mm = {0.1, 2.0};
+    std::vector<SideHoles> groups;
+    for (const toml::table *table : tables_of(place, root, "side_holes")) {
+        const Place inner = place.inside("side_holes " + std::to_string(groups.size() + 1));
+        if (kind != InstrumentKind::catheter)
+            fail(inner, table, "a wire has no lumen: 'side_holes' is for catheters");
+        check_keys(inner, *table, {"from_mm", "to_mm", "count", "diameter_mm", "source"});
+        check_source(inner, *table);
+        const auto read = [&](const char *key, Bounds bounds) {
+            const toml::node &node = require(inner, *table, key);
+            const double value = to_number(inner, node, key);
+            check_bounds(inner, node, key, value, bounds);
+            return value;
+        };
+        const SideHoles holes = {read("from_mm", place_mm) * 1e-3, read("to_mm", place_mm) * 1e-3,
+                                 static_cast<std::uint32_t>(std::lround(read("count", count_bounds))),
+                                 read("diameter_mm", diameter_mm) * 1e-3};
+        if (holes.arc_end_m < holes.arc_begin_m)
+            fail(inner, table->get("to_mm"), "'to_mm' is below 'from_mm'");
+        groups.push_back(holes);
+    }
+    return groups;
+}
+
 void read_elements(const Place &place, const toml::table &root, seld_wire_instrument &wire)
 {
     const toml::table &table = require_table(place, root, "elements");

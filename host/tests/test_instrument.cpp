@@ -349,6 +349,23 @@ void wrong_shapes_are_refused(void **)
            "knots, at most 32");
 }
 
+void wrong_side_holes_are_refused(void **)
+{
+    const auto expect = [](const std::string &old_piece, const std::string &new_piece,
+                           const std::string &expected) {
+        expect_error_in("pigtail_5f.toml", old_piece, new_piece, expected);
+    };
+    expect("to_mm = 60, count", "to_mm = 6, count", "side_holes 1: 'to_mm' is below 'from_mm'");
+    expect("count = 10", "count = 0", "'count' = 0 is outside 1 .. 40");
+    expect("diameter_mm = 0.7", "diameter_mm = 3", "'diameter_mm' = 3 is outside 0.1 .. 2");
+    expect("diameter_mm = 0.7, ", "", "'diameter_mm' is missing");
+    expect("count = 10, ", "count = 10, rows = 2, ", "unknown key 'rows'");
+    expect_error(
+        "[elements]",
+        "[[side_holes]]\nfrom_mm = 3\nto_mm = 5\ncount = 2\ndiameter_mm = 0.5\nsource = \"x\"\n[elements]",
+        "a wire has no lumen: 'side_holes'");
+}
+
 void broken_toml_is_refused_with_line_and_column(void **)
 {
     expect_error("[elements]", "[elements", ".toml:");
@@ -387,6 +404,7 @@ int main()
         cmocka_unit_test(missing_and_contradicting_keys_are_refused),
         cmocka_unit_test(wrong_presets_are_refused),
         cmocka_unit_test(wrong_shapes_are_refused),
+        cmocka_unit_test(wrong_side_holes_are_refused),
         cmocka_unit_test(broken_toml_is_refused_with_line_and_column),
         cmocka_unit_test(missing_files_and_folders_are_refused),
     };

@@ -14,6 +14,7 @@
 
 #include "host/app/replay.hpp"
 #include "host/app/run.hpp"
+#include "host/app/session_contrast.hpp"
 #include "host/model/text.hpp"
 #include "shared/wire/wire_frame.h"
 
@@ -33,10 +34,10 @@ struct Recorded {
     std::vector<std::uint8_t> bytes;
 };
 
-Recorded record(const std::string &script)
+Recorded record(const std::string &script,
+                const char *tool = "shared/examples/instruments/amplatz_super_stiff.toml")
 {
-    const std::vector<seld::Instrument> tools = {
-        seld::read_instrument("shared/examples/instruments/amplatz_super_stiff.toml")};
+    const std::vector<seld::Instrument> tools = {seld::read_instrument(tool)};
     const seld::Session session = seld::parse_session(script, "test");
     const seld_wire_entry entry = seld::entry_of(scene, tools.size(), session.inserted_um);
     seld::Device device(scene, tools, entry, seld::host_rig());
@@ -110,6 +111,71 @@ void a_replay_from_a_snapshot_ends_in_the_same_state(void **)
         assert_false(result.first_difference_tick.has_value());
         assert_true(result.hash == session().result.hash);
     }
+}
+
+// A sink that keeps the flow of a straight vessel along the line, as a session's pictures do.
+class Medium final : public seld::FrameSink
+{
+  public:
+    Medium() : contrast_(vessel(), {catheter()}) {}
+    static seld::Instrument catheter()
+    {
+        return seld::read_instrument("shared/examples/instruments/pigtail_5f.toml");
+    }
+    static seld::VesselTree vessel()
+    {
+        seld::VesselBranch branch;
+        branch.name = "aorta";
+        branch.flow_ml_s = 20.0;
+        for (int i = 0; i <= 30; ++i) {
+            branch.points_m.push_back({0.01 * i, 0.0, 0.0});
+            branch.radii_m.push_back(0.008);
+        }
+        return {{branch}};
+    }
+    void command(std::uint32_t tick, const seld::RoomCommand &command) override
+    {
+        contrast_.command(tick, command);
+    }
+    std::uint32_t next_tick() const override { return contrast_.next_tick(); }
+    void frame(const seld::SessionFrame &frame) override { contrast_.advance(frame.wire); }
+    std::uint32_t next_look() const override { return contrast_.next_tick(); }
+    void look(const seld::SessionFrame &frame) override { contrast_.advance(frame.wire); }
+    void finish() override {}
+    const seld::ContrastFlow &flow() const { return contrast_.flow(); }
+
+  private:
+    seld::SessionContrast contrast_;
+};
+
+void a_replay_from_later_on_knows_what_was_injected_before(void **)
+{
+    const Recorded recorded = record("wait 1 s\ninject 8 ml at 4 ml/s\nadvance 60 mm at 60 mm/s\nwait 1 s",
+                                     "shared/examples/instruments/pigtail_5f.toml");
+    const seld::Recording recording = seld::parse_recording(recorded.bytes, "test");
+    const seld::RecordingHeader &header = recording.header;
+    std::vector<std::uint8_t> whole;
+    for (double from_s : {0.0, 1.5, 2.9}) {
+        seld::Device device(scene, header.tools, header.entry, header.rig);
+        Medium medium;
+        seld::replay_recording(device, recording, &medium, verify("fast", from_s));
+        assert_true(medium.flow().held_mg() > 100.0);
+        if (whole.empty()) whole = medium.flow().snapshot();
+        if (medium.flow().snapshot() != whole)
+            fail_msg("from %.1f s: %.3f mg in the vessel", from_s, medium.flow().held_mg());
+    }
+}
+
+void side_holes_are_recorded(void **)
+{
+    const Recorded recorded = record("wait 10 ms", "shared/examples/instruments/pigtail_5f.toml");
+    const seld::Recording recording = seld::parse_recording(recorded.bytes, "test");
+    const std::vector<seld::SideHoles> expected = Medium::catheter().side_holes,
+                                       &read = recording.header.tools[0].side_holes;
+    assert_int_equal(read.size(), 1);
+    assert_int_equal(read[0].count, expected[0].count);
+    assert_true(read[0].arc_begin_m == expected[0].arc_begin_m && read[0].arc_end_m == expected[0].arc_end_m);
+    assert_true(read[0].diameter_m == expected[0].diameter_m);
 }
 
 void a_changed_input_is_found_at_its_tick(void **)
@@ -307,6 +373,8 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(a_session_replays_bit_for_bit_at_any_speed),
         cmocka_unit_test(a_replay_from_a_snapshot_ends_in_the_same_state),
+        cmocka_unit_test(a_replay_from_later_on_knows_what_was_injected_before),
+        cmocka_unit_test(side_holes_are_recorded),
         cmocka_unit_test(a_changed_input_is_found_at_its_tick),
         cmocka_unit_test(commands_to_the_room_are_recorded_with_their_ticks),
         cmocka_unit_test(recordings_of_version_2_still_load),

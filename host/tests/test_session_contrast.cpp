@@ -182,6 +182,29 @@ void blood_around_the_line_takes_its_colour(void **)
     assert_true(wire.nodes[15].contrast_mg_per_ml > 10.0); // downstream of the catheter's tip
 }
 
+// 20 holes of a fifth of the end hole's area: a fifth of the medium leaves at the tip, the rest between 20 and 58 mm behind it.
+void a_pigtail_gives_medium_through_its_side_holes(void **)
+{
+    Instrument pigtail = tool("pigtail", 500);
+    pigtail.side_holes = {{0.020, 0.058, 20, 2 * 0.0005 * std::sqrt(0.2)}};
+    const std::vector<CatheterMouth> mouths = catheter_mouths(pigtail, line_at(0), 0.05);
+    assert_int_equal(mouths.size(), 21);
+    assert_true(std::fabs(mouths[0].share - 0.2) < 1e-12);
+    assert_true((mouths[0].place_m - Vector3d(0, -0.15, 0)).norm() < 1e-12);
+    assert_true((mouths[20].place_m - Vector3d(0, -0.208, 0)).norm() < 1e-12);
+    SessionContrast contrast(aorta(), {tool("wire", 0), pigtail});
+    contrast.command(0, inject_6_ml);
+    go_on(contrast, 0, 41, 20); // one look, then 1 ms: what went in still stands where it went in
+    const FlowCells &cells = contrast.flow().cells();
+    double ahead_mg = 0.0, all_mg = 0.0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const double mg = contrast.flow().iodine_mg_per_ml(i) * cells[i].volume_ml;
+        all_mg += mg;
+        if (cells.middle_m(i).y() > -0.16) ahead_mg += mg;
+    }
+    if (std::fabs(ahead_mg / all_mg - 0.2) > 0.03) fail_msg("%.3f of it at the tip", ahead_mg / all_mg);
+}
+
 // --- the ways to ask for it ---
 
 void scripts_ask_for_it_in_millilitres(void **)
@@ -239,6 +262,7 @@ int main()
         cmocka_unit_test(columns_hold_the_iodine_of_the_vessels),
         cmocka_unit_test(what_was_given_between_two_ticks_is_known),
         cmocka_unit_test(blood_around_the_line_takes_its_colour),
+        cmocka_unit_test(a_pigtail_gives_medium_through_its_side_holes),
         cmocka_unit_test(scripts_ask_for_it_in_millilitres),
         cmocka_unit_test(a_rigs_syringe_injects_what_its_plunger_gives),
     };
