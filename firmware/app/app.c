@@ -2,6 +2,18 @@
 #include "firmware/app/app.h"
 #include "firmware/app/app_internal.h"
 
+_Static_assert((int)SELD_RHYTHM_HEART_RATE == (int)SELD_WIRE_RHYTHM_HEART_RATE &&
+                   (int)SELD_RHYTHM_VARIABILITY == (int)SELD_WIRE_RHYTHM_VARIABILITY &&
+                   (int)SELD_RHYTHM_PREMATURE == (int)SELD_WIRE_RHYTHM_PREMATURE &&
+                   (int)SELD_RHYTHM_ASYSTOLE == (int)SELD_WIRE_RHYTHM_ASYSTOLE &&
+                   (int)SELD_RHYTHM_BREATH_RATE == (int)SELD_WIRE_RHYTHM_BREATH_RATE &&
+                   (int)SELD_RHYTHM_BREATH_HOLD == (int)SELD_WIRE_RHYTHM_BREATH_HOLD &&
+                   (int)SELD_RHYTHM_IS_PREMATURE == (int)SELD_WIRE_RHYTHM_IS_PREMATURE &&
+                   (int)SELD_RHYTHM_NEXT_PREMATURE == (int)SELD_WIRE_RHYTHM_NEXT_PREMATURE &&
+                   (int)SELD_RHYTHM_WANTS_ASYSTOLE == (int)SELD_WIRE_RHYTHM_WANTS_ASYSTOLE &&
+                   (int)SELD_RHYTHM_IS_RESTING == (int)SELD_WIRE_RHYTHM_IS_RESTING &&
+                   (int)SELD_RHYTHM_HOLDS_BREATH == (int)SELD_WIRE_RHYTHM_HOLDS_BREATH,
+               "core and wire agree about what heart and breath are asked for and what they are");
 _Static_assert((int)SELD_TOOL_MAX == (int)SELD_PORT_TOOL_MAX && (int)SELD_TOOL_MAX == (int)SELD_WIRE_TOOL_MAX,
                "core, port and wire agree about the number of tools");
 
@@ -125,6 +137,9 @@ static void dispatch(seld_app *app, uint16_t type, const uint8_t *payload, size_
         break;
     case SELD_WIRE_TYPE_input:
         seld_app_input(app, payload, length);
+        break;
+    case SELD_WIRE_TYPE_rhythm:
+        seld_app_rhythm(app, payload, length);
         break;
     case SELD_WIRE_TYPE_get:
         get(app, payload, length);

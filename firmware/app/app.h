@@ -31,6 +31,7 @@ enum {
     SELD_APP_LIVE_BATCH_ticks = 16, /* one `live` frame per 16 ms */
     SELD_APP_LIVE_QUEUE_ticks = 256,
     SELD_APP_EVENT_QUEUE = 32,
+    SELD_APP_RHYTHM_QUEUE = 8, /* what is asked of heart and breath in FREE_RUN, one per tick */
     SELD_APP_HASH64_EVERY_ticks = 100,
     SELD_APP_ASKED_ticks = 8, /* how long ago a force may have been asked for that is measured now */
     SELD_APP_FAULT_MAX = 32,
@@ -153,6 +154,8 @@ typedef struct seld_app {
     uint32_t silent_ticks; /* since the last valid frame, in FREE_RUN */
     bool has_mailbox;      /* the host has sent an `input` since START */
     seld_app_encoders mailbox;
+    seld_rhythm_order orders[SELD_APP_RHYTHM_QUEUE]; /* FREE_RUN: of the ticks to come */
+    uint32_t order_count;
 
     /* set-up */
     seld_upload scene_upload;
@@ -160,6 +163,7 @@ typedef struct seld_app {
     bool has_scene, has_entry;
     uint32_t tool_count; /* 0: none yet */
     seld_lumen lumen;
+    seld_motion motion;                   /* of the lumen, when it moves */
     seld_instrument tools[SELD_TOOL_MAX]; /* from the innermost */
     seld_entry entry;
     uint32_t inserted_um[SELD_TOOL_MAX];

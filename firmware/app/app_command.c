@@ -146,6 +146,7 @@ static void forget_hands(seld_app *app)
 static void begin_listening(seld_app *app)
 {
     app->silent_ticks = 0;
+    app->order_count = 0;
     app->has_stop = false;
     if (app->mode != SELD_WIRE_MODE_FREE_RUN) return;
     forget_hands(app);

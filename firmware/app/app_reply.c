@@ -95,6 +95,8 @@ void seld_app_send_nodes(seld_app *app)
     if (count > total) count = total;
     if (count > SELD_WIRE_MAX_nodes_positions) count = SELD_WIRE_MAX_nodes_positions;
     nodes->tick = app->core.words.tick;
+    nodes->heart_phase32 = seld_state_rhythm(&app->core)->heart_phase32;
+    nodes->breath_phase32 = seld_state_rhythm(&app->core)->breath_phase32;
     nodes->inserted_m_q30_count = (uint16_t)app->tool_count;
     for (uint32_t k = 0; k < app->tool_count; k++)
         nodes->inserted_m_q30[k] = seld_state_inserted(&app->core, k);

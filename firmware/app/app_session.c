@@ -47,6 +47,11 @@ static void note_tick(const seld_app *app, const seld_output *output, seld_wire_
         .contact_count = output->contact_count,
         .solve_count = output->solve_count,
         .core_fault_bits = output->fault_bits,
+        .heart_phase32 = output->heart_phase32,
+        .breath_phase32 = output->breath_phase32,
+        .beat_ms = output->beat_ms,
+        .interval_ms = output->interval_ms,
+        .rhythm_bits = (uint8_t)output->rhythm_bits,
     };
     for (uint32_t k = 0; k < app->tool_count; k++) {
         state->tools[k] = tool_state(&output->tools[k], &app->motors[k]);
@@ -54,11 +59,13 @@ static void note_tick(const seld_app *app, const seld_output *output, seld_wire_
 }
 
 /* `encoders` NULL: nobody says where the hands are, they rest. False: FAULT, no tick was done. */
-static bool tick(seld_app *app, const seld_app_encoders *encoders, seld_output *output)
+static bool tick(seld_app *app, const seld_app_encoders *encoders, seld_rhythm_order rhythm,
+                 seld_output *output)
 {
     seld_input hands, input;
     if (encoders != NULL && !seld_app_hands_update(app, encoders)) return false;
     seld_app_hands_input(app, &hands);
+    hands.rhythm = rhythm;
     input = hands;
     seld_app_coupling_before(app, &input);
     seld_step(&app->model, &app->core, &input, output);
@@ -94,6 +101,11 @@ static seld_app_encoders encoders_from_wire(const seld_wire_encoders *wire)
     return encoders;
 }
 
+static seld_rhythm_order rhythm_from_wire(const seld_wire_encoders *wire)
+{
+    return (seld_rhythm_order){wire->rhythm_action, wire->rhythm_value};
+}
+
 /* --- LOCKSTEP --- */
 
 /* Replies: hash64 on the way, nodes when wanted, ticks last. After a fault or a STOP `ticks` is shorter than asked. */
@@ -110,13 +122,16 @@ void seld_app_step(seld_app *app, const uint8_t *payload, size_t length)
     for (uint16_t i = 0; i < step->inputs_count; i++) {
         SELD_REJECT_IF(app, type, step->inputs[i].hands_count != app->tool_count, SELD_REJECT_TOOL_COUNT,
                        step->inputs[i].hands_count, app->tool_count);
+        const seld_rhythm_order rhythm = rhythm_from_wire(&step->inputs[i]);
+        SELD_REJECT_IF(app, type, !seld_rhythm_order_is_valid(&rhythm), SELD_REJECT_RHYTHM_RANGE,
+                       rhythm.action, rhythm.value);
     }
     app->ticks.states_count = 0;
     for (uint16_t i = 0; i < step->inputs_count && app->state == SELD_WIRE_STATE_RUNNING; i++) {
         const seld_app_encoders encoders = encoders_from_wire(&step->inputs[i]);
         seld_output output;
         note_buttons(app, encoders.buttons);
-        if (!tick(app, &encoders, &output)) break;
+        if (!tick(app, &encoders, rhythm_from_wire(&step->inputs[i]), &output)) break;
         note_tick(app, &output, &app->ticks.states[app->ticks.states_count++]);
         if (output.tick % SELD_APP_HASH64_EVERY_ticks == 0) seld_app_send_hash64(app);
         stop_when_due(app);
@@ -134,8 +149,38 @@ void seld_app_input(seld_app *app, const uint8_t *payload, size_t length)
                    SELD_REJECT_MALFORMED, length, SELD_WIRE_BYTES_input);
     SELD_REJECT_IF(app, SELD_WIRE_TYPE_input, input.encoders.hands_count != app->tool_count,
                    SELD_REJECT_TOOL_COUNT, input.encoders.hands_count, app->tool_count);
+    SELD_REJECT_IF(app, SELD_WIRE_TYPE_input,
+                   input.encoders.rhythm_action != 0 || input.encoders.rhythm_value != 0,
+                   SELD_REJECT_RHYTHM_RANGE, input.encoders.rhythm_action, input.encoders.rhythm_value);
     app->mailbox = encoders_from_wire(&input.encoders);
     app->has_mailbox = true;
+}
+
+/* An `input` may be repeated or dropped, a request to heart and breath may not: it waits for its tick. */
+void seld_app_rhythm(seld_app *app, const uint8_t *payload, size_t length)
+{
+    const uint16_t type = SELD_WIRE_TYPE_rhythm;
+    seld_wire_rhythm wire;
+    SELD_REJECT_IF(app, type, !seld_wire_decode_rhythm(payload, length, &wire), SELD_REJECT_MALFORMED, length,
+                   SELD_WIRE_BYTES_rhythm);
+    SELD_REJECT_IF(app, type, app->mode != SELD_WIRE_MODE_FREE_RUN, SELD_REJECT_WRONG_MODE, app->mode, 0);
+    SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_RUNNING, SELD_REJECT_WRONG_STATE, app->state, 0);
+    const seld_rhythm_order order = {wire.action, wire.value};
+    SELD_REJECT_IF(app, type, order.action == SELD_RHYTHM_KEEP || !seld_rhythm_order_is_valid(&order),
+                   SELD_REJECT_RHYTHM_RANGE, order.action, order.value);
+    SELD_REJECT_IF(app, type, app->order_count == SELD_APP_RHYTHM_QUEUE, SELD_REJECT_RHYTHM_FULL,
+                   order.action, order.value);
+    app->orders[app->order_count++] = order;
+    seld_app_send_status(app, type);
+}
+
+/* The order of this tick of FREE_RUN. */
+static seld_rhythm_order next_order(seld_app *app)
+{
+    const seld_rhythm_order order = app->order_count > 0 ? app->orders[0] : (seld_rhythm_order){0, 0};
+    for (uint32_t i = 1; i < app->order_count; i++) app->orders[i - 1] = app->orders[i];
+    if (app->order_count > 0) app->order_count--;
+    return order;
 }
 
 static seld_app_encoders encoders_from_rig(const seld_port_inputs *rig)
@@ -162,11 +207,14 @@ static uint16_t fade_milli(const seld_app *app)
 }
 
 /* What the host needs to replay this tick in LOCKSTEP, and to see what the rig did. */
-static void note_live(seld_app *app, const seld_app_encoders *encoders, const seld_output *output)
+static void note_live(seld_app *app, const seld_app_encoders *encoders, seld_rhythm_order rhythm,
+                      const seld_output *output)
 {
     seld_wire_live_tick *live = seld_app_stream_next(app);
     *live = (seld_wire_live_tick){.fade_milli = fade_milli(app)};
     note_tick(app, output, &live->state);
+    live->input.rhythm_action = (uint8_t)rhythm.action;
+    live->input.rhythm_value = (uint16_t)rhythm.value;
     live->input.hands_count = (uint16_t)app->tool_count;
     live->force_measured_mN_count = (uint16_t)app->tool_count;
     for (uint32_t k = 0; k < app->tool_count; k++) {
@@ -191,8 +239,9 @@ static void free_run_tick(seld_app *app)
     seld_app_encoders encoders = app->has_rig ? encoders_from_rig(&app->rig) : app->mailbox;
     const seld_app_encoders *told = app->has_rig || app->has_mailbox ? &encoders : NULL;
     if (told != NULL) note_buttons(app, told->buttons);
-    if (!tick(app, told, &output)) return;
-    note_live(app, told, &output);
+    const seld_rhythm_order rhythm = next_order(app);
+    if (!tick(app, told, rhythm, &output)) return;
+    note_live(app, told, rhythm, &output);
     if (output.tick % SELD_APP_HASH64_EVERY_ticks == 0) seld_app_stream_hash64(app);
     seld_app_stream_tick(app);
 }

@@ -55,10 +55,8 @@ void seld_app_scene_end(seld_app *app, const uint8_t *payload, size_t length)
     const uint8_t *staged = app->port->scene_slots[1 - app->scene_slot];
     uint32_t crc = seld_wire_crc32(0, staged, upload.received_bytes);
     SELD_REJECT_IF(app, type, crc != upload.crc32, SELD_REJECT_SCENE_CRC, crc, upload.crc32);
-    seld_lumen lumen;
-    uint32_t status = seld_app_lumen_open(staged, upload.received_bytes, &lumen);
+    uint32_t status = seld_app_lumen_open(staged, upload.received_bytes, &app->lumen, &app->motion);
     SELD_REJECT_IF(app, type, status != 0, SELD_REJECT_SCENE_INVALID, status, 0);
-    app->lumen = lumen;
     app->scene_slot = (uint8_t)(1 - app->scene_slot);
     app->has_scene = true;
     app->scene_bytes = upload.expected_bytes;

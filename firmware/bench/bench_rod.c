@@ -2,17 +2,24 @@
  *
  * Scenes: `bends`, a super stiff wire (EI 1.85e-3 N m^2, 3 mm elements) pushed through a tube of 2 mm radius with three
  * bends; `floor`, a soft wire (EI 2e-6) lying on the floor of a straight narrow tube, so that every node touches but the few
- * that hang from the mouth. A row
+ * that hang from the mouth. `bends` also beats at 90 /min, all of it or, as in a heart, the last 200 mm; `coronary` is a 0.014 in wire in a vessel of 1.5 mm radius on a
+ * beating sphere (tests/reference/moving_tube.h). A row
  * fails when its scene has fewer contacts than it says.
  * May include: bench.h, tests/reference, the core. Called by: make bench. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/core_state.h"
 #include "firmware/tests/reference/cantilever.h"
+#include "firmware/tests/reference/moving_tube.h"
 #include "firmware/tests/reference/tube_lumen.h"
 
 #include <math.h>
 #include <stdio.h>
 
+enum {
+    ALL_BEATS = 1,
+    HEART_BEATS,
+    HEART_FROM_mm = 570 /* of a path with a point per mm: the wire's last 200 mm */
+};
 enum { CALLS = 100, TIMED_TICKS = 400, ELASTICA_TICKS = 20000, ELEMENT_um = 3000 };
 
 static seld_model model;
@@ -21,10 +28,11 @@ static seld_input input;
 static seld_output output;
 
 typedef struct scene {
-    int elements, on_floor, contacts, tools;
+    int elements, on_floor, contacts, tools, beats;
 } scene;
-static const scene scenes[] = {
-    {256, 0, 57, 1}, {128, 0, 20, 1}, {64, 0, 4, 1}, {256, 1, 240, 1}, {256, 1, 240, 3}};
+static const scene scenes[] = {{256, 0, 57, 1, 0},          {128, 0, 20, 1, 0},  {64, 0, 4, 1, 0},
+                               {256, 1, 240, 1, 0},         {256, 1, 240, 3, 0}, {256, 0, 50, 1, ALL_BEATS},
+                               {256, 0, 50, 1, HEART_BEATS}};
 
 /* What callgrind counts: seld_step as called from here, not the ticks of the insertion. The tools slide and turn against
  * each other, so that nothing is kept from tick to tick. */
@@ -46,12 +54,50 @@ static void make_coaxial(seld_instrument *tool, uint32_t radius_um, uint32_t bor
     }
 }
 
+/* A lattice of 7.8 mm around what the field describes of the path from `from` on; over its four outer cells it fades to rest. */
+static void make_beat(reference_tube *tube, uint32_t from)
+{
+    enum { FADE = 4, NODE = 3 * SELD_MOTION_ROW };
+    double low[3] = {9, 9, 9}, high[3] = {-9, -9, -9};
+    for (uint32_t i = from; i < tube->point_count; i++) {
+        for (int k = 0; k < 3; k++) {
+            low[k] = fmin(low[k], tube->points_m[i][k] - 0.03);
+            high[k] = fmax(high[k], tube->points_m[i][k] + 0.03);
+        }
+    }
+    const seld_motion *motion = &reference_motion_make(reference_waves, low, high, 23, &tube->lumen)->motion;
+    int16_t *rows = (int16_t *)(uintptr_t)motion->rows;
+    const uint32_t *n = motion->count_xyz;
+    for (uint32_t i = 0; i < n[0] * n[1] * n[2]; i++) {
+        const uint32_t at[3] = {i % n[0], i / n[0] % n[1], i / n[0] / n[1]};
+        uint32_t inside = FADE;
+        for (int k = 0; k < 3; k++) {
+            inside = at[k] < inside ? at[k] : inside;
+            inside = n[k] - 1 - at[k] < inside ? n[k] - 1 - at[k] : inside;
+        }
+        for (int k = 0; k < NODE; k++)
+            rows[i * NODE + k] = (int16_t)(rows[i * NODE + k] * (int)inside / FADE);
+    }
+    tube->lumen.motion = motion;
+}
+
+/* From now on 90 beats a minute. */
+static void begin_beating(void)
+{
+    input.rhythm = (seld_rhythm_order){SELD_RHYTHM_HEART_RATE, 90};
+    seld_step(&model, &state, &input, &output);
+    input.rhythm = (seld_rhythm_order){SELD_RHYTHM_ASYSTOLE, 0};
+    seld_step(&model, &state, &input, &output);
+    input.rhythm = (seld_rhythm_order){0, 0};
+}
+
 /* Pushes the wire in at 0.1 m/s until the scene's edges are free, then lets it rest for half a second. */
 static void insert(const scene *s)
 {
     const reference_piece straight = {0.85, 0, 0};
     reference_tube *tube =
         s->on_floor ? reference_tube_make(&straight, 1, 0.0008, 1) : reference_three_bends(0.002, 1);
+    if (s->beats) make_beat(tube, s->beats == ALL_BEATS ? 0 : HEART_FROM_mm);
     seld_instrument tools[SELD_TOOL_MAX];
     const uint32_t radius_um[] = {300, 370, 445};
     for (int k = 0; k < s->tools; k++) {
@@ -65,6 +111,7 @@ static void insert(const scene *s)
     if (seld_model_build(&model, tools, (uint32_t)s->tools, &tube->lumen, &entry, &place) != SELD_BUILD_OK)
         bench_fail("no model");
     seld_state_init(&model, &state, inserted_um);
+    state.words.rhythm.bits = SELD_RHYTHM_WANTS_ASYSTOLE | SELD_RHYTHM_IS_RESTING;
     for (int rest = 0; rest < 500;) {
         if ((int)seld_state_free_count(&state) < s->elements) {
             for (int k = 0; k < s->tools; k++) input.hands[k].feed_m_q30 += 107374;
@@ -75,6 +122,40 @@ static void insert(const scene *s)
     }
     fprintf(stderr, "%u free nodes, %u contacts\n", seld_state_free_count(&state), output.contact_count);
     if (output.contact_count < s->contacts) bench_fail("the scene has fewer contacts than its row says");
+    if (!s->beats) return;
+    begin_beating();
+    for (int ms = 0; ms < 100; ms++) seld_step(&model, &state, &input, &output);
+}
+
+/* Deepest contact of a coronary wire, mm: while it is pushed in at rest (argument 0), or in 60 s at 90 /min after it (1). */
+static double run_coronary(const bench_case *self)
+{
+    reference_tube *tube = reference_tube_make(reference_coronary, 3, 0.0015, 1);
+    tube->lumen.motion = &reference_motion_make(reference_beating_sphere, reference_coronary_low_m,
+                                                reference_coronary_high_m, 23, NULL)
+                              ->motion;
+    const seld_instrument wire = reference_coronary_wire();
+    const seld_entry entry = reference_entry();
+    const uint32_t inserted_um = 30000;
+    seld_build_place place;
+    if (seld_model_build(&model, &wire, 1, &tube->lumen, &entry, &place) != SELD_BUILD_OK)
+        bench_fail("no model");
+    seld_state_init(&model, &state, &inserted_um);
+    state.words.rhythm.bits = SELD_RHYTHM_WANTS_ASYSTOLE | SELD_RHYTHM_IS_RESTING;
+    input = (seld_input){0};
+    double resting_mm = 0, beating_mm = 0;
+    for (int ms = 0; ms < 2500; ms++) {
+        if (ms < 2000) input.hands[0].feed_m_q30 += 53687; /* 0.05 m/s */
+        seld_step(&model, &state, &input, &output);
+        resting_mm = fmax(resting_mm, output.penetration_max_m_q30 * 1e3 / 1073741824.0);
+    }
+    if (self->argument == 0) return resting_mm;
+    begin_beating();
+    for (int ms = 0; ms < 60000; ms++) {
+        seld_step(&model, &state, &input, &output);
+        beating_mm = fmax(beating_mm, output.penetration_max_m_q30 * 1e3 / 1073741824.0);
+    }
+    return beating_mm;
 }
 
 static void slide_tools(const scene *s)
@@ -127,6 +208,10 @@ static double run_elastica(const bench_case *self)
             "elements=" #elements " EI_N_m2=" bend " L_m=" length " PL2_EI=0.5..10", NULL, 0, run_elastica,  \
             elements * 10 + index                                                                            \
     }
+#define CORONARY(context, index)                                                                             \
+    {                                                                                                        \
+        "rod.coronary_penetration_mm", "mm", context, NULL, 0, run_coronary, index                           \
+    }
 #define STEP(elements, contacts, tools, index)                                                               \
     {"rod.step_instructions",                                                                                \
      "instructions",                                                                                         \
@@ -146,6 +231,10 @@ static const bench_case cases[] = {
     STEP(64, "4+", 1, 2),
     STEP(256, "all", 1, 3),
     STEP(256, "all", 3, 4),
+    STEP(256, "50+ beating=all", 1, 5),
+    STEP(256, "50+ beating=last_200_mm", 1, 6),
+    CORONARY("at=rest pushed_in_m_s=0.05", 0),
+    CORONARY("at=90/min for_s=60", 1),
     ELASTICA(256, 0, "2e-6", "0.1"),
     ELASTICA(256, 1, "1e-5", "0.1"),
     ELASTICA(256, 2, "1e-4", "0.5"),

@@ -14,6 +14,7 @@
 #define SELD_CORE_H
 
 #include "firmware/core/lumen.h"
+#include "firmware/core/rhythm.h"
 #include "firmware/core/vector.h"
 
 #ifndef SELD_NODE_MAX
@@ -22,7 +23,7 @@
 #endif
 
 enum {
-    SELD_CORE_VERSION = 2, /* changes whenever the same inputs may give another hash */
+    SELD_CORE_VERSION = 3, /* changes whenever the same inputs may give another hash */
     SELD_TOOL_MAX = 3,     /* coaxial tools of one line */
     SELD_KNOT_MAX = 32,    /* knots of one instrument */
     SELD_TICK_us = 1000,
@@ -80,7 +81,7 @@ typedef struct seld_build_place {
     uint32_t tool, knot;
 } seld_build_place;
 
-/* Input of one tick: where each hand is, not how fast. */
+/* Input of one tick: where each hand is, not how fast, and what is asked of heart and breath. */
 typedef struct seld_hand_pose {
     int32_t feed_m_q30; /* position along the inserter axis since the start, + into the patient */
     uint32_t turn32;    /* angle, one turn = 2^32, + right-handed about the direction of insertion */
@@ -88,6 +89,7 @@ typedef struct seld_hand_pose {
 
 typedef struct seld_input {
     seld_hand_pose hands[SELD_TOOL_MAX];
+    seld_rhythm_order rhythm; /* zero: nothing */
 } seld_input;
 
 /* What one tool gives back to its hand. */
@@ -105,9 +107,14 @@ typedef struct seld_output {
     int32_t penetration_max_m_q30; /* deepest contact depth after the step */
     int32_t strain_max_q30;        /* length error of the free part, relative, whole length */
     uint16_t contact_count;
-    uint16_t solve_count; /* 1, or 2 when a missed contact was re-solved */
-    uint16_t lead_tool;   /* whose tip is node 0 */
-    uint32_t fault_bits;  /* sticky SELD_FAULT_* of the state */
+    uint16_t solve_count;   /* 1, or 2 when a missed contact was re-solved */
+    uint16_t lead_tool;     /* whose tip is node 0 */
+    uint32_t fault_bits;    /* sticky SELD_FAULT_* of the state */
+    uint32_t heart_phase32; /* after the tick: where the wall is that the contacts met */
+    uint32_t breath_phase32;
+    uint32_t beat_ms;     /* since the beat began */
+    uint32_t interval_ms; /* from there to the next one */
+    uint32_t rhythm_bits; /* SELD_RHYTHM_* */
 } seld_output;
 
 enum {
@@ -169,5 +176,6 @@ bool seld_state_contact_force(const seld_model *model, const seld_state *state, 
  * For set-up (is the start possible?) and tests; a step reports its own in the output. */
 int32_t seld_state_depth(const seld_model *model, const seld_state *state);
 uint32_t seld_state_tick(const seld_state *state);
+const seld_rhythm *seld_state_rhythm(const seld_state *state);
 
 #endif

@@ -65,6 +65,7 @@ void seld_state_init(const seld_model *model, seld_state *state, const uint32_t 
         bytes[i] = 0;
     }
     seld_state_words *words = &state->words;
+    seld_rhythm_init(&words->rhythm);
     place_tools(model, words, inserted_um);
     words->line_compliance_m_N_q40 = UINT32_MAX; /* nothing seen yet: that of the whole line */
     int32_t inserted = seld_lead_inserted(model, words);
@@ -198,7 +199,8 @@ static bool tools_are_valid(const seld_model *model, const seld_state_words *wor
 static bool words_are_valid(const seld_model *model, const seld_state_words *words)
 {
     uint32_t na = words->free_count;
-    if (na < 4 || na + INSIDE_KEPT > model->node_count || !tools_are_valid(model, words)) {
+    if (na < 4 || na + INSIDE_KEPT > model->node_count || !tools_are_valid(model, words) ||
+        !seld_rhythm_is_valid(&words->rhythm)) {
         return false;
     }
     int32_t inserted = seld_lead_inserted(model, words);
@@ -330,7 +332,7 @@ int32_t seld_state_depth(const seld_model *model, const seld_state *state)
 {
     int32_t deepest = INT32_MIN;
     for (uint32_t i = 0; model->lumen != NULL && i < state->words.free_count; i++) {
-        seld_lumen_sample wall = seld_lumen_contact(model->lumen, &state->words.nodes[i].position_m_q30);
+        seld_lumen_sample wall = seld_wall_sample(model, state, &state->words.nodes[i].position_m_q30);
         int32_t depth = seld_add_sat(wall.distance_m_q30, state->line.nodes[i].radius_m_q30);
         deepest = depth > deepest ? depth : deepest;
     }
@@ -340,4 +342,9 @@ int32_t seld_state_depth(const seld_model *model, const seld_state *state)
 uint32_t seld_state_tick(const seld_state *state)
 {
     return state->words.tick;
+}
+
+const seld_rhythm *seld_state_rhythm(const seld_state *state)
+{
+    return &state->words.rhythm;
 }

@@ -9,6 +9,7 @@
 #define SELD_CORE_STATE_H
 
 #include "firmware/core/core_model.h"
+#include "firmware/core/motion.h"
 
 enum { SELD_PAIR_MAX = SELD_TOOL_MAX - 1 }; /* tool k inside tool k + 1 */
 
@@ -43,6 +44,7 @@ typedef struct seld_state_words {
     int32_t line_feed_m_q30;
     uint32_t line_compliance_m_N_q40; /* of the line seen from the hands, the least of the last ticks */
     int32_t release_q30; /* share of the rest shapes in force: 0 in the introducer, 1 after 256 ticks */
+    seld_rhythm rhythm;
     seld_tool_state tools[SELD_TOOL_MAX];
     seld_node_state nodes[SELD_ARRAY_NODES];
 } seld_state_words;
@@ -136,6 +138,7 @@ typedef struct seld_scratch {
         seld_work nodes[SELD_ARRAY_NODES];
         seld_state_words incoming; /* a state being restored, until it has passed its checks */
     };
+    seld_motion_pose pose;     /* of a vessel that moves */
     seld_joint mouth[2];       /* joints na-1 and na with their cells clipped at the inserter's mouth */
     int32_t mouth_axial_N_q22; /* force of the mouth on a bent line */
     int32_t feed_m_q33;        /* of the leading tip: how far the line slides along itself */

@@ -62,6 +62,11 @@ static void report(const seld_model *model, const seld_state *state, seld_output
     output->tick = words->tick;
     output->lead_tool = (uint16_t)seld_lead_tool(model, words);
     output->fault_bits = words->fault_bits;
+    output->heart_phase32 = words->rhythm.heart_phase32;
+    output->breath_phase32 = words->rhythm.breath_phase32;
+    output->beat_ms = words->rhythm.beat_ms;
+    output->interval_ms = words->rhythm.interval_ms;
+    output->rhythm_bits = words->rhythm.bits;
     for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
         const seld_tool_state *tool = &words->tools[k];
         output->tools[k] = (seld_handle){tool->handle_axial_N_q22, -(state->scratch.torque_N_m_q30[k] / 64),
@@ -70,8 +75,19 @@ static void report(const seld_model *model, const seld_state *state, seld_output
     seld_state_hash_lanes(state, output->hash_lane);
 }
 
+/* Heart and breath go on; the wall is from here on where it is at the end of the tick. */
+static void beat(const seld_model *model, seld_state *state, const seld_input *input)
+{
+    const seld_rhythm before = state->words.rhythm;
+    seld_rhythm_step(&state->words.rhythm, &input->rhythm);
+    if (model->lumen != NULL && model->lumen->motion != NULL) {
+        seld_motion_pose_begin(&state->scratch.pose, &before, &state->words.rhythm);
+    }
+}
+
 void seld_step(const seld_model *model, seld_state *state, const seld_input *input, seld_output *output)
 {
+    beat(model, state, input);
     seld_rod_feed(model, state, input);
     seld_rod_stretch(model, state);
     seld_contact_find(model, state);

@@ -37,6 +37,8 @@ enum {
     SELD_LUMEN_CULL_ERROR_M_Q30 = 1 << 17,
 };
 
+struct seld_motion;
+
 typedef struct seld_lumen {
     int32_t origin_m_q30[3];     /* corner of coarse brick (0,0,0) */
     uint32_t brick_count_xyz[3]; /* coarse bricks along each axis, each >= 1 */
@@ -45,6 +47,8 @@ typedef struct seld_lumen {
     const uint16_t *index;    /* brick_count_xyz product entries, x fastest */
     const uint16_t *children; /* child_row_count x 8 entries */
     const int8_t *samples;    /* brick_count x SELD_LUMEN_BRICK_SAMPLES */
+    const struct seld_motion
+        *motion; /* motion.h; NULL: the vessel stands still. Not looked at by the samplers below */
 } seld_lumen;
 
 typedef struct seld_lumen_sample {

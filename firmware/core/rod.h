@@ -162,6 +162,10 @@ void seld_tools_turned(const seld_model *model, seld_state *state);
 void seld_tools_handles(const seld_model *model, seld_state *state);
 void seld_tools_slide(const seld_model *model, seld_state *state);
 
+/* Contact sample of the wall as it is at the state's moment, for readers outside a tick. */
+seld_lumen_sample seld_wall_sample(const seld_model *model, const seld_state *state,
+                                   const seld_vec3 *position_m_q30);
+
 /* rod_contact.c: contacts at the predicted configuration with their stiffnesses; their forces, once the turn of the
  * surface is known. */
 void seld_contact_find(const seld_model *model, seld_state *state);

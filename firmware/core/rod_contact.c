@@ -125,10 +125,19 @@ static inline void add_roll(seld_vec3 *way, const seld_vec3 *around_q30, int32_t
     }
 }
 
+/* The bristle stands on the wall: what the wall does at the node sampled last is no way of the surface. Overflow: 2^24. */
+static void take_wall_step(const seld_model *model, seld_state *state, seld_vec3 *way)
+{
+    seld_vec3 wall = seld_motion_wall_step(model->lumen->motion, &state->scratch.pose);
+    for (int k = 0; k < 3; k++) {
+        way->v[k] -= wall.v[k];
+    }
+}
+
 /* Contact of node i after the expected motion: its stiffnesses. `expected` is the node's deviation (it may lie where `around`
  * takes its place), `inwards` its part along the normal, `predicted` the depth after it.
  * Overflow: impossible. Held way 2^29.2, deviations 2^29, roll 2^23: reach below 2^30.5 in every component. */
-static inline void touch(const seld_model *model, const seld_state *state, const seld_node_state *node,
+static inline void touch(const seld_model *model, seld_state *state, const seld_node_state *node,
                          seld_work *work, const seld_line_node *line, int32_t predicted_m_q30,
                          const seld_vec3 *expected, int32_t inwards)
 {
@@ -136,6 +145,9 @@ static inline void touch(const seld_model *model, const seld_state *state, const
     int32_t force = predicted_m_q30 > 0 ? normal_force(predicted_m_q30) : 0;
     int32_t limit = seld_scale_q30(force, friction_of(node, line));
     seld_vec3 way = surface_way(model, state, node, work, line);
+    if (model->lumen->motion != NULL) {
+        take_wall_step(model, state, &way);
+    }
     seld_vec3 held = tangential(&way, n);
     seld_vec3 reach = without(expected, n, inwards);
     for (int k = 0; k < 3; k++) {
@@ -182,7 +194,11 @@ static inline void push_node(const seld_model *model, const seld_node_state *nod
 static inline bool sample(const seld_model *model, seld_state *state, seld_work *work,
                           const seld_line_node *line)
 {
-    seld_lumen_sample wall = seld_lumen_contact(model->lumen, &work->position_m_q30);
+    const seld_lumen *lumen = model->lumen;
+    seld_lumen_sample wall =
+        lumen->motion == NULL
+            ? seld_lumen_contact(lumen, &work->position_m_q30)
+            : seld_motion_contact(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30);
     work->distance_m_q30 = wall.distance_m_q30;
     work->normal_q30 = wall.normal_q30;
     work->depth_m_q30 = seld_add_sat(wall.distance_m_q30, line->radius_m_q30);
@@ -202,12 +218,21 @@ static void clear(seld_node_state *node)
     node->contact = SELD_CONTACT_NONE;
 }
 
+static inline int32_t cull_distance(const seld_model *model, seld_state *state,
+                                    const seld_vec3 *position_m_q30)
+{
+    const seld_lumen *lumen = model->lumen;
+    return lumen->motion == NULL
+               ? seld_lumen_distance(lumen, position_m_q30)
+               : seld_motion_distance(lumen, lumen->motion, &state->scratch.pose, position_m_q30);
+}
+
 /* A node that touched in the last tick is sampled at once, another only when the cheap distance allows contact. */
 static inline bool may_touch(const seld_model *model, seld_state *state, const seld_node_state *node,
                              seld_work *work, const seld_line_node *line)
 {
     if (node->contact == SELD_CONTACT_NONE) {
-        work->distance_m_q30 = seld_lumen_distance(model->lumen, &work->position_m_q30);
+        work->distance_m_q30 = cull_distance(model, state, &work->position_m_q30);
         int32_t reach = (magnitude_sum(&work->drift_m_q33) >> 3) + MARGIN_M_Q30;
         if (work->distance_m_q30 < -line->radius_m_q30 - reach) {
             return false;
@@ -379,6 +404,17 @@ void seld_contact_finish(const seld_model *model, seld_state *state, seld_output
     }
 }
 
+seld_lumen_sample seld_wall_sample(const seld_model *model, const seld_state *state,
+                                   const seld_vec3 *position_m_q30)
+{
+    if (model->lumen->motion == NULL) {
+        return seld_lumen_contact(model->lumen, position_m_q30);
+    }
+    seld_motion_pose pose;
+    seld_motion_pose_begin(&pose, &state->words.rhythm, &state->words.rhythm);
+    return seld_motion_contact(model->lumen, model->lumen->motion, &pose, position_m_q30);
+}
+
 bool seld_state_contact_force(const seld_model *model, const seld_state *state, uint32_t node,
                               seld_vec3 *force_N_q22)
 {
@@ -388,7 +424,7 @@ bool seld_state_contact_force(const seld_model *model, const seld_state *state, 
         return false;
     }
     const seld_node_state *n = &state->words.nodes[node];
-    seld_lumen_sample wall = seld_lumen_contact(model->lumen, &n->position_m_q30);
+    seld_lumen_sample wall = seld_wall_sample(model, state, &n->position_m_q30);
     int32_t depth = seld_add_sat(wall.distance_m_q30, state->line.nodes[node].radius_m_q30);
     int32_t push = depth > 0 ? normal_force(depth) : 0;
     for (int k = 0; k < 3; k++) {

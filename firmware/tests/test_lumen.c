@@ -21,7 +21,7 @@ static int8_t samples[BRICKS][10][10][10];
 static uint16_t entries[12];
 static uint16_t children[4 * 8];
 static const seld_lumen lumen = {
-    {-BRICK_Q30, 5 * VOXEL_Q30, -3}, {3, 2, 2}, 4, BRICKS, entries, children, &samples[0][0][0][0]};
+    {-BRICK_Q30, 5 * VOXEL_Q30, -3}, {3, 2, 2}, 4, BRICKS, entries, children, &samples[0][0][0][0], NULL};
 
 static double voxel_m(int level)
 {

@@ -96,6 +96,7 @@ int command_replay(const ReplayOptions &options)
     std::unique_ptr<SessionPictures> pictures;
     PictureSettings picture_settings = options.pictures;
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(scene.path);
+    picture_settings.scene_path = scene.path;
     if (writes_pictures(picture_settings))
         pictures = std::make_unique<SessionPictures>(picture_settings, header.tools);
     watch_for_interrupt();

@@ -129,6 +129,7 @@ int command_run(const RunOptions &options)
 {
     PictureSettings picture_settings = options.pictures;
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(options.scene);
+    picture_settings.scene_path = options.scene;
     check_files(options, picture_settings);
     const bool is_led = options.free_run_s.has_value(); // by the rig
     const SceneFile scene = read_scene(options.scene);

@@ -131,6 +131,9 @@ void SessionFigures::take(const seld_wire_tick_state &state)
         strain_max_tick = state.tick;
     }
     contact_count_max = std::max<std::uint32_t>(contact_count_max, state.contact_count);
+    heart.monitor.tick(state);
+    heart.pressure_max_mmHg = std::max(heart.pressure_max_mmHg, heart.monitor.pressure_mmHg());
+    heart.pressure_min_mmHg = std::min(heart.pressure_min_mmHg, heart.monitor.pressure_mmHg());
     tools.resize(state.tools_count);
     for (std::size_t k = 0; k < tools.size(); k++) {
         const seld_wire_tool_state &now = state.tools[k];

@@ -5,6 +5,7 @@
 #include "host/app/frame_sink.hpp"
 #include "host/app/recording.hpp"
 #include "host/app/scene_file.hpp"
+#include "host/effects/pulse.hpp"
 #include "host/link/link.hpp"
 #include <functional>
 #include <memory>
@@ -127,6 +128,12 @@ struct ToolFigures {
     double torque_max_N_m = 0.0;
 };
 
+// What a monitor showed.
+struct HeartFigures {
+    PulseMonitor monitor;
+    double pressure_max_mmHg = 0.0, pressure_min_mmHg = 1e3;
+};
+
 // The worst of a session, over every tick.
 struct SessionFigures {
     std::uint32_t ticks = 0;
@@ -136,6 +143,7 @@ struct SessionFigures {
     std::uint32_t strain_max_tick = 0;
     std::uint32_t contact_count_max = 0;
     std::vector<ToolFigures> tools; // from the innermost; empty before the first tick
+    HeartFigures heart;
     void take(const seld_wire_tick_state &state);
 };
 

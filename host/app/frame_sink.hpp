@@ -1,8 +1,9 @@
 // Whoever wants pictures of a session: told what the room was asked for, and given the instrument at the ticks it names.
-// May include: model, room/command. Called by: run, replay.
+// May include: shared/wire, model, room/command. Called by: run, replay.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "host/room/command.hpp"
+#include "shared/wire/wire.h"
 #include <cstdint>
 #include <vector>
 
@@ -27,6 +28,8 @@ class FrameSink
 {
   public:
     virtual ~FrameSink() = default;
+    // Every tick in order, with what went in and what came out; before the frame of that tick.
+    virtual void tick(const seld_wire_encoders &, const seld_wire_tick_state &) {}
     // In force from that tick on; before the frame of that tick.
     virtual void command(std::uint32_t tick, const RoomCommand &command) = 0;
     // The next tick at which frame() is wanted, after all that was told up to now.

@@ -14,7 +14,7 @@ namespace
 constexpr std::size_t tools_max = 8; // lines at the bottom; a line of tools has three
 constexpr int name_letters = 24;
 constexpr Colour white{235, 240, 240}, dim{196, 206, 210}, amber{255, 196, 64}, red{255, 96, 80},
-    dark{0, 0, 0};
+    green{110, 235, 130}, pink{255, 150, 150}, dark{0, 0, 0};
 
 void put(Image &rgb, int x, int y, Colour colour)
 {
@@ -146,6 +146,7 @@ class Display
         draw_dose();
         draw_tools();
         draw_orientation();
+        if (info_.pulse) draw_pulse();
         if (!info_.notice.empty()) draw_notice();
         if (!info_.panel.empty()) draw_panel();
     }
@@ -285,6 +286,57 @@ class Display
         left(middle, patient_side(-view.right), white);
         centred(margin_, patient_side(view.up));
         if (info_.tools.size() < 2) centred(bottom, patient_side(-view.up)); // else tools fill the line
+    }
+
+    // Electrocardiogram and aortic pressure above the clock, written from left to right over what was there.
+    void draw_pulse()
+    {
+        const PulseMonitor &pulse = *info_.pulse;
+        const int width = 144 * scale_, lane = 26 * scale_, lines = static_cast<int>(info_.tools.size()) - 1;
+        const int x = rgb_.width - margin_ - width,
+                  bottom = rgb_.height - margin_ - 12 * scale_ - std::max(lines, 0) * line_;
+        const int pressure_y = bottom - lane, ecg_y = pressure_y - line_ - lane;
+        dim_box(rgb_, x - 2 * scale_, ecg_y - line_, x + width + 2 * scale_, bottom + 2 * scale_);
+        const double rate = pulse.rate_per_min();
+        draw_text(rgb_, x, ecg_y - line_ + scale_,
+                  rate > 0.0 ? format("ECG %.0f/min", rate) : std::string("ECG no beat"), scale_,
+                  rate > 0.0 ? green : red);
+        if (pulse.holds_breath())
+            draw_text(rgb_, x + width - text_width("BREATH HELD", scale_), ecg_y - line_ + scale_,
+                      "BREATH HELD", scale_, amber);
+        draw_text(rgb_, x, pressure_y - line_ + scale_,
+                  pulse.systolic_mmHg() > 0.0
+                      ? format("AO %.0f/%.0f mmHg", pulse.systolic_mmHg(), pulse.diastolic_mmHg())
+                      : std::string("AO"),
+                  scale_, pink);
+        draw_trace(x, ecg_y, width, lane, green,
+                   [](const PulseMonitor::Sample &s) { return (s.ecg_mV + 0.6) / 2.2; });
+        draw_trace(x, pressure_y, width, lane, pink,
+                   [](const PulseMonitor::Sample &s) { return (s.pressure_mmHg - 30.0) / 120.0; });
+    }
+
+    // Columns of the extent of their samples; ahead of the newest a gap.
+    template <class Height>
+    void draw_trace(int x, int y, int width, int height, Colour colour, Height share_of)
+    {
+        constexpr int gap_columns = 6;
+        const auto &samples = info_.pulse->samples();
+        const auto count = static_cast<int>(samples.size());
+        const int written = static_cast<int>(info_.pulse->newest()) * width / count;
+        const auto row = [&](int sample) {
+            const double share = std::clamp(finite_or_zero(share_of(samples[sample])), 0.0, 1.0);
+            return y + height - 1 - static_cast<int>(std::lround(share * (height - 1)));
+        };
+        for (int column = 1; column < width; ++column) {
+            const bool is_old = column > written;
+            if (is_old && (!info_.pulse->is_full() || column <= written + gap_columns * scale_)) continue;
+            int low = rgb_.height, high = 0;
+            for (int i = (column - 1) * count / width; i <= column * count / width && i < count; ++i) {
+                low = std::min(low, row(i));
+                high = std::max(high, row(i));
+            }
+            fill_box(rgb_, x + column, low, x + column + 1, high + scale_, colour);
+        }
     }
 
     void draw_notice()

@@ -1,6 +1,7 @@
-// The angiography display around a picture: geometry, mode, dose, instrument and orientation, in an own bitmap font.
+// The angiography display around a picture: geometry, mode, dose, instrument, orientation and heart, in an own bitmap font.
 #pragma once
 #include "host/app/picture.hpp"
+#include "host/effects/pulse.hpp"
 #include "host/room/room.hpp"
 #include <string>
 #include <string_view>
@@ -28,11 +29,12 @@ struct OverlayInfo {
     double kerma_mGy = 0.0;  // sum at the reference point
     double kerma_rate_mGy_min = 0.0;
     double kap_Gy_cm2 = 0.0;
-    double contrast_ml = 0.0;       // injected; 0 and no flow: nothing is shown
-    double contrast_ml_s = 0.0;     // at the moment
-    double dose_alert_Gy = 0.0;     // passed and not acknowledged; 0: none
-    std::string notice;             // one line in the middle, e.g. a warning; empty for none
-    std::vector<std::string> panel; // help panel, one line each; empty for none
+    double contrast_ml = 0.0;            // injected; 0 and no flow: nothing is shown
+    double contrast_ml_s = 0.0;          // at the moment
+    double dose_alert_Gy = 0.0;          // passed and not acknowledged; 0: none
+    const PulseMonitor *pulse = nullptr; // traces of the heart; nullptr: none
+    std::string notice;                  // one line in the middle, e.g. a warning; empty for none
+    std::vector<std::string> panel;      // help panel, one line each; empty for none
 };
 
 // The grey picture as RGB with the display drawn over it. Letters grow with

@@ -129,6 +129,7 @@ class Replayer
         for (std::size_t i = 0; i < count; i++) inputs_.push_back(recording_.ticks[link_.tick() + i].input);
         for (const seld_wire_tick_state &state : link_.step(inputs_, want_nodes)) {
             result_.figures.take(state);
+            if (sink_) sink_->tick(recording_.ticks[state.tick - 1].input, state);
             state_ = state;
             compare_lanes(state);
         }

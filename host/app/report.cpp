@@ -111,6 +111,12 @@ void write_report(const std::string &path, const RunResult &result, const std::s
                                    {"handle_force_max_N", tool.axial_max_N},
                                    {"handle_torque_max_mN_m", tool.torque_max_N_m * 1e3}});
     }
+    const HeartFigures &heart = figures.heart;
+    report["heart"] = {{"beats", heart.monitor.beats()},
+                       {"premature_beats", heart.monitor.premature_beats()},
+                       {"last_rate_per_min", heart.monitor.rate_per_min()},
+                       {"aortic_pressure_max_mmHg", heart.pressure_max_mmHg},
+                       {"aortic_pressure_min_mmHg", heart.pressure_min_mmHg}};
     report["room"] = room ? room_report(*room) : nlohmann::ordered_json();
     report["contrast"] = contrast && contrast->was_used() ? contrast_report(*contrast, result.seconds)
                                                           : nlohmann::ordered_json();

@@ -71,6 +71,7 @@ class Runner
             figures_.take(states[i]);
             state_ = states[i];
             if (recorder_) recorder_->tick(inputs_[i], states[i]);
+            if (sink_) sink_->tick(inputs_[i], states[i]);
         }
         if (link_.tick() % SessionPlayer::observe_every_ticks == 0) player_.observe(inserted());
         record_state();

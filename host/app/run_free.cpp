@@ -61,6 +61,7 @@ class FreeRunner final : private FreeRunSink
         result_.late_ticks += (tick.flags & SELD_WIRE_LIVE_LATE) != 0;
         result_.powered_ticks += (tick.flags & SELD_WIRE_LIVE_POWERED) != 0;
         if (recorder_) recorder_->tick(tick.input, tick.state);
+        if (sink_) sink_->tick(tick.input, tick.state);
         for (const RoomCommand &command : pedals_.changes(tick.input.buttons))
             pass(tick.state.tick + 1, command);
         if (const auto injection = syringe_.change(tick.state.tick, tick.input.syringe_counts))

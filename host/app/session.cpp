@@ -1,7 +1,9 @@
 #include "host/app/session.hpp"
 #include "host/app/session_line.hpp"
+#include "host/app/session_rhythm.hpp"
 #include "host/app/session_room.hpp"
 #include "host/model/text.hpp"
+#include <algorithm>
 #include <cmath>
 
 namespace seld
@@ -109,6 +111,7 @@ std::vector<std::string> all_verbs()
 {
     std::vector<std::string> verbs = hand_verbs;
     verbs.insert(verbs.end(), room_verbs().begin(), room_verbs().end());
+    verbs.insert(verbs.end(), rhythm_verbs().begin(), rhythm_verbs().end());
     return verbs;
 }
 
@@ -156,6 +159,8 @@ class SessionParser
         if (verb == "wait") {
             statement.wait_ticks = static_cast<std::uint32_t>(
                 std::lround(line.quantity("time", time_units, 0.001, 3600.0) * 1e3));
+        } else if (std::find(rhythm_verbs().begin(), rhythm_verbs().end(), verb) != rhythm_verbs().end()) {
+            statement.rhythm = parse_rhythm(line, verb);
         } else {
             statement.room = room_.parse(line, verb);
         }

@@ -4,9 +4,10 @@
 //   SessionPlayer player(session, tool_count);
 //   while (!player.is_done()) { input = player.next(); ...; player.observe(inserted_m); }
 //
-// Errors name file, line and column and suggest a spelling. May include: hand_motion, room/command, model/text.
+// Errors name file, line and column and suggest a spelling. May include: hand_motion, rhythm_order, room/command, model/text.
 #pragma once
 #include "host/app/hand_motion.hpp"
+#include "host/app/rhythm_order.hpp"
 #include "host/room/command.hpp"
 #include "shared/wire/wire.h"
 #include <optional>
@@ -34,12 +35,13 @@ struct HandMove {
     std::optional<std::int64_t> until_inserted_um;
 };
 
-// One line of the script: moves of hands (together), or a pause, or commands to the room.
+// One line of the script: moves of hands (together), or a pause, or commands to the room, or something asked of heart and breath.
 struct Statement {
     int line = 0;
     std::vector<HandMove> moves;
     std::uint32_t wait_ticks = 0;
     std::vector<RoomCommand> room;
+    std::optional<RhythmOrder> rhythm;
 };
 
 struct Session {
@@ -99,6 +101,7 @@ class SessionPlayer
     std::int64_t position_counts_[session_tools_max][2] = {}; // translation, rotation
     void ask(const RoomCommand &command);
     std::vector<RoomCommand> commands_;
+    RhythmOrders rhythm_;
     std::uint32_t buttons_ = 0; // pedals as the rig would send them
     std::vector<int> given_up_lines_;
 };

@@ -50,6 +50,9 @@ SessionPictures::SessionPictures(const PictureSettings &settings, const std::vec
         throw std::runtime_error(error);
     }
     if (!scene_.set_bodies(bodies, error)) throw std::runtime_error(settings_.bodies_path + ": " + error);
+    const std::optional<Motion> motion = read_motion(settings_.scene_path, error);
+    if (!error.empty()) throw std::runtime_error(error);
+    if (motion) moving_.emplace(*motion, bodies);
     xray_ = std::make_unique<Xray>(scene_, settings_.threads,
                                    paths_maker(settings_.xray, settings_.window_context));
     if (settings_.style == "vcsim3") thesis_look_ = std::make_unique<Vcsim3Look>(bodies, settings_.threads);
@@ -94,6 +97,7 @@ OverlayInfo SessionPictures::display(const SessionFrame &frame) const
         info.contrast_ml = contrast_->injected_ml();
         info.contrast_ml_s = contrast_->flow_ml_s();
     }
+    info.pulse = monitor_.has_samples() ? &monitor_ : nullptr;
     info.notice = notice_.empty() ? info.room.notice : notice_;
     if (info.notice.empty() && frame.wire.tick < contrast_notice_until_) info.notice = contrast_notice_;
     info.panel = panel_;
@@ -129,13 +133,24 @@ bool SessionPictures::advance(std::uint32_t tick, const SessionFrame &frame)
     WireFrame shape = frame.wire;
     shape.tick = tick;
     contrast_->colour(shape);
-    const XrayFrame seen{looks_, shape, contrast_->curves()};
+    const std::vector<MovedBody> moved = moved_at(shape);
+    const XrayFrame seen{looks_, shape, contrast_->curves(), moved};
     xray_->render(xray, seen, settings_.seed, request.settles_at_once ? nullptr : &memory_, pulse_);
     tell_failure();
     if (export_) export_pulse(); // what is written for measurement stays physical
     if (thesis_look_) thesis_look_->draw(xray, seen, settings_.seed, pulse_);
     room_.expose(pulse_);
     return true;
+}
+
+// Bodies beat with the wire's own tick.
+std::vector<MovedBody> SessionPictures::moved_at(const WireFrame &shape)
+{
+    std::vector<MovedBody> moved;
+    if (moving_ && !moving_->is_empty())
+        for (const MovingBodies::Moved &body : moving_->at({shape.heart_phase32, shape.breath_phase32}))
+            moved.push_back({body.body, body.vertices_um});
+    return moved;
 }
 
 // A rig that leads sends its shapes at its own times: pulses between two of them are made with the later one.

@@ -10,6 +10,7 @@
 #include "host/app/picture_overlay.hpp"
 #include "host/app/session_contrast.hpp"
 #include "host/model/instrument.hpp"
+#include "host/model/motion.hpp"
 #include "host/room/room.hpp"
 #include "host/xray/style_vcsim3.hpp"
 #include "host/xray/xray.hpp"
@@ -25,6 +26,7 @@ RadiopaqueInstrument instrument_look(const Instrument &instrument);
 
 struct PictureSettings {
     std::string bodies_path;    // empty: air
+    std::string scene_path;     // where it says how bodies move; empty: they stand still
     std::string png_path;       // last picture; empty: none
     std::string png16_path;     // values of the last X-ray; empty: none
     std::string mp4_path;       // empty: none
@@ -54,7 +56,12 @@ class SessionPictures final : public FrameSink
     void frame(const SessionFrame &frame) override;
     std::uint32_t next_look() const override { return contrast_->next_tick(); }
     void look(const SessionFrame &frame) override { contrast_->advance(frame.wire); }
+    void tick(const seld_wire_encoders &, const seld_wire_tick_state &state) override
+    {
+        monitor_.tick(state);
+    }
     void finish() override;
+    const PulseMonitor &monitor() const { return monitor_; }
     const Room &room() const { return room_; }
     const SessionContrast &contrast() const { return *contrast_; }
     std::uint32_t count() const { return count_; } // pictures of the screen, at the settings' rate
@@ -76,6 +83,7 @@ class SessionPictures final : public FrameSink
     void tell_failure();
     OverlayInfo display(const SessionFrame &frame) const;
     bool advance(std::uint32_t tick, const SessionFrame &frame);
+    std::vector<MovedBody> moved_at(const WireFrame &shape);
     void export_pulse();
     void finish_export();
 
@@ -88,11 +96,13 @@ class SessionPictures final : public FrameSink
     std::uint32_t contrast_notice_until_ = 0; // tick
     std::vector<std::string> panel_;
     XrayScene scene_;
+    std::optional<MovingBodies> moving_;
     std::unique_ptr<Xray> xray_;              // after the scene has its bodies
     std::unique_ptr<Vcsim3Look> thesis_look_; // when that style is asked for
     Room room_;
     std::unique_ptr<SessionContrast> contrast_;
     bool has_begun_ = false;
+    PulseMonitor monitor_;
     XrayMemory memory_;
     XrayPicture pulse_;  // of the last pulse
     XrayPicture screen_; // its grey values are what is shown

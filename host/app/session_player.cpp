@@ -62,12 +62,13 @@ void SessionPlayer::ask(const RoomCommand &command)
     buttons_ = command.values[0] == 1 ? buttons_ | pedal : buttons_ & ~pedal;
 }
 
-// Commands to the room take effect at once; the first statement that takes time becomes the present one.
+// Commands to the room and to heart and breath take effect at once; the first statement that takes time becomes the present one.
 void SessionPlayer::enter_statement()
 {
     for (; !is_done(); statement_++) {
         const Statement &statement = session_.statements[statement_];
         for (const RoomCommand &command : statement.room) ask(command);
+        if (statement.rhythm) rhythm_.add(*statement.rhythm);
         tick_in_statement_ = 0;
         active_.clear();
         for (const HandMove &move : statement.moves) {
@@ -115,6 +116,7 @@ seld_wire_encoders SessionPlayer::next()
         input.hands[k] = {counts(0), counts(1)};
     }
     input.buttons = buttons_;
+    rhythm_.put_next(input);
     if (!is_done()) finish_statement();
     return input;
 }

@@ -111,6 +111,7 @@ class Window
             keys_.hold(screen_);
             keys_.lead(session_->hands());
             for (const RoomCommand &command : keys_.take_commands()) session_->command(command);
+            for (const RhythmOrder &order : keys_.take_orders()) session_->order(order);
             session_->advance(pace.ticks_due());
             annotate();
             screen_.show(session_->image());
@@ -195,6 +196,7 @@ int run_window(const WindowOptions &options)
 int command_view(WindowOptions options)
 {
     if (options.pictures.bodies_path.empty()) options.pictures.bodies_path = bodies_beside(options.scene);
+    options.pictures.scene_path = options.scene;
     std::vector<NamedPath> inputs = tool_inputs(options.instrument, options.tools);
     inputs.insert(inputs.end(), {{"--scene", options.scene}, {"--bodies", options.pictures.bodies_path}});
     check_outputs(inputs, {{"--record", options.record}, {"--screenshot", options.screenshot}});

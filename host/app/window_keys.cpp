@@ -80,6 +80,8 @@ std::vector<std::string> help_panel(std::size_t tool_count)
                                       "Ctrl + arrows     shift the mask",
                                       "M                 roadmap on / off",
                                       "Backspace         dose alert seen",
+                                      "4 / 5   6   7   8 heart slower / faster, premature beat,",
+                                      "                  asystole, breath hold on / off",
                                       "R  start again                                  Esc  end"};
     if (tool_count > 1) {
         const std::string numbers = tool_count == 2 ? "1 2 or Tab        " : "1 2 3 or Tab      ";
@@ -107,6 +109,7 @@ void WindowKeys::take(const Screen::KeyEvent &event, const Room &room)
     if (!event.is_press) return; // the rest does not repeat
     take_mode(event.key, room);
     take_switch(event.key);
+    take_rhythm(event.key);
     if (event.key >= GLFW_KEY_F2 && event.key <= GLFW_KEY_F12)
         go_to(static_cast<std::size_t>(event.key - GLFW_KEY_F2));
 }
@@ -260,6 +263,29 @@ void WindowKeys::take_switch(int key)
     }
 }
 
+void WindowKeys::take_rhythm(int key)
+{
+    const auto order = [&](std::uint8_t action, int value) {
+        orders_.push_back({action, static_cast<std::uint16_t>(value)});
+    };
+    switch (key) {
+    case GLFW_KEY_4:
+    case GLFW_KEY_5:
+        heart_rate_per_min_ = std::clamp(heart_rate_per_min_ + (key == GLFW_KEY_5 ? 10 : -10), 40, 160);
+        return order(SELD_WIRE_RHYTHM_HEART_RATE, heart_rate_per_min_);
+    case GLFW_KEY_6:
+        return order(SELD_WIRE_RHYTHM_PREMATURE, premature_usual_milli);
+    case GLFW_KEY_7:
+        is_asystole_ = !is_asystole_;
+        return order(SELD_WIRE_RHYTHM_ASYSTOLE, is_asystole_);
+    case GLFW_KEY_8:
+        holds_breath_ = !holds_breath_;
+        return order(SELD_WIRE_RHYTHM_BREATH_HOLD, holds_breath_);
+    default:
+        break;
+    }
+}
+
 // Without the focus no key is down: a window that loses it in mid-push must not go on pushing.
 void WindowKeys::hold(const Screen &screen)
 {
@@ -314,6 +340,11 @@ bool WindowKeys::take_reset()
     wants_reset_ = false;
     if (wanted)
         was_fluoro_asked_ = was_cine_asked_ = was_injecting_ = false; // the new room has its pedals up
+    if (wanted) {
+        heart_rate_per_min_ = 70;
+        is_asystole_ = holds_breath_ = false;
+        orders_.clear();
+    }
     return wanted;
 }
 

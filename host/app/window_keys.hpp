@@ -2,10 +2,12 @@
 // May include: room, window_screen. Called by: window.
 #pragma once
 #include "host/app/hand_motion.hpp"
+#include "host/app/rhythm_order.hpp"
 #include "host/app/window_screen.hpp"
 #include "host/room/room.hpp"
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace seld
@@ -28,6 +30,8 @@ class WindowKeys
 
     // What the room is asked for since the last call, pedals included.
     std::vector<RoomCommand> take_commands();
+    // What heart and breath are asked for.
+    std::vector<RhythmOrder> take_orders() { return std::exchange(orders_, {}); }
     bool shows_help() const { return shows_help_; }
     bool wants_end() const { return wants_end_; }
     bool take_reset(); // true once after R
@@ -39,6 +43,7 @@ class WindowKeys
     void take_mode(int key, const Room &room);
     void take_review(int key, const Room &room);
     void take_switch(int key);
+    void take_rhythm(int key);
     void turn(const Room &room, double primary_deg, double secondary_deg);
     void move_table(const Room &room, int axis, double step_m);
     void change_distance(const Room &room, double step_m);
@@ -52,6 +57,9 @@ class WindowKeys
     std::size_t tool_count_, chosen_tool_ = 0;
     bool moves_all_ = false;
     std::vector<RoomCommand> commands_;
+    std::vector<RhythmOrder> orders_;
+    int heart_rate_per_min_ = 70; // as the core begins
+    bool is_asystole_ = false, holds_breath_ = false;
     bool shows_help_, is_control_down_ = false, is_shift_down_ = false;
     bool wants_end_ = false, wants_reset_ = false;
     bool is_pedal_down_ = false, is_pedal_latched_ = false, is_cine_down_ = false;

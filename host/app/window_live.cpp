@@ -60,6 +60,16 @@ void LiveSession::command(const RoomCommand &command)
     pass((choice_.free_run ? led_tick_ : device_.link().tick()) + 1, command);
 }
 
+void LiveSession::order(const RhythmOrder &order)
+{
+    if (!choice_.free_run) return rhythm_.add(order);
+    try {
+        if (fault_.empty()) device_.ask([&](Link &link) { link.ask_rhythm(order.action, order.value); });
+    } catch (const LinkError &error) {
+        fault_ = error.what();
+    }
+}
+
 // In LOCKSTEP a rig says what its pedals do when it is asked.
 void LiveSession::look_at_pedals()
 {
@@ -116,6 +126,7 @@ void LiveSession::batch(std::uint32_t count)
             hands_[k].advance_tick();
             input.hands[k] = {hands_[k].translation_counts(), hands_[k].rotation_counts()};
         }
+        rhythm_.put_next(input);
         inputs_.push_back(input);
     }
     const bool is_picture_due = link.tick() + count == pictures_.next_tick();
@@ -123,6 +134,7 @@ void LiveSession::batch(std::uint32_t count)
     for (std::size_t i = 0; i < states.size(); ++i) {
         state_ = states[i];
         if (recorder_) recorder_->tick(inputs_[i], states[i]);
+        pictures_.tick(inputs_[i], states[i]);
     }
     record_state();
     if (is_picture_due) picture();
@@ -147,6 +159,7 @@ void LiveSession::tick(const seld_wire_live_tick &tick)
     state_ = tick.state;
     inputs_.assign(1, tick.input);
     if (recorder_) recorder_->tick(tick.input, tick.state);
+    pictures_.tick(tick.input, tick.state);
     for (const RoomCommand &change : rig_pedals_.changes(tick.input.buttons)) pass(led_tick_ + 1, change);
     if (const auto injection = rig_syringe_.change(led_tick_, tick.input.syringe_counts))
         pass(led_tick_ + 1, *injection);

@@ -4,6 +4,7 @@
 #pragma once
 #include "host/app/device.hpp"
 #include "host/app/hand_motion.hpp"
+#include "host/app/rhythm_order.hpp"
 #include "host/app/rig_pedals.hpp"
 #include "host/app/session_pictures.hpp"
 #include <memory>
@@ -25,6 +26,7 @@ class LiveSession final : private FreeRunSink
     std::span<LiveHand> hands() { return hands_; } // one per tool
     void choose_tool(std::size_t tool, bool all);  // marked in the display
     void command(const RoomCommand &command);      // in force from the next tick on; recorded
+    void order(const RhythmOrder &order);          // of heart and breath, in the next tick
     const Room &room() const { return pictures_.room(); }
     // `ticks` ticks; pictures are made when they are due. False when the device stopped: fault() says why.
     bool advance(std::uint32_t ticks);
@@ -56,6 +58,7 @@ class LiveSession final : private FreeRunSink
     std::vector<LiveHand> hands_;
     RigPedals rig_pedals_;
     RigSyringe rig_syringe_;
+    RhythmOrders rhythm_;
     std::uint32_t buttons_ = 0; // pedals by key, as a rig would send them
     std::vector<seld_wire_encoders> inputs_;
     seld_wire_tick_state state_{};

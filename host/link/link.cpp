@@ -428,6 +428,13 @@ void Link::send_input(const seld_wire_encoders &encoders)
     last_input_ = encoders;
 }
 
+void Link::ask_rhythm(std::uint8_t action, std::uint16_t value)
+{
+    const seld_wire_rhythm order = {action, value};
+    send_message(SELD_WIRE_TYPE_rhythm, order, seld_wire_put_rhythm);
+    receive_answer(SELD_WIRE_TYPE_status);
+}
+
 // Says that the host is there, unless it has spoken since this was last asked. An answer is filed with what else comes.
 void Link::beat()
 {

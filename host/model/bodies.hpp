@@ -18,6 +18,7 @@ struct Body {
     int parent = -1;                                     // index of the enclosing body, -1 for none (air)
     std::vector<Eigen::Vector3i> vertices_um;            // patient frame
     std::vector<std::array<std::uint32_t, 3>> triangles; // counter-clockwise seen from outside
+    bool moves = false;                                  // with the scene's motion (motion.hpp)
 };
 
 struct Bodies {

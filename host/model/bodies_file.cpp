@@ -14,6 +14,7 @@ Body read_body(const seld_scene_body_view &view)
     body.name = view.name;
     body.material = view.material;
     body.parent = view.parent;
+    body.moves = view.moves;
     body.vertices_um.resize(view.vertex_count);
     for (std::size_t i = 0; i < view.vertex_count; ++i) {
         const std::uint8_t *at = view.vertices_um + 12 * i;

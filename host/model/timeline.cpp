@@ -24,6 +24,8 @@ WireFrame wire_frame(const seld_wire_nodes &nodes, const seld_wire_node_table &t
 {
     WireFrame frame;
     frame.tick = nodes.tick;
+    frame.heart_phase32 = nodes.heart_phase32;
+    frame.breath_phase32 = nodes.breath_phase32;
     const std::span<const std::int32_t> inserted(nodes.inserted_m_q30, nodes.inserted_m_q30_count);
     for (std::int32_t m_q30 : inserted)
         frame.tip_arc_m.push_back(units::metres(*std::max_element(inserted.begin(), inserted.end())) -

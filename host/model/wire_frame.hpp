@@ -18,6 +18,7 @@ struct WireNode {
 
 struct WireFrame {
     std::uint32_t tick = 0;
+    std::uint32_t heart_phase32 = 0, breath_phase32 = 0; // 2^-32 cycle: docs/heart.md
     std::vector<WireNode>
         nodes; // node 0 is the leading tip; only nodes beyond the inserter and the first one inside it
     // Where on the line each tool's own tip lies, from the innermost tool; the leading one's is 0. A tool covers the line

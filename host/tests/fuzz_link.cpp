@@ -1,7 +1,7 @@
 // Fuzz target: the host's side of the wire against any device. The input is a list of things a host asks for, and behind each what
 // the device says to it:
 //
-//   call u8 modulo 20, then answers until the call ends:
+//   call u8 modulo 21, then answers until the call ends:
 //     0 silence: what is under way fails           3 the same with the last byte repeated: length u16, times u8
 //     1 raw bytes: length u8, bytes                4 any type, answering another frame: type u8, back u8, length u8, payload
 //     2 the message that is waited for:            5 raw bytes as 1, then the answer as 2
@@ -144,7 +144,8 @@ void call(seld::Link &link, std::uint8_t which)
     static const std::vector<std::uint8_t> scene(1100, 7), snapshot(1100, 9);
     static const seld_wire_instrument tool{};
     static const seld_wire_encoders inputs[3] = {};
-    switch (which % 20) {
+    if (which % 21 == 20) return link.ask_rhythm(SELD_WIRE_RHYTHM_HEART_RATE, 80);
+    switch (which % 21) {
     case 0:
         promise(link.hello().accepted != 0);
         break;
@@ -292,7 +293,7 @@ Script free_run()
     live.ticks[1].state = tick_state(2);
     seld_wire_notice notice{};
     notice.number = 1;
-    script.hello().ask(16).status(2, 0).status(2, 0).ask(6).status(3, 0).ask(8);
+    script.hello().ask(16).status(2, 0).status(2, 0).ask(6).status(3, 0).ask(20).status(3, 0).ask(8);
     script.answer(live, seld_wire_put_live, SELD_WIRE_TYPE_live);
     script.answer(notice, seld_wire_put_notice, SELD_WIRE_TYPE_notice);
     script.answer(live, seld_wire_put_live, SELD_WIRE_TYPE_live);

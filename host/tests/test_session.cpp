@@ -191,6 +191,30 @@ void the_room_is_asked_in_words(void **)
     expect_error("store fluoro 1 min", "time is out of range");
 }
 
+// Each order is in one tick's input: of two at once the second one comes a tick later.
+void heart_and_breath_are_asked_at_their_ticks(void **)
+{
+    const auto inputs =
+        play("heart rate 90 /min\nheart variability 2.5 %\nwait 0.1 s\npremature beat at 45 %\nwait 10 ms\n"
+             "premature beat\nwait 10 ms\nasystole on\nwait 10 ms\nbreath rate 12/min\nbreath hold on\nwait "
+             "10 ms\n");
+    const std::vector<std::array<int, 3>> wanted = {
+        {0, SELD_WIRE_RHYTHM_HEART_RATE, 90},   {1, SELD_WIRE_RHYTHM_VARIABILITY, 25},
+        {100, SELD_WIRE_RHYTHM_PREMATURE, 450}, {110, SELD_WIRE_RHYTHM_PREMATURE, 600},
+        {120, SELD_WIRE_RHYTHM_ASYSTOLE, 1},    {130, SELD_WIRE_RHYTHM_BREATH_RATE, 12},
+        {131, SELD_WIRE_RHYTHM_BREATH_HOLD, 1}};
+    std::vector<std::array<int, 3>> found;
+    for (std::size_t i = 0; i < inputs.size(); i++) {
+        if (inputs[i].rhythm_action != 0)
+            found.push_back({static_cast<int>(i), inputs[i].rhythm_action, inputs[i].rhythm_value});
+    }
+    assert_true(found == wanted);
+    expect_error("heart rate 170 /min\n", "a.session:1:12: heart rate must be 40 to 160 /min");
+    expect_error("premature beat at 95 %\n", "coupling must be 40 to 90 % of the interval");
+    expect_error("breath hold maybe\n", "unknown switch 'maybe'");
+    expect_error("hart rate 90 /min\n", "did you mean 'heart'");
+}
+
 void mistakes_are_reported_with_place_and_suggestion(void **)
 {
     expect_error("wait 1 s\nadvanse 10 mm",
@@ -347,6 +371,7 @@ int main()
         cmocka_unit_test(until_that_is_never_reached_is_given_up_and_reported),
         cmocka_unit_test(views_change_between_moves),
         cmocka_unit_test(the_room_is_asked_in_words),
+        cmocka_unit_test(heart_and_breath_are_asked_at_their_ticks),
         cmocka_unit_test(mistakes_are_reported_with_place_and_suggestion),
         cmocka_unit_test(comments_commas_and_joined_units_are_understood),
         cmocka_unit_test(a_move_names_its_tool_or_moves_the_selected_one),

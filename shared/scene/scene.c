@@ -82,7 +82,7 @@ static seld_scene_status check_header(seld_scene_check *check)
     TRY(check_size(check));
     check->section_count = seld_scene_u32(b + 20);
     bool is_scene = check->kind == SELD_SCENE_KIND_SCENE;
-    if (is_scene ? check->section_count != 3
+    if (is_scene ? check->section_count < 3 || check->section_count > 4
                  : check->section_count < 2 || check->section_count > 2 + SELD_SCENE_BODY_MAX)
         return seld_scene_fault_at(check, SELD_SCENE_SECTION_COUNT, 20);
     check->table_end = SELD_SCENE_HEADER_BYTES + check->section_count * SELD_SCENE_TABLE_ROW_BYTES;
@@ -107,7 +107,8 @@ seld_scene_span seld_scene_section_span(const uint8_t *bytes, uint32_t index)
 /* A body file ends with its bodies or with one tree behind them. */
 static bool section_type_fits(const seld_scene_check *check, uint32_t index, uint32_t type)
 {
-    static const uint32_t scene_types[3] = {SELD_SCENE_META, SELD_SCENE_ENTRY, SELD_SCENE_LUMEN};
+    static const uint32_t scene_types[4] = {SELD_SCENE_META, SELD_SCENE_ENTRY, SELD_SCENE_LUMEN,
+                                            SELD_SCENE_MOTION};
     if (check->kind == SELD_SCENE_KIND_SCENE) return type == scene_types[index];
     if (index == 0) return type == SELD_SCENE_META;
     if (index + 1 == check->section_count && type == SELD_SCENE_TREE) return true;
@@ -214,7 +215,10 @@ static seld_scene_status check_scene(seld_scene_check *check, seld_scene *scene)
     TRY(check_meta(check, seld_scene_section_span(check->bytes, 0), scene));
     if (check->kind == SELD_SCENE_KIND_BODIES) return check_body_file(check, scene);
     TRY(check_entry(check, seld_scene_section_span(check->bytes, 1), scene));
-    return seld_scene_check_lumen(check, seld_scene_section_span(check->bytes, 2), &scene->lumen);
+    TRY(seld_scene_check_lumen(check, seld_scene_section_span(check->bytes, 2), &scene->lumen));
+    scene->has_motion = check->section_count > 3;
+    if (!scene->has_motion) return SELD_SCENE_OK;
+    return seld_scene_check_motion(check, seld_scene_section_span(check->bytes, 3), &scene->motion);
 }
 
 seld_scene_status seld_scene_open(const uint8_t *bytes, size_t size, seld_scene *scene, uint32_t *where_byte)

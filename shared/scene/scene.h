@@ -22,8 +22,8 @@ extern "C" {
 
 enum {
     SELD_SCENE_MAJOR = 1,
-    SELD_SCENE_MINOR = 1,            /* written only into files that need it: a TREE */
-    SELD_SCENE_ALIGNMENT = 16,       /* of sections in the file */
+    SELD_SCENE_MINOR = 1,      /* written only into files that need it: MOTION, a body that moves, a TREE */
+    SELD_SCENE_ALIGNMENT = 16, /* of sections in the file */
     SELD_SCENE_ADDRESS_MULTIPLE = 4, /* of the bytes in memory */
     SELD_SCENE_HEADER_BYTES = 32,
     SELD_SCENE_TABLE_ROW_BYTES = 16,
@@ -52,6 +52,16 @@ enum {
     SELD_SCENE_RADIUS_MIN_um = 10,
     SELD_SCENE_RADIUS_MAX_um = 100000,
     SELD_SCENE_BRANCH_FLOW_MAX_mm3_per_s = 1000000,
+    SELD_SCENE_BODY_MOVES = 1, /* flag of a body: it moves with the scene's MOTION */
+    SELD_SCENE_MOTION_HEADER_BYTES = 32,
+    SELD_SCENE_MOTION_KEYFRAMES = 24,
+    SELD_SCENE_MOTION_ROW = 28, /* numbers of one component of one node; 3 components */
+    SELD_SCENE_MOTION_ROW_BREATH = 26,
+    SELD_SCENE_MOTION_UNIT_LOG2_Q30 = 11,
+    SELD_SCENE_MOTION_VALUE_MAX = 1 << 14,
+    SELD_SCENE_MOTION_COUNT_MAX = 256, /* nodes along an axis */
+    SELD_SCENE_MOTION_SPACING_LOG2_MIN = 20,
+    SELD_SCENE_MOTION_SPACING_LOG2_MAX = 24,
     SELD_SCENE_ENTRY_REACH_Q30 = 2040109465, /* 1.9 m, as the core takes it */
 };
 
@@ -64,6 +74,7 @@ typedef enum seld_scene_section {
     SELD_SCENE_META = 1,
     SELD_SCENE_ENTRY = 2,
     SELD_SCENE_LUMEN = 3,
+    SELD_SCENE_MOTION = 4,
     SELD_SCENE_BODY = 16,
     SELD_SCENE_TREE = 17,
 } seld_scene_section;
@@ -94,11 +105,15 @@ typedef enum seld_scene_status {
     SELD_SCENE_CHILD_ROWS,      /* more rows refining coarse bricks than rows */
     SELD_SCENE_INDEX_BRICK,     /* an index entry names a brick that is not there */
     SELD_SCENE_INDEX_ROW,       /* an index entry names a child row that is not there or not allowed there */
-    SELD_SCENE_BODY_PARENT,     /* a parent that is not there, or bodies lying in each other in a circle */
-    SELD_SCENE_BODY_SIZE,       /* no triangles, or too many in all */
-    SELD_SCENE_BODY_VERTEX,     /* a vertex beyond 2 m */
-    SELD_SCENE_BODY_TRIANGLE,   /* a triangle names a vertex that is not there, or one twice */
-    SELD_SCENE_TREE_SIZE,       /* no branches or points, or too many */
+    SELD_SCENE_MOTION_LATTICE, /* node counts, spacing or keyframes out of range, or the lattice leaves the number range */
+    SELD_SCENE_MOTION_VALUE,  /* a displacement over 31 mm, or a row that contradicts itself */
+    SELD_SCENE_MOTION_STEEP,  /* neighbours differ so much that the vessel would fold over */
+    SELD_SCENE_MOTION_EDGE,   /* the lattice's boundary moves */
+    SELD_SCENE_BODY_PARENT,   /* a parent that is not there, or bodies lying in each other in a circle */
+    SELD_SCENE_BODY_SIZE,     /* no triangles, or too many in all */
+    SELD_SCENE_BODY_VERTEX,   /* a vertex beyond 2 m */
+    SELD_SCENE_BODY_TRIANGLE, /* a triangle names a vertex that is not there, or one twice */
+    SELD_SCENE_TREE_SIZE,     /* no branches or points, or too many */
     SELD_SCENE_TREE_BRANCH, /* a branch of one that does not come before it, or of a place that is not there */
     SELD_SCENE_TREE_POINT,  /* a point beyond 2 m or where the last one was, or a radius out of range */
     SELD_SCENE_STATUS_COUNT,
@@ -115,6 +130,14 @@ typedef struct seld_scene_lumen {
     const int8_t *samples;
 } seld_scene_lumen;
 
+/* How it moves, as firmware/core's seld_motion wants it. */
+typedef struct seld_scene_motion {
+    int32_t origin_m_q30[3];
+    uint16_t node_count_xyz[3];
+    uint16_t spacing_log2_q30;
+    const int16_t *rows;
+} seld_scene_motion;
+
 /* A checked file. Valid as long as the bytes are. */
 typedef struct seld_scene {
     seld_scene_kind kind;
@@ -124,6 +147,8 @@ typedef struct seld_scene {
     int32_t entry_position_m_q30[3]; /* KIND_SCENE */
     int32_t entry_direction_q30[3];
     seld_scene_lumen lumen;
+    bool has_motion;
+    seld_scene_motion motion;
     uint32_t body_count;   /* KIND_BODIES */
     uint32_t branch_count; /* of its tree of vessels; 0: it has none */
     const uint8_t *tree;
@@ -134,6 +159,7 @@ typedef struct seld_scene_body_view {
     const char *name;
     const char *material;
     int32_t parent; /* -1: in air */
+    bool moves;     /* with the scene's motion */
     uint32_t vertex_count;
     uint32_t triangle_count;
     const uint8_t *vertices_um; /* 3 x i32 each: seld_scene_i32 */

@@ -8,6 +8,7 @@ seld_scene_body_view seld_scene_body(const seld_scene *scene, uint32_t index)
     body.name = (const char *)section;
     body.material = body.name + SELD_SCENE_BODY_NAME_BYTES;
     body.parent = seld_scene_i32(section + 48);
+    body.moves = (seld_scene_u32(section + 60) & SELD_SCENE_BODY_MOVES) != 0;
     body.vertex_count = seld_scene_u32(section + 52);
     body.triangle_count = seld_scene_u32(section + 56);
     body.vertices_um = section + SELD_SCENE_BODY_HEADER_BYTES;
@@ -52,7 +53,7 @@ static seld_scene_status check_body(seld_scene_check *check, uint32_t index, uin
     if (status != SELD_SCENE_OK) return status;
     int32_t parent = seld_scene_i32(header + 48);
     uint32_t vertices = seld_scene_u32(header + 52), triangles = seld_scene_u32(header + 56);
-    if (seld_scene_u32(header + 60) != 0)
+    if (seld_scene_u32(header + 60) > SELD_SCENE_BODY_MOVES)
         return seld_scene_fault_at(check, SELD_SCENE_RESERVED, span.offset + 60);
     if (parent < -1 || parent >= (int32_t)body_count)
         return seld_scene_fault_at(check, SELD_SCENE_BODY_PARENT, span.offset + 48);

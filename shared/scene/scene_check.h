@@ -30,6 +30,8 @@ seld_scene_status seld_scene_check_text(seld_scene_check *check, size_t where, s
 
 seld_scene_status seld_scene_check_lumen(seld_scene_check *check, seld_scene_span span,
                                          seld_scene_lumen *lumen);
+seld_scene_status seld_scene_check_motion(seld_scene_check *check, seld_scene_span span,
+                                          seld_scene_motion *motion);
 seld_scene_status seld_scene_check_bodies(seld_scene_check *check, uint32_t body_count);
 seld_scene_status seld_scene_check_tree(seld_scene_check *check, seld_scene_span span,
                                         uint32_t *branch_count);

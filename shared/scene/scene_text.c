@@ -30,6 +30,13 @@ const char *seld_scene_status_text(seld_scene_status status)
         [SELD_SCENE_CHILD_ROWS] = "the lumen's refinement table contradicts itself: bake it again",
         [SELD_SCENE_INDEX_BRICK] = "the lumen's index names a brick that is not there: bake it again",
         [SELD_SCENE_INDEX_ROW] = "the lumen's index names a refinement that is not there: bake it again",
+        [SELD_SCENE_MOTION_LATTICE] =
+            "the lattice of the vessel's motion is too large, too fine or beyond 2 m: bake it again",
+        [SELD_SCENE_MOTION_VALUE] =
+            "the vessel moves by more than 31 mm, or its motion is damaged: check the frames, bake it again",
+        [SELD_SCENE_MOTION_STEEP] =
+            "neighbouring places of the vessel move so differently that it would fold over: check the frames",
+        [SELD_SCENE_MOTION_EDGE] = "the boundary of the vessel's motion does not stand still: bake it again",
         [SELD_SCENE_BODY_PARENT] = "a body lies in one that is not there, or in itself: correct `inside`",
         [SELD_SCENE_BODY_SIZE] =
             "a body without triangles, or over 8 million triangles in all: simplify the meshes",

@@ -31,6 +31,19 @@ size_t seld_scene_write_bytes(const seld_scene_part *parts, uint32_t part_count)
     return (size_t)padded(total);
 }
 
+/* The oldest version that knows what is inside: files without motion and tree are as they were. */
+static uint16_t minor_of(const seld_scene_part *parts, uint32_t part_count)
+{
+    for (uint32_t i = 0; i < part_count; i++) {
+        const seld_scene_part *part = &parts[i];
+        if (part->type == SELD_SCENE_MOTION || part->type == SELD_SCENE_TREE) return SELD_SCENE_MINOR;
+        if (part->type == SELD_SCENE_BODY && part->size >= SELD_SCENE_BODY_HEADER_BYTES &&
+            seld_scene_u32(part->bytes + SELD_SCENE_BODY_HEADER_BYTES - 4) != 0)
+            return SELD_SCENE_MINOR;
+    }
+    return 0;
+}
+
 size_t seld_scene_write(seld_scene_kind kind, const seld_scene_part *parts, uint32_t part_count,
                         uint8_t *file, size_t capacity)
 {
@@ -40,9 +53,7 @@ size_t seld_scene_write(seld_scene_kind kind, const seld_scene_part *parts, uint
     memset(file, 0, total);
     memcpy(file, magic, sizeof magic);
     seld_scene_put_u16(file + 8, SELD_SCENE_MAJOR);
-    /* Programs from before there were trees still read what has none. */
-    bool has_tree = part_count > 0 && parts[part_count - 1].type == SELD_SCENE_TREE;
-    seld_scene_put_u16(file + 10, has_tree ? 1 : 0);
+    seld_scene_put_u16(file + 10, minor_of(parts, part_count));
     seld_scene_put_u32(file + 12, (uint32_t)kind);
     seld_scene_put_u32(file + 16, (uint32_t)total);
     seld_scene_put_u32(file + 20, part_count);

@@ -9,11 +9,12 @@
  *
  * fine: a stiff uniform wire in the same tube made of refined bricks, 4 mm wide, pushed, pulled and turned as fast as the
  * core allows, so that limits act. air: a floppy shaped wire without a lumen, hanging and turned. coaxial: the J wire in two
- * shaped catheters in the tube; every tool leads once, slides and turns against the others.
+ * shaped catheters in the tube; every tool leads once, slides and turns against the others. beating: the J wire in the tube, whose
+ * middle goes to and fro by 3.6 mm with a heart that is asked for everything once, and breathes.
  * May include: core_scenes.h. Called by: core_hash.c. */
 #include "tools/check/core_scenes.h"
 
-enum { TUBE, FINE, AIR, COAXIAL };
+enum { TUBE, FINE, AIR, COAXIAL, BEATING };
 enum {
     BRICKS_X = 3,
     BRICKS_Y = 20,
@@ -25,10 +26,14 @@ enum {
     TUBE_HALF_WIDTH = 4 * 32 + 3,
     FINE_HALF_WIDTH = 2 * 32 + 5,
     TUBE_LENGTH = 123 * 32,
+    NODES_X = 6, /* 8 voxels apart, along the tube's axis from its entry on */
+    NODES_Y = 15,
+    NODES_Z = 6,
+    NODE_NUMBERS = 3 * SELD_MOTION_ROW,
 };
 
 const core_scene core_scenes[CORE_SCENE_COUNT] = {
-    {"tube", 4000}, {"fine", 1500}, {"air", 1000}, {"coaxial", 3000}};
+    {"tube", 4000}, {"fine", 1500}, {"air", 1000}, {"coaxial", 3000}, {"beating", 3500}};
 
 /* What a scene's lumen is made in. One at a time: core_scene_start makes it anew. */
 static struct {
@@ -36,6 +41,8 @@ static struct {
     uint16_t index[COARSE_COUNT];
     uint16_t children[FINE_COUNT];
     int8_t samples[FINE_COUNT * SELD_LUMEN_BRICK_SAMPLES];
+    seld_motion motion;
+    int16_t rows[NODES_X * NODES_Y * NODES_Z * NODE_NUMBERS];
 } field;
 
 static int32_t largest(int32_t a, int32_t b)
@@ -97,6 +104,39 @@ static void fill_fine(void)
     }
 }
 
+/* Row of a node that moves by `reach` units in mid-cycle, in steps that are a parabola in time. */
+static void fill_row(int16_t *row, int32_t reach, int32_t breath)
+{
+    for (int32_t i = 0; i < SELD_MOTION_KEYFRAMES + 2; i++) {
+        int32_t key = (i + SELD_MOTION_KEYFRAMES - 1) % SELD_MOTION_KEYFRAMES;
+        row[i] = (int16_t)(reach * key * (SELD_MOTION_KEYFRAMES - key) / 144);
+    }
+    row[SELD_MOTION_ROW_BREATH] = (int16_t)breath;
+}
+
+/* Most in the middle of the tube, nothing at the lattice's boundary. */
+static const seld_motion *make_motion(void)
+{
+    for (int32_t node = 0; node < NODES_X * NODES_Y * NODES_Z; node++) {
+        const int32_t x = node % NODES_X, y = node / NODES_X % NODES_Y, z = node / (NODES_X * NODES_Y);
+        const bool is_edge =
+            x == 0 || y == 0 || z == 0 || x == NODES_X - 1 || y == NODES_Y - 1 || z == NODES_Z - 1;
+        const int32_t share = is_edge ? 0 : y * (NODES_Y - 1 - y); /* up to 49 */
+        int16_t *rows = &field.rows[node * NODE_NUMBERS];
+        fill_row(rows, share * 38, share * 5);
+        fill_row(rows + SELD_MOTION_ROW, share * 9, share * -12);
+        fill_row(rows + 2 * SELD_MOTION_ROW, share * (x - 2) * -10, 0);
+    }
+    const int32_t spacing = 1 << 23;
+    field.motion = (seld_motion){
+        .origin_m_q30 = {-5 * spacing / 2, spacing, -5 * spacing / 2},
+        .count_xyz = {NODES_X, NODES_Y, NODES_Z},
+        .spacing_log2_q30 = 23,
+        .rows = field.rows,
+    };
+    return &field.motion;
+}
+
 static const seld_lumen *make_lumen(uint32_t scene)
 {
     if (scene == AIR) return NULL;
@@ -114,6 +154,7 @@ static const seld_lumen *make_lumen(uint32_t scene)
         .index = field.index,
         .children = field.children,
         .samples = field.samples,
+        .motion = scene == BEATING ? make_motion() : NULL,
     };
     return &field.lumen;
 }
@@ -203,10 +244,10 @@ static seld_instrument make_catheter(uint32_t bend_nN_m2, uint32_t radius_um, in
 bool core_scene_start(uint32_t scene, seld_model *model, seld_state *state)
 {
     const uint32_t inserted_um[CORE_SCENE_COUNT][SELD_TOOL_MAX] = {
-        {40000}, {60000}, {200000}, {60000, 30000, 10000}};
+        {40000}, {60000}, {200000}, {60000, 30000, 10000}, {40000}};
     const seld_entry entry = {.position_m_q30 = {{0, 8 << 20, 0}}, .direction_q30 = {{0, SELD_ONE_Q30, 0}}};
     const seld_instrument tools[SELD_TOOL_MAX] = {
-        scene == FINE ? make_stiff_wire() : make_j_wire(scene == TUBE ? 500000 : 20000),
+        scene == FINE ? make_stiff_wire() : make_j_wire(scene == TUBE || scene == BEATING ? 500000 : 20000),
         make_catheter(300000, 800, 40000), make_catheter(600000, 1100, -20000)};
     uint32_t tool_count = scene == COAXIAL ? SELD_TOOL_MAX : 1;
     seld_build_place place;
@@ -241,6 +282,29 @@ static seld_input every_tool(uint32_t tick, uint32_t variant)
     return input;
 }
 
+/* What is asked of heart and breath, each at its tick. */
+static seld_rhythm_order order_at(uint32_t tick)
+{
+    switch (tick) {
+    case 1:
+        return (seld_rhythm_order){SELD_RHYTHM_HEART_RATE, 110};
+    case 2:
+        return (seld_rhythm_order){SELD_RHYTHM_VARIABILITY, 60};
+    case 700:
+        return (seld_rhythm_order){SELD_RHYTHM_PREMATURE, 550};
+    case 1500:
+        return (seld_rhythm_order){SELD_RHYTHM_ASYSTOLE, 1};
+    case 2500:
+        return (seld_rhythm_order){SELD_RHYTHM_ASYSTOLE, 0};
+    case 2600:
+        return (seld_rhythm_order){SELD_RHYTHM_BREATH_RATE, 20};
+    case 2700:
+        return (seld_rhythm_order){SELD_RHYTHM_BREATH_HOLD, 1};
+    default:
+        return (seld_rhythm_order){SELD_RHYTHM_KEEP, 0};
+    }
+}
+
 seld_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant)
 {
     if (scene == FINE) { /* 0.5 m/s and 3 turns per second, to and fro every quarter of a second */
@@ -251,5 +315,10 @@ seld_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant)
     }
     if (scene == COAXIAL) return every_tool(tick, variant);
     if (scene == AIR) return forward_and_back(tick, 600, 107374, 8589935u + variant);
+    if (scene == BEATING) {
+        seld_input input = forward_and_back(tick, 1200, 64425, 1717987u + variant);
+        input.rhythm = order_at(tick);
+        return input;
+    }
     return forward_and_back(tick, 2500, 64425, 1717987u + variant); /* 60 mm/s, 0.4 turns per second */
 }

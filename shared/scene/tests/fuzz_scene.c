@@ -42,6 +42,23 @@ static void walk_branch(const seld_scene *scene, uint32_t index, const uint8_t *
             branch.points + SELD_SCENE_TREE_POINT_BYTES * (size_t)branch.point_count <= end);
 }
 
+/* Every number is within its range, so that the core's sums fit, and the boundary stands still. */
+static void walk_motion(const seld_scene_motion *motion, const uint8_t *end)
+{
+    const size_t nx = motion->node_count_xyz[0], ny = motion->node_count_xyz[1],
+                 nz = motion->node_count_xyz[2];
+    promise(nx >= 2 && ny >= 2 && nz >= 2);
+    promise((const uint8_t *)(motion->rows + nx * ny * nz * 3 * SELD_SCENE_MOTION_ROW) <= end);
+    for (size_t i = 0; i < nx * ny * nz * 3 * SELD_SCENE_MOTION_ROW; i++) {
+        const size_t node = i / (3 * SELD_SCENE_MOTION_ROW), x = node % nx, y = node / nx % ny,
+                     z = node / nx / ny;
+        const bool is_edge = x == 0 || y == 0 || z == 0 || x + 1 == nx || y + 1 == ny || z + 1 == nz;
+        promise(motion->rows[i] <= SELD_SCENE_MOTION_VALUE_MAX &&
+                motion->rows[i] >= -SELD_SCENE_MOTION_VALUE_MAX);
+        promise(!is_edge || motion->rows[i] == 0);
+    }
+}
+
 static void walk(const seld_scene *scene, const uint8_t *end)
 {
     promise(strlen(scene->name) < 64 && strlen(scene->source) < 192);
@@ -51,6 +68,7 @@ static void walk(const seld_scene *scene, const uint8_t *end)
             (size_t)lumen->brick_count_xyz[0] * lumen->brick_count_xyz[1] * lumen->brick_count_xyz[2];
         for (size_t i = 0; i < count; i++) walk_entry(lumen, lumen->index[i]);
         promise((const uint8_t *)lumen->samples + (size_t)lumen->brick_count * 1000 <= end);
+        if (scene->has_motion) walk_motion(&scene->motion, end);
     }
     for (uint32_t i = 0; i < scene->body_count; i++) {
         seld_scene_body_view body = seld_scene_body(scene, i);
@@ -88,5 +106,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
     if (index == 0) return sample_scene(bytes, capacity);
-    return index <= 2 ? sample_body_file(bytes, capacity, index == 2) : 0;
+    if (index <= 2 && index > 0) return sample_body_file(bytes, capacity, index == 2);
+    return index == 3 ? sample_moving_scene(bytes, capacity) : 0;
 }

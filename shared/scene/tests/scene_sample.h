@@ -9,13 +9,16 @@
 #include <string.h>
 
 enum {
-    SAMPLE_BYTES_MAX = 8192,
+    SAMPLE_BYTES_MAX = 16384,
     SAMPLE_LATTICE = 2, /* coarse bricks: 2 x 1 x 1 */
     SAMPLE_ROWS = 2,
     SAMPLE_BRICKS = 3,
     SAMPLE_LUMEN_BYTES = 32 + 2 * SAMPLE_LATTICE + 16 * SAMPLE_ROWS + 1000 * SAMPLE_BRICKS,
     SAMPLE_BODY_BYTES = 64 + 12 * 4 + 12 * 4,
     SAMPLE_TREE_BYTES = 16 + 2 * 64 + 5 * 16,
+    SAMPLE_NODES = 3, /* along each axis: only the middle one may move */
+    SAMPLE_MIDDLE = 13,
+    SAMPLE_MOTION_BYTES = 32 + SAMPLE_NODES * SAMPLE_NODES * SAMPLE_NODES * 3 * SELD_SCENE_MOTION_ROW * 2,
 };
 
 static inline void sample_meta(uint8_t *meta)
@@ -59,6 +62,43 @@ static inline size_t sample_scene(uint8_t *file, size_t capacity)
                                       {SELD_SCENE_ENTRY, entry, sizeof entry},
                                       {SELD_SCENE_LUMEN, lumen, sizeof lumen}};
     return seld_scene_write(SELD_SCENE_KIND_SCENE, parts, 3, file, capacity);
+}
+
+/* Place of a number in the MOTION section: keyframe column `i` of component `k` of node `node`. */
+static inline size_t sample_motion_at(int node, int k, int i)
+{
+    return 32 + 2 * (size_t)((node * 3 + k) * SELD_SCENE_MOTION_ROW + i);
+}
+
+/* 7.8 mm apart; the middle node goes 1 mm along x and back, and breathes 0.5 mm along y. */
+static inline void sample_motion(uint8_t *motion)
+{
+    memset(motion, 0, SAMPLE_MOTION_BYTES);
+    seld_scene_put_u32(motion, (uint32_t) - (1 << 23));
+    for (int k = 0; k < 3; k++) seld_scene_put_u16(motion + 12 + 2 * k, SAMPLE_NODES);
+    seld_scene_put_u16(motion + 18, 23);
+    seld_scene_put_u16(motion + 20, SELD_SCENE_MOTION_KEYFRAMES);
+    for (int i = 0; i < SELD_SCENE_MOTION_KEYFRAMES + 2; i++) {
+        const int key = i % SELD_SCENE_MOTION_KEYFRAMES;
+        seld_scene_put_u16(motion + sample_motion_at(SAMPLE_MIDDLE, 0, i),
+                           (uint16_t)(key < 12 ? 44 * key : 44 * (24 - key)));
+    }
+    seld_scene_put_u16(motion + sample_motion_at(SAMPLE_MIDDLE, 1, SELD_SCENE_MOTION_ROW_BREATH), 262);
+}
+
+static inline size_t sample_moving_scene(uint8_t *file, size_t capacity)
+{
+    uint8_t meta[SELD_SCENE_META_BYTES], entry[SELD_SCENE_ENTRY_BYTES], lumen[SAMPLE_LUMEN_BYTES],
+        motion[SAMPLE_MOTION_BYTES];
+    sample_meta(meta);
+    sample_entry(entry);
+    sample_lumen(lumen);
+    sample_motion(motion);
+    const seld_scene_part parts[4] = {{SELD_SCENE_META, meta, sizeof meta},
+                                      {SELD_SCENE_ENTRY, entry, sizeof entry},
+                                      {SELD_SCENE_LUMEN, lumen, sizeof lumen},
+                                      {SELD_SCENE_MOTION, motion, sizeof motion}};
+    return seld_scene_write(SELD_SCENE_KIND_SCENE, parts, 4, file, capacity);
 }
 
 /* A tetrahedron of 1 m named by `name`. */

@@ -15,6 +15,8 @@
 enum { META_AT = 80, ENTRY_AT = 336, LUMEN_AT = 368, BONE_AT = 336, SKIN_AT = 496 };
 /* With a tree: the table is a row longer. Branches at 16 and 80 of the section, points at 144. */
 enum { TREE_AT = 672, RENAL_AT = TREE_AT + 80, POINTS_AT = TREE_AT + 144 };
+/* In the moving scene: header 32 + table 64 = 96; META 96, ENTRY 352, LUMEN 384 .. 3452, MOTION 3456. */
+enum { MOTION_AT = 3456 };
 
 static _Alignas(16) uint8_t file[SAMPLE_BYTES_MAX];
 static size_t file_bytes;
@@ -40,6 +42,14 @@ static int make_bodies_with_tree(void **state)
     (void)state;
     memset(file, 0xee, sizeof file);
     file_bytes = sample_body_file(file, sizeof file, true);
+    return file_bytes == 0;
+}
+
+static int make_moving_scene(void **state)
+{
+    (void)state;
+    memset(file, 0xee, sizeof file);
+    file_bytes = sample_moving_scene(file, sizeof file);
     return file_bytes == 0;
 }
 
@@ -270,7 +280,7 @@ static void bodies_must_be_whole_and_lie_in_each_other_without_circle(void **sta
     refuses_word(SKIN_AT + 56, 4, 0, SELD_SCENE_BODY_SIZE, SKIN_AT + 56);
     refuses_word(SKIN_AT + 56, 4, 0xffffffffu, SELD_SCENE_BODY_SIZE, SKIN_AT + 56);
     refuses_word(SKIN_AT + 52, 4, 5, SELD_SCENE_SECTION_SIZE, SKIN_AT + 52);
-    refuses_word(SKIN_AT + 60, 4, 1, SELD_SCENE_RESERVED, SKIN_AT + 60);
+    refuses_word(SKIN_AT + 60, 4, 2, SELD_SCENE_RESERVED, SKIN_AT + 60);
     refuses_word(SKIN_AT + 64, 4, 2000001, SELD_SCENE_BODY_VERTEX, SKIN_AT + 64);
     refuses_word(SKIN_AT + 112, 4, 4, SELD_SCENE_BODY_TRIANGLE, SKIN_AT + 112);
     refuses_word(SKIN_AT + 116, 4, 0, SELD_SCENE_BODY_TRIANGLE, SKIN_AT + 112);
@@ -308,6 +318,60 @@ static void a_tree_stands_behind_the_bodies(void **state)
     (void)state;
     refuses_word(32 + 16, 4, SELD_SCENE_TREE, SELD_SCENE_SECTION_TYPE, 32 + 16);
     refuses_word(32 + 48, 4, SELD_SCENE_LUMEN, SELD_SCENE_SECTION_TYPE, 32 + 48);
+}
+
+static void a_moving_scene_gives_back_its_lattice(void **state)
+{
+    (void)state;
+    seld_scene scene;
+    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+    assert_true(scene.has_motion);
+    assert_int_equal(scene.motion.origin_m_q30[0], -(1 << 23));
+    assert_int_equal(scene.motion.node_count_xyz[2], SAMPLE_NODES);
+    assert_int_equal(scene.motion.spacing_log2_q30, 23);
+    const int16_t *row = scene.motion.rows + (size_t)SAMPLE_MIDDLE * 3 * SELD_SCENE_MOTION_ROW;
+    assert_int_equal(row[3], 132);
+    assert_int_equal(row[SELD_SCENE_MOTION_ROW + SELD_SCENE_MOTION_ROW_BREATH], 262);
+    assert_int_equal(seld_scene_u16(file + 10), 1); /* minor version */
+    make_scene(state);
+    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+    assert_false(scene.has_motion);
+    assert_int_equal(seld_scene_u16(file + 10), 0);
+}
+
+static void a_body_may_move(void **state)
+{
+    (void)state;
+    seld_scene scene;
+    seld_scene_put_u32(file + SKIN_AT + 60, SELD_SCENE_BODY_MOVES);
+    sample_seal(file, file_bytes);
+    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+    assert_false(seld_scene_body(&scene, 0).moves);
+    assert_true(seld_scene_body(&scene, 1).moves);
+}
+
+/* Each rule of the MOTION section broken alone: the spacing is 4096 units, so neighbours may differ by 3072, in breath by 1024. */
+static void a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_boundary(void **state)
+{
+    (void)state;
+    const uint32_t middle = MOTION_AT + (uint32_t)sample_motion_at(SAMPLE_MIDDLE, 0, 0);
+    const uint32_t breath =
+        MOTION_AT + (uint32_t)sample_motion_at(SAMPLE_MIDDLE, 1, SELD_SCENE_MOTION_ROW_BREATH);
+    const uint32_t before = middle - 6 * SELD_SCENE_MOTION_ROW; /* the node whose neighbour it is along x */
+    refuses_word(MOTION_AT + 18, 2, 19, SELD_SCENE_MOTION_LATTICE, MOTION_AT + 18);
+    refuses_word(MOTION_AT + 18, 2, 25, SELD_SCENE_MOTION_LATTICE, MOTION_AT + 18);
+    refuses_word(MOTION_AT + 20, 2, 23, SELD_SCENE_MOTION_LATTICE, MOTION_AT + 18);
+    refuses_word(MOTION_AT + 12, 2, 1, SELD_SCENE_MOTION_LATTICE, MOTION_AT + 12);
+    refuses_word(MOTION_AT + 16, 2, 257, SELD_SCENE_MOTION_LATTICE, MOTION_AT + 16);
+    refuses_word(MOTION_AT + 4, 4, 0x7fffffffu, SELD_SCENE_MOTION_LATTICE, MOTION_AT + 4);
+    refuses_word(MOTION_AT + 14, 2, 4, SELD_SCENE_SECTION_SIZE, MOTION_AT + 12);
+    refuses_word(MOTION_AT + 28, 4, 1, SELD_SCENE_RESERVED, MOTION_AT + 22);
+    refuses_word(MOTION_AT + 32 + 2 * 5, 2, 16385, SELD_SCENE_MOTION_VALUE, MOTION_AT + 32);
+    refuses_word(middle + 2 * 24, 2, 1, SELD_SCENE_MOTION_VALUE, middle); /* not what keyframe 23 says */
+    refuses_word(middle + 2 * 27, 2, 1, SELD_SCENE_MOTION_VALUE, middle);
+    refuses_word(middle + 2 * 5, 2, 3073, SELD_SCENE_MOTION_STEEP, middle - 9 * 6 * SELD_SCENE_MOTION_ROW);
+    refuses_word(breath, 2, 1025, SELD_SCENE_MOTION_STEEP, middle - 9 * 6 * SELD_SCENE_MOTION_ROW);
+    refuses_word(before + 2 * 5, 2, 1, SELD_SCENE_MOTION_EDGE, before);
 }
 
 static void every_status_has_its_own_sentence(void **state)
@@ -365,6 +429,12 @@ int main(void)
         cmocka_unit_test_setup(a_tree_must_hang_together, make_bodies_with_tree),
         cmocka_unit_test_setup(a_tree_stands_behind_the_bodies, make_bodies_with_tree),
         {"every_flipped_bit_of_a_tree_is_refused", every_flipped_bit_is_refused, make_bodies_with_tree, NULL,
+         NULL},
+        cmocka_unit_test_setup(a_moving_scene_gives_back_its_lattice, make_moving_scene),
+        cmocka_unit_test_setup(a_body_may_move, make_bodies),
+        cmocka_unit_test_setup(a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_boundary,
+                               make_moving_scene),
+        {"every_shorter_moving_scene_is_refused", every_shorter_file_is_refused, make_moving_scene, NULL,
          NULL},
         cmocka_unit_test(every_status_has_its_own_sentence),
         cmocka_unit_test_setup(writer_refuses_a_buffer_that_is_too_small, make_scene),

@@ -135,14 +135,18 @@ static void idle_zeros_between_frames_are_no_errors(void **state)
 static void a_step_is_laid_out_as_documented(void **state)
 {
     (void)state;
-    static seld_wire_step step = {
-        .tick = 0x01020304,
-        .want_nodes = 1,
-        .inputs_count = 1,
-        .inputs = {{.hands_count = 2, .hands = {{-2, 5}, {7, -1}}, .buttons = 0x80, .inflator_raw = 3}}};
-    const uint8_t expected[] = {4, 3, 2, 1, 1, 1, 0, 2, 0,    0xfe, 0xff, 0xff, 0xff,
-                                5, 0, 0, 0, 7, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 0x80,
-                                0, 0, 0, 0, 0, 0, 0, 3, 0,    0,    0};
+    static seld_wire_step step = {.tick = 0x01020304,
+                                  .want_nodes = 1,
+                                  .inputs_count = 1,
+                                  .inputs = {{.hands_count = 2,
+                                              .hands = {{-2, 5}, {7, -1}},
+                                              .buttons = 0x80,
+                                              .inflator_raw = 3,
+                                              .rhythm_action = 1,
+                                              .rhythm_value = 150}}};
+    const uint8_t expected[] = {4, 3, 2, 1, 1, 1, 0, 2,    0,    0xfe, 0xff, 0xff, 0xff, 5,
+                                0, 0, 0, 7, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 0x80, 0,    0,
+                                0, 0, 0, 0, 0, 3, 0, 0,    0,    1,    150,  0};
     seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
     assert_true(seld_wire_put_step(&writer, &step));
     assert_int_equal(writer.length, sizeof expected);

@@ -60,7 +60,7 @@ def dissect(script, path, *fields):
 def packets_of_test():
     hello = frame(1, 0x01, struct.pack("<HHQ", 3, 0, 0x0123456789ABCDEF))
     hand = struct.pack("<ii", -5, 70000)
-    step = frame(2, 0x20, struct.pack("<IBH", 41, 1, 1) + struct.pack("<H", 1) + hand + struct.pack("<Iii", 1, -2, 3))
+    step = frame(2, 0x20, struct.pack("<IBH", 41, 1, 1) + struct.pack("<H", 1) + hand + struct.pack("<IiiBH", 1, -2, 3, 0, 0))
     reject = frame(3, 0x03, struct.pack("<HHII", 0x20, 4, 2, 0))
     notice = frame(4, 0x25, struct.pack("<IIHHii", 9, 1000, 2, 13, 0, 0))
     chunk = frame(5, 0x11, struct.pack("<IH", 4096, 600) + bytes(range(1, 251)) * 2 + bytes(100))

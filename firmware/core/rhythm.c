@@ -1,0 +1,249 @@
+/* Beats one after the other: the length of each is chosen when it begins, and the phase goes evenly to the end of systole and
+ * from there to the next beat. What is asked for changes lengths, never the phase itself: it has no jumps.
+ * May include: rhythm.h. Called by: core_step.c, core_state.c. */
+#include "firmware/core/rhythm.h"
+
+enum {
+    MINUTE_ms = 60000,
+    INTERVAL_MIN_ms = 300, /* of a beat with variability */
+    INTERVAL_MAX_ms = 2400,
+    DIASTOLE_MIN_ms = 60, /* however early the next beat comes */
+    NOTICE_ms = 40,       /* a premature beat comes no sooner after it was asked for */
+    BEAT_MAX_ms = 1 << 30,
+    BREATH_PER_MIN = 71583, /* 2^32 / 60 000: phase of one tick at one breath a minute */
+};
+
+static uint32_t bounded(uint32_t value, uint32_t low, uint32_t high)
+{
+    return value < low ? low : (value > high ? high : value);
+}
+
+static uint32_t mean_interval_ms(const seld_rhythm *rhythm)
+{
+    return (uint32_t)seld_divide_u64(MINUTE_ms, rhythm->rate_per_min);
+}
+
+/* xorshift32 (Marsaglia 2003, 13-17-5): -32 768 .. 32 767. */
+static int32_t next_random_q15(seld_rhythm *rhythm)
+{
+    uint32_t x = rhythm->random;
+    x ^= x << 13;
+    x ^= x >> 17;
+    x ^= x << 5;
+    rhythm->random = x;
+    return (int32_t)(x >> 16) - 32768;
+}
+
+/* Three even deviates of -1 .. 1 have the variance 1 together, and end at three standard deviations. */
+static uint32_t varied_interval_ms(seld_rhythm *rhythm)
+{
+    uint32_t mean = mean_interval_ms(rhythm);
+    if (rhythm->variability_milli == 0) {
+        return mean;
+    }
+    int32_t deviate_q15 = next_random_q15(rhythm) + next_random_q15(rhythm) + next_random_q15(rhythm);
+    int32_t scale_ms = (int32_t)(mean * rhythm->variability_milli / 1000u);
+    int32_t interval = (int32_t)mean + seld_asr32(deviate_q15 * scale_ms, 15);
+    return bounded(interval < 0 ? 0 : (uint32_t)interval, INTERVAL_MIN_ms, INTERVAL_MAX_ms);
+}
+
+/* The present beat becomes as short as the premature one asks, if there is still time. */
+static void place_premature(seld_rhythm *rhythm)
+{
+    uint32_t cut = mean_interval_ms(rhythm) * rhythm->premature_milli / 1000u;
+    uint32_t least = rhythm->systole_ms + DIASTOLE_MIN_ms;
+    cut = cut < least ? least : cut;
+    if (cut >= rhythm->interval_ms) { /* the next beat is as early anyway */
+        cut = rhythm->interval_ms;
+    }
+    if (rhythm->beat_ms + NOTICE_ms > cut) {
+        return; /* too late for this beat: it follows the next one */
+    }
+    rhythm->interval_ms = cut;
+    rhythm->premature_milli = 0;
+    rhythm->bits |= SELD_RHYTHM_NEXT_PREMATURE;
+}
+
+/* A premature beat is short itself and followed by the pause that brings the rhythm back into its step: both intervals
+ * together are two of the mean. */
+static void begin_premature(seld_rhythm *rhythm)
+{
+    uint32_t before = rhythm->interval_ms;
+    uint32_t mean = mean_interval_ms(rhythm);
+    uint32_t pause = 2 * mean > before ? 2 * mean - before : mean;
+    uint32_t rate = bounded((uint32_t)seld_divide_u64(MINUTE_ms, before), rhythm->rate_per_min,
+                            SELD_HEART_RATE_MAX_per_min);
+    rhythm->systole_ms = seld_systole_ms(rate);
+    rhythm->interval_ms = bounded(pause, rhythm->systole_ms + DIASTOLE_MIN_ms, 2 * INTERVAL_MAX_ms);
+    rhythm->bits |= SELD_RHYTHM_IS_PREMATURE;
+}
+
+static void begin_beat(seld_rhythm *rhythm)
+{
+    const uint32_t was = rhythm->bits;
+    rhythm->bits &=
+        ~(uint32_t)(SELD_RHYTHM_IS_PREMATURE | SELD_RHYTHM_NEXT_PREMATURE | SELD_RHYTHM_IS_RESTING);
+    rhythm->heart_phase32 = 0;
+    rhythm->beat_ms = 0;
+    rhythm->beat_count++;
+    if ((was & SELD_RHYTHM_NEXT_PREMATURE) != 0) {
+        begin_premature(rhythm);
+        return;
+    }
+    rhythm->interval_ms = varied_interval_ms(rhythm);
+    rhythm->systole_ms = seld_systole_ms(rhythm->rate_per_min);
+    if (rhythm->systole_ms + DIASTOLE_MIN_ms > rhythm->interval_ms) {
+        rhythm->systole_ms = rhythm->interval_ms - DIASTOLE_MIN_ms;
+    }
+    if (rhythm->premature_milli != 0) {
+        place_premature(rhythm);
+    }
+}
+
+/* An equal share of what is left of the phase for each of the ticks that are left, all of it for the last. Format: 2^-32 cycle.
+ * Overflow: impossible, 2^32 x 2^31. Error: 4 LSB. */
+static uint32_t share_of(uint32_t left, uint32_t ticks)
+{
+    if (ticks <= 1) {
+        return left;
+    }
+    unsigned lead = seld_clz32(ticks) - 1;
+    uint64_t inverse = (uint32_t)seld_reciprocal_q30(ticks << lead); /* 2^61 / (ticks 2^lead) */
+    return (uint32_t)((left * inverse) >> (61 - lead));
+}
+
+/* Phase after this tick. Overflow: 2^32 less a phase above 0 fits 32 bits. */
+static void go_on(seld_rhythm *rhythm)
+{
+    uint32_t *phase = &rhythm->heart_phase32;
+    rhythm->beat_ms++;
+    if (rhythm->beat_ms >= rhythm->interval_ms) {
+        *phase = 0;
+        if ((rhythm->bits & SELD_RHYTHM_WANTS_ASYSTOLE) != 0) {
+            rhythm->bits |= SELD_RHYTHM_IS_RESTING;
+            rhythm->bits &= ~(uint32_t)SELD_RHYTHM_NEXT_PREMATURE;
+            rhythm->premature_milli = 0;
+        } else {
+            begin_beat(rhythm);
+        }
+    } else if (rhythm->beat_ms <= rhythm->systole_ms) {
+        *phase += share_of(SELD_PHASE_SYSTOLE_END - *phase, rhythm->systole_ms - rhythm->beat_ms + 1);
+    } else {
+        *phase += share_of(0u - *phase, rhythm->interval_ms - rhythm->beat_ms + 1);
+    }
+}
+
+bool seld_rhythm_order_is_valid(const seld_rhythm_order *order)
+{
+    static const struct {
+        uint32_t low, high;
+    } ranges[SELD_RHYTHM_ACTION_COUNT] = {
+        [SELD_RHYTHM_KEEP] = {0, 0},
+        [SELD_RHYTHM_HEART_RATE] = {SELD_HEART_RATE_MIN_per_min, SELD_HEART_RATE_MAX_per_min},
+        [SELD_RHYTHM_VARIABILITY] = {0, SELD_HEART_VARIABILITY_MAX_milli},
+        [SELD_RHYTHM_PREMATURE] = {SELD_HEART_COUPLING_MIN_milli, SELD_HEART_COUPLING_MAX_milli},
+        [SELD_RHYTHM_ASYSTOLE] = {0, 1},
+        [SELD_RHYTHM_BREATH_RATE] = {SELD_BREATH_RATE_MIN_per_min, SELD_BREATH_RATE_MAX_per_min},
+        [SELD_RHYTHM_BREATH_HOLD] = {0, 1},
+    };
+    return order->action < SELD_RHYTHM_ACTION_COUNT && order->value >= ranges[order->action].low &&
+           order->value <= ranges[order->action].high;
+}
+
+static void set_bit(seld_rhythm *rhythm, uint32_t bit, uint32_t value)
+{
+    rhythm->bits = value != 0 ? rhythm->bits | bit : rhythm->bits & ~bit;
+}
+
+static void obey(seld_rhythm *rhythm, const seld_rhythm_order *order)
+{
+    switch (order->action) {
+    case SELD_RHYTHM_HEART_RATE:
+        rhythm->rate_per_min = order->value;
+        break;
+    case SELD_RHYTHM_VARIABILITY:
+        rhythm->variability_milli = order->value;
+        break;
+    case SELD_RHYTHM_PREMATURE:
+        if ((rhythm->bits & (SELD_RHYTHM_IS_RESTING | SELD_RHYTHM_NEXT_PREMATURE)) == 0) {
+            rhythm->premature_milli = order->value;
+            place_premature(rhythm);
+        }
+        break;
+    case SELD_RHYTHM_ASYSTOLE:
+        set_bit(rhythm, SELD_RHYTHM_WANTS_ASYSTOLE, order->value);
+        break;
+    case SELD_RHYTHM_BREATH_RATE:
+        rhythm->breath_per_min = order->value;
+        break;
+    case SELD_RHYTHM_BREATH_HOLD:
+        set_bit(rhythm, SELD_RHYTHM_HOLDS_BREATH, order->value);
+        break;
+    default:
+        break;
+    }
+}
+
+void seld_rhythm_init(seld_rhythm *rhythm)
+{
+    *rhythm = (seld_rhythm){.rate_per_min = SELD_HEART_RATE_START_per_min,
+                            .breath_per_min = SELD_BREATH_RATE_START_per_min,
+                            .random = SELD_RHYTHM_SEED};
+    begin_beat(rhythm);
+}
+
+void seld_rhythm_step(seld_rhythm *rhythm, const seld_rhythm_order *order)
+{
+    if (order->action != SELD_RHYTHM_KEEP && seld_rhythm_order_is_valid(order)) {
+        obey(rhythm, order);
+    }
+    if ((rhythm->bits & SELD_RHYTHM_HOLDS_BREATH) == 0) {
+        rhythm->breath_phase32 += rhythm->breath_per_min * BREATH_PER_MIN;
+    }
+    if ((rhythm->bits & SELD_RHYTHM_IS_RESTING) == 0) {
+        go_on(rhythm);
+    } else if ((rhythm->bits & SELD_RHYTHM_WANTS_ASYSTOLE) == 0) {
+        begin_beat(rhythm);
+    } else if (rhythm->beat_ms < BEAT_MAX_ms) {
+        rhythm->beat_ms++;
+    }
+}
+
+/* The phase lies in the part of the cycle that beat_ms says. */
+static bool phase_is_valid(const seld_rhythm *rhythm)
+{
+    if ((rhythm->bits & SELD_RHYTHM_IS_RESTING) != 0) {
+        return rhythm->heart_phase32 == 0 && rhythm->beat_ms <= BEAT_MAX_ms;
+    }
+    if (rhythm->beat_ms >= rhythm->interval_ms) {
+        return false;
+    }
+    return rhythm->beat_ms <= rhythm->systole_ms ? rhythm->heart_phase32 <= SELD_PHASE_SYSTOLE_END
+                                                 : rhythm->heart_phase32 >= SELD_PHASE_SYSTOLE_END;
+}
+
+bool seld_rhythm_is_valid(const seld_rhythm *rhythm)
+{
+    const seld_rhythm_order wants[] = {
+        {SELD_RHYTHM_HEART_RATE, rhythm->rate_per_min},
+        {SELD_RHYTHM_VARIABILITY, rhythm->variability_milli},
+        {rhythm->premature_milli == 0 ? SELD_RHYTHM_KEEP : SELD_RHYTHM_PREMATURE, rhythm->premature_milli},
+        {SELD_RHYTHM_BREATH_RATE, rhythm->breath_per_min},
+    };
+    for (size_t i = 0; i < sizeof wants / sizeof wants[0]; i++) {
+        if (!seld_rhythm_order_is_valid(&wants[i])) {
+            return false;
+        }
+    }
+    return rhythm->interval_ms <= 2 * INTERVAL_MAX_ms && rhythm->systole_ms > 0 &&
+           rhythm->systole_ms < rhythm->interval_ms && rhythm->random != 0 && rhythm->bits < 32 &&
+           phase_is_valid(rhythm);
+}
+
+int32_t seld_breath_depth_q15(uint32_t breath_phase32)
+{
+    int32_t sine_q30, cosine_q30;
+    seld_sincos_turn32(breath_phase32 >> 1, &sine_q30, &cosine_q30);
+    int32_t square_q30 = seld_mul_q30(sine_q30, sine_q30);
+    return (int32_t)seld_rshift_round64(seld_product(square_q30, square_q30), 45);
+}

@@ -1,0 +1,165 @@
+/* Moving vessels from closed forms; see moving_tube.h. */
+#include "firmware/tests/reference/moving_tube.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double q30_per_m = 1073741824.0;
+static const double unit_m = 2048.0 / 1073741824.0; /* of a coefficient */
+
+const reference_piece reference_coronary[3] = {{0.08, 0, 0}, {0.07, 1.75, 0}, {0.02, 0, 0}};
+const double reference_coronary_low_m[3] = {-0.008, -0.04, -0.024};
+const double reference_coronary_high_m[3] = {0.15, 0.04, 0.11};
+
+double reference_contraction(double phase)
+{
+    const double end = 10.0 / 24.0, turn = 2 * acos(-1.0);
+    phase -= floor(phase);
+    const double share = phase < end ? phase / end / 2 : 0.5 + (phase - end) / (1 - end) / 2;
+    return (1 - cos(turn * share)) / 2;
+}
+
+void reference_beating_sphere(const double *X, double phase, double breath, double *x)
+{
+    static const double middle[3] = {0.09, 0.005, 0.045};
+    const double reach = 0.09, in = 0.012, down = 0.006, turn = 12.0 / 180.0 * acos(-1.0), deep = 0.008;
+    const double c = reference_contraction(phase);
+    double r[3], square = 0;
+    for (int k = 0; k < 3; k++) {
+        r[k] = X[k] - middle[k];
+        square += r[k] * r[k];
+    }
+    const double s = sqrt(square) / reach;
+    const double fade = s >= 1 ? 0 : (1 - s * s) * (1 - s * s);
+    const double angle = turn * c * fade, shrink = 1 - in / 0.04 * c * fade;
+    x[0] = middle[0] + shrink * (cos(angle) * r[0] + sin(angle) * r[2]);
+    x[1] = middle[1] + shrink * r[1] - (down * c + deep * breath) * fade;
+    x[2] = middle[2] + shrink * (cos(angle) * r[2] - sin(angle) * r[0]);
+}
+
+/* X <- X - (map(X) - x): the maps move neighbours by less than themselves, so that this goes to the fixed point. */
+void reference_pull(reference_map map, const double *x, double phase, double breath, double *X)
+{
+    memcpy(X, x, 3 * sizeof *X);
+    for (int i = 0; i < 200; i++) {
+        double at[3], worst = 0;
+        map(X, phase, breath, at);
+        for (int k = 0; k < 3; k++) {
+            X[k] -= at[k] - x[k];
+            worst = fmax(worst, fabs(at[k] - x[k]));
+        }
+        if (worst < 1e-12) return;
+    }
+}
+
+/* Coefficients c with (c[i-1] + 6 c[i] + c[i+1]) / 8 = w[i], periodic: Gauss-Seidel, which gains a factor of 9 in each round. */
+static void prefilter(const double *w, double *c)
+{
+    enum { N = SELD_MOTION_KEYFRAMES };
+    memcpy(c, w, N * sizeof *c);
+    for (int round = 0; round < 20; round++) {
+        for (int i = 0; i < N; i++) c[i] = (8 * w[i] - c[(i + N - 1) % N] - c[(i + 1) % N]) / 6;
+    }
+}
+
+static int16_t coefficient(double way_m)
+{
+    const double value = round(way_m / unit_m);
+    return (int16_t)fmax(-SELD_MOTION_COEFFICIENT_MAX, fmin(SELD_MOTION_COEFFICIENT_MAX, value));
+}
+
+/* The three rows of a node. Breath's field is that of the reference pose: the two are added, which is exact where one of them is 0. */
+static void fill_node(const reference_motion *m, const double *x, int16_t *rows)
+{
+    double w[3][SELD_MOTION_KEYFRAMES], X[3], deep[3], c[SELD_MOTION_KEYFRAMES];
+    for (int i = 0; i < SELD_MOTION_KEYFRAMES; i++) {
+        reference_pull(m->map, x, i / (double)SELD_MOTION_KEYFRAMES, 0, X);
+        for (int k = 0; k < 3; k++) w[k][i] = X[k] - x[k];
+    }
+    reference_pull(m->map, x, 0, 1, deep);
+    for (int k = 0; k < 3; k++, rows += SELD_MOTION_ROW) {
+        prefilter(w[k], c);
+        for (int i = 0; i < SELD_MOTION_KEYFRAMES + 2; i++)
+            rows[i] = coefficient(c[(i + SELD_MOTION_KEYFRAMES - 1) % SELD_MOTION_KEYFRAMES]);
+        rows[SELD_MOTION_ROW_BREATH] = coefficient(deep[k] - x[k]);
+    }
+}
+
+/* Is there anything but OUTSIDE within two coarse bricks of x? */
+static bool is_near(const seld_lumen *lumen, const double *x)
+{
+    if (lumen == NULL) return true;
+    int64_t brick[3];
+    for (int k = 0; k < 3; k++)
+        brick[k] = (int64_t)floor((x[k] * q30_per_m - lumen->origin_m_q30[k]) / (1 << 23));
+    for (int i = 0; i < 125; i++) {
+        const int64_t at[3] = {brick[0] + i % 5 - 2, brick[1] + i / 5 % 5 - 2, brick[2] + i / 25 - 2};
+        bool is_inside = true;
+        for (int k = 0; k < 3; k++)
+            is_inside = is_inside && at[k] >= 0 && at[k] < (int64_t)lumen->brick_count_xyz[k];
+        if (is_inside &&
+            lumen->index[(at[2] * lumen->brick_count_xyz[1] + at[1]) * lumen->brick_count_xyz[0] + at[0]] !=
+                0)
+            return true;
+    }
+    return false;
+}
+
+reference_motion *reference_motion_make(reference_map map, const double *low_m, const double *high_m,
+                                        uint32_t spacing_log2_q30, const seld_lumen *near)
+{
+    reference_motion *m = calloc(1, sizeof *m);
+    const double spacing = (double)(1 << spacing_log2_q30) / q30_per_m;
+    size_t nodes = 1;
+    m->map = map;
+    m->motion.spacing_log2_q30 = spacing_log2_q30;
+    for (int k = 0; k < 3; k++) {
+        m->motion.origin_m_q30[k] = (int32_t)lround(low_m[k] * q30_per_m);
+        m->motion.count_xyz[k] = (uint32_t)ceil((high_m[k] - low_m[k]) / spacing) + 1;
+        nodes *= m->motion.count_xyz[k];
+    }
+    int16_t *rows = calloc(nodes * 3 * SELD_MOTION_ROW, sizeof *rows);
+    const uint32_t nx = m->motion.count_xyz[0], ny = m->motion.count_xyz[1], nz = m->motion.count_xyz[2];
+    for (uint32_t i = 0; i < nodes; i++) {
+        const uint32_t at[3] = {i % nx, i / nx % ny, i / nx / ny};
+        double x[3];
+        for (int k = 0; k < 3; k++) x[k] = m->motion.origin_m_q30[k] / q30_per_m + at[k] * spacing;
+        const bool is_edge =
+            at[0] == 0 || at[1] == 0 || at[2] == 0 || at[0] + 1 == nx || at[1] + 1 == ny || at[2] + 1 == nz;
+        if (!is_edge && is_near(near, x)) fill_node(m, x, rows + (size_t)i * 3 * SELD_MOTION_ROW);
+    }
+    m->motion.rows = rows;
+    return m;
+}
+
+void reference_motion_free(reference_motion *motion)
+{
+    if (motion == NULL) return;
+    free((void *)(uintptr_t)motion->motion.rows);
+    free(motion);
+}
+
+void reference_waves(const double *X, double phase, double breath, double *x)
+{
+    const double c = 0.005 * reference_contraction(phase), wave = 2 * acos(-1.0) / 0.25;
+    x[0] = X[0] + c * sin(wave * X[1]) + 0.005 * breath;
+    x[1] = X[1] + c * sin(wave * X[2] + 1);
+    x[2] = X[2] + c * sin(wave * X[0] + 2);
+}
+
+seld_instrument reference_coronary_wire(void)
+{
+    seld_instrument wire = reference_wire(3e-5, 400000, 2000, 0.1);
+    wire.element_tip_um = 1000;
+    wire.element_fine_um = 40000;
+    wire.knot_count = 3;
+    wire.knots[2] = wire.knots[1];
+    wire.knots[1].arc_um = 60000;
+    wire.knots[0].bend_stiffness_nN_m2 = wire.knots[0].twist_stiffness_nN_m2 = 2000;
+    for (int i = 0; i < 3; i++) {
+        wire.knots[i].radius_outer_um = 178;
+        wire.knots[i].mass_mg_per_m = 800;
+    }
+    return wire;
+}

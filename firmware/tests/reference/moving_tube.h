@@ -1,0 +1,45 @@
+/* Vessels that move by a closed form, for tests, benchmarks and validation: the lattice a baker would fit, made here node by node
+ * from the inverse map, and the map itself in double.
+ * May include: core.h, motion.h. Called by: firmware/tests, firmware/bench, tools/validate. */
+#ifndef SELD_REFERENCE_MOVING_TUBE_H
+#define SELD_REFERENCE_MOVING_TUBE_H
+
+#include "firmware/core/core.h"
+#include "firmware/core/motion.h"
+#include "firmware/tests/reference/tube_lumen.h"
+
+/* Where the point of the wall that the reference pose has at X is at a phase (0 .. 1) and a depth of breath (0 .. 1). */
+typedef void (*reference_map)(const double *X_m, double phase, double breath, double *x_m);
+
+typedef struct reference_motion {
+    reference_map map;
+    seld_motion motion; /* owns rows */
+} reference_motion;
+
+/* The lattice over a box, with nodes 2^log2 Q30 m apart; its outermost nodes stand still, so that the box must reach beyond what
+ * moves, or beyond what is looked at. `near` not NULL: nodes farther than two bricks from its lumen stand still too, which saves time. */
+reference_motion *reference_motion_make(reference_map map, const double *low_m, const double *high_m,
+                                        uint32_t spacing_log2_q30, const seld_lumen *near);
+void reference_motion_free(reference_motion *motion);
+
+/* x with pull(x) = X by Newton's method on the map's inverse: w(x) = X - x, exactly. */
+void reference_pull(reference_map map, const double *x_m, double phase, double breath, double *X_m);
+
+/* How far a heart of amplitude 1 is from the end of filling: 0 at phase 0, 1 at the end of systole, smooth. */
+double reference_contraction(double phase);
+
+/* A beating sphere about (90, 5, 45) mm: it shrinks by 30 %, goes 6 mm along -y and turns by 12 degrees about y at its middle; what
+ * lies 40 mm from there moves by up to 11 mm. Breath moves all by 8 mm along -y. Everything fades out at 90 mm from the middle. */
+void reference_beating_sphere(const double *X_m, double phase, double breath, double *x_m);
+
+/* The pieces of a vessel that enters at the origin and runs round that sphere, 40 mm from its middle, and the box it moves in. */
+extern const reference_piece reference_coronary[3];
+extern const double reference_coronary_low_m[3], reference_coronary_high_m[3];
+
+/* What moves the three bends of reference_three_bends(): everything by up to 5 mm along each axis, with waves of 250 mm. */
+void reference_waves(const double *X_m, double phase, double breath, double *x_m);
+
+/* A 0.014 in wire of 400 mm with a soft tip. */
+seld_instrument reference_coronary_wire(void);
+
+#endif

@@ -1,0 +1,209 @@
+/* Claims about what a host may ask of heart and breath: in LOCKSTEP a tick's input asks, and a batch with one bad request is refused
+ * whole; in FREE_RUN a message asks, each request has a tick of its own that says so, and the session replays bit for bit. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "firmware/app/app.h"
+#include "firmware/tests/reference/bench.h"
+
+static bench b;
+static seld_wire_status status;
+static seld_wire_reject reject;
+static seld_wire_ticks ticks;
+
+static int set_up(void **state)
+{
+    (void)state;
+    return bench_open(&b) ? 0 : 1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    bench_close(&b);
+    return 0;
+}
+
+static void command(uint8_t action)
+{
+    bench_drain(&b);
+    client_command(&b.host, action);
+    assert_true(client_expect_status(&b.host, &status));
+}
+
+static void send_step(const seld_wire_step *step)
+{
+    static uint8_t payload[SELD_WIRE_BYTES_step];
+    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    assert_true(seld_wire_put_step(&writer, step));
+    client_send(&b.host, SELD_WIRE_TYPE_step, payload, writer.length);
+}
+
+static void ask(uint8_t action, uint16_t value)
+{
+    const seld_wire_rhythm order = {action, value};
+    uint8_t payload[SELD_WIRE_BYTES_rhythm];
+    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    assert_true(seld_wire_put_rhythm(&writer, &order));
+    client_send(&b.host, SELD_WIRE_TYPE_rhythm, payload, writer.length);
+}
+
+static void start_lockstep(void)
+{
+    command(SELD_WIRE_ACTION_LOCKSTEP);
+    command(SELD_WIRE_ACTION_ARM);
+    command(SELD_WIRE_ACTION_START);
+}
+
+/* One tick in LOCKSTEP that asks something; its result in `ticks`. */
+static void step_asking(uint32_t tick, uint8_t action, uint16_t value)
+{
+    static seld_wire_step step;
+    step = (seld_wire_step){.tick = tick, .inputs_count = 1};
+    step.inputs[0] = (seld_wire_encoders){.hands_count = 1, .rhythm_action = action, .rhythm_value = value};
+    send_step(&step);
+}
+
+/* The second tick begins 140 beats a minute; the beat after the present one is 428 ms long. */
+static void an_input_asks_at_its_own_tick(void **state)
+{
+    (void)state;
+    start_lockstep();
+    uint32_t beats = 0;
+    for (uint32_t tick = 0; tick < 1500; tick++) {
+        step_asking(tick, tick == 1 ? SELD_WIRE_RHYTHM_HEART_RATE : 0, tick == 1 ? 140 : 0);
+        assert_true(client_expect_ticks(&b.host, &ticks));
+        if (ticks.states[0].beat_ms != 0) continue;
+        assert_int_equal(tick + 1, beats == 0 ? 857 : 857 + 428);
+        assert_int_equal(ticks.states[0].interval_ms, 428);
+        beats++;
+    }
+    assert_int_equal(beats, 2);
+}
+
+/* A batch of 20 whose 13th input asks for 161 /min, or for something unknown. */
+static void a_batch_with_one_bad_request_is_refused_whole(void **state)
+{
+    (void)state;
+    static const seld_wire_rhythm bad[] = {{SELD_WIRE_RHYTHM_HEART_RATE, 161}, {77, 1}, {0, 1}};
+    start_lockstep();
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        static seld_wire_step step;
+        step = (seld_wire_step){.tick = 0, .inputs_count = 20};
+        for (int k = 0; k < 20; k++) step.inputs[k].hands_count = 1;
+        step.inputs[12].rhythm_action = bad[i].action;
+        step.inputs[12].rhythm_value = bad[i].value;
+        send_step(&step);
+        assert_true(client_expect_reject(&b.host, &reject));
+        assert_int_equal(reject.code, SELD_REJECT_RHYTHM_RANGE);
+        assert_int_equal(reject.detail1, bad[i].action);
+        assert_int_equal(reject.detail2, bad[i].value);
+        assert_int_equal(bench_status(&b).tick, 0);
+    }
+}
+
+static void a_request_in_the_wrong_mode_state_or_range_is_refused(void **state)
+{
+    (void)state;
+    bench_drain(&b);
+    ask(SELD_WIRE_RHYTHM_HEART_RATE, 90);
+    assert_true(client_expect_reject(&b.host, &reject));
+    assert_int_equal(reject.code, SELD_REJECT_WRONG_STATE);
+    command(SELD_WIRE_ACTION_LOCKSTEP);
+    ask(SELD_WIRE_RHYTHM_HEART_RATE, 90);
+    assert_true(client_expect_reject(&b.host, &reject));
+    assert_int_equal(reject.code, SELD_REJECT_WRONG_MODE);
+    command(SELD_WIRE_ACTION_FREE_RUN);
+    assert_true(bench_power(&b));
+    bench_drain(&b);
+    static const seld_wire_rhythm bad[] = {{0, 0}, {SELD_WIRE_RHYTHM_BREATH_RATE, 21}, {7, 0}, {255, 65535}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        ask(bad[i].action, bad[i].value);
+        assert_true(client_expect_reject(&b.host, &reject));
+        assert_int_equal(reject.code, SELD_REJECT_RHYTHM_RANGE);
+    }
+    for (int i = 0; i < SELD_APP_RHYTHM_QUEUE; i++) {
+        ask(SELD_WIRE_RHYTHM_HEART_RATE, (uint16_t)(80 + i));
+        assert_true(client_expect_status(&b.host, &status));
+    }
+    ask(SELD_WIRE_RHYTHM_HEART_RATE, 90);
+    assert_true(client_expect_reject(&b.host, &reject));
+    assert_int_equal(reject.code, SELD_REJECT_RHYTHM_FULL);
+}
+
+static seld_wire_live_tick session[400];
+
+/* 400 ticks of FREE_RUN as they come. */
+static uint32_t record(void)
+{
+    static seld_wire_live live;
+    uint32_t count = 0;
+    for (int ms = 0; ms < 400; ms++) {
+        if (ms == 100) ask(SELD_WIRE_RHYTHM_PREMATURE, 500);
+        if (ms == 100) ask(SELD_WIRE_RHYTHM_BREATH_HOLD, 1);
+        if (ms == 300) ask(SELD_WIRE_RHYTHM_BREATH_HOLD, 0);
+        client_get(&b.host, SELD_WIRE_GET_STATUS); /* the host speaks and reads later */
+        seld_sim_set_inputs(b.host.sim, &b.rig);
+        seld_sim_timer(b.host.sim, 1);
+    }
+    for (uint16_t type = client_receive(&b.host); type != 0; type = client_receive(&b.host)) {
+        if (type != SELD_WIRE_TYPE_live) continue;
+        assert_true(seld_wire_decode_live(b.host.decoder.payload, b.host.decoder.payload_bytes, &live));
+        for (uint16_t k = 0; k < live.ticks_count && count < 400; k++) session[count++] = live.ticks[k];
+    }
+    return count;
+}
+
+/* Two requests in one millisecond take two ticks; the recorded inputs give the same beats, hashes and phases in LOCKSTEP. */
+static void requests_of_free_run_replay_in_lockstep_bit_for_bit(void **state)
+{
+    (void)state;
+    const seld_wire_track uncoupled = {.translation_pm_per_count = 1000000,
+                                       .rotation_counts_per_turn = 65536,
+                                       .force_gain_milli = 1000,
+                                       .force_limit_mN = 8000,
+                                       .torque_limit_uN_m = 20000};
+    bench_drain(&b);
+    client_rig(&b.host, &uncoupled, 1);
+    assert_true(client_expect_status(&b.host, &status));
+    command(SELD_WIRE_ACTION_ARM);
+    command(SELD_WIRE_ACTION_START);
+    const uint32_t count = record();
+    uint32_t asked = 0, last = 0;
+    assert_true(count > 350);
+    for (uint32_t i = 0; i < count; i++) {
+        if (session[i].input.rhythm_action == 0) continue;
+        if (++asked == 2) assert_int_equal(i, last + 1);
+        last = i;
+    }
+    assert_int_equal(asked, 3);
+    command(SELD_WIRE_ACTION_STOP);
+    command(SELD_WIRE_ACTION_RESET);
+    start_lockstep();
+    for (uint32_t tick = 0; tick < count; tick++) {
+        static seld_wire_step step;
+        step = (seld_wire_step){.tick = tick, .inputs_count = 1};
+        step.inputs[0] = session[tick].input;
+        send_step(&step);
+        assert_true(client_expect_ticks(&b.host, &ticks));
+        assert_memory_equal(&ticks.states[0], &session[tick].state, sizeof ticks.states[0]);
+    }
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(an_input_asks_at_its_own_tick),
+        TEST(a_batch_with_one_bad_request_is_refused_whole),
+        TEST(a_request_in_the_wrong_mode_state_or_range_is_refused),
+        TEST(requests_of_free_run_replay_in_lockstep_bit_for_bit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,89 @@
+// How a scene's vessels move, in SI doubles: the same lattice that the core looks up in fixed point (docs/heart.md).
+//
+//   const auto motion = read_motion("heart.scene", error);     // nullopt with an empty error: it stands still
+//   X = motion->pull(x, moment); x = motion->push(X, moment);
+//   MovingBodies bodies(*motion, all_bodies);
+//   bodies.at({wire.heart_phase32, wire.breath_phase32});       // vertices of what moves
+//
+// May include: shared/scene, bodies. Called by: host/app, host/effects.
+#pragma once
+#include "host/model/bodies.hpp"
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+struct seld_scene_motion;
+
+namespace seld
+{
+
+inline constexpr int motion_keyframes = 24;
+
+// Where heart and breath are: phases as the core gives them.
+struct MotionMoment {
+    std::uint32_t heart_phase32 = 0, breath_phase32 = 0;
+};
+
+// Three keyframe columns of a row and their weights (quadratic B-spline, periodic), and the depth of breath 0 .. 1.
+struct MotionWeights {
+    int first = 0;
+    double weights[3] = {0.125, 0.75, 0.125};
+    double breath = 0.0;
+};
+MotionWeights motion_weights(const MotionMoment &moment);
+
+class Motion
+{
+  public:
+    explicit Motion(const seld_scene_motion &scene); // a checked one; copies it
+
+    // The reference pose's place of what is at x now.
+    Eigen::Vector3d pull(const Eigen::Vector3d &x_m, const MotionMoment &moment) const;
+    // Where what the reference pose has at X is now; off by less than 1 um where the lattice does not fold over.
+    Eigen::Vector3d push(const Eigen::Vector3d &X_m, const MotionMoment &moment) const;
+
+  private:
+    friend class MovingBodies;
+    Eigen::Vector3d way(const Eigen::Vector3d &x_m, const MotionWeights &weights) const;
+    Eigen::Vector3d push(const Eigen::Vector3d &X_m, const MotionWeights &weights) const;
+
+    std::array<double, 3> origin_m_{};
+    std::array<int, 3> count_{};
+    double spacing_m_ = 1.0;
+    std::vector<std::int16_t> rows_;
+};
+
+// The MOTION section of a scene file. Nothing when it has none, or, with a message in `error`, when it cannot be read.
+std::optional<Motion> read_motion(const std::string &scene_path, std::string &error);
+
+// Bodies that move with it: every vertex is taken through the keyframes once, then a moment costs a few products per vertex.
+// Between keyframes that is the spline of the moved places, within 0.05 mm of the lattice's own map.
+class MovingBodies
+{
+  public:
+    MovingBodies(const Motion &motion, const Bodies &bodies);
+    bool is_empty() const { return moving_.empty(); }
+
+    struct Moved {
+        int body = 0; // index in Bodies
+        std::span<const Eigen::Vector3i> vertices_um;
+    };
+    // Valid until the next call.
+    const std::vector<Moved> &at(const MotionMoment &moment);
+
+  private:
+    struct Body {
+        int index;
+        std::vector<float>
+            coefficients_um; // per vertex: 3 components of 27: keyframes 23, 0 .. 23, 0, breath
+        std::vector<Eigen::Vector3i> reference_um, vertices_um;
+    };
+    std::vector<Body> moving_;
+    std::vector<Moved> moved_;
+};
+
+} // namespace seld

@@ -1,0 +1,194 @@
+// Claims: the traces of the heart follow the beats that the core reports: rate, pressures of a resting adult, what a premature beat
+// and asystole do to them; and the host's lattice of a moving vessel is the one in the scene: pushing undoes pulling, bodies move with it.
+#include "host/effects/pulse.hpp"
+#include "host/model/motion.hpp"
+#include "shared/scene/tests/scene_sample.h"
+
+#include <cmath>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+extern "C" {
+#include "firmware/core/core.h"
+#include <cmocka.h>
+}
+
+using namespace seld;
+
+namespace
+{
+
+// A monitor fed by the core's own rhythm.
+struct Patient {
+    seld_rhythm rhythm{};
+    PulseMonitor monitor;
+    Patient() { seld_rhythm_init(&rhythm); }
+    seld_wire_tick_state tick(std::uint32_t action = 0, std::uint32_t value = 0)
+    {
+        const seld_rhythm_order order{action, value};
+        seld_rhythm_step(&rhythm, &order);
+        seld_wire_tick_state state{};
+        state.heart_phase32 = rhythm.heart_phase32;
+        state.beat_ms = rhythm.beat_ms;
+        state.interval_ms = rhythm.interval_ms;
+        state.rhythm_bits = static_cast<std::uint8_t>(rhythm.bits);
+        monitor.tick(state);
+        return state;
+    }
+    void run(int ms)
+    {
+        for (int i = 0; i < ms; ++i) tick();
+    }
+};
+
+// Systolic 110 to 130, diastolic 70 to 85 mmHg at 70 /min; the rate is read from the intervals to 0.2 /min.
+void a_resting_adult_has_the_usual_pressures(void **)
+{
+    Patient patient;
+    patient.run(15000);
+    print_message("# %.0f/%.0f mmHg at %.1f /min\n", patient.monitor.systolic_mmHg(),
+                  patient.monitor.diastolic_mmHg(), patient.monitor.rate_per_min());
+    assert_true(patient.monitor.systolic_mmHg() > 110 && patient.monitor.systolic_mmHg() < 130);
+    assert_true(patient.monitor.diastolic_mmHg() > 70 && patient.monitor.diastolic_mmHg() < 85);
+    assert_true(std::abs(patient.monitor.rate_per_min() - 70) < 0.2);
+}
+
+// The early beat ejects less: a lower systolic pressure, and a lower diastolic one after its long pause.
+void a_premature_beat_is_weak_and_the_pause_after_it_long(void **)
+{
+    Patient patient;
+    patient.run(15000);
+    const double systolic = patient.monitor.systolic_mmHg(), diastolic = patient.monitor.diastolic_mmHg();
+    patient.tick(SELD_RHYTHM_PREMATURE, 450);
+    const std::uint32_t beats = patient.monitor.beats();
+    while (patient.monitor.premature_beats() == 0) patient.tick();
+    assert_true(patient.monitor.beats() <= beats + 2);
+    const std::uint32_t early = patient.monitor.beats();
+    while (patient.monitor.beats() == early) patient.tick();
+    print_message("# %.0f/%.0f mmHg, before it %.0f/%.0f\n", patient.monitor.systolic_mmHg(),
+                  patient.monitor.diastolic_mmHg(), systolic, diastolic);
+    assert_true(patient.monitor.systolic_mmHg() < systolic - 5);
+    assert_true(patient.monitor.diastolic_mmHg() < diastolic - 5);
+}
+
+// Without beats the windkessel empties: P - 6 falls by e within R C = 1.42 s, and the electrocardiogram is flat.
+void asystole_is_a_flat_line_and_a_falling_pressure(void **)
+{
+    Patient patient;
+    patient.run(5000);
+    patient.tick(SELD_RHYTHM_ASYSTOLE, 1);
+    while ((patient.rhythm.bits & SELD_RHYTHM_IS_RESTING) == 0) patient.tick();
+    patient.run(200);
+    const double before = patient.monitor.pressure_mmHg() - 6;
+    patient.run(1418); // 1.05 x 1.35 s
+    const double after = patient.monitor.pressure_mmHg() - 6;
+    assert_true(std::abs(after / before - std::exp(-1.0)) < 0.002);
+    const seld_wire_tick_state state = patient.tick();
+    assert_true(std::abs(ecg_mV(0, state.beat_ms, state.interval_ms, state.rhythm_bits)) < 1e-6);
+    patient.run(3000);
+    assert_true(patient.monitor.rate_per_min() == 0);
+}
+
+// R 36 ms after the QRS begins, T at four fifths of systole, P before the next QRS, also at 150 /min.
+void the_waves_stand_where_the_beat_says(void **)
+{
+    for (std::uint32_t rate : {50u, 70u, 150u}) {
+        const double interval = 60000.0 / rate, systole = 540 - 2.1 * rate;
+        const auto at = [&](double ms) {
+            const double phase = ms < systole ? ms / systole * phase_systole_end
+                                              : phase_systole_end + (ms - systole) / (interval - systole) *
+                                                                        (1 - phase_systole_end);
+            return ecg_mV(phase, ms, interval, 0);
+        };
+        assert_true(at(36) > 1.0 && at(36) > at(31) && at(36) > at(41));
+        assert_true(at(0.8 * systole) > 0.2);
+        assert_true(at(interval - 118) > 0.1);
+    }
+}
+
+// --- the lattice ---
+
+struct Sample {
+    alignas(16) std::uint8_t file[SAMPLE_BYTES_MAX];
+    seld_scene scene{};
+    Sample()
+    {
+        const std::size_t bytes = sample_moving_scene(file, sizeof file);
+        if (seld_scene_open(file, bytes, &scene, nullptr) != SELD_SCENE_OK)
+            fail_msg("the sample does not open");
+    }
+};
+
+MotionMoment moment(double heart, double breath)
+{
+    return {static_cast<std::uint32_t>(heart * 4294967296.0),
+            static_cast<std::uint32_t>(breath * 4294967296.0)};
+}
+
+// The middle node lies at (0, 7.8125, 7.8125) mm. Its coefficients rise by 44 units a keyframe from 44 at keyframe 0, and a quadratic spline of a straight line is that
+// line; breath is 262 units along y at its deepest.
+void the_lattice_is_read_as_it_was_written(void **)
+{
+    const Sample sample;
+    const Motion motion(sample.scene.motion);
+    const Eigen::Vector3d node(0, 8.0 / 1024, 8.0 / 1024);
+    const double unit = 0x1p-19;
+    const Eigen::Vector3d pulled = motion.pull(node, moment(5.0 / 24, 0));
+    assert_true(std::abs(pulled.x() - 6 * 44 * unit) < 1e-9 && std::abs(pulled.y() - node.y()) < 1e-9);
+    assert_true(std::abs(motion.pull(node, moment(0, 0.5)).y() - node.y() - 262 * unit) < 1e-9);
+    const Eigen::Vector3d outside(0.1, 0, 0);
+    assert_true(motion.pull(outside, moment(0.3, 0.5)) == outside);
+}
+
+void pushing_undoes_pulling(void **)
+{
+    const Sample sample;
+    const Motion motion(sample.scene.motion);
+    for (int i = 0; i < 500; ++i) {
+        const Eigen::Vector3d x((i % 7 - 3) * 2e-3, (i % 11) * 1.5e-3, (i % 13) * 1.2e-3);
+        const MotionMoment now = moment(i / 500.0, (i * 37 % 500) / 500.0);
+        assert_true((motion.push(motion.pull(x, now), now) - x).norm() < 1e-6);
+    }
+}
+
+// A body of eight vertices, one of two moves: at the keyframes its vertices are where the lattice pushes them, to 2 um.
+void bodies_that_move_go_where_the_lattice_takes_them(void **)
+{
+    const Sample sample;
+    const Motion motion(sample.scene.motion);
+    Bodies bodies;
+    bodies.bodies.resize(2);
+    for (int i = 0; i < 8; ++i)
+        bodies.bodies[1].vertices_um.emplace_back(-1000 + 2000 * (i & 1), 7000 + 2000 * (i >> 1 & 1),
+                                                  8000 + 500 * (i >> 2));
+    bodies.bodies[0] = bodies.bodies[1];
+    bodies.bodies[1].moves = true;
+    MovingBodies moving(motion, bodies);
+    for (int key = 0; key < motion_keyframes; ++key) {
+        const MotionMoment now = moment(key / 24.0, 0);
+        const auto &moved = moving.at(now);
+        assert_true(moved.size() == 1 && moved[0].body == 1);
+        for (std::size_t i = 0; i < 8; ++i) {
+            const Eigen::Vector3d wanted =
+                motion.push(bodies.bodies[1].vertices_um[i].cast<double>() * 1e-6, now) * 1e6;
+            assert_true((moved[0].vertices_um[i].cast<double>() - wanted).cwiseAbs().maxCoeff() < 2);
+        }
+    }
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(a_resting_adult_has_the_usual_pressures),
+        cmocka_unit_test(a_premature_beat_is_weak_and_the_pause_after_it_long),
+        cmocka_unit_test(asystole_is_a_flat_line_and_a_falling_pressure),
+        cmocka_unit_test(the_waves_stand_where_the_beat_says),
+        cmocka_unit_test(the_lattice_is_read_as_it_was_written),
+        cmocka_unit_test(pushing_undoes_pulling),
+        cmocka_unit_test(bodies_that_move_go_where_the_lattice_takes_them),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}

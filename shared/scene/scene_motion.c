@@ -1,0 +1,110 @@
+/* Checking the MOTION section: every number within what the core's arithmetic is proved for, neighbours close enough that the map is one
+ * to one for any wall that a heart has, and a boundary that stands still, where the lattice ends. */
+#include "shared/scene/scene_check.h"
+
+enum { COMPONENTS = 3, NODE = COMPONENTS * SELD_SCENE_MOTION_ROW, COPIES = 2 };
+
+static seld_scene_status check_header(seld_scene_check *check, const uint8_t *header, size_t where)
+{
+    uint32_t log2 = seld_scene_u16(header + 18);
+    if (log2 < SELD_SCENE_MOTION_SPACING_LOG2_MIN || log2 > SELD_SCENE_MOTION_SPACING_LOG2_MAX ||
+        seld_scene_u16(header + 20) != SELD_SCENE_MOTION_KEYFRAMES)
+        return seld_scene_fault_at(check, SELD_SCENE_MOTION_LATTICE, where + 18);
+    for (int k = 0; k < 3; k++) {
+        uint32_t count = seld_scene_u16(header + 12 + 2 * k);
+        if (count < 2 || count > SELD_SCENE_MOTION_COUNT_MAX)
+            return seld_scene_fault_at(check, SELD_SCENE_MOTION_LATTICE, where + 12 + 2 * (size_t)k);
+        int64_t end = seld_scene_i32(header + 4 * k) + ((int64_t)(count - 1) << log2);
+        if (end > (int64_t)INT32_MAX + 1)
+            return seld_scene_fault_at(check, SELD_SCENE_MOTION_LATTICE, where + 4 * (size_t)k);
+    }
+    if (seld_scene_u16(header + 22) != 0 || seld_scene_u32(header + 24) != 0 ||
+        seld_scene_u32(header + 28) != 0)
+        return seld_scene_fault_at(check, SELD_SCENE_RESERVED, where + 22);
+    return SELD_SCENE_OK;
+}
+
+/* One component of one node: in range, the copies at the row's ends what they copy, the last number 0. */
+static bool row_is_valid(const int16_t *row)
+{
+    for (int i = 0; i < SELD_SCENE_MOTION_ROW; i++) {
+        if (row[i] > SELD_SCENE_MOTION_VALUE_MAX || row[i] < -SELD_SCENE_MOTION_VALUE_MAX) return false;
+    }
+    for (int i = 0; i < COPIES; i++) {
+        if (row[SELD_SCENE_MOTION_KEYFRAMES + i] != row[i]) return false;
+    }
+    return row[SELD_SCENE_MOTION_ROW - 1] == 0;
+}
+
+/* Three quarters of a spacing for the heart, one for breath. */
+static bool is_steep(const int16_t *row, const int16_t *next, int32_t quarter)
+{
+    for (int i = 0; i <= SELD_SCENE_MOTION_ROW_BREATH; i++) {
+        int32_t apart = next[i] - row[i], most = i == SELD_SCENE_MOTION_ROW_BREATH ? quarter : 3 * quarter;
+        if (apart > most || apart < -most) return true;
+    }
+    return false;
+}
+
+static bool is_still(const int16_t *node)
+{
+    for (int i = 0; i < NODE; i++) {
+        if (node[i] != 0) return false;
+    }
+    return true;
+}
+
+/* Node at (x, y, z): its rows, the way to its next neighbours, and whether it stands still where it must. */
+static seld_scene_status check_node(const seld_scene_motion *motion, const uint32_t at[3])
+{
+    const uint32_t nx = motion->node_count_xyz[0], ny = motion->node_count_xyz[1];
+    const size_t steps[3] = {1, nx, (size_t)nx * ny};
+    const size_t node = at[0] + at[1] * steps[1] + at[2] * steps[2];
+    const int16_t *rows = motion->rows + node * NODE;
+    const int32_t quarter = 1 << (motion->spacing_log2_q30 - SELD_SCENE_MOTION_UNIT_LOG2_Q30 - 2);
+    for (int k = 0; k < COMPONENTS; k++) {
+        if (!row_is_valid(rows + k * SELD_SCENE_MOTION_ROW)) return SELD_SCENE_MOTION_VALUE;
+    }
+    for (int axis = 0; axis < 3; axis++) {
+        bool is_last = at[axis] + 1u == motion->node_count_xyz[axis];
+        if ((at[axis] == 0 || is_last) && !is_still(rows)) return SELD_SCENE_MOTION_EDGE;
+        for (int k = 0; k < COMPONENTS && !is_last; k++) {
+            const int16_t *row = rows + k * SELD_SCENE_MOTION_ROW;
+            if (is_steep(row, row + steps[axis] * NODE, quarter)) return SELD_SCENE_MOTION_STEEP;
+        }
+    }
+    return SELD_SCENE_OK;
+}
+
+seld_scene_status seld_scene_check_motion(seld_scene_check *check, seld_scene_span span,
+                                          seld_scene_motion *motion)
+{
+    if (span.size < SELD_SCENE_MOTION_HEADER_BYTES)
+        return seld_scene_fault_at(check, SELD_SCENE_SECTION_SIZE, span.offset);
+    const uint8_t *header = check->bytes + span.offset;
+    seld_scene_status status = check_header(check, header, span.offset);
+    if (status != SELD_SCENE_OK) return status;
+    uint64_t nodes = 1;
+    for (int k = 0; k < 3; k++) {
+        motion->origin_m_q30[k] = seld_scene_i32(header + 4 * k);
+        motion->node_count_xyz[k] = seld_scene_u16(header + 12 + 2 * k);
+        nodes *= motion->node_count_xyz[k];
+    }
+    motion->spacing_log2_q30 = seld_scene_u16(header + 18);
+    if (span.size != SELD_SCENE_MOTION_HEADER_BYTES + 2 * NODE * nodes)
+        return seld_scene_fault_at(check, SELD_SCENE_SECTION_SIZE, span.offset + 12);
+    /* In place, as the lumen's samples. */
+    const size_t rows_at = span.offset + SELD_SCENE_MOTION_HEADER_BYTES;
+    motion->rows = (const int16_t *)(const void *)(check->bytes + rows_at);
+    size_t node = 0;
+    for (uint32_t z = 0; z < motion->node_count_xyz[2]; z++) {
+        for (uint32_t y = 0; y < motion->node_count_xyz[1]; y++) {
+            for (uint32_t x = 0; x < motion->node_count_xyz[0]; x++, node++) {
+                status = check_node(motion, (const uint32_t[3]){x, y, z});
+                if (status != SELD_SCENE_OK)
+                    return seld_scene_fault_at(check, status, rows_at + node * 2 * NODE);
+            }
+        }
+    }
+    return SELD_SCENE_OK;
+}
