@@ -21,6 +21,7 @@ namespace
 constexpr std::size_t triangles_min = 300'000;
 constexpr int rounds = 12; // the fastest counts: the machine does other work too
 const char *const bodies_file = "out/aorta.bodies";
+const char *const heart_name = "heart that beats";
 
 // Views of everyday work, over chest and belly: angles and table.
 struct Look {
@@ -49,12 +50,37 @@ Bodies made_here()
     return bodies;
 }
 
-Bodies patient()
+// The four materials that the bars of docs/xray.md speak of; the shipped anatomy has eight.
+const char *one_of_four(const std::string &name)
+{
+    const Material material = material_from_name(name).value_or(Material::soft_tissue);
+    switch (material) {
+    case Material::bone_cortical:
+    case Material::bone_spongy:
+        return "bone_cortical";
+    case Material::lung:
+    case Material::air:
+        return "lung";
+    case Material::blood:
+        return "blood";
+    default:
+        return "soft_tissue";
+    }
+}
+
+struct Scene {
+    bool beats = false;   // with a ball of 28,800 triangles that can move
+    bool is_four = false; // materials
+};
+
+Bodies patient(const Scene &scene)
 {
     Bodies bodies;
     std::string error;
     if (!read_bodies(bodies_file, bodies, error)) bodies = made_here();
-    bodies.bodies.push_back(sphere_body("blood", "blood", 0, {0.0, 0.0, 0.02}, 0.03, 60));
+    for (Body &body : bodies.bodies)
+        if (scene.is_four) body.material = one_of_four(body.material);
+    if (scene.beats) bodies.bodies.push_back(sphere_body(heart_name, "blood", 0, {0.0, 0.0, 0.02}, 0.03, 60));
     for (int i = 0; count_triangles(bodies) < triangles_min; ++i)
         bodies.bodies.push_back(sphere_body("node", "blood", 0, {0.004 * i - 0.06, -0.05, 0.0}, 0.0018, 20));
     return bodies;
@@ -78,11 +104,11 @@ WireFrame wire_at(double shift_m)
 class Bench
 {
   public:
-    explicit Bench(int threads)
+    Bench(int threads, const Scene &scene) : patient_(patient(scene))
     {
         std::string error;
         if (!scene_.set_bodies(patient_, error)) bench_fail(error.c_str());
-        while (patient_.bodies[heart_].name != "blood") ++heart_;
+        while (scene.beats && patient_.bodies[heart_].name != heart_name) ++heart_;
         xray_ = std::make_unique<Xray>(scene_, threads);
     }
     // From now on a heart beats and a stent of 400 struts moves with it.
@@ -139,7 +165,7 @@ class Bench
         return vertices;
     }
 
-    Bodies patient_ = patient();
+    Bodies patient_;
     int heart_ = 0;
     bool moves_ = false;
     std::vector<SweptCurve> curves_;
@@ -153,7 +179,7 @@ class Bench
     int frames_ = 0;
 };
 
-constexpr int is_kept = 1 << 16, is_beating = 1 << 17;
+constexpr int is_kept = 1 << 16, is_beating = 1 << 17, has_four = 1 << 18;
 
 // Processor time of this process, all threads: what is left of a frame's time when others use the machine too.
 double processor_ms()
@@ -167,9 +193,9 @@ double processor_ms()
 // Mean over the views of the fastest frame of each.
 double frame_ms(const bench_case *self)
 {
-    Bench bench(2);
     const int size = self->argument & 0xffff;
     const bool keeps = (self->argument & is_kept) != 0, beats = (self->argument & is_beating) != 0;
+    Bench bench(2, {beats, (self->argument & has_four) != 0});
     if (beats) bench.start_heart();
     bench.settle(size);
     std::vector<double> best(std::size(looks), 1e9), processor(best);
@@ -206,7 +232,7 @@ namespace
 
 double frame_instructions(const bench_case *self)
 {
-    Bench bench(1);
+    Bench bench(1, {});
     const int size = self->argument & 0xffff;
     const bool keeps = (self->argument & is_kept) != 0;
     bench.settle(size);
@@ -251,7 +277,7 @@ PathTimes path_times(int size)
     setenv("LP_NUM_THREADS", "2", 1); // llvmpipe's, Mesa's driver without a graphics card
     XrayScene scene;
     std::string error;
-    if (!scene.set_bodies(patient(), error)) bench_fail(error.c_str());
+    if (!scene.set_bodies(patient({}), error)) bench_fail(error.c_str());
     const BodyMeshes &meshes = scene.meshes().bodies;
     RasterPaths raster(meshes, 2);
     std::unique_ptr<GlPaths> osmesa;
@@ -310,12 +336,21 @@ double osmesa_ratio(const bench_case *self)
 }
 
 const bench_case cases[] = {
-    {"xray.frame_ms", "ms", "size=512 view=moved threads=2", nullptr, 0, frame_ms, 512},
-    {"xray.frame_ms", "ms", "size=1024 view=moved threads=2", nullptr, 0, frame_ms, 1024},
-    {"xray.frame_ms", "ms", "size=512 view=kept threads=2", nullptr, 0, frame_ms, 512 | is_kept},
-    {"xray.frame_ms", "ms", "size=1024 view=kept threads=2", nullptr, 0, frame_ms, 1024 | is_kept},
-    {"xray.frame_ms", "ms", "size=512 view=kept threads=2 heart_triangles=28800 struts=400", nullptr, 0,
-     frame_ms, 512 | is_kept | is_beating},
+    {"xray.frame_ms", "ms", "size=512 view=moved threads=2 materials=4", nullptr, 0, frame_ms,
+     512 | has_four},
+    {"xray.frame_ms", "ms", "size=1024 view=moved threads=2 materials=4", nullptr, 0, frame_ms,
+     1024 | has_four},
+    {"xray.frame_ms", "ms", "size=512 view=kept threads=2 materials=4", nullptr, 0, frame_ms,
+     512 | is_kept | has_four},
+    {"xray.frame_ms", "ms", "size=1024 view=kept threads=2 materials=4", nullptr, 0, frame_ms,
+     1024 | is_kept | has_four},
+    {"xray.frame_ms", "ms", "size=512 view=moved threads=2 materials=8", nullptr, 0, frame_ms, 512},
+    {"xray.frame_ms", "ms", "size=1024 view=moved threads=2 materials=8", nullptr, 0, frame_ms, 1024},
+    {"xray.frame_ms", "ms", "size=512 view=kept threads=2 materials=8", nullptr, 0, frame_ms, 512 | is_kept},
+    {"xray.frame_ms", "ms", "size=1024 view=kept threads=2 materials=8", nullptr, 0, frame_ms,
+     1024 | is_kept},
+    {"xray.frame_ms", "ms", "size=512 view=kept threads=2 materials=8 heart_triangles=28800 struts=400",
+     nullptr, 0, frame_ms, 512 | is_kept | is_beating},
     {"xray.paths_ms", "ms", "size=512 by=raster threads=2", nullptr, 0, raster_paths_ms, 512},
     {"xray.paths_ms", "ms", "size=512 by=osmesa threads=2", nullptr, 0, osmesa_paths_ms, 512},
     {"xray.paths_ms", "ms", "size=1024 by=raster threads=2", nullptr, 0, raster_paths_ms, 1024},

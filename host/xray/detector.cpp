@@ -91,7 +91,7 @@ SELD_WIDE static void add_passed(const float *exponent, float weight, int count,
     for (int i = 0; i < count; ++i) sum[i] += weight * exp2_negative(exponent[i]);
 }
 
-// Both at once for three and for six materials.
+// Both at once for three, six and nine materials.
 SELD_WIDE static void add_passed_three(const float *const *path, const float *factor, float weight, int count,
                                        float *sum)
 {
@@ -111,13 +111,25 @@ SELD_WIDE static void add_passed_six(const float *const *path, const float *fact
                   exp2_negative(f0 * p0[i] + f1 * p1[i] + f2 * p2[i] + f3 * p3[i] + f4 * p4[i] + f5 * p5[i]);
 }
 
+SELD_WIDE static void add_passed_nine(const float *const *path, const float *factor, float weight, int count,
+                                      float *sum)
+{
+    const float *p0 = path[0], *p1 = path[1], *p2 = path[2], *p3 = path[3], *p4 = path[4], *p5 = path[5],
+                *p6 = path[6], *p7 = path[7], *p8 = path[8];
+    const float f0 = factor[0], f1 = factor[1], f2 = factor[2], f3 = factor[3], f4 = factor[4],
+                f5 = factor[5], f6 = factor[6], f7 = factor[7], f8 = factor[8];
+    for (int i = 0; i < count; ++i)
+        sum[i] += weight * exp2_negative(f0 * p0[i] + f1 * p1[i] + f2 * p2[i] + f3 * p3[i] + f4 * p4[i] +
+                                         f5 * p5[i] + f6 * p6[i] + f7 * p7[i] + f8 * p8[i]);
+}
+
 namespace
 {
 
-constexpr int fused_max = 6;
+constexpr int fused_max = 9;
 constexpr int block = 64; // columns: long enough to be a loop of vectors, short enough for the nearest cache
 
-// What some columns of a row have of the materials, and no others; filled up with nothing to six.
+// What some columns of a row have of the materials, and no others; filled up with nothing to nine.
 struct PresentPaths {
     float path[material_count + fused_max][block];
     const float *pointer[fused_max];
@@ -154,7 +166,9 @@ void transmission_row(const BeamTable &beam, const std::array<const std::int32_t
             float factors[fused_max];
             for (int j = 0; j < fused_max; ++j) factors[j] = present.factor(beam, j, k);
             if (present.count <= fused_max) {
-                auto add = present.count <= 3 ? add_passed_three : add_passed_six;
+                auto add = present.count <= 3   ? add_passed_three
+                           : present.count <= 6 ? add_passed_six
+                                                : add_passed_nine;
                 add(present.pointer, factors, weight, columns, sum);
                 continue;
             }
