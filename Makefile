@@ -55,7 +55,7 @@ HOST_LINK     := -lpng -lglfw -lusb-1.0 -ldl -ldcmdata -lofstd
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/centreline $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: gallery dissector all run window test validate validate-centreline bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig hil-faults hil-loop hil-emulator hil-machines install-udev bench-xray-peers
+.PHONY: gallery coronary dissector all run window test validate validate-centreline bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig hil-faults hil-loop hil-emulator hil-machines install-udev bench-xray-peers
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -178,6 +178,30 @@ window: packages-build packages-run ## push and turn a wire by keyboard (needs a
 	@$(QUIET_MAKE) $(PROGRAMS)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
 	@$(BUILD)/bin/seldinger view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec
+
+# --- the heart and its left coronary artery: docs/contrast.md ----------------------------------------------------------
+HEART_TEXT  := $(BUILD)/anatomy/heart/scene.toml
+HEART       := out/heart.scene
+CORONARY    := shared/examples/sessions/coronary.session
+GUIDE       := shared/examples/instruments/guide_jl3_6f.toml
+HEART_FRAME := $(BUILD)/anatomy/heart/beat/frame_00.obj
+$(HEART_TEXT) $(HEART_FRAME) &: $(BUILD)/bin/anatomy
+	@echo "Making the heart (1.5 minutes of one core)"
+	@$(BUILD)/bin/anatomy heart -o $(dir $(HEART_TEXT))
+$(HEART) $(HEART:.scene=.bodies) &: $(HEART_TEXT) $(BUILD)/bin/bake
+	@mkdir -p out
+	@echo "Baking $(HEART)"
+	@$(BUILD)/bin/bake $(HEART_TEXT) -o $(HEART)
+CORONARY_OUT := out/coronary.mp4 out/coronary.png out/coronary.json
+$(CORONARY_OUT) &: $(HEART) $(CORONARY) $(WIRE) $(GUIDE) $(BUILD)/bin/seldinger
+	@echo "Running $(CORONARY)"
+	@$(BUILD)/bin/seldinger run --scene $(HEART) --tool $(WIRE) --tool $(GUIDE) --session $(CORONARY) \
+	    --json out/coronary.json --png out/coronary.png --mp4 out/coronary.mp4
+
+coronary: packages-build packages-run ## a guide takes the left coronary artery, and contrast in two views: out/coronary.mp4
+	@$(QUIET_MAKE) $(PROGRAMS)
+	@$(MAKE) --no-print-directory PACKAGES=skip $(CORONARY_OUT)
+	@echo "Written: $(CORONARY_OUT)"
 
 # --- the gallery: docs/gallery.md ---------------------------------------------------------------------------------------
 GALLERY       := pelvis arch chest loin
@@ -490,7 +514,23 @@ $(LINE_FIGURE) $(LINE_FIGURE:.png=.csv) &: $(ANATOMY) $(LINE_POINTS) $(BUILD)/bi
 	@$(BUILD)/bin/centreline fit $(ANATOMY) --points $(LINE_POINTS) -o $(LINE_FIGURE:.png=.csv)
 	@$(BUILD)/bin/centreline show $(LINE_FIGURE:.png=.csv) --mesh $(ANATOMY) --turn -20 --size 1600 -o $(LINE_FIGURE)
 
-thesis: packages-build packages-bench ## Figures 5.9 and 5.11 to 5.14 of the thesis, by its own rod and by ours: out/thesis/index.html (minutes)
+WIRES_FIGURE := out/thesis/figure_5_7.png
+$(WIRES_FIGURE): $(HEART_FRAME) $(BUILD)/bin/centreline
+	@mkdir -p $(@D)
+	@echo "Making $(WIRES_FIGURE)"
+	@$(BUILD)/bin/centreline show --wireframe --mesh $(HEART_FRAME) --part coronaries_left --part coronaries_right \
+	    --turn 20 --size 900 -o $(@D)/coronaries.png
+	@$(BUILD)/bin/centreline show --wireframe --mesh $(HEART_FRAME) --part heart --part aortic_root --turn 20 --size 900 -o $(@D)/heart.png
+	@ffmpeg -v error -y -i $(@D)/coronaries.png -i $(@D)/heart.png -filter_complex hstack $@
+	@rm $(@D)/coronaries.png $(@D)/heart.png
+MEDIUM_FIGURE := out/thesis/figure_5_8_left.png
+$(MEDIUM_FIGURE): $(CORONARY_OUT)
+	@mkdir -p $(@D)
+	@cp out/coronary.png $@
+
+thesis: packages-build packages-run packages-bench ## Figures 5.7 to 5.9 and 5.11 to 5.14 of the thesis, by its own rod and by ours: out/thesis/index.html (minutes)
+	@$(QUIET_MAKE) $(BUILD)/bin/seldinger
+	@$(MAKE) --no-print-directory PACKAGES=skip $(WIRES_FIGURE) $(MEDIUM_FIGURE)
 	@$(QUIET_MAKE) $(BUILD)/bin/vcsim3 $(BUILD)/bin/centreline $(PHANTOM_SCENE)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(LINE_FIGURE)
 	@$(BUILD)/bin/vcsim3 figures --scene $(PHANTOM_SCENE) -o out/thesis --threads $(JOBS) --instructions

@@ -209,8 +209,10 @@ int command_show(const Options &options)
 {
     check_outputs({{"TREE", options.tree}, {"--mesh", options.mesh}, {"--points", options.points}},
                   {{"--output", options.output}});
+    if (options.tree.empty() && !options.wireframe)
+        throw UsageError("show: name a TREE, or give --wireframe to see the mesh alone");
     bake::Progress progress;
-    const Tree tree = read_tree(options.tree);
+    const Tree tree = options.tree.empty() ? Tree{} : read_tree(options.tree);
     const bake::Mesh mesh = load(options, options.mesh, progress);
     std::vector<Point> points;
     if (!options.points.empty()) points = read_points(options.points).points;
@@ -219,9 +221,12 @@ int command_show(const Options &options)
     drawing.tree = &tree;
     drawing.points = points.empty() ? nullptr : &points;
     drawing.with_names = options.with_names;
+    drawing.wires = options.wireframe ? &mesh : nullptr;
+    const std::vector<float> glass =
+        options.wireframe ? std::vector<float>(static_cast<std::size_t>(view.width) * view.height, 0.0f)
+                          : glass_of(mesh, view);
     std::string error;
-    if (!write_png(options.output, draw_tree(glass_of(mesh, view), view, drawing).image(), error))
-        throw Fault(error);
+    if (!write_png(options.output, draw_tree(glass, view, drawing).image(), error)) throw Fault(error);
     std::printf("written %s: %zu branches, %zu spheres\n", options.output.c_str(), tree.branches.size(),
                 sphere_count(tree));
     return 0;

@@ -25,7 +25,7 @@ struct Options {
     double radii_times = 1;
     double turn_deg = 0, tilt_deg = 0;
     int size = 1000, frames = 0;
-    bool as_is = false, split = false, with_names = false;
+    bool as_is = false, split = false, with_names = false, wireframe = false;
     AutoWish automatic;
     FlowSettings flow;
 };

@@ -138,7 +138,9 @@ void add_using(CLI::App &app, Options &options)
     carry->add_option("-o,--output", options.output, "folder for tree_00.csv, tree_01.csv ...")->required();
     add_mesh_options(*carry, options);
     CLI::App *show = app.add_subcommand("show", "a picture of mesh and spheres");
-    show->add_option("TREE", options.tree, "the tree")->required();
+    show->add_option("TREE", options.tree, "the tree; not needed with --wireframe");
+    show->add_flag("--wireframe", options.wireframe,
+                   "the mesh as its edges, nearer ones darker, instead of as glass");
     show->add_option("--mesh", options.mesh, "the vessel's surface")->required();
     show->add_option("--points", options.points, "points to draw too");
     show->add_flag("--names", options.with_names, "write the points' names");

@@ -155,6 +155,40 @@ std::vector<float> glass_of(const bake::Mesh &mesh, const View &view)
     return glass;
 }
 
+namespace
+{
+
+// Each edge once, those far from the viewer first and paler.
+void draw_wires(Sheet &sheet, const View &view, const bake::Mesh &mesh)
+{
+    const Eigen::Matrix3d axes = view.axes();
+    struct Edge {
+        double depth_mm;
+        std::uint32_t from, to;
+    };
+    std::vector<Edge> edges;
+    double nearest_mm = -1e9, farthest_mm = 1e9;
+    for (const bake::Triangle &t : mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t from = t[k], to = t[(k + 1) % 3];
+            if (from > to) continue; // the neighbour has it the other way round
+            const double depth_mm = (axes * (mesh.vertices_mm[from] + mesh.vertices_mm[to])).z() / 2;
+            edges.push_back({depth_mm, from, to});
+            nearest_mm = std::max(nearest_mm, depth_mm);
+            farthest_mm = std::min(farthest_mm, depth_mm);
+        }
+    std::stable_sort(edges.begin(), edges.end(),
+                     [](const Edge &a, const Edge &b) { return a.depth_mm < b.depth_mm; });
+    for (const Edge &edge : edges) {
+        const double near = (edge.depth_mm - farthest_mm) / std::max(nearest_mm - farthest_mm, 1e-9);
+        const auto grey = static_cast<std::uint8_t>(215 - 185 * near);
+        draw_line(sheet, view.place(mesh.vertices_mm[edge.from]), view.place(mesh.vertices_mm[edge.to]), 1.0,
+                  {grey, grey, grey});
+    }
+}
+
+} // namespace
+
 Sheet draw_tree(const std::vector<float> &glass, const View &view, const TreeDrawing &drawing)
 {
     Sheet sheet(view.width, view.height);
@@ -163,6 +197,7 @@ Sheet draw_tree(const std::vector<float> &glass, const View &view, const TreeDra
             const float share = glass[static_cast<std::size_t>(y) * view.width + x];
             if (share > 0) sheet.blend(x, y, wall_ink, share);
         }
+    if (drawing.wires) draw_wires(sheet, view, *drawing.wires);
     const Eigen::Matrix3d axes = view.axes();
     if (drawing.tree) {
         std::vector<std::pair<double, const Sphere *>> spheres;

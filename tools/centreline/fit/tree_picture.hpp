@@ -27,6 +27,7 @@ View view_of(const bake::Mesh &mesh, double turn_deg, double tilt_deg, int width
 std::vector<float> glass_of(const bake::Mesh &mesh, const View &view);
 
 struct TreeDrawing {
+    const bake::Mesh *wires = nullptr; // its edges, nearer ones darker
     const Tree *tree = nullptr;
     const std::vector<Point> *points = nullptr; // manual points, red
     int chosen = -1;                            // one of them, ringed

@@ -54,6 +54,10 @@ grep -v radius_mm "$work/b.obj" >"$work/bare.obj"
 result $? "convert measures radii in a mesh"
 "$program" show "$work/tree.csv" --mesh "$tube" -o "$work/show.png" --size 300 >"$log" 2>&1 && [ "$(head -c 4 "$work/show.png" | tail -c 3)" = PNG ]
 result $? "show writes a picture"
+"$program" show --wireframe --mesh "$tube" -o "$work/wires.png" --size 300 >"$log" 2>&1 && [ -s "$work/wires.png" ]
+result $? "show draws a mesh as wires without a tree"
+"$program" show --mesh "$tube" -o "$work/none.png" >"$log" 2>&1; [ $? = 2 ] && grep -q "name a TREE" "$log"
+result $? "without both it says what is missing"
 mkdir "$work/frames"
 for i in 0 1 2; do awk -v up="$i" '/^v/ {$4 += up} {print}' "$tube" >"$work/frames/f$i.obj"; done
 "$program" carry "$work/tree.csv" "$work/frames" -o "$work/beat" >"$log" 2>&1 && [ "$(ls "$work/beat")" = "$(printf 'tree_0.csv\ntree_1.csv\ntree_2.csv')" ] &&
