@@ -80,7 +80,8 @@ USB_ID_FLAGS := -DSELD_USB_VENDOR_ID=0x$(word 1,$(subst :, ,$(USB_ID))) -DSELD_U
 $(BUILD)/obj/firmware/app/usb/%.c.o $(BUILD)/obj/hil_tests/library/%.c.o: CFLAGS += $(USB_ID_FLAGS)
 $(BUILD)/obj/host/link/%.cpp.o $(BUILD)/obj/host/app/%.cpp.o: CXXFLAGS += $(USB_ID_FLAGS)
 # The command line's parser is half a minute of templates that run once: not optimised, half of that.
-QUICK := $(BUILD)/obj/host/app/cli.cpp.o $(BUILD)/obj/host/app/cli_rig.cpp.o $(BUILD)/obj/host/app/cli_dicom.cpp.o $(BUILD)/obj/tools/centreline/fit/main.cpp.o
+QUICK := $(BUILD)/obj/host/app/cli.cpp.o $(BUILD)/obj/host/app/cli_rig.cpp.o $(BUILD)/obj/host/app/cli_dicom.cpp.o \
+         $(foreach main,tools/centreline/fit tools/anatomy tools/bake tools/docs tools/validate tools/vcsim3 hil_tests/rig hil_tests/campaign hil_tests/cases,$(BUILD)/obj/$(main)/main.cpp.o)
 # Under the sanitizers what reads, asks and writes is compiled without optimising, which takes two thirds of the time.
 QUICK += $(if $(SAN),$(foreach folder,host/app host/dicom host/link host/model hil_tests,$(BUILD)/obj/$(folder)/%.cpp.o))
 $(QUICK): override OPT := -O0
