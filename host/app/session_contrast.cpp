@@ -115,9 +115,37 @@ std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCo
     return "'" + tools[static_cast<std::size_t>(asked) - 1].name + "' HAS NO LUMEN to inject through";
 }
 
-SessionContrast::SessionContrast(const VesselTree &vessels, const std::vector<Instrument> &tools)
-    : tools_(tools), flow_(vessels)
+SessionContrast::SessionContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
+                                 const Motion *motion)
+    : tools_(tools), vessels_(vessels), flow_(vessels)
 {
+    if (motion) motion_ = *motion;
+}
+
+void SessionContrast::tick(const seld_wire_tick_state &state)
+{
+    if (state_ != State::flows) return;
+    beats_.push_back({state.tick, core_beat(state.beat_ms, state.interval_ms,
+                                            (state.rhythm_bits & SELD_WIRE_RHYTHM_IS_RESTING) != 0)});
+}
+
+// `next` goes on through the beats, which are in order.
+BeatPhase SessionContrast::beat_at(std::uint32_t tick, std::size_t &next) const
+{
+    while (next < beats_.size() && beats_[next].tick < tick) ++next;
+    if (next < beats_.size() && beats_[next].tick == tick) return beats_[next].phase;
+    return steady_beat(tick, beats_per_min);
+}
+
+// The centrelines where heart and breath have them in this frame.
+void SessionContrast::place_vessels(const WireFrame &wire)
+{
+    if (!motion_) return;
+    VesselTree moved = vessels_;
+    for (VesselBranch &branch : moved.branches)
+        for (Vector3d &point : branch.points_m)
+            point = motion_->push(point, MotionMoment{wire.heart_phase32, wire.breath_phase32});
+    flow_.place(moved);
 }
 
 std::string SessionContrast::refusal(const RoomCommand &command) const
@@ -164,14 +192,17 @@ void SessionContrast::advance(const WireFrame &wire)
 {
     const std::uint32_t now = wire.tick;
     const Clock::time_point begin = Clock::now();
+    std::size_t next = 0;
     if (state_ == State::flows)
         for (std::int64_t tick = seen_tick_ + 1; tick <= std::int64_t{now}; ++tick, ++cost_.steps) {
             const auto at = static_cast<std::uint32_t>(tick);
             fluid_ = injector_.take(at);
             note_given(at);
-            flow_.step(flow_drive(steady_beat(at, beats_per_min)), fluid_);
+            flow_.step(flow_drive(beat_at(at, next)), fluid_);
             stream_.strength = fluid_.flow_ml_s > 0.0 ? 1.0 : std::max(stream_.strength - stream_fades, 0.0);
         }
+    beats_.clear();
+    if (state_ == State::flows || next_tick() <= now) place_vessels(wire);
     if (next_tick() != never && now >= look_due()) look(wire);
     seen_tick_ = now;
     const Clock::time_point stepped = Clock::now();

@@ -5,6 +5,7 @@
 #pragma once
 #include "host/effects/injector.hpp"
 #include "host/model/instrument.hpp"
+#include "host/model/motion.hpp"
 #include "host/model/wire_frame.hpp"
 #include "host/room/command.hpp"
 #include "host/xray/moved.hpp"
@@ -37,12 +38,16 @@ class SessionContrast
   public:
     static constexpr std::uint32_t look_every_ticks = 40; // at the tools, while medium is in the vessels
 
-    SessionContrast(const VesselTree &vessels, const std::vector<Instrument> &tools);
+    // `motion`: how the vessels move with heart and breath; nullptr: they stand still.
+    SessionContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
+                    const Motion *motion = nullptr);
 
     // Why a command cannot be carried out; empty: it can.
     std::string refusal(const RoomCommand &command) const;
     // The same, and does it.
     std::string command(std::uint32_t tick, const RoomCommand &command);
+    // The core's heart, every tick before the frame of that tick. Without it the heart beats evenly, 70 times a minute.
+    void tick(const seld_wire_tick_state &state);
     std::uint32_t next_tick() const; // UINT32_MAX: no look is needed
     void advance(const WireFrame &wire);
 
@@ -59,6 +64,8 @@ class SessionContrast
     const ContrastCost &cost() const { return cost_; }
 
   private:
+    BeatPhase beat_at(std::uint32_t tick, std::size_t &next) const;
+    void place_vessels(const WireFrame &wire);
     enum class State { idle, waits, flows };
     void look(const WireFrame &wire);
     void note_given(std::uint32_t tick);
@@ -69,6 +76,8 @@ class SessionContrast
     SweptPoint stream_point(std::size_t cell, double narrowness) const;
 
     const std::vector<Instrument> tools_;
+    const VesselTree vessels_; // in the reference pose
+    std::optional<Motion> motion_;
     ContrastFlow flow_;
     Injector injector_;
     State state_ = State::idle;
@@ -78,6 +87,11 @@ class SessionContrast
     std::size_t tool_ = 0;        // that the syringe is at
     double iodine_mg_per_ml_ = 350.0;
     InjectedFluid fluid_;
+    struct Beat {
+        std::uint32_t tick = 0;
+        BeatPhase phase;
+    };
+    std::vector<Beat> beats_; // of the ticks since the last frame
     ContrastCost cost_;
     struct Given { // the same flow, from tick to tick
         std::uint32_t tick_begin = 0, tick_end = 0;

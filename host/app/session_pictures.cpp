@@ -56,7 +56,7 @@ SessionPictures::SessionPictures(const PictureSettings &settings, const std::vec
     xray_ = std::make_unique<Xray>(scene_, settings_.threads,
                                    paths_maker(settings_.xray, settings_.window_context));
     if (settings_.style == "vcsim3") thesis_look_ = std::make_unique<Vcsim3Look>(bodies, settings_.threads);
-    contrast_ = std::make_unique<SessionContrast>(bodies.vessels, tools);
+    contrast_ = std::make_unique<SessionContrast>(bodies.vessels, tools, motion ? &*motion : nullptr);
     const bool needs_movie = !settings_.mp4_path.empty();
     if (needs_movie && !movie_.open(settings_.mp4_path, settings_.size, settings_.size,
                                     static_cast<int>(settings_.pictures_per_second), error)) {

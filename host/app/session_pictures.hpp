@@ -59,6 +59,7 @@ class SessionPictures final : public FrameSink
     void tick(const seld_wire_encoders &, const seld_wire_tick_state &state) override
     {
         monitor_.tick(state);
+        contrast_->tick(state);
     }
     void finish() override;
     const PulseMonitor &monitor() const { return monitor_; }

@@ -45,6 +45,19 @@ FlowDrive flow_drive(const BeatPhase &phase)
     return drive;
 }
 
+BeatPhase core_beat(double beat_ms, double interval_ms, bool is_resting)
+{
+    constexpr double opens_share = 0.24;
+    BeatPhase phase;
+    phase.beat_s = std::max(interval_ms, 200.0) * 1e-3;
+    const double systole_s = std::clamp(0.540 - 0.0021 * 60.0 / phase.beat_s, 0.1, 0.8 * phase.beat_s);
+    const double opens_s = opens_share * systole_s, since_qrs_s = beat_ms * 1e-3;
+    phase.systole_s = systole_s - opens_s;
+    phase.since_opening_s = since_qrs_s - opens_s + (since_qrs_s < opens_s ? phase.beat_s : 0.0);
+    phase.is_beating = !is_resting;
+    return phase;
+}
+
 BeatPhase steady_beat(std::uint32_t tick, double beats_per_min)
 {
     const double rate = std::clamp(beats_per_min, 20.0, 250.0);

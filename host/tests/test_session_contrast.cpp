@@ -13,6 +13,8 @@
 #include <limits>
 extern "C" {
 #include <cmocka.h>
+
+#include "shared/scene/tests/scene_sample.h"
 }
 
 using namespace seld;
@@ -205,6 +207,59 @@ void a_pigtail_gives_medium_through_its_side_holes(void **)
     if (std::fabs(ahead_mg / all_mg - 0.2) > 0.03) fail_msg("%.3f of it at the tip", ahead_mg / all_mg);
 }
 
+// The core's heart leads: in its asystole the medium stays where it was injected, with beats 6 ml of it are carried away.
+void blood_flows_with_the_cores_heart(void **)
+{
+    double carried_mg[2] = {};
+    for (bool is_resting : {false, true}) {
+        SessionContrast contrast(aorta(), wire_and_catheter);
+        contrast.command(0, {RoomAction::inject, {200, 4000, 0}});
+        go_on(contrast, 0, 40, 40);
+        for (std::uint32_t tick = 41; tick <= 4000; ++tick) {
+            seld_wire_tick_state state{};
+            state.tick = tick;
+            state.beat_ms = tick % 857;
+            state.interval_ms = 857;
+            state.rhythm_bits = is_resting ? SELD_WIRE_RHYTHM_IS_RESTING : 0;
+            contrast.tick(state);
+            if (tick % 40 == 0) contrast.advance(line_at(tick));
+        }
+        carried_mg[is_resting] = contrast.flow().budget().out_mg;
+    }
+    assert_true(carried_mg[0] > 60.0 && carried_mg[1] == 0.0);
+}
+
+// A vessel through the sample's lattice: its cells are where the lattice pushes them, to 0.1 mm (points every millimetre).
+void medium_moves_with_the_vessels(void **)
+{
+    alignas(16) static std::uint8_t file[SAMPLE_BYTES_MAX];
+    seld_scene scene{};
+    if (seld_scene_open(file, sample_moving_scene(file, sizeof file), &scene, nullptr) != SELD_SCENE_OK)
+        fail_msg("the sample does not open");
+    const Motion motion(scene.motion);
+    VesselTree vessel = aorta();
+    VesselBranch &branch = vessel.branches[0];
+    for (std::size_t i = 0; i < branch.points_m.size(); ++i) {
+        branch.points_m[i] = {0.001 * (static_cast<double>(i) - 15.0), 0.0078, 0.0078};
+        branch.radii_m[i] = 0.002;
+    }
+    const SessionContrast still(vessel, wire_and_catheter);
+    SessionContrast contrast(vessel, wire_and_catheter, &motion);
+    contrast.command(0, inject_6_ml);
+    WireFrame wire = line_at(40);
+    wire.heart_phase32 = 1u << 31;
+    contrast.advance(wire);
+    const FlowCells &cells = contrast.flow().cells();
+    double largest_m = 0.0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const Vector3d rest_m = still.flow().cells().middle_m(i);
+        const Vector3d pushed_m = motion.push(rest_m, MotionMoment{wire.heart_phase32, 0});
+        largest_m = std::max(largest_m, (pushed_m - rest_m).norm());
+        if ((cells.middle_m(i) - pushed_m).norm() > 1e-4) fail_msg("cell %zu is elsewhere", i);
+    }
+    assert_true(largest_m > 0.5e-3);
+}
+
 // --- the ways to ask for it ---
 
 void scripts_ask_for_it_in_millilitres(void **)
@@ -263,6 +318,8 @@ int main()
         cmocka_unit_test(what_was_given_between_two_ticks_is_known),
         cmocka_unit_test(blood_around_the_line_takes_its_colour),
         cmocka_unit_test(a_pigtail_gives_medium_through_its_side_holes),
+        cmocka_unit_test(blood_flows_with_the_cores_heart),
+        cmocka_unit_test(medium_moves_with_the_vessels),
         cmocka_unit_test(scripts_ask_for_it_in_millilitres),
         cmocka_unit_test(a_rigs_syringe_injects_what_its_plunger_gives),
     };
