@@ -303,6 +303,19 @@ void SessionContrast::make_curves()
         for (bool is_core : {false, true}) make_curves_of(branch, is_core);
 }
 
+// A column begins at its cell's face. Where a vessel ends by dividing, its branches' cells begin outside of it, and their columns at
+// its end: else there was a gap.
+Vector3d SessionContrast::column_begin_m(std::size_t cell) const
+{
+    const FlowCells &cells = flow_.cells();
+    const int upstream = cells[cell].upstream;
+    if (upstream < 0 || cells[cell].branch == cells[static_cast<std::size_t>(upstream)].branch)
+        return cells.first_face_m(cell);
+    const auto from = static_cast<std::size_t>(upstream);
+    const auto parent = static_cast<std::size_t>(cells[from].branch);
+    return from + 1 == cells.branch_begin(parent + 1) ? cells.last_face_m(from) : cells.first_face_m(cell);
+}
+
 void SessionContrast::make_curves_of(std::size_t branch, bool is_core)
 {
     const FlowCells &cells = flow_.cells();
@@ -329,7 +342,7 @@ void SessionContrast::make_curves_of(std::size_t branch, bool is_core)
         // A column begins and ends at the faces of its cells.
         if (curve.points.empty()) {
             SweptPoint first = point;
-            first.at_m += cells.first_face_m(i) - cells.middle_m(i);
+            first.at_m += column_begin_m(i) - cells.middle_m(i);
             curve.points.push_back(first);
         }
         go_to(curve, point);

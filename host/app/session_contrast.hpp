@@ -71,6 +71,7 @@ class SessionContrast
     void note_given(std::uint32_t tick);
     std::uint32_t look_due() const;
     void make_curves();
+    Eigen::Vector3d column_begin_m(std::size_t cell) const;
     void make_curves_of(std::size_t branch, bool is_core);
     double stream_at(std::size_t cell, double &behind_tip_mm) const;
     SweptPoint stream_point(std::size_t cell, double narrowness) const;

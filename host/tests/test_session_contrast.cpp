@@ -128,6 +128,34 @@ void after_washing_out_no_look_is_wanted(void **)
     assert_true(std::fabs(contrast.flow().budget().injected_mg - 6.0 * 350.0) < 1e-6);
 }
 
+// An artery that ends in two: some column of each branch begins where the artery ends.
+void columns_have_no_gap_where_a_vessel_divides(void **)
+{
+    VesselTree tree = aorta();
+    const Vector3d fork_m = tree.branches[0].points_m.back();
+    for (double side : {-1.0, 1.0}) {
+        VesselBranch branch;
+        branch.name = side < 0 ? "right" : "left";
+        branch.parent = 0;
+        branch.parent_point = 30;
+        branch.flow_ml_s = 15.0;
+        for (int i = 0; i <= 20; ++i) {
+            branch.points_m.push_back(fork_m + 0.005 * i * Vector3d(0.7 * side, -0.7, 0.0));
+            branch.radii_m.push_back(0.005);
+        }
+        tree.branches.push_back(branch);
+    }
+    SessionContrast contrast(tree, wire_and_catheter);
+    contrast.command(0, {RoomAction::inject, {60000, 30000, 0}});
+    go_on(contrast, 0, 2000, 1000);
+    int begin = 0, end = 0;
+    for (const SweptCurve &curve : contrast.curves()) {
+        begin += (curve.points.front().at_m - fork_m).norm() < 1e-6;
+        end += (curve.points.back().at_m - fork_m).norm() < 1e-6;
+    }
+    assert_true(begin >= 2 && end >= 1);
+}
+
 // Cones of the curves times their share of iohexol 350, against what the cells hold. 2 %: ends that fade out, and linear shares.
 void columns_hold_the_iodine_of_the_vessels(void **)
 {
@@ -314,6 +342,7 @@ int main()
         cmocka_unit_test(without_a_catheter_or_vessels_it_says_so),
         cmocka_unit_test(other_pictures_do_not_change_it),
         cmocka_unit_test(after_washing_out_no_look_is_wanted),
+        cmocka_unit_test(columns_have_no_gap_where_a_vessel_divides),
         cmocka_unit_test(columns_hold_the_iodine_of_the_vessels),
         cmocka_unit_test(what_was_given_between_two_ticks_is_known),
         cmocka_unit_test(blood_around_the_line_takes_its_colour),
