@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <optional>
 
 namespace seld::bake
 {
@@ -59,6 +60,7 @@ std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, std::
         BakedBody baked;
         baked.name = body.name;
         baked.material = body.material;
+        baked.moves = body.moves;
         for (std::size_t i = 0; i < text.bodies.size(); ++i)
             if (text.bodies[i].name == body.inside) baked.parent = static_cast<int>(i);
         baked.mesh = body.is_lumen ? lumen : form_body(body, bodies, report);
@@ -110,6 +112,72 @@ std::string referee_report(const Referee &referee, std::uint64_t seed)
                 referee.disagreement.mm, place_text(referee.disagreement.place_mm).c_str(), referee.poses,
                 referee.radius_mm, referee.length_mm, referee.touching,
                 static_cast<unsigned long long>(seed));
+}
+
+// One line per frame: how far the moved lumen is from the moved mesh, as the core sees it.
+std::string motion_report(const Motion &motion, std::size_t pose, const std::vector<FrameError> &errors)
+{
+    const seld_motion &lattice = motion.lattice;
+    std::string text =
+        line("motion            lattice %u x %u x %u nodes, %.2f mm apart, %.2f MiB; pose of keyframe %zu",
+             lattice.count_xyz[0], lattice.count_xyz[1], lattice.count_xyz[2],
+             std::ldexp(mm_per_q30, static_cast<int>(lattice.spacing_log2_q30)),
+             static_cast<double>(motion.rows.size()) * 2 / 1048576, pose);
+    const Steepness steepest = steepness(motion);
+    text += line(
+        "  steepest  %.2f of a spacing per spacing in a beat, allowed %.3f; %.2f in a breath, allowed %.3f",
+        steepest.heart.mm, heart_steepness_max, steepest.breath.mm, breath_steepness_max);
+    Worst small, large, along;
+    for (std::size_t k = 0; k < errors.size(); ++k) {
+        const FrameError &e = errors[k];
+        const std::string name = k < frames_count ? "frame " + std::to_string(k) : "inhaled";
+        text += line(
+            "  %-9s moved lumen and moved mesh: rms %.3f, at most %.3f mm in vessels below %.1f mm radius, "
+            "%.3f mm elsewhere; along the wall %.3f mm",
+            name.c_str(), e.rms_mm, e.small.mm, small_vessel_mm, e.large.mm, e.along.mm);
+        small.take(e.small.mm, e.small.place_mm);
+        large.take(e.large.mm, e.large.place_mm);
+        along.take(e.along.mm, e.along.place_mm);
+    }
+    text += line("  worst     %.3f mm at %s in small vessels, %.3f mm at %s elsewhere", small.mm,
+                 place_text(small.place_mm).c_str(), large.mm, place_text(large.place_mm).c_str());
+    if (small.mm > 0.3 || large.mm > 1.0)
+        text +=
+            line("warning: the moved lumen is farther from the frames than 0.3 mm in small vessels or 1 mm "
+                 "elsewhere: lower spacing_mm");
+    return text;
+}
+
+// The lumen as its field describes it.
+Mesh posed_lumen(const SceneText &text, const Frames &frames, Progress &progress)
+{
+    Mesh mesh = load_mesh(text.lumen.mesh);
+    mesh.vertices_mm = frames.lumen.reference_mm;
+    mesh.name += ", moved to keyframe " + std::to_string(frames.pose);
+    check_closed(mesh, text.lumen.mesh.cap);
+    check_crossing(mesh, progress);
+    return mesh;
+}
+
+// The inserter's sheath stands still, so the vessel should where it is.
+std::string entry_report(const Motion &motion, const Eigen::Vector3d &entry_mm)
+{
+    constexpr double still_mm = 0.1;
+    const double way_mm = (motion.to_reference_mm(entry_mm) - entry_mm).norm();
+    if (way_mm < still_mm) return "";
+    return line("warning: [entry] at %s lies where the vessel moves by %.1f mm, and the sheath stands still: "
+                "take another place",
+                place_text(entry_mm).c_str(), way_mm);
+}
+
+// Bodies that move, and the tree, from keyframe 0, where they are described, to the pose from which all motion starts.
+void to_reference(const Motion &motion, std::vector<BakedBody> &bodies, VesselTree &tree)
+{
+    for (BakedBody &body : bodies)
+        if (body.moves)
+            for (Eigen::Vector3d &v : body.mesh.vertices_mm) v = motion.to_reference_mm(v);
+    for (VesselBranch &branch : tree.branches)
+        for (Eigen::Vector3d &point : branch.points_m) point = 1e-3 * motion.to_reference_mm(1e3 * point);
 }
 
 std::filesystem::path bodies_file(const std::filesystem::path &scene)
@@ -174,18 +242,33 @@ std::string bake(const Options &options, Progress &progress)
         line("entry             %s, direction (%.3f, %.3f, %.3f)", place_text(entry.position_mm).c_str(),
              entry.direction.x(), entry.direction.y(), entry.direction.z());
 
-    const VesselTree tree_of_vessels = tree_of(text, report);
+    VesselTree tree_of_vessels = tree_of(text, report);
 
+    std::optional<Frames> frames;
+    if (!text.motion.frames.empty()) frames = load_frames(text.motion, text.lumen);
+    const Mesh posed = frames ? posed_lumen(text, *frames, progress) : surface;
+    const TriangleTree posed_tree(posed);
     const FieldText wanted{text.lumen.tolerance_mm, text.lumen.inside_mm, text.lumen.outside_mm,
                            text.lumen.level_max};
-    Field field = make_field(tree, wanted, progress);
-    const Bytes scene = scene_bytes(text, entry.position_mm, entry.direction, field);
-    report += field_report(field, measure_field(field.view(), tree, options.points, options.seed, progress));
-    report += referee_report(measure_contact(field.view(), tree, options.poses, options.seed, progress),
+    Field field = make_field(posed_tree, wanted, progress);
+    std::optional<Motion> motion;
+    std::string moved;
+    if (frames) {
+        motion = fit_motion(*frames, text.motion.spacing_mm, progress);
+        moved = motion_report(*motion, frames->pose, measure_motion(field.view(), motion->view(), *frames));
+        moved += entry_report(*motion, entry.position_mm);
+    }
+    const Bytes scene =
+        scene_bytes(text, entry.position_mm, entry.direction, field, motion ? &*motion : nullptr);
+    report +=
+        field_report(field, measure_field(field.view(), posed_tree, options.points, options.seed, progress));
+    report += referee_report(measure_contact(field.view(), posed_tree, options.poses, options.seed, progress),
                              options.seed);
+    report += moved;
 
-    const std::vector<BakedBody> bodies = bodies_of(text, surface, report, progress);
+    std::vector<BakedBody> bodies = bodies_of(text, surface, report, progress);
     report += nesting_report(bodies, nesting_samples);
+    if (motion) to_reference(*motion, bodies, tree_of_vessels);
     Bytes picture;
     const bool has_picture = !bodies.empty() || !tree_of_vessels.branches.empty();
     if (has_picture) picture = bodies_bytes(text, bodies, tree_of_vessels);

@@ -65,6 +65,21 @@ Bytes lumen_section(const Field &field)
     return bytes;
 }
 
+Bytes motion_section(const Motion &motion)
+{
+    Bytes bytes;
+    for (std::int32_t origin : motion.lattice.origin_m_q30)
+        put_u32(bytes, static_cast<std::uint32_t>(origin));
+    for (std::uint32_t count : motion.lattice.count_xyz) put_u16(bytes, static_cast<std::uint16_t>(count));
+    put_u16(bytes, static_cast<std::uint16_t>(motion.lattice.spacing_log2_q30));
+    put_u16(bytes, SELD_SCENE_MOTION_KEYFRAMES);
+    put_u16(bytes, 0);
+    put_u32(bytes, 0);
+    put_u32(bytes, 0);
+    for (std::int16_t value : motion.rows) put_u16(bytes, static_cast<std::uint16_t>(value));
+    return bytes;
+}
+
 Bytes body_section(const BakedBody &body)
 {
     Bytes bytes;
@@ -73,7 +88,7 @@ Bytes body_section(const BakedBody &body)
     put_u32(bytes, static_cast<std::uint32_t>(body.parent));
     put_u32(bytes, static_cast<std::uint32_t>(body.mesh.vertices_mm.size()));
     put_u32(bytes, static_cast<std::uint32_t>(body.mesh.triangles.size()));
-    put_u32(bytes, 0);
+    put_u32(bytes, body.moves ? SELD_SCENE_BODY_MOVES : 0);
     for (const Eigen::Vector3d &v : body.mesh.vertices_mm)
         for (int k = 0; k < 3; ++k)
             put_u32(bytes, static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(v[k] * 1000))));
@@ -135,13 +150,14 @@ Bytes sealed(seld_scene_kind kind, const std::vector<std::pair<seld_scene_sectio
 } // namespace
 
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
-                  const Field &field)
+                  const Field &field, const Motion *motion)
 {
-    return sealed(SELD_SCENE_KIND_SCENE,
-                  {{SELD_SCENE_META, meta_section(text)},
-                   {SELD_SCENE_ENTRY, entry_section(entry_mm, direction)},
-                   {SELD_SCENE_LUMEN, lumen_section(field)}},
-                  text.file.string());
+    std::vector<std::pair<seld_scene_section, Bytes>> sections = {
+        {SELD_SCENE_META, meta_section(text)},
+        {SELD_SCENE_ENTRY, entry_section(entry_mm, direction)},
+        {SELD_SCENE_LUMEN, lumen_section(field)}};
+    if (motion) sections.emplace_back(SELD_SCENE_MOTION, motion_section(*motion));
+    return sealed(SELD_SCENE_KIND_SCENE, sections, text.file.string());
 }
 
 Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, const VesselTree &tree)

@@ -3,6 +3,7 @@
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include "tools/bake/field.hpp"
+#include "tools/bake/motion.hpp"
 
 namespace seld::bake
 {
@@ -13,11 +14,12 @@ struct BakedBody {
     std::string name, material;
     int parent = -1;
     Mesh mesh;
+    bool moves = false; // with the lumen
 };
 
-// Both are opened by shared/scene before they are returned; a refusal is a Fault.
+// Both are opened by shared/scene before they are returned; a refusal is a Fault. `motion` nullptr: the lumen stands still.
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
-                  const Field &field);
+                  const Field &field, const Motion *motion = nullptr);
 Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, const VesselTree &tree);
 
 // Written beside the target and renamed, so that an interrupt or a full disk leaves the old file.

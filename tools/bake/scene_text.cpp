@@ -113,21 +113,38 @@ struct Table {
 
     std::filesystem::path resolve(const toml::node *node, const char *key) const
     {
-        const std::string written = node->value<std::string>().value_or("");
-        if (written.empty()) fail(node, std::string(key) + " must be a file name in quotes");
-        std::filesystem::path path = scene.file.parent_path() / written;
         std::string advice;
-        if (written.rfind("data:", 0) == 0) {
-            path = folders.data / written.substr(5);
-            advice = ": give the data's folder with --data";
-        } else if (written.rfind("shipped:", 0) == 0) {
-            path = folders.shipped / written.substr(8);
-            advice = ": make it with `anatomy aorta -o FOLDER`, and give that folder with --shipped";
-        }
+        const std::filesystem::path path = locate(node, key, advice);
         std::error_code ignored;
         if (!std::filesystem::is_regular_file(path, ignored))
             fail(node, std::string(key) + " names " + path.string() + ", which is no readable file" + advice);
         return path;
+    }
+
+    std::filesystem::path resolve_folder(const toml::node *node, const char *key) const
+    {
+        std::string advice;
+        const std::filesystem::path path = locate(node, key, advice);
+        std::error_code ignored;
+        if (!std::filesystem::is_directory(path, ignored))
+            fail(node, std::string(key) + " names " + path.string() + ", which is no folder" + advice);
+        return path;
+    }
+
+  private:
+    std::filesystem::path locate(const toml::node *node, const char *key, std::string &advice) const
+    {
+        const std::string written = node->value<std::string>().value_or("");
+        if (written.empty()) fail(node, std::string(key) + " must be a file name in quotes");
+        if (written.rfind("data:", 0) == 0) {
+            advice = ": give the data's folder with --data";
+            return folders.data / written.substr(5);
+        }
+        if (written.rfind("shipped:", 0) == 0) {
+            advice = ": make it with `anatomy aorta -o FOLDER`, and give that folder with --shipped";
+            return folders.shipped / written.substr(8);
+        }
+        return scene.file.parent_path() / written;
     }
 };
 
@@ -290,6 +307,26 @@ EntryText entry_of(const Table &t)
     return entry;
 }
 
+MotionText motion_of(const Table &t)
+{
+    t.only({"frames", "inhaled", "guides", "inhaled_guides", "spacing_mm", "end_systole"});
+    MotionText motion;
+    const toml::node *frames = t.table.get("frames");
+    if (!frames) t.fail(nullptr, "needs frames, the folder of the 24 meshes");
+    motion.frames = t.resolve_folder(frames, "frames");
+    if (const toml::node *inhaled = t.table.get("inhaled")) motion.inhaled = t.resolve(inhaled, "inhaled");
+    if (const toml::node *guides = t.table.get("guides")) motion.guides = t.resolve_folder(guides, "guides");
+    if (const toml::node *inhaled = t.table.get("inhaled_guides"))
+        motion.inhaled_guides = t.resolve(inhaled, "inhaled_guides");
+    if (!motion.guides.empty() && motion.inhaled.empty() != motion.inhaled_guides.empty())
+        t.fail(frames, "has guides: give inhaled and inhaled_guides, or neither");
+    motion.spacing_mm = t.number("spacing_mm", motion.spacing_mm, 0.98, 15.7);
+    motion.end_systole = t.number("end_systole", motion.end_systole, 4, 18);
+    if (t.scene.lumen.mesh.file.empty())
+        t.fail(frames, "moves a lumen that is made of centrelines: give [lumen] a mesh, the first frame");
+    return motion;
+}
+
 FormText form_of(const Table &t)
 {
     FormText form;
@@ -312,9 +349,9 @@ FormText form_of(const Table &t)
 
 BodyText body_of(const Table &t)
 {
-    t.only({"name",     "mesh",    "parts", "pieces_mm",  "pieces_min_mm", "unit",     "material",
-            "inside",   "axes",    "scale", "rotate_deg", "offset_mm",     "cap",      "solid_mm",
-            "close_mm", "clip_mm", "less",  "gap_mm",     "error_mm",      "shell_mm", "marrow"});
+    t.only({"name", "mesh",   "parts",      "pieces_mm", "pieces_min_mm", "unit",     "material", "inside",
+            "axes", "scale",  "rotate_deg", "offset_mm", "cap",           "solid_mm", "close_mm", "clip_mm",
+            "less", "gap_mm", "error_mm",   "shell_mm",  "marrow",        "moves"});
     BodyText body;
     body.name = t.text("name", "", SELD_SCENE_BODY_NAME_BYTES - 1);
     body.material = t.text("material", "", SELD_SCENE_MATERIAL_BYTES - 1);
@@ -325,6 +362,12 @@ BodyText body_of(const Table &t)
     body.is_lumen = t.text("mesh", "", 4096) == "lumen";
     if (!body.is_lumen) body.mesh = mesh_of(t);
     body.form = form_of(t);
+    if (const toml::node *moves = t.table.get("moves")) {
+        if (!moves->is_boolean()) t.fail(moves, "moves must be true or false");
+        body.moves = moves->value<bool>().value();
+        if (body.moves && t.scene.motion.frames.empty())
+            t.fail(moves, "'" + body.name + "' moves, but the scene has no [motion]");
+    }
     return body;
 }
 
@@ -340,6 +383,7 @@ void add_marrows(SceneText &scene)
         marrow.material = body.form.marrow;
         marrow.inside = body.name;
         marrow.is_marrow = true;
+        marrow.moves = body.moves;
         marrow.form.solid_mm = body.form.solid_mm;
         marrow.form.error_mm = body.form.error_mm;
         marrow.form.shell_mm = body.form.shell_mm;
@@ -389,7 +433,7 @@ SceneText read_scene_text(const std::filesystem::path &file, const Folders &fold
     const toml::table root =
         read_toml(file, {16, "a scene text", "the scene's TOML text", ": give the TOML file, not a mesh"});
     const Table top{scene, folders, "the file", root};
-    top.only({"scene", "lumen", "tree", "entry", "body"});
+    top.only({"scene", "lumen", "tree", "entry", "motion", "body"});
     const Table head{scene, folders, "[scene]", table_of(scene, root, "scene")};
     head.only({"name", "source"});
     scene.name = head.text("name", "", SELD_SCENE_NAME_BYTES - 1);
@@ -404,6 +448,8 @@ SceneText read_scene_text(const std::filesystem::path &file, const Folders &fold
         scene.tree.is_of_lumen = true;
     }
     scene.entry = entry_of({scene, folders, "[entry]", table_of(scene, root, "entry")});
+    if (root.contains("motion"))
+        scene.motion = motion_of({scene, folders, "[motion]", table_of(scene, root, "motion")});
     if (const toml::node *bodies = root.get("body")) {
         if (!bodies->is_array_of_tables()) top.fail(bodies, "has [body]: write [[body]]");
         for (const toml::node &node : *bodies->as_array())

@@ -64,6 +64,15 @@ struct TreeText {
     std::vector<std::string> left_coronary, right_coronary;
 };
 
+// Frames of a lumen that moves (docs/heart.md).
+struct MotionText {
+    std::filesystem::path frames;                 // folder of 24 meshes; empty: the lumen stands still
+    std::filesystem::path inhaled;                // the first of them at the end of inspiration, or empty
+    std::filesystem::path guides, inhaled_guides; // the same of other surfaces that move along; empty: none
+    double spacing_mm = 7.8;                      // of the lattice, at most
+    double end_systole = 11; // frame in which the aortic valve closes: 393 of 857 ms at 70 /min
+};
+
 struct EntryText {
     Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();
@@ -87,6 +96,7 @@ struct FormText {
 struct BodyText {
     std::string name, material, inside;
     bool is_lumen = false;
+    bool moves = false;     // with the lumen's motion
     bool is_marrow = false; // made from the body it lies inside, form.shell_mm deep
     MeshText mesh;
     FormText form;
@@ -98,6 +108,7 @@ struct SceneText {
     LumenText lumen;
     TreeText tree;
     EntryText entry;
+    MotionText motion;
     std::vector<BodyText> bodies;
 };
 

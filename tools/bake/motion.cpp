@@ -1,0 +1,334 @@
+// Fitting the lattice: one sparse system per keyframe, the three components together.
+#include "tools/bake/motion.hpp"
+#include "shared/scene/scene.h"
+#include "tools/bake/fault.hpp"
+
+#include <Eigen/IterativeLinearSolvers>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace seld::bake
+{
+namespace
+{
+
+using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+using Ways = Eigen::MatrixX3d; // one row per node, mm
+
+constexpr double unit_mm = 2048.0 * mm_per_q30;
+constexpr double still_mm = 0.02;   // what moves less stands still
+constexpr double smoothness = 0.02; // weight of the squared Laplacian beside a vertex of the lumen ...
+constexpr double tension = 0.25; // ... and of the Laplacian: without it the motion overshoots on its way out
+constexpr double guide_weight = 0.03; // of a vertex of the guides, where the lumen says nothing
+constexpr double reach_spacings = 6.0,
+                 reach_ways =
+                     2.5; // from what moves to the boundary: in spacings, and in ways of the largest motion
+
+struct Lattice {
+    Eigen::Vector3d origin_mm;
+    Eigen::Vector3i count;
+    double spacing_mm;
+    std::uint32_t spacing_log2;
+
+    int node(int x, int y, int z) const { return (z * count.y() + y) * count.x() + x; }
+    int nodes() const { return count.prod(); }
+    bool is_edge(int x, int y, int z) const
+    {
+        return x == 0 || y == 0 || z == 0 || x + 1 == count.x() || y + 1 == count.y() || z + 1 == count.z();
+    }
+    // Cell and place in it; false outside.
+    bool find(const Eigen::Vector3d &p_mm, Eigen::Vector3i &cell, Eigen::Vector3d &place) const
+    {
+        const Eigen::Vector3d at = (p_mm - origin_mm) / spacing_mm;
+        for (int k = 0; k < 3; ++k) {
+            cell[k] = static_cast<int>(std::floor(at[k]));
+            if (cell[k] < 0 || cell[k] + 1 >= count[k]) return false;
+            place[k] = at[k] - cell[k];
+        }
+        return true;
+    }
+    double weight(int corner, const Eigen::Vector3d &place) const
+    {
+        double product = 1;
+        for (int k = 0; k < 3; ++k) product *= (corner >> k & 1) != 0 ? place[k] : 1 - place[k];
+        return product;
+    }
+    int corner_node(int corner, const Eigen::Vector3i &cell) const
+    {
+        return node(cell.x() + (corner & 1), cell.y() + (corner >> 1 & 1), cell.z() + (corner >> 2));
+    }
+};
+
+// What moves in a sequence: where it goes, and its longest way from the reference pose.
+struct Moving {
+    Eigen::AlignedBox3d box;
+    double way_mm = 0;
+    void take(const Sequence &sequence)
+    {
+        for (std::size_t k = 0; k < sequence.moved_mm.size(); ++k) take(sequence, sequence.moved_mm[k]);
+        if (!sequence.inhaled_mm.empty()) take(sequence, sequence.inhaled_mm);
+    }
+    void take(const Sequence &sequence, const std::vector<Eigen::Vector3d> &moved_mm)
+    {
+        for (std::size_t i = 0; i < moved_mm.size(); ++i) {
+            const double way = (moved_mm[i] - sequence.reference_mm[i]).norm();
+            if (way < still_mm) continue;
+            box.extend(moved_mm[i]);
+            box.extend(sequence.reference_mm[i]);
+            way_mm = std::max(way_mm, way);
+        }
+    }
+};
+
+// A box around everything that moves, wide enough that the motion can fade out, its corner on a multiple of the spacing.
+Lattice lattice_for(const Frames &frames, double spacing_mm)
+{
+    Lattice lattice;
+    lattice.spacing_log2 = SELD_MOTION_SPACING_LOG2_MAX;
+    while (lattice.spacing_log2 > SELD_MOTION_SPACING_LOG2_MIN &&
+           std::ldexp(mm_per_q30, static_cast<int>(lattice.spacing_log2)) > spacing_mm * 1.005)
+        --lattice.spacing_log2;
+    lattice.spacing_mm = std::ldexp(mm_per_q30, static_cast<int>(lattice.spacing_log2));
+    Moving moving;
+    moving.take(frames.lumen);
+    moving.take(frames.guides);
+    const Eigen::AlignedBox3d &box = moving.box;
+    if (box.isEmpty()) throw Fault("[motion]: nothing moves in these frames: leave [motion] out");
+    const double reach = std::max(reach_spacings * lattice.spacing_mm, reach_ways * moving.way_mm);
+    for (int k = 0; k < 3; ++k) {
+        const double low = std::floor((box.min()[k] - reach) / lattice.spacing_mm);
+        const double high = std::ceil((box.max()[k] + reach) / lattice.spacing_mm);
+        lattice.origin_mm[k] = low * lattice.spacing_mm;
+        lattice.count[k] = static_cast<int>(high - low) + 1;
+        if (lattice.count[k] > SELD_SCENE_MOTION_COUNT_MAX)
+            throw Fault(
+                "[motion]: the lattice would have more than 256 nodes along an axis: raise spacing_mm");
+    }
+    return lattice;
+}
+
+// Bending and tension over the free nodes, by the graph Laplacian: each against the mean of its six neighbours (those of the boundary are 0).
+Sparse smoothing(const Lattice &lattice)
+{
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int z = 0; z < lattice.count.z(); ++z)
+        for (int y = 0; y < lattice.count.y(); ++y)
+            for (int x = 0; x < lattice.count.x(); ++x) {
+                if (lattice.is_edge(x, y, z)) continue;
+                const int at = lattice.node(x, y, z);
+                entries.emplace_back(at, at, 1.0);
+                const int around[6][3] = {{x - 1, y, z}, {x + 1, y, z}, {x, y - 1, z},
+                                          {x, y + 1, z}, {x, y, z - 1}, {x, y, z + 1}};
+                for (const auto &n : around)
+                    if (!lattice.is_edge(n[0], n[1], n[2]))
+                        entries.emplace_back(at, lattice.node(n[0], n[1], n[2]), -1.0 / 6.0);
+            }
+    Sparse laplacian(lattice.nodes(), lattice.nodes());
+    laplacian.setFromTriplets(entries.begin(), entries.end());
+    Sparse energy = laplacian.transpose() * laplacian;
+    energy += tension * laplacian; // symmetric: every neighbour counts a sixth
+    return energy;
+}
+
+// w at the nodes, so that it is best at the points told.
+class Fit
+{
+  public:
+    Fit(const Lattice &lattice, const Sparse &smooth)
+        : lattice_(lattice), smooth_(smooth), right_(Ways::Zero(lattice.nodes(), 3))
+    {
+    }
+
+    // There the way should be this one.
+    void tell(const Eigen::Vector3d &at_mm, const Eigen::Vector3d &way_mm, double weight)
+    {
+        Eigen::Vector3i cell;
+        Eigen::Vector3d place;
+        if (!lattice_.find(at_mm, cell, place)) return;
+        for (int a = 0; a < 8; ++a) {
+            if (!is_free(a, cell)) continue;
+            const double part = weight * lattice_.weight(a, place);
+            right_.row(lattice_.corner_node(a, cell)) += part * way_mm.transpose();
+            for (int b = 0; b < 8; ++b)
+                if (is_free(b, cell))
+                    entries_.emplace_back(lattice_.corner_node(a, cell), lattice_.corner_node(b, cell),
+                                          part * lattice_.weight(b, place));
+        }
+    }
+
+    Ways solve(const Ways &guess)
+    {
+        const int nodes = lattice_.nodes();
+        Sparse matrix(nodes, nodes), boundary(nodes, nodes);
+        matrix.setFromTriplets(entries_.begin(), entries_.end());
+        boundary.setIdentity();
+        matrix += smoothness * smooth_;
+        matrix += 1e-9 * boundary; // nodes of the boundary have no equation of their own
+        Eigen::ConjugateGradient<Sparse, Eigen::Lower | Eigen::Upper> solver;
+        solver.setTolerance(1e-6);
+        solver.setMaxIterations(4000);
+        solver.compute(matrix);
+        Ways ways(nodes, 3);
+        for (int k = 0; k < 3; ++k) ways.col(k) = solver.solveWithGuess(right_.col(k), guess.col(k));
+        return ways;
+    }
+
+  private:
+    bool is_free(int corner, const Eigen::Vector3i &cell) const
+    {
+        return !lattice_.is_edge(cell.x() + (corner & 1), cell.y() + (corner >> 1 & 1),
+                                 cell.z() + (corner >> 2));
+    }
+
+    const Lattice &lattice_;
+    const Sparse &smooth_;
+    std::vector<Eigen::Triplet<double>> entries_;
+    Ways right_;
+};
+
+Eigen::Vector3d way_at(const Lattice &lattice, const Ways &ways, const Eigen::Vector3d &at_mm)
+{
+    Eigen::Vector3i cell;
+    Eigen::Vector3d place, way = Eigen::Vector3d::Zero();
+    if (!lattice.find(at_mm, cell, place)) return way;
+    for (int a = 0; a < 8; ++a)
+        way += lattice.weight(a, place) * ways.row(lattice.corner_node(a, cell)).transpose();
+    return way;
+}
+
+// From the moved vertices back to the reference pose, less what `known` does already.
+void tell_all(Fit &fit, const Sequence &sequence, const std::vector<Eigen::Vector3d> &moved_mm, double weight,
+              const Lattice &lattice, const Ways *known)
+{
+    for (std::size_t i = 0; i < moved_mm.size(); ++i) {
+        Eigen::Vector3d way = sequence.reference_mm[i] - moved_mm[i];
+        if (known) way -= way_at(lattice, *known, moved_mm[i]);
+        fit.tell(moved_mm[i], way, weight);
+    }
+}
+
+// Coefficients c of the periodic spline through w: (c[k-1] + 6 c[k] + c[k+1]) / 8 = w[k], Gauss-Seidel, a factor of 9 in each round.
+void prefilter(const double *w, double *c)
+{
+    constexpr int n = SELD_MOTION_KEYFRAMES, rounds = 20;
+    std::copy_n(w, n, c);
+    for (int round = 0; round < rounds; ++round)
+        for (int k = 0; k < n; ++k) c[k] = (8 * w[k] - c[(k + n - 1) % n] - c[(k + 1) % n]) / 6;
+}
+
+std::int16_t coefficient(double way_mm)
+{
+    const double value = std::round(way_mm / unit_mm);
+    if (std::abs(value) > int{SELD_MOTION_COEFFICIENT_MAX})
+        throw Fault("[motion]: a vessel moves by more than 31 mm from its reference pose: take a frame in "
+                    "the middle of "
+                    "the motion as the lumen's mesh");
+    return static_cast<std::int16_t>(value);
+}
+
+Motion empty_motion(const Lattice &lattice)
+{
+    Motion motion;
+    motion.rows.assign(static_cast<std::size_t>(lattice.nodes()) * 3 * SELD_MOTION_ROW, 0);
+    motion.lattice.spacing_log2_q30 = lattice.spacing_log2;
+    for (int k = 0; k < 3; ++k) {
+        motion.lattice.origin_m_q30[k] =
+            static_cast<std::int32_t>(std::lround(lattice.origin_mm[k] / mm_per_q30));
+        motion.lattice.count_xyz[k] = static_cast<std::uint32_t>(lattice.count[k]);
+    }
+    return motion;
+}
+
+void put_node(const std::vector<Ways> &keys, const Ways &breath, int node, std::int16_t *rows)
+{
+    for (int k = 0; k < 3; ++k, rows += SELD_MOTION_ROW) {
+        double w[SELD_MOTION_KEYFRAMES], c[SELD_MOTION_KEYFRAMES];
+        for (std::size_t i = 0; i < keys.size(); ++i) w[i] = keys[i](node, k);
+        prefilter(w, c);
+        for (int i = 0; i < SELD_MOTION_KEYFRAMES + 2; ++i)
+            rows[i] = coefficient(c[(i + SELD_MOTION_KEYFRAMES - 1) % SELD_MOTION_KEYFRAMES]);
+        rows[SELD_MOTION_ROW_BREATH] = breath.size() > 0 ? coefficient(breath(node, k)) : std::int16_t{0};
+    }
+}
+
+} // namespace
+
+void Sequence::retime(double end_systole)
+{
+    constexpr double wanted_end = 10.0, count = static_cast<double>(frames_count);
+    if (end_systole == wanted_end) return;
+    const std::vector<std::vector<Eigen::Vector3d>> recorded = moved_mm;
+    for (std::size_t key = 0; key < moved_mm.size(); ++key) {
+        const double k = static_cast<double>(key);
+        const double source =
+            k <= wanted_end ? k * end_systole / wanted_end
+                            : end_systole + (k - wanted_end) * (count - end_systole) / (count - wanted_end);
+        const auto at = static_cast<std::size_t>(source);
+        const double t = source - std::floor(source);
+        // Catmull-Rom's cubic through the frames around it.
+        const double weights[4] = {t * (-0.5 + t * (1 - 0.5 * t)), 1 + t * t * (-2.5 + 1.5 * t),
+                                   t * (0.5 + t * (2 - 1.5 * t)), t * t * (-0.5 + 0.5 * t)};
+        for (std::size_t i = 0; i < moved_mm[key].size(); ++i) {
+            moved_mm[key][i].setZero();
+            for (std::size_t tap = 0; tap < 4; ++tap)
+                moved_mm[key][i] += weights[tap] * recorded[(at + frames_count - 1 + tap) % frames_count][i];
+        }
+    }
+}
+
+std::size_t middle_pose(const Sequence &sequence)
+{
+    const std::size_t count = sequence.moved_mm.front().size(), stride = count / 5000 + 1;
+    std::size_t best = 0;
+    double best_mm = 1e9;
+    for (std::size_t pose = 0; pose < sequence.moved_mm.size(); ++pose) {
+        double longest_mm = 0;
+        for (const auto &moved : sequence.moved_mm)
+            for (std::size_t i = 0; i < count; i += stride)
+                longest_mm = std::max(longest_mm, (moved[i] - sequence.moved_mm[pose][i]).norm());
+        if (longest_mm < best_mm) {
+            best = pose;
+            best_mm = longest_mm;
+        }
+    }
+    return best;
+}
+
+Motion fit_motion(const Frames &frames, double spacing_mm, Progress &progress)
+{
+    const Lattice lattice = lattice_for(frames, spacing_mm);
+    const Sparse smooth = smoothing(lattice);
+    std::vector<Ways> keys;
+    progress.stage("fitting the motion", frames_count + 1);
+    for (std::size_t k = 0; k < frames_count; ++k) {
+        Fit fit(lattice, smooth);
+        tell_all(fit, frames.lumen, frames.lumen.moved_mm[k], 1.0, lattice, nullptr);
+        if (!frames.guides.moved_mm.empty())
+            tell_all(fit, frames.guides, frames.guides.moved_mm[k], guide_weight, lattice, nullptr);
+        keys.push_back(fit.solve(k == 0 ? Ways::Zero(lattice.nodes(), 3).eval() : keys.back()));
+        progress.step(keys.size());
+    }
+    Ways breath;
+    if (!frames.lumen.inhaled_mm.empty()) {
+        Fit fit(lattice, smooth);
+        tell_all(fit, frames.lumen, frames.lumen.inhaled_mm, 1.0, lattice, &keys[0]);
+        tell_all(fit, frames.guides, frames.guides.inhaled_mm, guide_weight, lattice, &keys[0]);
+        breath = fit.solve(Ways::Zero(lattice.nodes(), 3));
+    }
+    progress.finish();
+    Motion motion = empty_motion(lattice);
+    for (int z = 0; z < lattice.count.z(); ++z)
+        for (int y = 0; y < lattice.count.y(); ++y)
+            for (int x = 0; x < lattice.count.x(); ++x)
+                if (!lattice.is_edge(x, y, z)) {
+                    const auto node = static_cast<std::size_t>(lattice.node(x, y, z));
+                    put_node(keys, breath, static_cast<int>(node), &motion.rows[node * 3 * SELD_MOTION_ROW]);
+                }
+    motion.view();
+    refuse_steep(motion);
+    return motion;
+}
+
+} // namespace seld::bake

@@ -1,0 +1,208 @@
+// Claims: a lattice fitted to 24 frames carries the lumen to within 0.3 mm of each of them, as the core looks it up; frames of another
+// timing are retimed; and what is no sequence is refused in one sentence. Shown on a tube of 1.5 mm radius that lies on a beating,
+// turning sphere.
+#include "host/model/bodies.hpp"
+#include "shared/scene/scene.h"
+#include "tools/bake/tests/shapes.hpp"
+
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <sstream>
+extern "C" {
+#include <cmocka.h>
+}
+
+using namespace seld::bake;
+using namespace seld::bake::tests;
+using seld::Bodies;
+
+namespace
+{
+
+const std::string motion_text = "[motion]\nframes = \"frames\"\nend_systole = 10\n";
+constexpr double ring_mm = 40, tube_mm = 1.5;
+constexpr int around = 220, across = 14;
+
+// 0 at the end of filling, 1 at the end of systole (10 / 24).
+double contraction(double phase)
+{
+    const double end = 10.0 / 24.0;
+    const double share = phase < end ? phase / end / 2 : 0.5 + (phase - end) / (1 - end) / 2;
+    return (1 - std::cos(turn * share)) / 2;
+}
+
+// Shrinks by 30 % about a middle of its own, goes 6 mm down and turns by 12 degrees; fades out at 90 mm.
+Eigen::Vector3d beating(const Eigen::Vector3d &X, double phase)
+{
+    const Eigen::Vector3d middle(8, -5, 6), r = X - middle;
+    const double s = r.norm() / 90, fade = s < 1 ? (1 - s * s) * (1 - s * s) : 0,
+                 c = contraction(phase) * fade;
+    const Eigen::AngleAxisd twist(12 * turn / 360 * c, Eigen::Vector3d(0.3, 1, 0.2).normalized());
+    return middle + (1 - 0.3 * c) * (twist * r) - Eigen::Vector3d(0, 6 * c, 0);
+}
+
+std::string obj_of(const Mesh &mesh)
+{
+    std::ostringstream text;
+    text.precision(9);
+    for (const Eigen::Vector3d &v : mesh.vertices_mm)
+        text << "v " << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
+    for (const Triangle &t : mesh.triangles)
+        text << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+    return text.str();
+}
+
+std::string frame_name(int k)
+{
+    return (k < 10 ? "frames/f0" : "frames/f") + std::to_string(k) + ".obj";
+}
+
+// 24 frames and a scene whose lumen is the first of them.
+void write_frames(const Folder &folder, const std::function<double(int)> &phase_of)
+{
+    std::filesystem::create_directory(folder.path / "frames");
+    const Mesh reference = torus(ring_mm, tube_mm, around, across);
+    for (int k = 0; k < 24; ++k) {
+        Mesh frame = reference;
+        for (Eigen::Vector3d &v : frame.vertices_mm) v = beating(v, phase_of(k));
+        folder.write(frame_name(k), obj_of(frame));
+    }
+}
+
+std::string text_of(const std::string &motion)
+{
+    return scene_text_of("frames/f00.obj", "", "[0, 40, 0]") + motion;
+}
+
+Options options_for(const Folder &folder, const std::string &text)
+{
+    Options options;
+    options.scene = folder.write("scene.toml", text);
+    options.output = folder.path / "out.scene";
+    options.poses = 200;
+    options.points = 5000;
+    return options;
+}
+
+double number_behind(const std::string &text, const std::string &words)
+{
+    const std::size_t at = text.find(words);
+    if (at == std::string::npos) fail_msg("\"%s\" does not say \"%s\"", text.c_str(), words.c_str());
+    return std::stod(text.substr(at + words.size()));
+}
+
+void the_moved_lumen_is_the_moved_mesh_in_every_frame(void **)
+{
+    Folder folder;
+    Progress progress;
+    write_frames(folder, [](int k) { return k / 24.0; });
+    const std::string report = bake(options_for(folder, text_of(motion_text)), progress);
+    const double worst = number_behind(report, "  worst     ");
+    print_message("# worst %.3f mm, allowed 0.3\n", worst);
+    assert_true(worst > 0.005 && worst < 0.3);
+    assert_true(report.find("frame 23") != std::string::npos &&
+                report.find("warning: the moved lumen") == std::string::npos);
+    const auto bytes = [&] {
+        std::ifstream in(folder.path / "out.scene", std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(in), {});
+    }();
+    std::vector<std::uint32_t> aligned((bytes.size() + 3) / 4);
+    std::memcpy(aligned.data(), bytes.data(), bytes.size());
+    seld_scene scene;
+    assert_int_equal(seld_scene_open(reinterpret_cast<const std::uint8_t *>(aligned.data()), bytes.size(),
+                                     &scene, nullptr),
+                     SELD_SCENE_OK);
+    assert_true(scene.has_motion);
+    assert_int_equal(scene.motion.spacing_log2_q30, 23);
+}
+
+// The reference pose is the one in the middle: from it no frame is farther than half the motion.
+void the_reference_pose_is_in_the_middle(void **)
+{
+    Sequence sequence;
+    for (int k = 0; k < 24; ++k) sequence.moved_mm.push_back({{10 * contraction(k / 24.0), 0, 0}});
+    const std::size_t pose = middle_pose(sequence);
+    assert_true(std::abs(sequence.moved_mm[pose][0].x() - 5) < 1.1);
+}
+
+// What is described at keyframe 0 is taken to the reference pose: a vertex there is where the frames have it.
+void bodies_go_to_the_reference_pose_with_the_lumen(void **)
+{
+    Folder folder;
+    Progress progress;
+    write_frames(folder, [](int k) { return k / 24.0; });
+    const std::string body =
+        "[[body]]\nname = \"blood\"\nmesh = \"lumen\"\nmaterial = \"blood\"\nmoves = true\n";
+    bake(options_for(folder, text_of(motion_text + body)), progress);
+    std::string error;
+    Bodies bodies;
+    assert_true(read_bodies((folder.path / "out.bodies").string(), bodies, error));
+    MeshText text;
+    text.placement.unit = "mm";
+    text.file = folder.path / frame_name(5);
+    const Mesh frame = load_mesh(text);
+    double nearest_mm = 1e9;
+    assert_true(bodies.bodies.at(0).moves);
+    for (const Eigen::Vector3d &v : frame.vertices_mm)
+        nearest_mm =
+            std::min(nearest_mm, (v - bodies.bodies[0].vertices_um[100].cast<double>() * 1e-3).norm());
+    assert_true(nearest_mm < 0.3);
+}
+
+// The same motion recorded with its end of systole in frame 8: keyframe 10 is that frame, keyframe 5 frame 4.
+void frames_of_another_timing_are_retimed(void **)
+{
+    Sequence timed;
+    for (int k = 0; k < 24; ++k)
+        timed.moved_mm.push_back({{static_cast<double>(k), std::cos(turn * k / 24), 0}});
+    timed.retime(8);
+    assert_true(std::abs(timed.moved_mm[10][0].x() - 8) < 1e-9 &&
+                std::abs(timed.moved_mm[5][0].x() - 4) < 1e-9);
+    assert_true(std::abs(timed.moved_mm[17][0].x() - 16) < 1e-9);
+    assert_true(std::abs(timed.moved_mm[0][0].x()) < 1e-9);
+    for (int k = 0; k < 10; ++k) // between frames within 0.1 % of a smooth course
+        assert_true(std::abs(timed.moved_mm[static_cast<std::size_t>(k)][0].y() -
+                             std::cos(turn * 0.8 * k / 24)) < 1e-3);
+}
+
+void what_is_no_sequence_is_refused(void **)
+{
+    Folder folder;
+    Progress progress;
+    write_frames(folder, [](int k) { return k / 24.0; });
+    const auto why = [&](const std::string &motion) {
+        return complaint([&] { bake(options_for(folder, text_of(motion)), progress); });
+    };
+    const auto says = [](const std::string &text, const char *part) {
+        if (text.find(part) == std::string::npos) fail_msg("\"%s\" does not say \"%s\"", text.c_str(), part);
+    };
+    says(why("[motion]\nframes = \"nowhere\"\n"), "which is no folder");
+    says(why("[motion]\nframes = \"frames\"\nspacing = 8\n"), "has no key 'spacing'");
+    Mesh other = torus(ring_mm, tube_mm, around - 1, across);
+    folder.write(frame_name(7), obj_of(other));
+    says(why("[motion]\nframes = \"frames\"\n"), "has other triangles than");
+    other = torus(ring_mm, tube_mm, around, across);
+    for (Eigen::Vector3d &v : other.vertices_mm) v = beating(v, 0.29) + Eigen::Vector3d(0, 0, 9);
+    folder.write(frame_name(7), obj_of(other));
+    says(why("[motion]\nframes = \"frames\"\n"), "jumps by");
+    std::filesystem::remove(folder.path / frame_name(7));
+    says(why("[motion]\nframes = \"frames\"\n"), "holds 23 meshes");
+    assert_false(std::filesystem::exists(folder.path / "out.scene"));
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(the_moved_lumen_is_the_moved_mesh_in_every_frame),
+        cmocka_unit_test(the_reference_pose_is_in_the_middle),
+        cmocka_unit_test(bodies_go_to_the_reference_pose_with_the_lumen),
+        cmocka_unit_test(frames_of_another_timing_are_retimed),
+        cmocka_unit_test(what_is_no_sequence_is_refused),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
