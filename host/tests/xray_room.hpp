@@ -27,13 +27,13 @@ struct Room {
     XrayPicture picture(const XraySettings &settings, std::uint32_t tick = 0)
     {
         XrayPicture picture;
-        xray->render(settings, {}, WireFrame{tick, {}, {}}, 7, picture);
+        xray->render(settings, {}, WireFrame{.tick = tick, .nodes = {}, .tip_arc_m = {}}, 7, picture);
         return picture;
     }
     XrayPicture next(const XraySettings &settings, std::uint32_t tick, XrayMemory &memory)
     {
         XrayPicture picture;
-        xray->render(settings, {}, WireFrame{tick, {}, {}}, 7, memory, picture);
+        xray->render(settings, {}, WireFrame{.tick = tick, .nodes = {}, .tip_arc_m = {}}, 7, memory, picture);
         return picture;
     }
 };
