@@ -18,6 +18,36 @@ std::string kind_word(RunKind kind)
     return kind == RunKind::fluoro ? "fluoro" : kind == RunKind::cine ? "cine" : "dsa";
 }
 
+// Bytes of the character that begins here (RFC 3629): 0 when none does.
+std::size_t utf8_length(const std::string &text, std::size_t at)
+{
+    const auto byte = [&](std::size_t k) {
+        return at + k < text.size() ? static_cast<unsigned char>(text[at + k]) : 0u;
+    };
+    const unsigned first = byte(0);
+    if (first < 0x80) return 1;
+    const std::size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
+    unsigned long code = first & (0x7fu >> length);
+    for (std::size_t k = 1; k < length; k++) {
+        if ((byte(k) & 0xc0) != 0x80) return 0;
+        code = code << 6 | (byte(k) & 0x3f);
+    }
+    constexpr unsigned long least[] = {0, 0, 0x80, 0x800, 0x10000}; // no character has a longer form beside
+    const bool is_surrogate = code >= 0xd800 && code < 0xe000;
+    return first >= 0xc0 && first < 0xf8 && code >= least[length] && code < 0x110000 && !is_surrogate ? length
+                                                                                                      : 0;
+}
+
+bool is_utf8(const std::string &text)
+{
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t length = utf8_length(text, at);
+        if (length == 0) return false;
+        at += length;
+    }
+    return true;
+}
+
 // PS3.5 6.2: no backslash, no control characters; at most 64 characters.
 void check_text(const std::string &option, const std::string &text)
 {
@@ -25,6 +55,7 @@ void check_text(const std::string &option, const std::string &text)
         return letter == '\\' || static_cast<unsigned char>(letter) < 32 || letter == 127;
     });
     if (has_bad) throw UsageError(option + ": a DICOM text has no backslash and no control characters");
+    if (!is_utf8(text)) throw UsageError(option + ": a DICOM text is UTF-8 here, and this one is not");
     if (text.size() > 64)
         throw UsageError(option + ": a DICOM text has at most 64 bytes, this one " +
                          std::to_string(text.size()));

@@ -284,6 +284,27 @@ static void an_export_given_up_leaves_no_folder(void **)
     assert_names(folder, {});
 }
 
+// Bytes that are no character made a file whose text nobody can read, without a word.
+static void a_name_that_is_not_utf8_is_refused(void **)
+{
+    const auto is_refused = [](const char *name) {
+        DicomSettings settings;
+        settings.patient_name = name;
+        try {
+            check_dicom_settings(settings);
+        } catch (const UsageError &) {
+            return true;
+        }
+        return false;
+    };
+    for (const char *good : {"", "Phantom^Aorta", "M\xc3\xbcller^\xe5\xb1\xb1", "\xf0\x9f\x98\x80"})
+        if (is_refused(good)) fail_msg("'%s' is refused", good);
+    // No lead byte, cut short, a longer form than needed, half of a pair, beyond the last character.
+    for (const char *bad : {"a\xff", "\x80", "\xc3", "\xe5\xb1", "\xc0\x80", "\xe0\x80\x80", "\xed\xa0\x80",
+                            "\xf4\x90\x80\x80", "\xf8\x88\x80\x80\x80"})
+        if (!is_refused(bad)) fail_msg("'%s' is taken", bad);
+}
+
 static void another_tool_is_another_study(void **)
 {
     std::vector<std::string> uids;
@@ -311,6 +332,7 @@ int main()
         cmocka_unit_test(each_file_names_the_medium_given_during_its_frames),
         cmocka_unit_test(a_stopped_export_leaves_whole_files_only),
         cmocka_unit_test(an_export_given_up_leaves_no_folder),
+        cmocka_unit_test(a_name_that_is_not_utf8_is_refused),
         cmocka_unit_test(another_tool_is_another_study),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
