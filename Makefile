@@ -84,6 +84,8 @@ QUICK := $(BUILD)/obj/host/app/cli.cpp.o $(BUILD)/obj/host/app/cli_rig.cpp.o $(B
          $(foreach main,tools/centreline/fit tools/anatomy tools/bake tools/docs tools/validate tools/vcsim3 hil_tests/rig hil_tests/campaign hil_tests/cases,$(BUILD)/obj/$(main)/main.cpp.o)
 # Under the sanitizers what reads, asks and writes is compiled without optimising, which takes two thirds of the time.
 QUICK += $(if $(SAN),$(foreach folder,host/app host/dicom host/link host/model hil_tests,$(BUILD)/obj/$(folder)/%.cpp.o))
+# So are the tests of it; those that look at pixels are not: they would run longer than they compile.
+QUICK += $(if $(SAN),$(foreach name,bodies contrast dicom dicom_export heart instrument instrument_shape link pending recording rig session session_contrast tools usb,$(BUILD)/obj/host/tests/test_$(name).cpp.o))
 $(QUICK): override OPT := -O0
 # Frames and codecs are loops over bytes, where comparing is half of a fuzzer's time and teaches it nothing.
 $(BUILD)/obj/shared/wire/%.c.o: CFLAGS += $(if $(findstring fuzzer,$(SAN)),-fno-sanitize-coverage=trace-cmp)
