@@ -59,9 +59,13 @@ result $? "pedal and C-arm keys reach the recording"
 cat >"$work/gone.sh" <<'EOF'
 "$program" view --instrument "$wire" --device emulator --record "$work/gone.rec" >"$work/gone" 2>&1 &
 window=$!
-for _ in $(seq 100); do xdotool search --name Seldinger >/dev/null 2>&1 && break; sleep 0.1; done
+for _ in $(seq 200); do
+    emulator=$(pgrep -P "$window" qemu)
+    [ -n "$emulator" ] && xdotool search --name Seldinger >/dev/null 2>&1 && break
+    sleep 0.1
+done
 sleep 0.5
-kill -9 $(ps -o pid= --ppid "$window") # its only child: the emulator
+kill -9 $emulator
 sleep 0.5
 xdotool search --name Seldinger windowfocus key Escape >/dev/null 2>&1
 wait "$window"
