@@ -25,14 +25,20 @@ void append_line(std::string &text, const char *format, auto... values)
     text.append(line, std::min(static_cast<size_t>(length), sizeof line - 1));
 }
 
+/* Every body as an object; `frame` -1: inhaled. */
 std::string frame_text(const HeartSequence &sequence, int frame)
 {
     std::string text;
-    append_line(text, "# Seldinger heart: frame %d of %d of a beat from the end of diastole, millimetres\n",
-                frame, BEAT_FRAMES);
+    if (frame < 0)
+        text += "# Seldinger heart: the first frame at the end of inspiration, millimetres\n";
+    else
+        append_line(text,
+                    "# Seldinger heart: frame %d of %d of a beat from the end of diastole, millimetres\n",
+                    frame, BEAT_FRAMES);
     uint32_t first = 1;
     for (const MovingBody &body : sequence.bodies) {
-        const std::vector<Vec3> &vertices = body.frames_mm[static_cast<size_t>(frame)];
+        const std::vector<Vec3> &vertices =
+            frame < 0 ? body.inhaled_mm : body.frames_mm[static_cast<size_t>(frame)];
         text += "o " + body.name + "\n";
         for (const Vec3 &v : vertices) append_line(text, "v %.3f %.3f %.3f\n", v.x(), v.y(), v.z());
         for (const auto &t : body.triangles)
@@ -59,10 +65,11 @@ bool moves_with_heart(const std::string &body)
 
 MovingBody moving_body(const std::string &name, const Mesh &rest, const HeartBeat &beat)
 {
-    MovingBody moving{name, rest.triangles, std::vector<std::vector<Vec3>>(BEAT_FRAMES)};
+    MovingBody moving{name, rest.triangles, std::vector<std::vector<Vec3>>(BEAT_FRAMES), {}};
     for (const Vec3 &v : rest.vertices_mm) {
         const std::vector<Vec3> places = beat.frames(v);
         for (size_t frame = 0; frame < BEAT_FRAMES; frame++) moving.frames_mm[frame].push_back(places[frame]);
+        moving.inhaled_mm.push_back(beat.inhaled(v));
     }
     return moving;
 }
@@ -91,9 +98,7 @@ void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, c
     for (int frame = 0; frame < BEAT_FRAMES; frame++)
         write_ply(folder / numbered("lumen", frame, ".ply"),
                   {moving.frames_mm[static_cast<size_t>(frame)], rest.triangles}, "lumen");
-    Mesh inhaled = rest;
-    for (Vec3 &vertex : inhaled.vertices_mm) vertex = beat.inhaled(vertex);
-    write_ply(folder.string() + "_inhaled.ply", inhaled, "lumen");
+    write_ply(folder.string() + "_inhaled.ply", {moving.inhaled_mm, rest.triangles}, "lumen");
 }
 
 void write_sequence(const std::filesystem::path &folder, const HeartSequence &sequence)
@@ -106,6 +111,7 @@ void write_sequence(const std::filesystem::path &folder, const HeartSequence &se
         write_text(folder / numbered("frame", frame, ".obj"), frame_text(sequence, frame));
         write_centrelines(folder / numbered("centrelines", frame, ".mrk.json"), curves);
     }
+    write_text(folder.string() + "_inhaled.obj", frame_text(sequence, -1));
 }
 
 } // namespace anatomy

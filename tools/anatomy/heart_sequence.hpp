@@ -12,7 +12,8 @@ struct MovingBody {
     std::string name;
     std::vector<std::array<uint32_t, 3>> triangles;
     std::vector<std::vector<Vec3>>
-        frames_mm; // BEAT_FRAMES times every vertex; the first is the end of diastole
+        frames_mm;                // BEAT_FRAMES times every vertex; the first is the end of diastole
+    std::vector<Vec3> inhaled_mm; // the first frame at the end of inspiration
 };
 
 struct MovingVessel {
@@ -57,7 +58,7 @@ HeartFigures heart_figures(const HeartSequence &sequence);
 /* FOLDER/lumen_00.ply ... of one mesh in every frame, and FOLDER_inhaled.ply beside the folder: what bake fits a lattice to. */
 void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, const HeartBeat &beat);
 
-/* frame_00.obj ... frame_23.obj with one object per body, centrelines_00.mrk.json ... beside them. */
+/* FOLDER_inhaled.obj beside FOLDER/frame_00.obj ... frame_23.obj with one object per body, centrelines_00.mrk.json ... beside them. */
 void write_sequence(const std::filesystem::path &folder, const HeartSequence &sequence);
 std::string figures_json(const HeartFigures &figures);
 

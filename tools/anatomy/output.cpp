@@ -1,5 +1,6 @@
 #include "tools/anatomy/output.hpp"
 #include "host/model/pending_file.hpp"
+#include "tools/anatomy/heart_sequence.hpp"
 #include <algorithm>
 #include <bit>
 #include <cstdio>
@@ -150,16 +151,22 @@ void write_scene(const std::filesystem::path &file, const VesselTree &tree, cons
     text += "[scene]\nname = \"" + tree.title + "\"\n";
     text += "source = \"Seldinger's own model from stated dimensions; see docs/anatomy.md\"\n\n";
     text += "[lumen]\nmesh = \"lumen.ply\"\nunit = \"mm\"\n";
-    if (tree.coronary_count > 0) text += "level_max = 2 # small arteries\ntolerance_mm = 0.05\n";
+    if (tree.coronary_count > 0) text += "level_max = 2 # small arteries\ntolerance_mm = 0.12\n";
     text += "\n";
     text += "# Mouth of the inserter sheath and the direction in which a wire leaves it.\n";
     text += "[entry]\nposition_mm = " + triple(tree.entry_position_mm) +
             "\ndirection = " + triple(tree.entry_direction) + "\n";
     text += tree_text(tree);
+    if (tree.coronary_count > 0)
+        text +=
+            "\n# How it beats (docs/heart.md); frames in which it also breathes lie beside these.\n[motion]\n"
+            "frames = \"lumen_beat\"\n"
+            "end_systole = 11\n";
     for (const Body &body : bodies) {
         text += "\n[[body]]\nname = \"" + body.name + "\"\nmesh = \"" + file_stem(body.name) +
                 ".ply\"\nunit = \"mm\"\n";
         text += "material = \"" + body.material + "\"\n";
+        if (tree.coronary_count > 0 && moves_with_heart(body.name)) text += "moves = true\n";
         if (!body.inside.empty()) text += "inside = \"" + body.inside + "\"\n";
     }
     write_file(file, text);
