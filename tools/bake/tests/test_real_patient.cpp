@@ -21,7 +21,7 @@ namespace
 
 struct Patient {
     SceneText text;
-    Folder shipped; // stands for skin and lungs, which are not looked at here
+    Folder shipped; // stands for skin, lungs and belly, which are not looked at here
     bool is_there = false;
 };
 Patient *patient = nullptr;
@@ -32,8 +32,9 @@ int read_patient(void **)
     const std::filesystem::path data = folder ? folder : "../shared/anatomy";
     patient = new Patient;
     if (!std::filesystem::exists(data / "hra") || !std::filesystem::exists(data / "myo_sim")) return 0;
-    for (const char *name : {"skin.ply", "lung_left.ply", "lung_right.ply"})
-        write_ply(cube(100), patient->shipped.path / name);
+    for (const char *name : {"skin", "fat", "flesh", "lung_left", "lung_right", "belly_fat", "liver",
+                             "spleen", "kidneys", "bowel", "bowel_gas"})
+        write_ply(cube(100), patient->shipped.path / (std::string(name) + ".ply"));
     patient->text = read_scene_text("shared/examples/real_patient.toml", {data, patient->shipped.path});
     patient->is_there = true;
     return 0;
