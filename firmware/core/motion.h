@@ -33,7 +33,7 @@ typedef struct seld_motion {
     uint32_t count_xyz[3];   /* nodes along each axis, at least 2 */
     uint32_t spacing_log2_q30;
     /* Node by node, x fastest; three components each; of a component: coefficients of keyframes 23, 0, 1 .. 23, 0, then
-     * that of breath, then 0. Neighbours differ by at most 3/4 of a spacing (breath: 1/4). */
+     * that of breath, then 0. Neighbours differ by at most 5/8 of a spacing (breath: 3/8). */
     const int16_t *rows;
 } seld_motion;
 

@@ -11,7 +11,7 @@ namespace seld
 class SimTransport final : public Transport
 {
   public:
-    explicit SimTransport(std::uint32_t scene_slot_bytes = 8u << 20);
+    explicit SimTransport(std::uint32_t scene_slot_bytes = 16u << 20);
     ~SimTransport() override;
     void write(std::span<const std::uint8_t> bytes) override;
     std::size_t read(std::span<std::uint8_t> bytes) override;

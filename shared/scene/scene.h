@@ -27,7 +27,7 @@ enum {
     SELD_SCENE_ADDRESS_MULTIPLE = 4, /* of the bytes in memory */
     SELD_SCENE_HEADER_BYTES = 32,
     SELD_SCENE_TABLE_ROW_BYTES = 16,
-    SELD_SCENE_BYTES_MAX = 8 << 20,          /* what a device must hold */
+    SELD_SCENE_BYTES_MAX = 16 << 20,         /* a device says in its set-up how much of it fits */
     SELD_SCENE_BODIES_BYTES_MAX = 256 << 20, /* body files stay on the host */
     SELD_SCENE_BODY_MAX = 256,
     SELD_SCENE_TRIANGLE_MAX = 8000000, /* of all bodies */

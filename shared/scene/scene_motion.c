@@ -36,11 +36,11 @@ static bool row_is_valid(const int16_t *row)
     return row[SELD_SCENE_MOTION_ROW - 1] == 0;
 }
 
-/* Three quarters of a spacing for the heart, one for breath. */
-static bool is_steep(const int16_t *row, const int16_t *next, int32_t quarter)
+/* Five eighths of a spacing for the heart, three for breath. */
+static bool is_steep(const int16_t *row, const int16_t *next, int32_t eighth)
 {
     for (int i = 0; i <= SELD_SCENE_MOTION_ROW_BREATH; i++) {
-        int32_t apart = next[i] - row[i], most = i == SELD_SCENE_MOTION_ROW_BREATH ? quarter : 3 * quarter;
+        int32_t apart = next[i] - row[i], most = i == SELD_SCENE_MOTION_ROW_BREATH ? 3 * eighth : 5 * eighth;
         if (apart > most || apart < -most) return true;
     }
     return false;
@@ -61,7 +61,7 @@ static seld_scene_status check_node(const seld_scene_motion *motion, const uint3
     const size_t steps[3] = {1, nx, (size_t)nx * ny};
     const size_t node = at[0] + at[1] * steps[1] + at[2] * steps[2];
     const int16_t *rows = motion->rows + node * NODE;
-    const int32_t quarter = 1 << (motion->spacing_log2_q30 - SELD_SCENE_MOTION_UNIT_LOG2_Q30 - 2);
+    const int32_t eighth = 1 << (motion->spacing_log2_q30 - SELD_SCENE_MOTION_UNIT_LOG2_Q30 - 3);
     for (int k = 0; k < COMPONENTS; k++) {
         if (!row_is_valid(rows + k * SELD_SCENE_MOTION_ROW)) return SELD_SCENE_MOTION_VALUE;
     }
@@ -70,7 +70,7 @@ static seld_scene_status check_node(const seld_scene_motion *motion, const uint3
         if ((at[axis] == 0 || is_last) && !is_still(rows)) return SELD_SCENE_MOTION_EDGE;
         for (int k = 0; k < COMPONENTS && !is_last; k++) {
             const int16_t *row = rows + k * SELD_SCENE_MOTION_ROW;
-            if (is_steep(row, row + steps[axis] * NODE, quarter)) return SELD_SCENE_MOTION_STEEP;
+            if (is_steep(row, row + steps[axis] * NODE, eighth)) return SELD_SCENE_MOTION_STEEP;
         }
     }
     return SELD_SCENE_OK;

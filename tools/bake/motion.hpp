@@ -64,7 +64,7 @@ Motion fit_motion(const Frames &frames, double spacing_mm, Progress &progress);
 struct Steepness {
     Worst heart, breath; // shares, for all that they are called mm
 };
-constexpr double heart_steepness_max = 0.75, breath_steepness_max = 0.25;
+constexpr double heart_steepness_max = 0.625, breath_steepness_max = 0.375;
 Steepness steepness(const Motion &motion);
 void refuse_steep(const Motion &motion); // throws Fault with the place
 

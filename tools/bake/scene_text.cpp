@@ -318,8 +318,8 @@ MotionText motion_of(const Table &t)
     if (const toml::node *guides = t.table.get("guides")) motion.guides = t.resolve_folder(guides, "guides");
     if (const toml::node *inhaled = t.table.get("inhaled_guides"))
         motion.inhaled_guides = t.resolve(inhaled, "inhaled_guides");
-    if (!motion.guides.empty() && motion.inhaled.empty() != motion.inhaled_guides.empty())
-        t.fail(frames, "has guides: give inhaled and inhaled_guides, or neither");
+    if (!motion.inhaled_guides.empty() && (motion.guides.empty() || motion.inhaled.empty()))
+        t.fail(frames, "has inhaled_guides: give guides and inhaled as well");
     motion.spacing_mm = t.number("spacing_mm", motion.spacing_mm, 0.98, 15.7);
     motion.end_systole = t.number("end_systole", motion.end_systole, 4, 18);
     if (t.scene.lumen.mesh.file.empty())

@@ -369,8 +369,8 @@ static void a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_bound
     refuses_word(MOTION_AT + 32 + 2 * 5, 2, 16385, SELD_SCENE_MOTION_VALUE, MOTION_AT + 32);
     refuses_word(middle + 2 * 24, 2, 1, SELD_SCENE_MOTION_VALUE, middle); /* not what keyframe 23 says */
     refuses_word(middle + 2 * 27, 2, 1, SELD_SCENE_MOTION_VALUE, middle);
-    refuses_word(middle + 2 * 5, 2, 3073, SELD_SCENE_MOTION_STEEP, middle - 9 * 6 * SELD_SCENE_MOTION_ROW);
-    refuses_word(breath, 2, 1025, SELD_SCENE_MOTION_STEEP, middle - 9 * 6 * SELD_SCENE_MOTION_ROW);
+    refuses_word(middle + 2 * 5, 2, 2561, SELD_SCENE_MOTION_STEEP, middle - 9 * 6 * SELD_SCENE_MOTION_ROW);
+    refuses_word(breath, 2, 1537, SELD_SCENE_MOTION_STEEP, middle - 9 * 6 * SELD_SCENE_MOTION_ROW);
     refuses_word(before + 2 * 5, 2, 1, SELD_SCENE_MOTION_EDGE, before);
 }
 
