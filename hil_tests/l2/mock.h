@@ -45,6 +45,7 @@ typedef struct mock {
 
     unsigned hidraw_clients;
     bool hidraw_is_reading;
+    bool hid_is_claimed; /* by a program: usbhid is unbound, and nobody else takes reports */
     uint8_t hidraw_packet[SELD_MAILBOX_DATA_MAX];
     uint8_t reports[MOCK_REPORTS][SELD_HID_REPORT_BYTES_MAX];
     uint32_t report_first, report_count, reports_lost;
@@ -66,5 +67,6 @@ void mock_hidraw_connected(UMockdevIoctlBase *base, UMockdevIoctlClient *client,
 void mock_hidraw_vanished(UMockdevIoctlBase *base, UMockdevIoctlClient *client, mock *m);
 void mock_hidraw_complete(mock *m, const usb_urb *urb);
 void mock_hidraw_step(mock *m);
+void mock_hidraw_unbind(mock *m);
 
 #endif

@@ -17,6 +17,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <sys/prctl.h>
@@ -298,6 +299,16 @@ static void make_nodes(mock *m, UMockdevTestbed *testbed)
     m->urbs = (usb_urbs){.host = m->peer.host, .complete = on_complete, .context = m};
 }
 
+/* An ioctl is a talk of two threads by half a dozen messages, and waking one on another processor costs more than saying it: on one
+ * processor the round trips of the loop-back rig fit into their milliseconds. */
+static void stay_on_one_processor(void)
+{
+    cpu_set_t here;
+    CPU_ZERO(&here);
+    CPU_SET((size_t)sched_getcpu(), &here);
+    sched_setaffinity(0, sizeof here, &here);
+}
+
 int main(int argc, char **argv)
 {
     pthread_t buses[DEVICES_MAX];
@@ -313,6 +324,7 @@ int main(int argc, char **argv)
     /* Threads and the program inherit it. umockdev sleeps for no time at all behind every ioctl, which by Linux's usual slack is 50 us:
      * the six ioctls of an interrupt transfer each way would then not fit into a frame. */
     prctl(PR_SET_TIMERSLACK, SLACK_ns);
+    if (mocks[0].peer.kind == USB_PEER_RIG) stay_on_one_processor();
     UMockdevTestbed *testbed = umockdev_testbed_new();
     if (!umockdev_in_mock_environment()) {
         fprintf(stderr, "mock_bus: run it by umockdev-wrapper\n");

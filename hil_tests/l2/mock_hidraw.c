@@ -22,8 +22,21 @@ void mock_hidraw_step(mock *m)
 {
     const usb_urb urb = {
         .id = 0, .endpoint = STATUS_IN, .bytes = m->hidraw_packet, .length = SELD_HID_REPORT_BYTES_MAX};
-    if (m->hidraw_clients == 0 || m->hidraw_is_reading || !m->is_plugged) return;
+    if (m->hidraw_clients == 0 || m->hidraw_is_reading || m->hid_is_claimed || !m->is_plugged) return;
     m->hidraw_is_reading = usb_urbs_submit(&m->urbs, &urb);
+}
+
+static void stop_reading(mock *m)
+{
+    usb_urb urb;
+    if (m->hidraw_is_reading) usb_urbs_cancel(&m->urbs, 0, &urb);
+    m->hidraw_is_reading = false;
+}
+
+void mock_hidraw_unbind(mock *m)
+{
+    stop_reading(m);
+    m->hid_is_claimed = true;
 }
 
 void mock_hidraw_complete(mock *m, const usb_urb *urb)
@@ -156,12 +169,10 @@ void mock_hidraw_vanished(UMockdevIoctlBase *base, UMockdevIoctlClient *client, 
 {
     (void)base;
     (void)client;
-    usb_urb urb;
     uint8_t token;
     pthread_mutex_lock(&m->lock);
     if (--m->hidraw_clients == 0) {
-        if (m->hidraw_is_reading) usb_urbs_cancel(&m->urbs, 0, &urb);
-        m->hidraw_is_reading = false;
+        stop_reading(m);
         for (; m->report_count > 0; m->report_count--)
             if (read(m->hidraw_fifo, &token, 1) != 1) break;
         m->report_count = 0;

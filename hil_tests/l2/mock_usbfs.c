@@ -178,6 +178,24 @@ static int clear_halt(mock *m, UMockdevIoctlData *argument)
     return m->is_plugged ? mock_errno(usb_host_clear_halt(m->peer.host, (uint8_t)endpoint)) : ENODEV;
 }
 
+/* Interface 0 is the HID one: libusb takes it from usbhid when a program claims it,. The first number of
+ * what the argument points to is the interface, in both calls. */
+static int claim(mock *m, UMockdevIoctlData *argument, bool is_taken)
+{
+    unsigned interface;
+    if (!m->is_plugged) return ENODEV;
+    UMockdevIoctlData *number = umockdev_ioctl_data_resolve(argument, 0, sizeof interface, NULL);
+    if (number == NULL) return EFAULT;
+    memcpy(&interface, number->data, sizeof interface);
+    umockdev_ioctl_data_unref(number);
+    if (interface != 0) return 0;
+    if (is_taken)
+        mock_hidraw_unbind(m);
+    else
+        m->hid_is_claimed = false;
+    return 0;
+}
+
 static int capabilities(UMockdevIoctlData *argument)
 {
     const uint32_t offered =
@@ -198,9 +216,10 @@ static int answer(mock *m, UMockdevIoctlClient *client, UMockdevIoctlData *argum
         *result = 3; /* high, in the kernel's own numbers */
         return 0;
     case USBDEVFS_CLAIMINTERFACE:
-    case USBDEVFS_RELEASEINTERFACE:
     case USBDEVFS_DISCONNECT_CLAIM:
-        return m->is_plugged ? 0 : ENODEV;
+        return claim(m, argument, true);
+    case USBDEVFS_RELEASEINTERFACE:
+        return claim(m, argument, false);
     case USBDEVFS_GETDRIVER:
     case USBDEVFS_IOCTL:
         return ENODATA; /* no driver of the kernel is bound */

@@ -8,25 +8,26 @@ case "$folder" in */san/*) preload="$(gcc -print-file-name=libasan.so) $preload"
 count=0
 status=0
 
-# one DEVICE PROGRAM ARGUMENT...: the program's own verdict, its figures as notes
+# one DEVICE NAME PROGRAM ARGUMENT...: the program's own verdict, its figures as notes
 one() {
     device="$1"
-    program="$2"
-    shift 2
+    name="$2"
+    program="$3"
+    shift 3
     count=$((count + 1))
-    if output=$(ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$folder/mock_bus" "$device" -- "$folder/$program" \
-        "$@" 2>&1); then
-        echo "ok $count - ${program}_passes_on_a_mocked_bus"
+    if output=$(ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$folder/mock_bus" "$device" -- "$program" "$@" 2>&1); then
+        echo "ok $count - ${name}_on_a_mocked_bus"
         echo "$output" | grep '^# link'
     else
         status=1
-        echo "not ok $count - ${program}_passes_on_a_mocked_bus"
+        echo "not ok $count - ${name}_on_a_mocked_bus"
         echo "$output" | sed 's/^/# /'
     fi
 }
 
-for program in usb_check hid_check_hidraw hid_check_libusb; do one --here $program --serial RIG-0001; done
-one --app app_check
+# One after the other on one bus: who came before must leave nothing behind.
+one --here libusb_and_both_hidapis_pass env HIL="$folder" "$(dirname "$0")/../l3/checks.sh"
+one --app the_whole_app_passes "$folder/app_check"
 
 # The image on the emulated Cortex-M7.
 count=$((count + 1))

@@ -86,7 +86,7 @@ static bool states_follow(void)
     const int64_t us = check_now_us() - begin;
     check_note("link.hid_reports_per_s %lld", (long long)REPORTS * 1000000 / us);
     check_note("link.hid_ticks_lost %u of %u", (unsigned)lost, (unsigned)(REPORTS + lost));
-    return true;
+    return lost < REPORTS / 2; /* a busy machine loses a few; who shares the reports with somebody loses every second one */
 }
 
 /* Each command's number comes back in a state report. */
@@ -122,7 +122,7 @@ int main(int argc, char **argv)
         return check_end();
     check(identity_is_ours(), "the identity report has our report hash");
     check(settings_work(), "limits are lowered, read back, and not raised");
-    check(states_follow(), "state reports come in the order of their ticks");
+    check(states_follow(), "state reports come in the order of their ticks, and nobody else takes them");
     check(commands_are_answered(), "every command is answered in a state report");
     hid_close(device);
     hid_exit();
