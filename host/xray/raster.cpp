@@ -49,7 +49,7 @@ SELD_WIDE bool project_corners(const Camera &camera, const float *x_um, const fl
             const float u = middle + (right.x() * x + right.y() * y + right.z() * z) * scale;
             const float v = middle - (up.x() * x + up.y() * y + up.z() * z) * scale;
             const bool is_plain =
-                (depth >= near_um) & (std::fabs(u) <= guard_pixels) & (std::fabs(v) <= guard_pixels);
+                int{depth >= near_um} & int{std::fabs(u) <= guard_pixels} & int{std::fabs(v) <= guard_pixels};
             is_far |= is_plain ? 0 : 1;
             // Held, since a conversion of what does not fit is undefined; such a chunk is drawn the slow way.
             const float held_u = u < guard_pixels ? (u > -guard_pixels ? u : -guard_pixels) : guard_pixels;
