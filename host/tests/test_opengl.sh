@@ -64,8 +64,9 @@ done
 cmp -s <(grep -Ev "clock|written" "$work/raster.out") <(grep -Ev "clock|written" "$work/opengl-egl.out")
 result $? "the session itself does not depend on who draws"
 
+. host/tests/display.sh
 for back_end in raster opengl; do
-    xvfb-run -a "$program" view --scene "$work/block.scene" --tool "$wire" --inserted 40 --fluoro --frames 20 --no-help-panel \
+    "$program" view --scene "$work/block.scene" --tool "$wire" --inserted 40 --fluoro --frames 20 --no-help-panel \
         --xray $back_end --screenshot "$work/window_$back_end.png" >"$work/window_$back_end.log" 2>&1 || echo failed >>"$work/window_failed"
 done
 cat "$work"/window_*.log >"$work/log"

@@ -2,13 +2,14 @@
 # The window under a virtual display: picture on the screen, keys into the recording, no display without a crash.
 set -u
 . "$(dirname "$0")/program.sh"
+. "$(dirname "$0")/display.sh"
 wire=shared/examples/instruments/amplatz_super_stiff.toml
 
 env -u DISPLAY -u WAYLAND_DISPLAY "$program" view --instrument "$wire" >"$work/none" 2>&1
 [ $? = 1 ] && grep -q "no display" "$work/none"
 result $? "without a display it says so and ends with 1"
 
-xvfb-run -a "$program" view --instrument "$wire" --fluoro --frames 20 --screenshot "$work/a.png" \
+"$program" view --instrument "$wire" --fluoro --frames 20 --screenshot "$work/a.png" \
     --record "$work/a.rec" --dicom "$work/runs" --size 128 >"$work/log" 2>&1 && [ "$(head -c 4 "$work/a.png" | tail -c 3)" = PNG ]
 result $? "20 screens give a screenshot and exit code 0"
 
@@ -24,13 +25,13 @@ result $? "the window's run is a DICOM file, and the replay writes the same byte
 result $? "a folder that holds runs already is wrong usage"
 
 for run in b c; do
-    xvfb-run -a "$program" view --instrument "$wire" --fluoro --frames 20 --no-help-panel \
+    "$program" view --instrument "$wire" --fluoro --frames 20 --no-help-panel \
         --screenshot "$work/$run.png" --size 128 >"$work/log" 2>&1
 done
 cmp -s "$work/b.png" "$work/c.png" && ! cmp -s "$work/a.png" "$work/b.png"
 result $? "the same screens again are the same pixels, and the help panel shows"
 
-xvfb-run -a "$program" view --instrument "$wire" --free-run --frames 20 --record "$work/led.rec" >"$work/log" 2>&1 &&
+"$program" view --instrument "$wire" --free-run --frames 20 --record "$work/led.rec" >"$work/log" 2>&1 &&
     "$program" replay "$work/led.rec" --verify >>"$work/log" 2>&1 && grep -q "^verified" "$work/log"
 result $? "a session that the rig leads is shown, recorded and replays bit for bit"
 
@@ -47,7 +48,7 @@ xdotool key Escape
 wait "$window"
 EOF
 export program wire work
-timeout 60 xvfb-run -a bash "$work/keys.sh"
+timeout 60 bash "$work/keys.sh"
 result $? "Escape ends it with exit code 0"
 "$program" replay "$work/live.rec" --verify >"$work/log" 2>&1
 result $? "keys are recorded and replay bit for bit"
@@ -70,7 +71,7 @@ sleep 0.5
 xdotool search --name Seldinger windowfocus key Escape >/dev/null 2>&1
 wait "$window"
 EOF
-timeout 60 xvfb-run -a bash "$work/gone.sh"
+timeout 60 bash "$work/gone.sh"
 [ $? = 1 ] && grep -q "ended by a fault: the emulator ended" "$work/gone"
 result $? "a device that goes away is told, and the exit code is 1"
 "$program" replay "$work/gone.rec" --verify >"$work/log" 2>&1
@@ -90,7 +91,7 @@ xdotool key Escape
 wait "$window"
 EOF
 export catheter=shared/examples/instruments/beacon_5f.toml
-timeout 60 xvfb-run -a bash "$work/two.sh"
+timeout 60 bash "$work/two.sh"
 result $? "two tools open, move and end with exit code 0"
 "$program" replay "$work/two.rec" --verify >"$work/log" 2>&1
 result $? "what the keys did to two tools replays bit for bit"
@@ -104,15 +105,17 @@ result $? "more lengths than tools are wrong usage"
 
 # Ctrl-C: everything written is whole, and the exit code says that it did not end by itself.
 cat >"$work/stop.sh" <<'EOF'
-"$program" view --instrument "$wire" --record "$work/stop.rec" >"$work/stop" 2>&1 &
+env --default-signal=INT "$program" view --instrument "$wire" --record "$work/stop.rec" >"$work/stop" 2>&1 &
 window=$!
 for _ in $(seq 100); do [ -s "$work/stop.rec" ] && break; sleep 0.1; done
 sleep 0.7
 kill -INT "$window"
 wait "$window"
 EOF
-timeout 60 xvfb-run -a bash -c "set -m; . '$work/stop.sh'"
-[ $? = 1 ] && grep -q "interrupted" "$work/stop" && "$program" info "$work/stop.rec" | grep -q "complete"
+timeout 60 bash "$work/stop.sh"
+code=$?
+echo "exit code $code" >>"$work/stop"
+[ $code = 1 ] && grep -q "interrupted" "$work/stop" && "$program" info "$work/stop.rec" | grep -q "complete"
 result $? "Ctrl-C closes the recording and ends with 1"
 echo "1..$number"
 exit $failed

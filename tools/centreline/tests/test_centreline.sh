@@ -2,6 +2,7 @@
 # The program: what it writes, what it refuses and how, and the editor under a virtual display: clicks, undo, save, resume, Ctrl-C.
 set -u
 . "$(dirname "$0")/../../../host/tests/program.sh"
+. host/tests/display.sh
 program="$build/bin/centreline"
 [ -x "$program" ] || make -s PACKAGES=skip "$program" >&2
 
@@ -113,24 +114,26 @@ xdotool key Escape
 wait "$editor"
 EOF2
 export program tube work
-timeout 60 xvfb-run -a bash "$work/person.sh"
+timeout 60 bash "$work/person.sh"
 [ $? = 0 ] && [ "$(grep -c kind "$work/p.toml")" = 2 ] && grep -q 'kind = "start"' "$work/p.toml" && grep -q 'kind = "end"' "$work/p.toml"
 result $? "clicks set points, undo and redo, and the project is saved at the end"
 [ -s "$work/edited.csv" ] && awk -F, 'NR > 3 && ($6 * $6 + $8 * $8 > 0.04) {bad = 1} END {exit bad}' "$work/edited.csv"
 result $? "F fits a tree in the middle of the vessel, and it is written"
-xvfb-run -a "$program" edit "$tube" --project "$work/p.toml" --frames 3 >"$log" 2>&1 && [ "$(grep -c kind "$work/p.toml")" = 2 ]
+"$program" edit "$tube" --project "$work/p.toml" --frames 3 >"$log" 2>&1 && [ "$(grep -c kind "$work/p.toml")" = 2 ]
 result $? "the project is resumed"
 cp "$work/p.toml" "$work/kept.toml"
 cat >"$work/stop.sh" <<'EOF2'
-"$program" edit "$tube" --project "$work/p.toml" >"$work/log" 2>&1 &
+env --default-signal=INT "$program" edit "$tube" --project "$work/p.toml" >"$work/log" 2>&1 &
 editor=$!
 for _ in $(seq 200); do xdotool search --name "Seldinger centreline" >/dev/null 2>&1 && break; sleep 0.05; done
 sleep 0.3
 kill -INT "$editor"
 wait "$editor"
 EOF2
-timeout 60 xvfb-run -a bash -c "set -m; . '$work/stop.sh'" 2>/dev/null
-[ $? = 1 ] && grep -q "points are saved" "$log" && cmp -s "$work/p.toml" "$work/kept.toml"
+timeout 60 bash "$work/stop.sh"
+code=$?
+echo "exit code $code" >>"$log"
+[ $code = 1 ] && grep -q "points are saved" "$log" && cmp -s "$work/p.toml" "$work/kept.toml"
 result $? "Ctrl-C saves the points and ends with 1"
 "$program" edit "$work/frames/f1.obj" --project "$work/p.toml" >"$log" 2>&1
 [ $? = 1 ] && grep -q "belongs to the mesh" "$log"
