@@ -9,32 +9,10 @@
 #include <cmocka.h>
 
 #include "firmware/app/app.h"
-#include "firmware/tests/reference/bench.h"
+#include "firmware/tests/reference/bench_fixture.h"
 
-static bench b;
-static seld_wire_status status;
 static seld_wire_reject reject;
 static seld_wire_ticks ticks;
-
-static int set_up(void **state)
-{
-    (void)state;
-    return bench_open(&b) ? 0 : 1;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    bench_close(&b);
-    return 0;
-}
-
-static void command(uint8_t action)
-{
-    bench_drain(&b);
-    client_command(&b.host, action);
-    assert_true(client_expect_status(&b.host, &status));
-}
 
 static void send_step(const seld_wire_step *step)
 {
