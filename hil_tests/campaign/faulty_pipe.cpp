@@ -1,5 +1,5 @@
 #include "hil_tests/campaign/faulty_pipe.hpp"
-#include "hil_tests/campaign/judge.hpp"
+#include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/plant/random.hpp"
 #include "host/link/link.hpp"
 #include "shared/wire/wire_frame.h"
@@ -23,7 +23,7 @@ void claim_scene(std::uint32_t lie, std::vector<std::uint8_t> &payload)
 {
     seld_wire_set_up there;
     if (!seld_wire_decode_set_up(payload.data(), payload.size(), &there)) return;
-    const std::vector<std::uint8_t> &scene = campaign_scene();
+    const std::vector<std::uint8_t> &scene = tube_scene();
     const auto bytes = static_cast<std::uint32_t>(scene.size());
     const std::uint32_t crc32 = seld_wire_crc32(0, scene.data(), scene.size());
     if (lie == lie_upload_is_there) {

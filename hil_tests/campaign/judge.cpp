@@ -1,5 +1,4 @@
 #include "hil_tests/campaign/judge.hpp"
-#include "hil_tests/cases/tube_scene.h"
 #include "hil_tests/plant/random.hpp"
 #include "host/model/instrument.hpp"
 #include "shared/wire/wire_frame.h"
@@ -59,16 +58,6 @@ void send_hostile(seld::Transport &pipe, std::uint32_t message, Random &random)
 
 } // namespace
 
-const std::vector<std::uint8_t> &campaign_scene()
-{
-    static const std::vector<std::uint8_t> bytes = [] {
-        std::vector<std::uint8_t> file(4u << 20);
-        file.resize(hil_tube_scene(file.data(), file.size()));
-        return file;
-    }();
-    return bytes;
-}
-
 const char *name_of(SafeClass which)
 {
     static constexpr const char *names[safe_classes] = {"no power at stake",      "host silent or cut off",
@@ -100,7 +89,7 @@ void campaign_set_up(seld::Link &link)
     static const seld_wire_instrument wire = short_wire();
     link.hello();
     if (link.read_status().state != SELD_WIRE_STATE_READY) link.reset();
-    link.load_scene(campaign_scene());
+    link.load_scene(tube_scene());
     link.load_tools({&wire, 1});
     seld_wire_entry entry{};
     entry.direction_x_q30 = 1 << 30;

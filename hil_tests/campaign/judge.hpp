@@ -38,9 +38,6 @@ struct Outcome {
 
 // Set-up of the campaign: a short wire in the tube, a sheath that holds it, one track driven.
 void campaign_set_up(seld::Link &link);
-// The scene of every session.
-const std::vector<std::uint8_t> &campaign_scene();
-
 PlantSettings campaign_plant(bool has_stuck_motor = false);
 bool same_state(const seld_wire_tick_state &a, const seld_wire_tick_state &b);
 

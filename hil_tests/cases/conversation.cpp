@@ -19,6 +19,10 @@ std::string vtext(const char *format, va_list values)
     return buffer;
 }
 
+constexpr std::uint32_t host_every_ms = 8;
+
+} // namespace
+
 const std::vector<std::uint8_t> &tube_scene()
 {
     static const std::vector<std::uint8_t> scene = [] {
@@ -28,10 +32,6 @@ const std::vector<std::uint8_t> &tube_scene()
     }();
     return scene;
 }
-
-constexpr std::uint32_t host_every_ms = 8;
-
-} // namespace
 
 std::string text(const char *format, ...)
 {

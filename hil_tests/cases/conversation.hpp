@@ -12,6 +12,9 @@ namespace hil
 [[gnu::format(printf, 2, 3)]] void check(bool is_true, const char *format, ...);
 [[gnu::format(printf, 1, 2)]] std::string text(const char *format, ...);
 
+// A straight tube as a scene file: what sessions without anatomy have.
+const std::vector<std::uint8_t> &tube_scene();
+
 // Where a session ended.
 struct Ending {
     std::uint32_t tick = 0;
