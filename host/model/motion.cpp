@@ -2,6 +2,7 @@
 #include "host/model/text.hpp"
 #include "shared/scene/scene.h"
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -15,19 +16,15 @@ constexpr double unit_m = 0x1p-19; // of a coefficient: 2^11 / 2^30
 constexpr int row_numbers = SELD_SCENE_MOTION_ROW, row_breath = SELD_SCENE_MOTION_ROW_BREATH;
 constexpr int kept = motion_keyframes + 3; // of a moved vertex's component: keyframes 23, 0 .. 23, 0, breath
 
-// Coefficients c of the periodic spline through w: (c[k-1] + 6 c[k] + c[k+1]) / 8 = w[k].
-void prefilter(const double *w, double *c)
-{
-    constexpr int rounds = 16;
-    for (int k = 0; k < motion_keyframes; ++k) c[k] = w[k];
-    for (int round = 0; round < rounds; ++round)
-        for (int k = 0; k < motion_keyframes; ++k)
-            c[k] = (8 * w[k] - c[(k + motion_keyframes - 1) % motion_keyframes] -
-                    c[(k + 1) % motion_keyframes]) /
-                   6;
-}
-
 } // namespace
+
+void motion_prefilter(const double *w, double *c)
+{
+    constexpr int n = motion_keyframes, rounds = 20;
+    std::copy_n(w, n, c);
+    for (int round = 0; round < rounds; ++round)
+        for (int k = 0; k < n; ++k) c[k] = (8 * w[k] - c[(k + n - 1) % n] - c[(k + 1) % n]) / 6;
+}
 
 MotionWeights motion_weights(const MotionMoment &moment)
 {
@@ -146,7 +143,7 @@ MovingBodies::MovingBodies(const Motion &motion, const Bodies &bodies)
             }
             const Eigen::Vector3d inhaled = motion.push(X_m, MotionMoment{0, 1u << 31}) - X_m;
             for (int k = 0; k < 3; ++k) {
-                prefilter(way[k], c);
+                motion_prefilter(way[k], c);
                 for (int i = 0; i < motion_keyframes + 2; ++i)
                     moving.coefficients_um.push_back(
                         static_cast<float>(c[(i + motion_keyframes - 1) % motion_keyframes]));

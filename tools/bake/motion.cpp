@@ -1,5 +1,6 @@
 // Fitting the lattice: one sparse system per keyframe, the three components together.
 #include "tools/bake/motion.hpp"
+#include "host/model/motion.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
 
@@ -209,15 +210,6 @@ void tell_all(Fit &fit, const Sequence &sequence, const std::vector<Eigen::Vecto
     }
 }
 
-// Coefficients c of the periodic spline through w: (c[k-1] + 6 c[k] + c[k+1]) / 8 = w[k], Gauss-Seidel, a factor of 9 in each round.
-void prefilter(const double *w, double *c)
-{
-    constexpr int n = SELD_MOTION_KEYFRAMES, rounds = 20;
-    std::copy_n(w, n, c);
-    for (int round = 0; round < rounds; ++round)
-        for (int k = 0; k < n; ++k) c[k] = (8 * w[k] - c[(k + n - 1) % n] - c[(k + 1) % n]) / 6;
-}
-
 std::int16_t coefficient(double way_mm)
 {
     const double value = std::round(way_mm / unit_mm);
@@ -246,7 +238,7 @@ void put_node(const std::vector<Ways> &keys, const Ways &breath, int node, std::
     for (int k = 0; k < 3; ++k, rows += SELD_MOTION_ROW) {
         double w[SELD_MOTION_KEYFRAMES], c[SELD_MOTION_KEYFRAMES];
         for (std::size_t i = 0; i < keys.size(); ++i) w[i] = keys[i](node, k);
-        prefilter(w, c);
+        motion_prefilter(w, c);
         for (int i = 0; i < SELD_MOTION_KEYFRAMES + 2; ++i)
             rows[i] = coefficient(c[(i + SELD_MOTION_KEYFRAMES - 1) % SELD_MOTION_KEYFRAMES]);
         rows[SELD_MOTION_ROW_BREATH] = breath.size() > 0 ? coefficient(breath(node, k)) : std::int16_t{0};

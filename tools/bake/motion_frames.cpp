@@ -89,10 +89,14 @@ seld_motion_pose pose_of(std::size_t key, bool inhaled)
     return pose;
 }
 
-} // namespace
-
-namespace
+// Place in the reference pose of what is there in another.
+Eigen::Vector3d pulled_mm(const seld_motion *motion, seld_motion_pose &pose, const Eigen::Vector3d &at_mm)
 {
+    const seld_vec3 q = to_q30(at_mm), back = seld_motion_pull(motion, &pose, &q);
+    Eigen::Vector3d reference;
+    for (int k = 0; k < 3; ++k) reference[k] = back.v[k] * mm_per_q30;
+    return reference;
+}
 
 // One mesh per frame, all with the first one's triangles.
 Sequence load_sequence(const std::filesystem::path &folder, const std::filesystem::path &inhaled,
@@ -150,10 +154,7 @@ const seld_motion *Motion::view()
 Eigen::Vector3d Motion::to_reference_mm(const Eigen::Vector3d &at_mm) const
 {
     seld_motion_pose pose = pose_of(0, false);
-    const seld_vec3 q = to_q30(at_mm), back = seld_motion_pull(&lattice, &pose, &q);
-    Eigen::Vector3d reference;
-    for (int k = 0; k < 3; ++k) reference[k] = back.v[k] * mm_per_q30;
-    return reference;
+    return pulled_mm(&lattice, pose, at_mm);
 }
 
 Steepness steepness(const Motion &motion)
@@ -223,9 +224,7 @@ std::vector<FrameError> measure_motion(const seld_lumen *lumen, const seld_motio
         };
         for (std::size_t i = 0; i < moved.size(); ++i) {
             look(moved[i], is_small[i]);
-            const seld_vec3 q = to_q30(moved[i]), back = seld_motion_pull(motion, &pose, &q);
-            Eigen::Vector3d reference;
-            for (int k = 0; k < 3; ++k) reference[k] = back.v[k] * mm_per_q30;
+            const Eigen::Vector3d reference = pulled_mm(motion, pose, moved[i]);
             error.along.take((reference - frames.lumen.reference_mm[i]).norm(), moved[i]);
         }
         for (const Triangle &t : frames.triangles)
