@@ -1,4 +1,5 @@
 #include "tools/anatomy/heart_sequence.hpp"
+#include "host/model/pending_file.hpp"
 #include "tools/anatomy/output.hpp"
 #include <algorithm>
 #include <array>
@@ -108,10 +109,11 @@ void write_sequence(const std::filesystem::path &folder, const HeartSequence &se
         std::vector<NamedCurve> curves;
         for (const MovingVessel &vessel : sequence.vessels)
             curves.push_back({vessel.name, vessel.frames[static_cast<size_t>(frame)]});
-        write_text(folder / numbered("frame", frame, ".obj"), frame_text(sequence, frame));
+        seld::write_whole_file((folder / numbered("frame", frame, ".obj")).string(),
+                               frame_text(sequence, frame));
         write_centrelines(folder / numbered("centrelines", frame, ".mrk.json"), curves);
     }
-    write_text(folder.string() + "_inhaled.obj", frame_text(sequence, -1));
+    seld::write_whole_file(folder.string() + "_inhaled.obj", frame_text(sequence, -1));
 }
 
 } // namespace anatomy

@@ -1,4 +1,5 @@
 /* anatomy: makes the anatomy that ships with Seldinger. See docs/anatomy.md. */
+#include "host/model/pending_file.hpp"
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/output.hpp"
 #include "tools/mesh/sequence.hpp"
@@ -125,7 +126,7 @@ int make_heart(const Options &options)
     write_sequence(options.folder / "beat", sequence);
     HeartFigures figures = heart_figures(sequence);
     figures.least_volume_factor = beat.least_volume_factor();
-    write_text(options.folder / "heart.json", figures_json(figures));
+    seld::write_whole_file((options.folder / "heart.json").string(), figures_json(figures));
     print_figures(figures);
     std::printf("%s: %zu bodies and %zu centrelines in %d frames\n",
                 (options.folder / "beat").string().c_str(), sequence.bodies.size(), sequence.vessels.size(),

@@ -17,11 +17,6 @@ namespace
 static_assert(std::endian::native == std::endian::little,
               "PLY files are written by copying little-endian words");
 
-void write_file(const std::filesystem::path &file, const std::string &bytes)
-{
-    seld::write_whole_file(file.string(), bytes);
-}
-
 template <typename T> void append(std::string &bytes, T value)
 {
     char raw[sizeof value];
@@ -118,7 +113,7 @@ void write_ply(const std::filesystem::path &file, const Mesh &mesh, const std::s
         append(bytes, static_cast<uint8_t>(3));
         for (uint32_t vertex : triangle) append(bytes, static_cast<int32_t>(vertex));
     }
-    write_file(file, bytes);
+    seld::write_whole_file(file.string(), bytes);
 }
 
 void write_centreline(const std::filesystem::path &file, const Vessel &vessel)
@@ -136,12 +131,7 @@ void write_centrelines(const std::filesystem::path &file, const std::vector<Name
          "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/"
          "Schema/markups-schema-v1.0.3.json#"},
         {"markups", markups}};
-    write_file(file, document.dump(1) + "\n");
-}
-
-void write_text(const std::filesystem::path &file, const std::string &text)
-{
-    write_file(file, text);
+    seld::write_whole_file(file.string(), document.dump(1) + "\n");
 }
 
 void write_scene(const std::filesystem::path &file, const VesselTree &tree, const std::vector<Body> &bodies)
@@ -169,7 +159,7 @@ void write_scene(const std::filesystem::path &file, const VesselTree &tree, cons
         if (tree.coronary_count > 0 && moves_with_heart(body.name)) text += "moves = true\n";
         if (!body.inside.empty()) text += "inside = \"" + body.inside + "\"\n";
     }
-    write_file(file, text);
+    seld::write_whole_file(file.string(), text);
 }
 
 } // namespace anatomy

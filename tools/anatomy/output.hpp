@@ -23,8 +23,6 @@ struct NamedCurve {
 /* The same for several curves in one file. */
 void write_centrelines(const std::filesystem::path &file, const std::vector<NamedCurve> &curves);
 
-void write_text(const std::filesystem::path &file, const std::string &text);
-
 void write_scene(const std::filesystem::path &file, const VesselTree &tree, const std::vector<Body> &bodies);
 
 /* File name of a vessel or body: lower case, words joined by underscores. */
