@@ -12,6 +12,8 @@ import math
 import sys
 from pathlib import Path
 
+from check_meshes import volume_mm3
+
 FRAMES, BEAT_MS = 24, 60000 / 70
 APEX, BASE = (78, 69, 48), (4, 117, 2)  # ends of the left ventricle's axis, tools/anatomy/heart_beat.cpp
 
@@ -32,11 +34,7 @@ def read_obj(path, wanted):
 
 
 def volume_ml(vertices, triangles):
-    total = 0.0
-    for i, j, k in triangles:
-        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = vertices[i], vertices[j], vertices[k]
-        total += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
-    return total / 6000.0
+    return volume_mm3(vertices, triangles) * 1e-3
 
 
 def dot(a, b):

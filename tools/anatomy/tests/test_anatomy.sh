@@ -1,31 +1,8 @@
 #!/bin/sh
 # The anatomies that ship: meshes, nesting, stated dimensions, same bytes twice, and messages for bad command lines.
 # Bodies are made coarser than usual (--body-scale 2) to keep this short; the checks do not depend on it.
-BUILD=${BUILD:-build}
-tool=$BUILD/bin/anatomy
-here=$(dirname "$0")
-make -s PACKAGES=skip BUILD="$BUILD" "$tool" >/dev/null || { echo "1..1"; echo "not ok 1 - anatomy builds"; exit 1; }
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failed=0
-number=0
-
-report() { # report NAME STATUS
-    number=$((number + 1))
-    if [ "$2" = 0 ]; then echo "ok $number - $1"; else echo "not ok $number - $1"; failed=1; fi
-}
-
-# refuses NAME EXIT_CODE WORDS ARGUMENTS...: the command ends with the code and its message holds the words
-refuses() {
-    name=$1 code=$2 words=$3
-    shift 3
-    "$tool" "$@" >"$work/said" 2>&1
-    got=$?
-    [ "$got" = "$code" ] && grep -q -- "$words" "$work/said"
-    result=$?
-    report "$name" "$result"
-    [ "$result" = 0 ] || { echo "# exit $got, expected $code with '$words'"; sed 's/^/# /' "$work/said"; }
-}
+programs=anatomy
+. "$(dirname "$0")/../../check/tool.sh"
 
 check() { # check NAME: independent checks of one folder; five TAP lines
     python3 "$here/check_meshes.py" "$work/$1" "$work/$1.tsv" $((number + 1)) || failed=1

@@ -1,24 +1,11 @@
 #!/bin/sh
 # The beating heart that ships: figures measured by a script of its own on the files, and the check of such folders.
 # Bodies are made coarser than usual (--body-scale 2) and without the skeleton to keep this short.
-BUILD=${BUILD:-build}
-tool=$BUILD/bin/anatomy
-here=$(dirname "$0")
-make -s PACKAGES=skip BUILD="$BUILD" "$tool" >/dev/null || { echo "1..1"; echo "not ok 1 - anatomy builds"; exit 1; }
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failed=0
-number=0
+programs=anatomy
+. "$(dirname "$0")/../../check/tool.sh"
 
-report() { # report NAME STATUS
-    number=$((number + 1))
-    if [ "$2" = 0 ]; then echo "ok $number - $1"; else echo "not ok $number - $1"; failed=1; sed 's/^/# /' "$work/said"; fi
-}
-
-refuses() { # refuses NAME WORDS: the check of $work/bad ends with 1 and says the words
-    "$tool" check "$work/bad" >"$work/said" 2>&1
-    [ $? = 1 ] && grep -q -- "$2" "$work/said"
-    report "$1" $?
+is_bad() { # is_bad NAME WORDS: the check of $work/bad ends with 1 and says the words
+    refuses "$1" 1 "$2" check "$work/bad"
     rm -rf "$work/bad"
 }
 
@@ -40,22 +27,22 @@ awk -v folder="$work/small" 'BEGIN { for (i = 0; i < 24; i++) { name = sprintf("
 "$tool" check "$work/small" >"$work/said" 2>&1 && grep -q "^one  *4 vertices  *4 triangles" "$work/said" && grep -q "^two  *4 vertices  *2 triangles" "$work/said"
 report "objects, negative corners and faces of four corners are read" $?
 bad; rm "$work/bad/f_07.obj"
-refuses "a missing frame is named by the count" "holds 23 .obj files"
+is_bad "a missing frame is named by the count" "holds 23 .obj files"
 bad; sed -i 's/^f 1 2 4/f 1 4 2/' "$work/bad/f_09.obj"
-refuses "a frame with other faces is named" "f_09.obj: one, triangle 1 has other corners"
+is_bad "a frame with other faces is named" "f_09.obj: one, triangle 1 has other corners"
 bad; sed -i 's/^o two/o three/' "$work/bad/f_11.obj"
-refuses "a frame with other bodies is named" "f_11.obj: has another body (three, not two)"
+is_bad "a frame with other bodies is named" "f_11.obj: has another body (three, not two)"
 bad; sed -i '5s/.*/v 0 0 -5/' "$work/bad/f_13.obj"
-refuses "inverted faces are named with their frame" "one .*turned in frame 13"
+is_bad "inverted faces are named with their frame" "one .*turned in frame 13"
 bad; for i in $(seq 0 23); do sed -i "5s/.*/v 0 0 $((10 + i))/" "$work/bad/f_$(printf %02d "$i").obj"; done
-refuses "a jump from the last frame to the first is found" "one .*from the last frame to the first"
+is_bad "a jump from the last frame to the first is found" "one .*from the last frame to the first"
 bad; sed -i '3s/.*/v 10 nan 0/' "$work/bad/f_03.obj"
-refuses "a number that is none is named with file and line" "f_03.obj:3: a vertex needs three finite numbers"
+is_bad "a number that is none is named with file and line" "f_03.obj:3: a vertex needs three finite numbers"
 bad; sed -i '6s/.*/f 1 99 2/' "$work/bad/f_02.obj"
-refuses "a corner without a vertex is named with file and line" "f_02.obj:6: '99' names no vertex"
+is_bad "a corner without a vertex is named with file and line" "f_02.obj:6: '99' names no vertex"
 mkdir "$work/bad"
-refuses "an empty folder holds no beat" "holds 0 .obj files"
-refuses "a folder that is not there is named" "no such folder"
+is_bad "an empty folder holds no beat" "holds 0 .obj files"
+is_bad "a folder that is not there is named" "no such folder"
 
 echo "1..$number"
 exit $failed

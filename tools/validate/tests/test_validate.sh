@@ -1,18 +1,8 @@
 #!/bin/sh
 # The validation suite in its quick form: every case's figures within their tolerances. Then the table that docs/validation.md
 # holds: one line per case, all passed. And the command line refuses what it cannot do.
-BUILD=${BUILD:-build}
-tool=$BUILD/bin/validate
-make -s PACKAGES=skip BUILD="$BUILD" "$tool" >/dev/null || { echo "1..1"; echo "not ok 1 - validate builds"; exit 1; }
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failed=0
-number=0
-
-report() { # report NAME STATUS
-    number=$((number + 1))
-    if [ "$2" = 0 ]; then echo "ok $number - $1"; else echo "not ok $number - $1"; failed=1; fi
-}
+programs=validate
+. "$(dirname "$0")/../../check/tool.sh"
 
 # The quick suite prints TAP itself: its plan is left out and its lines keep their numbers.
 "$tool" --quick --tap >"$work/tap" || failed=1

@@ -1,31 +1,8 @@
 #!/bin/sh
 # The program `vcsim3`: `make thesis` in short (128 elements of 3 mm in the shipped phantom, two modes), the same bytes for
 # any number of threads, and messages for bad command lines. Prints TAP.
-BUILD=${BUILD:-build}
-tool=$BUILD/bin/vcsim3
-make -s PACKAGES=skip BUILD="$BUILD" "$tool" "$BUILD/bin/anatomy" "$BUILD/bin/bake" >/dev/null ||
-    { echo "1..1"; echo "not ok 1 - vcsim3, anatomy and bake build"; exit 1; }
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failed=0
-number=0
-
-report() { # report NAME STATUS
-    number=$((number + 1))
-    if [ "$2" = 0 ]; then echo "ok $number - $1"; else echo "not ok $number - $1"; failed=1; fi
-}
-
-# refuses NAME EXIT_CODE WORDS ARGUMENTS...: the command ends with the code and its message holds the words
-refuses() {
-    name=$1 code=$2 words=$3
-    shift 3
-    "$tool" "$@" >"$work/said" 2>&1
-    got=$?
-    [ "$got" = "$code" ] && grep -q -- "$words" "$work/said"
-    result=$?
-    report "$name" "$result"
-    [ "$result" = 0 ] || { echo "# exit $got, expected $code with '$words'"; sed 's/^/# /' "$work/said"; }
-}
+programs="vcsim3 anatomy bake"
+. "$(dirname "$0")/../../check/tool.sh"
 
 "$BUILD/bin/anatomy" phantom -o "$work/phantom" --no-bodies --quiet >/dev/null &&
     "$BUILD/bin/bake" "$work/phantom/scene.toml" -o "$work/phantom.scene" --points 1000 --poses 0 >/dev/null 2>&1
