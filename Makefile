@@ -182,11 +182,9 @@ window: packages-build packages-run ## push and turn a wire by keyboard (needs a
 	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
 	@$(BUILD)/bin/seldinger view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec
 
-# --- the heart and its left coronary artery: docs/contrast.md ----------------------------------------------------------
+# --- the heart and its coronary arteries: docs/contrast.md -------------------------------------------------------------
 HEART_TEXT  := $(BUILD)/anatomy/heart/scene.toml
 HEART       := out/heart.scene
-CORONARY    := shared/examples/sessions/coronary.session
-GUIDE       := shared/examples/instruments/guide_jl3_6f.toml
 HEART_FRAME := $(BUILD)/anatomy/heart/beat/frame_00.obj
 $(HEART_TEXT) $(HEART_FRAME) &: $(BUILD)/bin/anatomy
 	@echo "Making the heart (1.5 minutes of one core)"
@@ -195,13 +193,18 @@ $(HEART) $(HEART:.scene=.bodies) &: $(HEART_TEXT) $(BUILD)/bin/bake
 	@mkdir -p out
 	@echo "Baking $(HEART)"
 	@$(BUILD)/bin/bake $(HEART_TEXT) -o $(HEART)
-CORONARY_OUT := out/coronary.mp4 out/coronary.png out/coronary.json
-$(CORONARY_OUT) &: $(HEART) $(CORONARY) $(WIRE) $(GUIDE) $(BUILD)/bin/seldinger
-	@echo "Running $(CORONARY)"
-	@$(BUILD)/bin/seldinger run --scene $(HEART) --tool $(WIRE) --tool $(GUIDE) --session $(CORONARY) \
-	    --json out/coronary.json --png out/coronary.png --mp4 out/coronary.mp4
+# coronary_session(session, guide): film, last picture and figures of one artery's session
+define coronary_session
+out/$(1).mp4 out/$(1).png out/$(1).json &: $(HEART) shared/examples/sessions/$(1).session $(WIRE) shared/examples/instruments/$(2).toml $(BUILD)/bin/seldinger
+	@echo "Running shared/examples/sessions/$(1).session"
+	@$(BUILD)/bin/seldinger run --scene $(HEART) --tool $(WIRE) --tool shared/examples/instruments/$(2).toml \
+	    --session shared/examples/sessions/$(1).session --json out/$(1).json --png out/$(1).png --mp4 out/$(1).mp4
+endef
+$(eval $(call coronary_session,coronary,guide_jl3_6f))
+$(eval $(call coronary_session,coronary_right,guide_ntr_6f))
+CORONARY_OUT := $(foreach name,coronary coronary_right,out/$(name).mp4 out/$(name).png out/$(name).json)
 
-coronary: packages-build packages-run ## a guide takes the left coronary artery, and contrast in two views: out/coronary.mp4
+coronary: packages-build packages-run ## guides take the left and the right coronary artery, contrast in two views each: out/coronary.mp4, out/coronary_right.mp4
 	@$(QUIET_MAKE) $(PROGRAMS)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(CORONARY_OUT)
 	@echo "Written: $(CORONARY_OUT)"
@@ -526,14 +529,19 @@ $(WIRES_FIGURE): $(HEART_FRAME) $(BUILD)/bin/centreline
 	@$(BUILD)/bin/centreline show --wireframe --mesh $(HEART_FRAME) --part heart --part aortic_root --turn 20 --size 900 -o $(@D)/heart.png
 	@ffmpeg -v error -y -i $(@D)/coronaries.png -i $(@D)/heart.png -filter_complex hstack $@
 	@rm $(@D)/coronaries.png $(@D)/heart.png
-MEDIUM_FIGURE := out/thesis/figure_5_8_left.png
-$(MEDIUM_FIGURE): $(CORONARY_OUT)
+# The right artery under fluoroscopy, while the session's first injection has filled it; both arteries in cine.
+SCREEN_FIGURE := out/thesis/figure_5_6.png
+$(SCREEN_FIGURE): out/coronary_right.mp4
 	@mkdir -p $(@D)
-	@cp out/coronary.png $@
+	@ffmpeg -v error -y -ss 36.6 -i $< -frames:v 1 $@
+MEDIUM_FIGURE := out/thesis/figure_5_8.png
+$(MEDIUM_FIGURE): out/coronary_right.png out/coronary.png
+	@mkdir -p $(@D)
+	@ffmpeg -v error -y -i out/coronary_right.png -i out/coronary.png -filter_complex hstack $@
 
-thesis: packages-build packages-run packages-bench ## Figures 5.7 to 5.9 and 5.11 to 5.14 of the thesis, by its own rod and by ours: out/thesis/index.html (minutes)
+thesis: packages-build packages-run packages-bench ## Figures 5.6 to 5.9 and 5.11 to 5.14 of the thesis, by its own rod and by ours: out/thesis/index.html (minutes)
 	@$(QUIET_MAKE) $(BUILD)/bin/seldinger
-	@$(MAKE) --no-print-directory PACKAGES=skip $(WIRES_FIGURE) $(MEDIUM_FIGURE)
+	@$(MAKE) --no-print-directory PACKAGES=skip $(WIRES_FIGURE) $(SCREEN_FIGURE) $(MEDIUM_FIGURE)
 	@$(QUIET_MAKE) $(BUILD)/bin/vcsim3 $(BUILD)/bin/centreline $(PHANTOM_SCENE)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(LINE_FIGURE)
 	@$(BUILD)/bin/vcsim3 figures --scene $(PHANTOM_SCENE) -o out/thesis --threads $(JOBS) --instructions

@@ -285,7 +285,7 @@ void every_wire_goes_with_every_catheter(void **)
         }
     }
     std::printf("# %d pairs and %d triples\n", pairs, triples);
-    assert_int_equal(pairs, 7 * 8);
+    assert_int_equal(pairs, 7 * 9);
     assert_true(triples >= 7 * 5 * 3); // five catheters of 4F and 5F pass a 6F guide
 }
 
