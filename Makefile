@@ -529,11 +529,16 @@ $(WIRES_FIGURE): $(HEART_FRAME) $(BUILD)/bin/centreline
 	@$(BUILD)/bin/centreline show --wireframe --mesh $(HEART_FRAME) --part heart --part aortic_root --turn 20 --size 900 -o $(@D)/heart.png
 	@ffmpeg -v error -y -i $(@D)/coronaries.png -i $(@D)/heart.png -filter_complex hstack $@
 	@rm $(@D)/coronaries.png $(@D)/heart.png
-# The right artery under fluoroscopy, while the session's first injection has filled it; both arteries in cine.
+# The right artery under fluoroscopy, while the session's first injection has filled it, in the thesis' look and as physics; both
+# arteries in cine.
 SCREEN_FIGURE := out/thesis/figure_5_6.png
-$(SCREEN_FIGURE): out/coronary_right.mp4
+out/coronary_right_vcsim3.mp4: out/coronary_right.mp4
+	@echo "Running shared/examples/sessions/coronary_right.session in the thesis' look"
+	@$(BUILD)/bin/seldinger run --scene $(HEART) --tool $(WIRE) --tool shared/examples/instruments/guide_ntr_6f.toml \
+	    --session shared/examples/sessions/coronary_right.session --style vcsim3 --mp4 $@ > $(@:.mp4=.log)
+$(SCREEN_FIGURE): out/coronary_right_vcsim3.mp4 out/coronary_right.mp4
 	@mkdir -p $(@D)
-	@ffmpeg -v error -y -ss 36.6 -i $< -frames:v 1 $@
+	@ffmpeg -v error -y -ss 36.6 -i $< -ss 36.6 -i $(word 2,$^) -filter_complex hstack -frames:v 1 $@
 MEDIUM_FIGURE := out/thesis/figure_5_8.png
 $(MEDIUM_FIGURE): out/coronary_right.png out/coronary.png
 	@mkdir -p $(@D)

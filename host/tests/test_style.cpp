@@ -171,6 +171,27 @@ void contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds(void **)
     assert_true(picture_with(0.0).grey == picture_of({}, {}, 1).grey);
 }
 
+// A beating heart stood still in this look: its bodies are drawn where the picture's moment has them, and stand again where they
+// rest when the next picture moves none.
+void bodies_are_drawn_where_they_have_moved_to(void **)
+{
+    const Eigen::Vector3i way_um(21000, -13000, 8000);
+    Bodies bodies = sphere_of("bone_cortical"), there = bodies;
+    bodies.bodies.push_back(sphere_body("still", "bone_cortical", -1, {-0.04, 0.04, 0}, 0.01, 20));
+    there.bodies.push_back(bodies.bodies[1]);
+    for (Eigen::Vector3i &vertex_um : there.bodies[0].vertices_um) vertex_um += way_um;
+    const MovedBody moved{0, there.bodies[0].vertices_um};
+    Vcsim3Look look(bodies, 1), look_there(there, 1);
+    XrayPicture at_rest, picture, again, expected;
+    look.draw(small_view(), XrayFrame{{}, {}}, 1, at_rest);
+    look.draw(small_view(), XrayFrame{{}, {}, {}, {&moved, 1}}, 1, picture);
+    look.draw(small_view(), XrayFrame{{}, {}}, 1, again);
+    look_there.draw(small_view(), XrayFrame{{}, {}}, 1, expected);
+    assert_true(picture.grey == expected.grey);
+    assert_true(picture.grey != at_rest.grey);
+    assert_true(again.grey == at_rest.grey);
+}
+
 void same_bytes_for_any_number_of_threads_and_only_the_seed_changes_the_noise(void **)
 {
     const Bodies bodies = sphere_of("bone_cortical");
@@ -190,6 +211,7 @@ int main()
         cmocka_unit_test(shows_bones_heart_and_vessels_only),
         cmocka_unit_test(wire_is_a_dark_line_at_its_place),
         cmocka_unit_test(contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds),
+        cmocka_unit_test(bodies_are_drawn_where_they_have_moved_to),
         cmocka_unit_test(same_bytes_for_any_number_of_threads_and_only_the_seed_changes_the_noise),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

@@ -13,18 +13,20 @@ namespace seld
 using Eigen::Vector3d;
 
 struct SurfaceScene {
-    struct Vertex {
-        Vector3d at_m, normal;
+    struct Part { // a body that is shown, where it rests
+        std::size_t body = 0;
         SurfaceLook look;
+        std::vector<Eigen::Vector3i> vertices_um;
+        std::vector<std::array<std::uint32_t, 3>> triangles;
     };
-    std::vector<Vertex> vertices;
-    std::vector<std::array<std::uint32_t, 3>> triangles;
+    std::vector<Part> parts;
     int threads = 1;
     // Of the last view.
     bool is_filled = false;
     CArm carm;
     int size = 0;
-    std::vector<std::int32_t> sums, tool_sums;
+    std::vector<std::uint8_t> is_moved; // per part: not in still_sums
+    std::vector<std::int32_t> still_sums, sums, tool_sums;
 };
 
 namespace
@@ -43,46 +45,73 @@ std::int32_t density_q16(const SurfaceLook &look, double cosine)
     return static_cast<std::int32_t>(std::lround(-std::log1p(-opacity) * 65536.0));
 }
 
-void append(SurfaceScene &scene, const Body &body, const SurfaceLook &look)
+// A part's corners in a view, with normals weighted by area.
+std::vector<SurfaceCorner> corners_of(const SurfaceScene::Part &part,
+                                      std::span<const Eigen::Vector3i> places_um, const View &view)
 {
-    const auto base = static_cast<std::uint32_t>(scene.vertices.size());
-    for (const Eigen::Vector3i &v : body.vertices_um)
-        scene.vertices.push_back({v.cast<double>() * 1e-6, Vector3d::Zero(), look});
-    for (const auto &t : body.triangles) {
-        SurfaceScene::Vertex &a = scene.vertices[base + t[0]], &b = scene.vertices[base + t[1]],
-                             &c = scene.vertices[base + t[2]];
-        const Vector3d normal = (b.at_m - a.at_m).cross(c.at_m - a.at_m); // weighted by area
-        a.normal += normal;
-        b.normal += normal;
-        c.normal += normal;
-        scene.triangles.push_back({base + t[0], base + t[1], base + t[2]});
+    std::vector<Vector3d> at_m, normals(places_um.size(), Vector3d::Zero());
+    for (const Eigen::Vector3i &place_um : places_um) at_m.push_back(place_um.cast<double>() * 1e-6);
+    for (const auto &[a, b, c] : part.triangles) {
+        const Vector3d normal = (at_m[b] - at_m[a]).cross(at_m[c] - at_m[a]);
+        normals[a] += normal;
+        normals[b] += normal;
+        normals[c] += normal;
     }
-    for (std::size_t i = base; i < scene.vertices.size(); ++i) {
-        const double length = scene.vertices[i].normal.norm();
-        if (length > 0.0) scene.vertices[i].normal /= length;
+    std::vector<SurfaceCorner> corners;
+    for (std::size_t i = 0; i < at_m.size(); ++i) {
+        const double length = normals[i].norm();
+        if (length > 0.0) normals[i] /= length;
+        const double cosine = (at_m[i] - view.source_m).normalized().dot(normals[i]);
+        corners.push_back(surface_corner(view, at_m[i], density_q16(part.look, cosine)));
     }
+    return corners;
 }
 
-void fill_bodies(SurfaceScene &scene, const CArm &carm, int size)
+// The parts that moved, or those that did not.
+void add_parts(const SurfaceScene &scene, std::span<const std::span<const Eigen::Vector3i>> places_um,
+               bool moved, const View &view, std::vector<std::int32_t> &sums)
 {
-    if (scene.is_filled && scene.carm == carm && scene.size == size) return;
-    const View view = make_view(carm, size);
-    std::vector<SurfaceCorner> corners;
-    corners.reserve(scene.vertices.size());
-    for (const SurfaceScene::Vertex &vertex : scene.vertices) {
-        const double cosine = (vertex.at_m - view.source_m).normalized().dot(vertex.normal);
-        corners.push_back(surface_corner(view, vertex.at_m, density_q16(vertex.look, cosine)));
-    }
-    scene.sums.assign(static_cast<std::size_t>(size) * size, 0);
+    std::vector<std::vector<SurfaceCorner>> corners(scene.parts.size());
+    for (std::size_t k = 0; k < scene.parts.size(); ++k)
+        if (scene.is_moved[k] == moved) corners[k] = corners_of(scene.parts[k], places_um[k], view);
     run_on_threads(scene.threads, [&](int thread) {
-        const RowRange rows = rows_of_thread(thread, scene.threads, size);
-        for (const auto &t : scene.triangles)
-            add_surface({corners[t[0]], corners[t[1]], corners[t[2]]}, size, rows.begin, rows.end,
-                        scene.sums.data());
+        const RowRange rows = rows_of_thread(thread, scene.threads, view.size);
+        for (std::size_t k = 0; k < scene.parts.size(); ++k) {
+            if (corners[k].empty()) continue;
+            for (const auto &[a, b, c] : scene.parts[k].triangles)
+                add_surface({corners[k][a], corners[k][b], corners[k][c]}, view.size, rows.begin, rows.end,
+                            sums.data());
+        }
     });
-    scene.carm = carm;
-    scene.size = size;
-    scene.is_filled = true;
+}
+
+// What stands still is kept from picture to picture, what moves is drawn anew.
+void fill_bodies(SurfaceScene &scene, const CArm &carm, int size, std::span<const MovedBody> moved)
+{
+    std::vector<std::uint8_t> is_moved(scene.parts.size(), 0);
+    std::vector<std::span<const Eigen::Vector3i>> places_um;
+    for (std::size_t k = 0; k < scene.parts.size(); ++k) {
+        const SurfaceScene::Part &part = scene.parts[k];
+        places_um.emplace_back(part.vertices_um);
+        for (const MovedBody &body : moved) {
+            if (body.body != static_cast<int>(part.body) ||
+                body.vertices_um.size() != part.vertices_um.size())
+                continue;
+            places_um[k] = body.vertices_um;
+            is_moved[k] = 1;
+        }
+    }
+    const View view = make_view(carm, size);
+    if (!scene.is_filled || !(scene.carm == carm) || scene.size != size || scene.is_moved != is_moved) {
+        scene.is_moved = is_moved;
+        scene.still_sums.assign(static_cast<std::size_t>(size) * size, 0);
+        add_parts(scene, places_um, false, view, scene.still_sums);
+        scene.carm = carm;
+        scene.size = size;
+        scene.is_filled = true;
+    }
+    scene.sums = scene.still_sums;
+    add_parts(scene, places_um, true, view, scene.sums);
 }
 
 double radius_m(const RadiopaqueInstrument &tool, double arc_m, double node_radius_m)
@@ -244,7 +273,8 @@ Vcsim3Look::Vcsim3Look(const Bodies &bodies, int threads) : scene_(std::make_uni
     scene_->threads = std::min(threads > 0 ? threads : std::clamp(processors, 1, 4), 16);
     for (std::size_t i = 0; i < bodies.bodies.size(); ++i) {
         const SurfaceLook look = surface_look(bodies, i);
-        if (look.edge_opacity > 0.0) append(*scene_, bodies.bodies[i], look);
+        const Body &body = bodies.bodies[i];
+        if (look.edge_opacity > 0.0) scene_->parts.push_back({i, look, body.vertices_um, body.triangles});
     }
 }
 Vcsim3Look::~Vcsim3Look() = default;
@@ -256,7 +286,7 @@ void Vcsim3Look::draw(const XraySettings &settings, const XrayFrame &frame, std:
     const CArm carm = clamp_carm(settings.carm);
     const int size = held_size(settings.size);
     SurfaceScene &scene = *scene_;
-    fill_bodies(scene, carm, size);
+    fill_bodies(scene, carm, size, frame.bodies);
     const View fine = make_view(carm, size * tool_grid);
     scene.tool_sums.assign(static_cast<std::size_t>(fine.size) * fine.size, 0);
     for (const SweptCurve &curve : frame.curves) add_curve(scene, fine, curve);

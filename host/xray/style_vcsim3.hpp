@@ -28,7 +28,7 @@ inline constexpr SurfaceLook vcsim3_contrast = {0.80, 0.7}; // undiluted
 // Of what runs along a curve: contrast medium, by its share of the cross-section (0 .. 1), or a strut, as dark as a tool.
 SurfaceLook curve_look(Material material, double share);
 
-struct SurfaceScene; // triangles with a normal per corner, and the sums of the last view
+struct SurfaceScene; // the bodies that are shown, and the sums of the last view
 
 class Vcsim3Look
 {
@@ -39,7 +39,7 @@ class Vcsim3Look
     Vcsim3Look &operator=(const Vcsim3Look &) = delete;
 
     // Replaces what the picture shows (grey and shown); its counts and doses stay those of Xray::render. As reproducible as
-    // that: the same bytes for any number of threads. Only carm and size of the settings count. Bodies stay where they are.
+    // that: the same bytes for any number of threads. Only carm and size of the settings count.
     void draw(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayPicture &picture);
 
     // Sum of -ln(1 - opacity) over the bodies' surfaces of the last render, in 1/65536, size*size.
