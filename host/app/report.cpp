@@ -1,6 +1,7 @@
 // The figures of a session as JSON.
 #include "host/app/run.hpp"
 #include "host/app/session_contrast.hpp"
+#include "host/effects/lesion_figures.hpp"
 #include "host/model/pending_file.hpp"
 #include <cmath>
 #include <cstdio>
@@ -81,6 +82,26 @@ nlohmann::ordered_json contrast_report(const SessionContrast &contrast, double w
             {"share_of_wall_clock", ratio(cost.step_s + cost.frame_s, wall_clock_s)}};
 }
 
+// How narrow each lesion is, and what it does to the flow at rest and in hyperaemia.
+nlohmann::ordered_json lesions_report(const VesselTree &vessels)
+{
+    nlohmann::ordered_json report = nlohmann::json::array();
+    for (const LesionFigures &f : lesion_figures(vessels, ContrastSettings{}.viscosity_mPa_s))
+        report.push_back({{"name", f.name},
+                          {"branch", f.branch},
+                          {"length_mm", f.length_mm},
+                          {"minimum_diameter_mm", f.minimum_diameter_mm},
+                          {"reference_diameter_mm", f.reference_diameter_mm},
+                          {"stenosis_diameter_pct", f.diameter_percent()},
+                          {"stenosis_area_pct", f.area_percent()},
+                          {"rest_flow_ml_min", f.rest_flow_ml_s * 60.0},
+                          {"rest_drop_mmHg", f.rest_drop_mmHg},
+                          {"hyperaemic_flow_ml_min", f.hyperaemic_flow_ml_s * 60.0},
+                          {"hyperaemic_drop_mmHg", f.hyperaemic_drop_mmHg},
+                          {"ffr", f.ffr}});
+    return report;
+}
+
 } // namespace
 
 void write_report(const std::string &path, const RunResult &result, const std::string &scene,
@@ -120,6 +141,7 @@ void write_report(const std::string &path, const RunResult &result, const std::s
     report["room"] = room ? room_report(*room) : nlohmann::ordered_json();
     report["contrast"] = contrast && contrast->was_used() ? contrast_report(*contrast, result.seconds)
                                                           : nlohmann::ordered_json();
+    report["lesions"] = contrast ? lesions_report(contrast->vessels()) : nlohmann::ordered_json::array();
     report["interrupted"] = result.was_interrupted;
     report["script_lines_given_up"] = result.given_up_lines;
     report["faults"] = nlohmann::json::array();

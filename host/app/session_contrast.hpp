@@ -61,6 +61,7 @@ class SessionContrast
     // What was injected after tick `from` up to tick `to`, as files tell it: volume and time in all, mean flow and strength.
     std::optional<RunContrast> given(std::uint32_t from, std::uint32_t to) const;
     const ContrastFlow &flow() const { return flow_; }
+    const VesselTree &vessels() const { return vessels_; } // in the reference pose
     const ContrastCost &cost() const { return cost_; }
 
   private:

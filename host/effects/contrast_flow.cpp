@@ -159,6 +159,7 @@ std::vector<std::uint8_t> ContrastFlow::snapshot() const
     put(&budget_, sizeof budget_);
     for (const std::vector<double> *values : {&core_mg_, &wall_mg_, &tool_mm_})
         put(values->data(), values->size() * sizeof(double));
+    put(network_.throat_flows_ml_s().data(), network_.throat_flows_ml_s().size() * sizeof(double));
     for (const CellSource &mouth : mouths_) {
         const std::uint64_t cell = mouth.cell;
         put(&cell, sizeof cell);
@@ -170,7 +171,9 @@ std::vector<std::uint8_t> ContrastFlow::snapshot() const
 bool ContrastFlow::restore(std::span<const std::uint8_t> bytes)
 {
     std::uint64_t counts[2];
-    const std::size_t fixed = sizeof counts + sizeof budget_ + 3 * sizeof(double) * cells_.size();
+    std::vector<double> throats(cells_.throats().size());
+    const std::size_t fixed =
+        sizeof counts + sizeof budget_ + 3 * sizeof(double) * cells_.size() + sizeof(double) * throats.size();
     if (bytes.size() < fixed) return false;
     const std::uint8_t *from = bytes.data();
     const auto get = [&](void *to, std::size_t size) {
@@ -194,6 +197,8 @@ bool ContrastFlow::restore(std::span<const std::uint8_t> bytes)
     get(&budget_, sizeof budget_);
     for (std::vector<double> *values : {&core_mg_, &wall_mg_, &tool_mm_})
         get(values->data(), values->size() * sizeof(double));
+    get(throats.data(), throats.size() * sizeof(double));
+    network_.set_throat_flows(throats);
     mouths_ = std::move(mouths);
     network_.set_tools(tool_mm_);
     return true;

@@ -13,10 +13,6 @@ using Eigen::Vector3d;
 constexpr double pi = 3.14159265358979323846;
 constexpr double length_per_radius = 0.5, length_min_mm = 1.0, length_max_mm = 3.0;
 constexpr double wall_shear_per_s = 500.0; // 1.75 Pa at 3.5 mPa s, about what medium arteries have
-constexpr double walk_step_m = 0.25e-3;
-constexpr double start_share_max = 0.8; // of a branch, at most, may lie in its parent
-constexpr double division_start_radii =
-    0.5; // a branch from its parent's end begins so many of its radii further on
 
 // A branch as a line with arc lengths.
 struct Line {
@@ -47,29 +43,27 @@ Vector3d between(const std::vector<Vector3d> &points_m, const FlowCell::Place &p
     return points_m[place.point] + place.share * (points_m[place.point + 1] - points_m[place.point]);
 }
 
-bool is_inside(const VesselBranch &parent, const Vector3d &place_m)
-{
-    for (std::size_t i = 0; i + 1 < parent.points_m.size(); ++i) {
-        const Vector3d &a = parent.points_m[i], step = parent.points_m[i + 1] - a;
-        const double share = std::clamp((place_m - a).dot(step) / step.squaredNorm(), 0.0, 1.0);
-        const double radius = parent.radii_m[i] + share * (parent.radii_m[i + 1] - parent.radii_m[i]);
-        if ((place_m - a - share * step).squaredNorm() < radius * radius) return true;
-    }
-    return false;
-}
+// Sums over a stretch of a line whose radius is linear between its points.
+struct Stretch {
+    double volume_mm3 = 0.0, per_r4_mm3 = 0.0; // integrals of pi r^2 ds and of ds / r^4
+};
 
-// Where along a branch its cells begin.
-double start_m(const VesselTree &tree, const Line &line)
+Stretch stretch_of(const Line &line, double begin_m, double end_m)
 {
-    if (line.branch.parent < 0) return 0.0;
-    const VesselBranch &parent = tree.branches[static_cast<std::size_t>(line.branch.parent)];
-    const double latest_m = start_share_max * line.length_m();
-    if (line.branch.parent_point + 1 == parent.points_m.size())
-        return std::min(division_start_radii * parent.radii_m.back(), latest_m);
-    double arc_m = 0.0;
-    while (arc_m < latest_m && is_inside(parent, between(line.branch.points_m, line.at(arc_m))))
-        arc_m += walk_step_m;
-    return std::min(arc_m, latest_m);
+    Stretch sum;
+    double from_m = begin_m;
+    for (std::size_t i = line.at(begin_m).point; from_m < end_m; ++i) {
+        const bool is_last = i + 2 >= line.arc_m.size();
+        const double to_m = is_last ? end_m : std::min(line.arc_m[i + 1], end_m);
+        const double length = (to_m - from_m) * 1e3;
+        const double a = line.radius_m(from_m) * 1e3, b = line.radius_m(to_m) * 1e3;
+        const double mean_square = (a * a + a * b + b * b) / 3.0;
+        sum.volume_mm3 += pi * mean_square * length;
+        sum.per_r4_mm3 += length * mean_square / (a * a * a * b * b * b);
+        if (is_last) break;
+        from_m = to_m;
+    }
+    return sum;
 }
 
 double wanted_length_m(double radius_m)
@@ -92,6 +86,7 @@ FlowCells::FlowCells(const VesselTree &tree)
         cut(tree, b);
     }
     branch_begin_.push_back(cells_.size());
+    for (const VesselLesion &lesion : tree.lesions) throats_.push_back(throat_of(tree, lesion));
     middle_m_.resize(cells_.size());
     for (std::size_t i = 0; i < cells_.size(); ++i) middle_m_[i] = at(i, cells_[i].middle);
 }
@@ -100,7 +95,7 @@ void FlowCells::cut(const VesselTree &tree, std::size_t index)
 {
     const VesselBranch &branch = tree.branches[index];
     const Line line(branch);
-    const double begin_m = start_m(tree, line), length_m = line.length_m() - begin_m;
+    const double begin_m = vessel_start_m(tree, index), length_m = line.length_m() - begin_m;
     // Faces by the wanted lengths, then stretched to end where the branch does.
     std::vector<double> faces_m = {0.0};
     while (faces_m.back() < length_m)
@@ -109,14 +104,15 @@ void FlowCells::cut(const VesselTree &tree, std::size_t index)
     const double stretch = length_m / faces_m.back();
     for (std::size_t i = 0; i + 1 < faces_m.size(); ++i) {
         const double a_m = begin_m + stretch * faces_m[i], b_m = begin_m + stretch * faces_m[i + 1];
-        const double ra = line.radius_m(a_m) * 1e3, rb = line.radius_m(b_m) * 1e3;
+        const Stretch sums = stretch_of(line, a_m, b_m);
         FlowCell cell;
         cell.branch = static_cast<int>(index);
         cell.upstream = static_cast<int>(cells_.size()) - 1;
         cell.bed = branch.bed;
         cell.length_mm = (b_m - a_m) * 1e3;
-        cell.volume_ml = pi * (ra * ra + ra * rb + rb * rb) / 3.0 * cell.length_mm * 1e-3;
-        cell.radius_mm = std::sqrt((ra * ra + ra * rb + rb * rb) / 3.0);
+        cell.volume_ml = sums.volume_mm3 * 1e-3;
+        cell.per_r4_mm3 = sums.per_r4_mm3;
+        cell.radius_mm = std::sqrt(sums.volume_mm3 / (pi * cell.length_mm));
         cell.first = line.at(a_m);
         cell.middle = line.at(0.5 * (a_m + b_m));
         cell.last = line.at(b_m);
@@ -135,6 +131,22 @@ void FlowCells::cut(const VesselTree &tree, std::size_t index)
     if (!tree.is_outlet(index)) return;
     cells_.back().outlet_ml_s =
         branch.flow_ml_s > 0.0 ? branch.flow_ml_s : murray_flow_ml_s(cells_.back().radius_mm);
+}
+
+// A lesion whose throat lies before the branch's first cell narrows that one.
+FlowThroat FlowCells::throat_of(const VesselTree &tree, const VesselLesion &lesion) const
+{
+    const std::size_t point = tree.throat(lesion), end = branch_begin_[lesion.branch + 1];
+    FlowThroat throat;
+    throat.cell = branch_begin_[lesion.branch];
+    while (throat.cell + 1 < end && cells_[throat.cell].last.point < point) ++throat.cell;
+    throat.radius_mm = tree.branches[lesion.branch].radii_m[point] * 1e3;
+    throat.healthy_radius_mm = lesion.healthy_radii_m[point - lesion.first_point] * 1e3;
+    throat.behind = throat.cell;
+    while (throat.behind + 1 < end &&
+           cells_[throat.behind].first.point < lesion.first_point + lesion.size() - 1)
+        ++throat.behind;
+    return throat;
 }
 
 Eigen::Vector3d FlowCells::at(std::size_t cell, const FlowCell::Place &place) const

@@ -17,6 +17,7 @@ struct FlowCell {
     int branch = 0;
     int upstream = -1; // the cell it is fed from; -1: the inlet
     double radius_mm = 0.0, length_mm = 0.0, volume_ml = 0.0;
+    double per_r4_mm3 = 0.0;  // integral of ds / r^4: what resists the flow
     double outlet_ml_s = 0.0; // mean flow into the bed behind it; 0: none begins here
     VesselBed bed = VesselBed::systemic;
     // Its middle lies so far between two points of its branch; so do its two faces.
@@ -27,12 +28,17 @@ struct FlowCell {
     Place middle, first, last;
 };
 
+// The narrowest place of a lesion.
+struct FlowThroat {
+    std::size_t cell = 0, behind = 0; // where it lies, and the first cell behind the lesion (of its branch)
+    double radius_mm = 0.0, healthy_radius_mm = 0.0;
+};
+
 class FlowCells
 {
   public:
     FlowCells() = default;
-    // `tree` has passed check_vessel_tree. Cells are half a radius long, 1 to 3 mm. A branch begins where its centreline leaves its
-    // parent's lumen. Outlets without a stated flow get what Murray's law gives their radius.
+    // `tree` has passed check_vessel_tree. Cells are half a radius long, 1 to 3 mm. A branch begins at vessel_start_m. Outlets without a stated flow get what Murray's law gives their radius.
     explicit FlowCells(const VesselTree &tree);
 
     std::size_t size() const { return cells_.size(); }
@@ -40,6 +46,8 @@ class FlowCells
     // Cells of one branch: first, and one behind the last.
     std::size_t branch_begin(std::size_t branch) const { return branch_begin_[branch]; }
     std::size_t branch_count() const { return branch_begin_.empty() ? 0 : branch_begin_.size() - 1; }
+
+    const std::vector<FlowThroat> &throats() const { return throats_; } // one for each lesion
 
     // Other places for the tree's points: as many branches and points as it had. Others are left out.
     void place(const VesselTree &moved);
@@ -52,10 +60,12 @@ class FlowCells
 
   private:
     void cut(const VesselTree &tree, std::size_t branch);
+    FlowThroat throat_of(const VesselTree &tree, const VesselLesion &lesion) const;
     Eigen::Vector3d at(std::size_t cell, const FlowCell::Place &place) const;
 
     std::vector<FlowCell> cells_;
     std::vector<std::size_t> branch_begin_;
+    std::vector<FlowThroat> throats_;
     std::vector<std::vector<Eigen::Vector3d>> points_m_; // of each branch, as they are now
     std::vector<Eigen::Vector3d> middle_m_;
 };

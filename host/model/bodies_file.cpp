@@ -45,6 +45,21 @@ VesselBranch read_branch(const seld_scene_branch_view &view)
     return branch;
 }
 
+VesselLesion read_lesion(const seld_scene_lesion_view &view)
+{
+    VesselLesion lesion;
+    lesion.name = view.name;
+    lesion.branch = view.branch;
+    lesion.first_point = view.first_point;
+    for (std::size_t i = 0; i < view.point_count; ++i) {
+        const std::uint8_t *at = view.healthy_points + SELD_SCENE_TREE_POINT_BYTES * i;
+        lesion.healthy_points_m.push_back(
+            Eigen::Vector3d(seld_scene_i32(at), seld_scene_i32(at + 4), seld_scene_i32(at + 8)) * 1e-6);
+        lesion.healthy_radii_m.push_back(seld_scene_u32(at + 12) * 1e-6);
+    }
+    return lesion;
+}
+
 } // namespace
 
 bool read_bodies(const std::string &path, Bodies &bodies, std::string &error)
@@ -72,6 +87,8 @@ bool read_bodies(const std::string &path, Bodies &bodies, std::string &error)
         read.bodies.push_back(read_body(seld_scene_body(&scene, i)));
     for (std::uint32_t i = 0; i < scene.branch_count; ++i)
         read.vessels.branches.push_back(read_branch(seld_scene_branch(&scene, i)));
+    for (std::uint32_t i = 0; i < scene.lesion_count; ++i)
+        read.vessels.lesions.push_back(read_lesion(seld_scene_lesion(&scene, i)));
     bodies = std::move(read);
     return true;
 }

@@ -1,4 +1,5 @@
 #include "host/model/vessel_tree.hpp"
+#include <algorithm>
 
 namespace seld
 {
@@ -30,7 +31,73 @@ std::string fault_of(const VesselTree &tree, std::size_t index)
     return "";
 }
 
+std::string fault_of(const VesselTree &tree, const VesselLesion &lesion)
+{
+    const std::size_t count = lesion.healthy_radii_m.size();
+    if (lesion.branch >= tree.branches.size()) return "it lies on a branch that is not there";
+    if (count < 3 || lesion.healthy_points_m.size() != count)
+        return "it needs three points at least, each with a radius";
+    const std::size_t points = tree.branches[lesion.branch].points_m.size();
+    if (lesion.first_point >= points || count > points - lesion.first_point)
+        return "it reaches beyond the end of its branch";
+    for (std::size_t i = 0; i < count; ++i) {
+        if (!(lesion.healthy_points_m[i].cwiseAbs().maxCoeff() <= reach_m)) return "it reaches beyond 2 m";
+        if (!(lesion.healthy_radii_m[i] >= radius_min_m && lesion.healthy_radii_m[i] <= radius_max_m))
+            return "the healthy radius at its point " + std::to_string(i) + " is not 0.01 to 100 mm";
+    }
+    return "";
+}
+
+constexpr double walk_step_m = 0.25e-3;
+constexpr double start_share_max = 0.8; // of a branch, at most, may lie in its parent
+constexpr double division_start_radii =
+    0.5; // a branch from its parent's end begins so many of its radii further on
+
+bool is_inside(const VesselBranch &parent, const Eigen::Vector3d &place_m)
+{
+    for (std::size_t i = 0; i + 1 < parent.points_m.size(); ++i) {
+        const Eigen::Vector3d &a = parent.points_m[i], step = parent.points_m[i + 1] - a;
+        const double share = std::clamp((place_m - a).dot(step) / step.squaredNorm(), 0.0, 1.0);
+        const double radius = parent.radii_m[i] + share * (parent.radii_m[i + 1] - parent.radii_m[i]);
+        if ((place_m - a - share * step).squaredNorm() < radius * radius) return true;
+    }
+    return false;
+}
+
 } // namespace
+
+std::size_t VesselTree::throat(const VesselLesion &lesion) const
+{
+    const std::vector<double> &radii_m = branches[lesion.branch].radii_m;
+    std::size_t least = 0;
+    for (std::size_t i = 1; i < lesion.size(); ++i)
+        if (radii_m[lesion.first_point + i] * lesion.healthy_radii_m[least] <
+            radii_m[lesion.first_point + least] * lesion.healthy_radii_m[i])
+            least = i;
+    return lesion.first_point + least;
+}
+
+double vessel_start_m(const VesselTree &tree, std::size_t index)
+{
+    const VesselBranch &branch = tree.branches[index];
+    if (branch.parent < 0) return 0.0;
+    const VesselBranch &parent = tree.branches[static_cast<std::size_t>(branch.parent)];
+    double length_m = 0.0;
+    for (std::size_t i = 1; i < branch.points_m.size(); ++i)
+        length_m += (branch.points_m[i] - branch.points_m[i - 1]).norm();
+    const double latest_m = start_share_max * length_m;
+    if (branch.parent_point + 1 == parent.points_m.size())
+        return std::min(division_start_radii * parent.radii_m.back(), latest_m);
+    double arc_m = 0.0, begin_m = 0.0; // of the walk, and of the piece it is on
+    for (std::size_t i = 0; i + 1 < branch.points_m.size(); ++i) {
+        const Eigen::Vector3d &a = branch.points_m[i], step = branch.points_m[i + 1] - a;
+        const double piece_m = step.norm();
+        for (; arc_m < latest_m && arc_m < begin_m + piece_m; arc_m += walk_step_m)
+            if (!is_inside(parent, a + (arc_m - begin_m) / piece_m * step)) return arc_m;
+        begin_m += piece_m;
+    }
+    return std::min(arc_m, latest_m);
+}
 
 bool VesselTree::is_outlet(std::size_t branch) const
 {
@@ -46,6 +113,12 @@ bool check_vessel_tree(const VesselTree &tree, std::string &error)
         const std::string fault = fault_of(tree, i);
         if (fault.empty()) continue;
         error = "vessel " + std::to_string(i) + " \"" + tree.branches[i].name + "\": " + fault;
+        return false;
+    }
+    for (const VesselLesion &lesion : tree.lesions) {
+        const std::string fault = fault_of(tree, lesion);
+        if (fault.empty()) continue;
+        error = "lesion \"" + lesion.name + "\": " + fault;
         return false;
     }
     return true;

@@ -22,14 +22,34 @@ struct VesselBranch {
     double flow_ml_s = 0.0; // mean, out of its end, as stated; 0: not stated
 };
 
+// A stretch of a branch that disease has narrowed: the branch's own points are those of the narrowed lumen.
+struct VesselLesion {
+    std::string name;
+    std::size_t branch = 0, first_point = 0; // of the branch's points ...
+    std::vector<Eigen::Vector3d>
+        healthy_points_m;                // ... so many, at least 3: where they lay in the healthy vessel,
+    std::vector<double> healthy_radii_m; // and how wide it was there
+
+    std::size_t size() const { return healthy_radii_m.size(); }
+};
+
 struct VesselTree {
     std::vector<VesselBranch> branches; // branch 0 is the only root; empty: no vessels are known
+    std::vector<VesselLesion> lesions = {};
+
+    // The point of a lesion's branch where least of the healthy radius is left.
+    std::size_t throat(const VesselLesion &lesion) const;
 
     // Blood leaves at the last point of such a branch: none goes on from there.
     bool is_outlet(std::size_t branch) const;
 };
 
-// What a reader of a file cannot promise: parents before children, places that exist, points and radii in range.
+// How far along a branch it leaves its parent: where its centreline leaves the parent's lumen, or half of the parent's radius behind
+// a division; at most 0.8 of the branch. Blood of its own, and millimetres from its ostium, begin there. 0 for the root.
+double vessel_start_m(const VesselTree &tree, std::size_t branch);
+
+// What a reader of a file cannot promise: parents before children, places that exist, points and radii in range, lesions where there
+// is vessel.
 // False with a sentence that names the branch.
 bool check_vessel_tree(const VesselTree &tree, std::string &error);
 

@@ -83,7 +83,7 @@ static seld_scene_status check_header(seld_scene_check *check)
     check->section_count = seld_scene_u32(b + 20);
     bool is_scene = check->kind == SELD_SCENE_KIND_SCENE;
     if (is_scene ? check->section_count < 3 || check->section_count > 4
-                 : check->section_count < 2 || check->section_count > 2 + SELD_SCENE_BODY_MAX)
+                 : check->section_count < 2 || check->section_count > 3 + SELD_SCENE_BODY_MAX)
         return seld_scene_fault_at(check, SELD_SCENE_SECTION_COUNT, 20);
     check->table_end = SELD_SCENE_HEADER_BYTES + check->section_count * SELD_SCENE_TABLE_ROW_BYTES;
     if (check->size < check->table_end) return seld_scene_fault_at(check, SELD_SCENE_SECTION_PLACE, 20);
@@ -104,14 +104,19 @@ seld_scene_span seld_scene_section_span(const uint8_t *bytes, uint32_t index)
     return span;
 }
 
-/* A body file ends with its bodies or with one tree behind them. */
+/* A body file ends with its bodies, or with one tree behind them, or with that tree's lesions behind it. */
 static bool section_type_fits(const seld_scene_check *check, uint32_t index, uint32_t type)
 {
     static const uint32_t scene_types[4] = {SELD_SCENE_META, SELD_SCENE_ENTRY, SELD_SCENE_LUMEN,
                                             SELD_SCENE_MOTION};
     if (check->kind == SELD_SCENE_KIND_SCENE) return type == scene_types[index];
     if (index == 0) return type == SELD_SCENE_META;
-    if (index + 1 == check->section_count && type == SELD_SCENE_TREE) return true;
+    const uint32_t left = check->section_count - 1 - index;
+    if (left == 0 && type == SELD_SCENE_LESIONS)
+        return seld_scene_section_span(check->bytes, index - 1).type == SELD_SCENE_TREE;
+    if (type == SELD_SCENE_TREE)
+        return left == 0 ||
+               (left == 1 && seld_scene_section_span(check->bytes, index + 1).type == SELD_SCENE_LESIONS);
     return type == SELD_SCENE_BODY && index <= SELD_SCENE_BODY_MAX;
 }
 
@@ -200,13 +205,19 @@ static seld_scene_status check_entry(seld_scene_check *check, seld_scene_span sp
 
 static seld_scene_status check_body_file(seld_scene_check *check, seld_scene *scene)
 {
-    seld_scene_span last = seld_scene_section_span(check->bytes, check->section_count - 1);
+    seld_scene_span last = seld_scene_section_span(check->bytes, check->section_count - 1), lesions = last;
     scene->body_count = check->section_count - 1;
+    if (lesions.type == SELD_SCENE_LESIONS) {
+        scene->body_count--;
+        scene->lesions = check->bytes + lesions.offset;
+        last = seld_scene_section_span(check->bytes, check->section_count - 2);
+    }
     if (last.type == SELD_SCENE_TREE) {
         scene->body_count--;
         scene->tree = check->bytes + last.offset;
         TRY(seld_scene_check_tree(check, last, &scene->branch_count));
     }
+    if (scene->lesions != NULL) TRY(seld_scene_check_lesions(check, lesions, scene, &scene->lesion_count));
     return seld_scene_check_bodies(check, scene->body_count);
 }
 

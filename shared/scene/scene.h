@@ -22,8 +22,9 @@ extern "C" {
 
 enum {
     SELD_SCENE_MAJOR = 1,
-    SELD_SCENE_MINOR = 1,      /* written only into files that need it: MOTION, a body that moves, a TREE */
-    SELD_SCENE_ALIGNMENT = 16, /* of sections in the file */
+    SELD_SCENE_MINOR =
+        2, /* written only into files that need it: 1 for MOTION, a body that moves, a TREE; 2 for LESIONS */
+    SELD_SCENE_ALIGNMENT = 16,       /* of sections in the file */
     SELD_SCENE_ADDRESS_MULTIPLE = 4, /* of the bytes in memory */
     SELD_SCENE_HEADER_BYTES = 32,
     SELD_SCENE_TABLE_ROW_BYTES = 16,
@@ -49,6 +50,9 @@ enum {
     SELD_SCENE_BRANCH_NAME_BYTES = 32,
     SELD_SCENE_TREE_POINT_BYTES = 16,
     SELD_SCENE_TREE_POINT_MAX = 200000, /* of all branches */
+    SELD_SCENE_LESIONS_HEADER_BYTES = 16,
+    SELD_SCENE_LESION_BYTES = 48,
+    SELD_SCENE_LESION_MAX = 32,
     SELD_SCENE_RADIUS_MIN_um = 10,
     SELD_SCENE_RADIUS_MAX_um = 100000,
     SELD_SCENE_BRANCH_FLOW_MAX_mm3_per_s = 1000000,
@@ -77,6 +81,7 @@ typedef enum seld_scene_section {
     SELD_SCENE_MOTION = 4,
     SELD_SCENE_BODY = 16,
     SELD_SCENE_TREE = 17,
+    SELD_SCENE_LESIONS = 18,
 } seld_scene_section;
 
 /* One line of text each: seld_scene_status_text. */
@@ -116,6 +121,8 @@ typedef enum seld_scene_status {
     SELD_SCENE_TREE_SIZE,     /* no branches or points, or too many */
     SELD_SCENE_TREE_BRANCH, /* a branch of one that does not come before it, or of a place that is not there */
     SELD_SCENE_TREE_POINT,  /* a point beyond 2 m or where the last one was, or a radius out of range */
+    SELD_SCENE_LESION_SIZE, /* no lesions, or too many */
+    SELD_SCENE_LESION_PLACE, /* a lesion on a branch or at points that are not there, or healthy points or radii out of range */
     SELD_SCENE_STATUS_COUNT,
 } seld_scene_status;
 
@@ -152,6 +159,8 @@ typedef struct seld_scene {
     uint32_t body_count;   /* KIND_BODIES */
     uint32_t branch_count; /* of its tree of vessels; 0: it has none */
     const uint8_t *tree;
+    uint32_t lesion_count; /* of that tree */
+    const uint8_t *lesions;
     const uint8_t *bytes;
 } seld_scene;
 
@@ -185,6 +194,15 @@ typedef struct seld_scene_branch_view {
     const uint8_t *points;   /* i32 x 3 in um and u32 radius in um each */
 } seld_scene_branch_view;
 
+/* A stretch of a branch that disease has narrowed: the branch's points are those of the narrowed lumen. */
+typedef struct seld_scene_lesion_view {
+    const char *name;
+    uint32_t branch;
+    uint32_t first_point;          /* of the branch */
+    uint32_t point_count;          /* at least 3 */
+    const uint8_t *healthy_points; /* one for each: i32 x 3 in um and u32 radius in um */
+} seld_scene_lesion_view;
+
 /* Check everything. On OK fills *scene; otherwise leaves it alone and, when where_byte is not NULL, says at which byte
  * of the file the fault stands. Time is linear in size; no memory, no recursion. */
 seld_scene_status seld_scene_open(const uint8_t *bytes, size_t size, seld_scene *scene, uint32_t *where_byte);
@@ -197,6 +215,9 @@ seld_scene_body_view seld_scene_body(const seld_scene *scene, uint32_t index);
 
 /* Branch number `index` < branch_count. */
 seld_scene_branch_view seld_scene_branch(const seld_scene *scene, uint32_t index);
+
+/* Lesion number `index` < lesion_count. */
+seld_scene_lesion_view seld_scene_lesion(const seld_scene *scene, uint32_t index);
 
 /* Little-endian words at any address. */
 uint32_t seld_scene_u32(const uint8_t *bytes);

@@ -35,5 +35,10 @@ seld_scene_status seld_scene_check_motion(seld_scene_check *check, seld_scene_sp
 seld_scene_status seld_scene_check_bodies(seld_scene_check *check, uint32_t body_count);
 seld_scene_status seld_scene_check_tree(seld_scene_check *check, seld_scene_span span,
                                         uint32_t *branch_count);
+/* Of a tree that has passed its check. */
+seld_scene_status seld_scene_check_lesions(seld_scene_check *check, seld_scene_span span,
+                                           const seld_scene *scene, uint32_t *lesion_count);
+/* Coordinates of a point within reach and a radius in range. */
+seld_scene_status seld_scene_check_tree_point(seld_scene_check *check, size_t at, seld_scene_status fault);
 
 #endif

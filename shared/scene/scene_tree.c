@@ -32,21 +32,29 @@ seld_scene_branch_view seld_scene_branch(const seld_scene *scene, uint32_t index
     return view;
 }
 
+seld_scene_status seld_scene_check_tree_point(seld_scene_check *check, size_t at, seld_scene_status fault)
+{
+    for (size_t k = 0; k < 3; k++) {
+        int32_t coordinate = seld_scene_i32(check->bytes + at + 4 * k);
+        if (coordinate > SELD_SCENE_BODY_REACH_um || coordinate < -SELD_SCENE_BODY_REACH_um)
+            return seld_scene_fault_at(check, fault, at + 4 * k);
+    }
+    uint32_t radius = seld_scene_u32(check->bytes + at + 12);
+    if (radius < SELD_SCENE_RADIUS_MIN_um || radius > SELD_SCENE_RADIUS_MAX_um)
+        return seld_scene_fault_at(check, fault, at + 12);
+    return SELD_SCENE_OK;
+}
+
 static seld_scene_status check_points(seld_scene_check *check, size_t where, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
         size_t at = where + (size_t)i * SELD_SCENE_TREE_POINT_BYTES;
         const uint8_t *point = check->bytes + at, *before = point - SELD_SCENE_TREE_POINT_BYTES;
+        seld_scene_status status = seld_scene_check_tree_point(check, at, SELD_SCENE_TREE_POINT);
+        if (status != SELD_SCENE_OK) return status;
         bool has_moved = i == 0;
-        for (size_t k = 0; k < 3; k++) {
-            int32_t coordinate = seld_scene_i32(point + 4 * k);
-            if (coordinate > SELD_SCENE_BODY_REACH_um || coordinate < -SELD_SCENE_BODY_REACH_um)
-                return seld_scene_fault_at(check, SELD_SCENE_TREE_POINT, at + 4 * k);
-            has_moved = has_moved || coordinate != seld_scene_i32(before + 4 * k);
-        }
-        uint32_t radius = seld_scene_u32(point + 12);
-        if (radius < SELD_SCENE_RADIUS_MIN_um || radius > SELD_SCENE_RADIUS_MAX_um)
-            return seld_scene_fault_at(check, SELD_SCENE_TREE_POINT, at + 12);
+        for (size_t k = 0; k < 12; k += 4)
+            has_moved = has_moved || seld_scene_i32(point + k) != seld_scene_i32(before + k);
         if (!has_moved) return seld_scene_fault_at(check, SELD_SCENE_TREE_POINT, at);
     }
     return SELD_SCENE_OK;

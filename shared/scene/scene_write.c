@@ -31,17 +31,23 @@ size_t seld_scene_write_bytes(const seld_scene_part *parts, uint32_t part_count)
     return (size_t)padded(total);
 }
 
-/* The oldest version that knows what is inside: files without motion and tree are as they were. */
+/* The oldest version that knows this part. */
+static uint16_t minor_of_part(const seld_scene_part *part)
+{
+    if (part->type == SELD_SCENE_LESIONS) return SELD_SCENE_MINOR;
+    if (part->type == SELD_SCENE_MOTION || part->type == SELD_SCENE_TREE) return 1;
+    bool moves = part->type == SELD_SCENE_BODY && part->size >= SELD_SCENE_BODY_HEADER_BYTES &&
+                 seld_scene_u32(part->bytes + SELD_SCENE_BODY_HEADER_BYTES - 4) != 0;
+    return moves ? 1 : 0;
+}
+
+/* Files without lesions, motion and tree are as they were. */
 static uint16_t minor_of(const seld_scene_part *parts, uint32_t part_count)
 {
-    for (uint32_t i = 0; i < part_count; i++) {
-        const seld_scene_part *part = &parts[i];
-        if (part->type == SELD_SCENE_MOTION || part->type == SELD_SCENE_TREE) return SELD_SCENE_MINOR;
-        if (part->type == SELD_SCENE_BODY && part->size >= SELD_SCENE_BODY_HEADER_BYTES &&
-            seld_scene_u32(part->bytes + SELD_SCENE_BODY_HEADER_BYTES - 4) != 0)
-            return SELD_SCENE_MINOR;
-    }
-    return 0;
+    uint16_t minor = 0;
+    for (uint32_t i = 0; i < part_count; i++)
+        minor = minor_of_part(&parts[i]) > minor ? minor_of_part(&parts[i]) : minor;
+    return minor;
 }
 
 size_t seld_scene_write(seld_scene_kind kind, const seld_scene_part *parts, uint32_t part_count,

@@ -1,6 +1,7 @@
 /* anatomy: makes the anatomy that ships with Seldinger. See docs/anatomy.md. */
 #include "host/model/pending_file.hpp"
 #include "tools/anatomy/heart_sequence.hpp"
+#include "tools/anatomy/lesions.hpp"
 #include "tools/anatomy/output.hpp"
 #include "tools/mesh/sequence.hpp"
 #include <CLI/CLI.hpp>
@@ -19,6 +20,7 @@ struct Options {
     std::filesystem::path folder;
     Fineness fineness;
     bool bodies = true, quiet = false, heart_only = false;
+    std::vector<std::string> lesions; /* as they were written */
 };
 
 /* Meshes one thing, says so on standard error, and writes it. */
@@ -49,10 +51,22 @@ void make_folder(const Options &options)
                                  ": the folder cannot be made: " + failure.message());
 }
 
+/* Known before an hour of meshing, not after it. Calcium lies where the vessels do. */
+std::string lesions_of(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies)
+{
+    std::vector<Lesion> lesions;
+    for (const std::string &wish : options.lesions) lesions.push_back(lesion_from(wish));
+    std::string inside;
+    for (const Body &body : bodies)
+        if (body.name == "flesh" || body.name == "wall") inside = body.name;
+    return lesions_text(lesions, tree, inside);
+}
+
 /* `keep` sees the mesh of the lumen and of every body. */
 void make_scene(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies,
                 const std::function<void(const std::string &, const Mesh &)> &keep)
 {
+    const std::string lesions = lesions_of(options, tree, bodies);
     make_folder(options);
     const Mesh blood = make_mesh(options, "lumen", lumen_request(tree, options.fineness));
     const size_t lumen = blood.triangles.size();
@@ -65,7 +79,7 @@ void make_scene(const Options &options, const VesselTree &tree, const std::vecto
         total += mesh.triangles.size();
         keep(body.name, mesh);
     }
-    write_scene(options.folder / "scene.toml", tree, bodies);
+    write_scene(options.folder / "scene.toml", tree, bodies, lesions);
     std::printf("%s: lumen %zu triangles, %zu bodies with %zu triangles, %zu centrelines\n",
                 (options.folder / "scene.toml").string().c_str(), lumen, bodies.size(), total,
                 tree.vessels.size());
@@ -186,6 +200,12 @@ void add_making_options(CLI::App &command, Options &options)
         ->check(CLI::Range(0.5, 4.0))
         ->capture_default_str();
     command.add_flag("!--no-bodies", options.bodies, "only lumen, centrelines and scene");
+    command
+        .add_option(
+            "--lesion", options.lesions,
+            "a stenosis, BRANCH:PERCENT:LENGTH_MM:AT_MM[:ECCENTRICITY[:PLAQUE_DEG[:CALCIFIED_DEG]]], by "
+            "diameter, its middle AT_MM behind the ostium; may be given often")
+        ->take_all();
     command.add_flag("--quiet", options.quiet, "no progress lines");
 }
 
@@ -199,6 +219,7 @@ int main(int argc, char **argv)
                "  anatomy aorta -o out/aorta && bake out/aorta/scene.toml -o out/aorta.seld\n"
                "  anatomy phantom -o out/phantom\n"
                "  anatomy heart -o out/heart         a beating heart: 24 frames in out/heart/beat\n"
+               "  anatomy heart -o out/lad --lesion LAD:75:14:22\n"
                "  anatomy check out/heart/beat       a folder of 24 OBJ files, from here or elsewhere\n"
                "  anatomy list            every stated diameter, its place and its source\n"
                "  anatomy list phantom");
@@ -238,6 +259,9 @@ int main(int argc, char **argv)
             return make(options, aorta_tree(),
                         options.bodies ? patient_bodies(options.fineness) : std::vector<Body>{});
         return make(options, phantom_tree(), phantom_bodies(options.fineness));
+    } catch (const std::invalid_argument &error) {
+        std::fprintf(stderr, "anatomy: %s\n", error.what());
+        return 2;
     } catch (const std::exception &error) {
         std::fprintf(stderr, "anatomy: %s\n", error.what());
         return 1;

@@ -134,7 +134,8 @@ void write_centrelines(const std::filesystem::path &file, const std::vector<Name
     seld::write_whole_file(file.string(), document.dump(1) + "\n");
 }
 
-void write_scene(const std::filesystem::path &file, const VesselTree &tree, const std::vector<Body> &bodies)
+void write_scene(const std::filesystem::path &file, const VesselTree &tree, const std::vector<Body> &bodies,
+                 const std::string &lesions)
 {
     std::string text =
         "# Written by `anatomy " + tree.name + "`. Patient frame: +x patient left, +y head, +z front.\n";
@@ -147,6 +148,7 @@ void write_scene(const std::filesystem::path &file, const VesselTree &tree, cons
     text += "[entry]\nposition_mm = " + triple(tree.entry_position_mm) +
             "\ndirection = " + triple(tree.entry_direction) + "\n";
     text += tree_text(tree);
+    text += lesions;
     if (tree.coronary_count > 0)
         text +=
             "\n# How it beats (docs/heart.md); frames in which it also breathes lie beside these.\n[motion]\n"

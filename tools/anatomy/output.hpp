@@ -23,7 +23,8 @@ struct NamedCurve {
 /* The same for several curves in one file. */
 void write_centrelines(const std::filesystem::path &file, const std::vector<NamedCurve> &curves);
 
-void write_scene(const std::filesystem::path &file, const VesselTree &tree, const std::vector<Body> &bodies);
+void write_scene(const std::filesystem::path &file, const VesselTree &tree, const std::vector<Body> &bodies,
+                 const std::string &lesions = "");
 
 /* File name of a vessel or body: lower case, words joined by underscores. */
 std::string file_stem(const std::string &name);

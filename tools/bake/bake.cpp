@@ -4,6 +4,7 @@
 #include "tools/bake/branches.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/form.hpp"
+#include "tools/bake/lesion.hpp"
 
 #include <cmath>
 #include <cstdarg>
@@ -51,8 +52,16 @@ CurvePoint entry_of(const SceneText &text, const TriangleTree &tree)
     return entry;
 }
 
-std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, std::string &report,
-                                 Progress &progress)
+// Disease narrows the lumen, and every body of blood with it.
+void narrow(Mesh &mesh, const VesselTree &tree)
+{
+    if (tree.lesions.empty()) return;
+    refine_lesions(mesh, tree);
+    narrow_lesions(mesh.vertices_mm, tree);
+}
+
+std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, const VesselTree &tree,
+                                 std::string &report, Progress &progress)
 {
     std::vector<BakedBody> bodies;
     progress.stage("making the bodies", text.bodies.size());
@@ -64,8 +73,17 @@ std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, std::
         for (std::size_t i = 0; i < text.bodies.size(); ++i)
             if (text.bodies[i].name == body.inside) baked.parent = static_cast<int>(i);
         baked.mesh = body.is_lumen ? lumen : form_body(body, bodies, report);
+        if (!body.is_lumen && body.material == "blood") narrow(baked.mesh, tree);
         bodies.push_back(std::move(baked));
         progress.step(bodies.size());
+    }
+    for (std::size_t k = 0; k < text.lesions.size(); ++k) {
+        if (text.lesions[k].calcified_deg == 0) continue;
+        BakedBody calcium = calcium_of(tree, tree.lesions[k], text.lesions[k]);
+        calcium.moves = !text.motion.frames.empty();
+        for (std::size_t i = 0; i < text.bodies.size(); ++i)
+            if (text.bodies[i].name == text.lesions[k].inside) calcium.parent = static_cast<int>(i);
+        bodies.push_back(std::move(calcium));
     }
     progress.finish();
     return bodies;
@@ -171,13 +189,21 @@ std::string entry_report(const Motion &motion, const Eigen::Vector3d &entry_mm)
 }
 
 // Bodies that move, and the tree, from keyframe 0, where they are described, to the pose from which all motion starts.
-void to_reference(const Motion &motion, std::vector<BakedBody> &bodies, VesselTree &tree)
+void to_reference(const Motion &motion, std::vector<BakedBody> &bodies)
 {
     for (BakedBody &body : bodies)
         if (body.moves)
             for (Eigen::Vector3d &v : body.mesh.vertices_mm) v = motion.to_reference_mm(v);
-    for (VesselBranch &branch : tree.branches)
-        for (Eigen::Vector3d &point : branch.points_m) point = 1e-3 * motion.to_reference_mm(1e3 * point);
+}
+
+VesselTree in_reference(const Motion &motion, VesselTree tree)
+{
+    const auto carry = [&](std::vector<Eigen::Vector3d> &points_m) {
+        for (Eigen::Vector3d &point : points_m) point = 1e-3 * motion.to_reference_mm(1e3 * point);
+    };
+    for (VesselBranch &branch : tree.branches) carry(branch.points_m);
+    for (VesselLesion &lesion : tree.lesions) carry(lesion.healthy_points_m);
+    return tree;
 }
 
 std::filesystem::path bodies_file(const std::filesystem::path &scene)
@@ -230,32 +256,42 @@ std::string bake(const Options &options, Progress &progress)
     const SceneText text = read_scene_text(options.scene, options.folders);
     check_files(text, options);
     std::string report = line("scene             %s", text.name.c_str());
-    const Mesh surface = lumen_surface(text, report, progress);
+    Mesh surface = lumen_surface(text, report, progress);
+    VesselTree vessels = tree_of(text, report);
+    place_lesions(vessels, text.lesions);
+    narrow(surface, vessels);
+    if (!vessels.lesions.empty()) check_crossing(surface, progress);
     const TriangleTree tree(surface);
     report += line("surface           %zu triangles, %.1f cm2, %.1f ml", surface.triangles.size(),
                    area_mm2(surface) / 100, volume_mm3(surface) / 1000);
     const Worst narrowest = smallest_radius(tree, 20000);
     report +=
         line("smallest lumen    radius %.2f mm at %s", narrowest.mm, place_text(narrowest.place_mm).c_str());
+    report += lesions_report(vessels, tree);
     const CurvePoint entry = entry_of(text, tree);
     report +=
         line("entry             %s, direction (%.3f, %.3f, %.3f)", place_text(entry.position_mm).c_str(),
              entry.direction.x(), entry.direction.y(), entry.direction.z());
 
-    VesselTree tree_of_vessels = tree_of(text, report);
-
     std::optional<Frames> frames;
-    if (!text.motion.frames.empty()) frames = load_frames(text.motion, text.lumen);
-    const Mesh posed = frames ? posed_lumen(text, *frames, progress) : surface;
+    std::optional<Motion> motion;
+    if (!text.motion.frames.empty()) {
+        frames = load_frames(text.motion, text.lumen);
+        motion = fit_motion(*frames, text.motion.spacing_mm, progress);
+    }
+    const VesselTree posed_vessels = motion ? in_reference(*motion, vessels) : vessels;
+    Mesh posed = frames ? posed_lumen(text, *frames, progress) : surface;
+    if (frames) narrow(posed, posed_vessels);
     const TriangleTree posed_tree(posed);
     const FieldText wanted{text.lumen.tolerance_mm, text.lumen.inside_mm, text.lumen.outside_mm,
                            text.lumen.level_max};
     Field field = make_field(posed_tree, wanted, progress);
-    std::optional<Motion> motion;
     std::string moved;
     if (frames) {
-        motion = fit_motion(*frames, text.motion.spacing_mm, progress);
-        moved = motion_report(*motion, frames->pose, measure_motion(field.view(), motion->view(), *frames));
+        std::vector<Eigen::Vector3d> walls = frames->lumen.reference_mm;
+        const std::vector<bool> narrowed = narrow_lesions(walls, posed_vessels);
+        moved = motion_report(*motion, frames->pose,
+                              measure_motion(field.view(), motion->view(), *frames, narrowed));
         moved += entry_report(*motion, entry.position_mm);
     }
     const Bytes scene =
@@ -266,12 +302,12 @@ std::string bake(const Options &options, Progress &progress)
                              options.seed);
     report += moved;
 
-    std::vector<BakedBody> bodies = bodies_of(text, surface, report, progress);
+    std::vector<BakedBody> bodies = bodies_of(text, surface, vessels, report, progress);
     report += nesting_report(bodies, nesting_samples);
-    if (motion) to_reference(*motion, bodies, tree_of_vessels);
+    if (motion) to_reference(*motion, bodies);
     Bytes picture;
-    const bool has_picture = !bodies.empty() || !tree_of_vessels.branches.empty();
-    if (has_picture) picture = bodies_bytes(text, bodies, tree_of_vessels);
+    const bool has_picture = !bodies.empty() || !posed_vessels.branches.empty();
+    if (has_picture) picture = bodies_bytes(text, bodies, posed_vessels);
     if (!options.surface.empty()) write_ply(surface, options.surface);
     if (has_picture) {
         write_whole(bodies_file(options.output), picture);

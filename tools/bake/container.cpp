@@ -97,6 +97,37 @@ Bytes body_section(const BakedBody &body)
     return bytes;
 }
 
+void put_tree_point(Bytes &bytes, const Eigen::Vector3d &point_m, double radius_m)
+{
+    for (int k = 0; k < 3; ++k)
+        put_u32(bytes, static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(point_m[k] * 1e6))));
+    put_u32(bytes, static_cast<std::uint32_t>(std::lround(radius_m * 1e6)));
+}
+
+Bytes lesions_section(const VesselTree &tree)
+{
+    Bytes bytes;
+    std::uint32_t points = 0;
+    for (const VesselLesion &lesion : tree.lesions) points += static_cast<std::uint32_t>(lesion.size());
+    put_u32(bytes, static_cast<std::uint32_t>(tree.lesions.size()));
+    put_u32(bytes, points);
+    bytes.resize(SELD_SCENE_LESIONS_HEADER_BYTES);
+    std::uint32_t first = 0;
+    for (const VesselLesion &lesion : tree.lesions) {
+        const auto count = static_cast<std::uint32_t>(lesion.size());
+        put_text(bytes, lesion.name, SELD_SCENE_BRANCH_NAME_BYTES);
+        put_u32(bytes, static_cast<std::uint32_t>(lesion.branch));
+        put_u32(bytes, static_cast<std::uint32_t>(lesion.first_point));
+        put_u32(bytes, count);
+        put_u32(bytes, first);
+        first += count;
+    }
+    for (const VesselLesion &lesion : tree.lesions)
+        for (std::size_t i = 0; i < lesion.size(); ++i)
+            put_tree_point(bytes, lesion.healthy_points_m[i], lesion.healthy_radii_m[i]);
+    return bytes;
+}
+
 Bytes tree_section(const VesselTree &tree)
 {
     Bytes bytes;
@@ -120,12 +151,8 @@ Bytes tree_section(const VesselTree &tree)
         first += count;
     }
     for (const VesselBranch &branch : tree.branches)
-        for (std::size_t i = 0; i < branch.points_m.size(); ++i) {
-            for (int k = 0; k < 3; ++k)
-                put_u32(bytes, static_cast<std::uint32_t>(
-                                   static_cast<std::int32_t>(std::lround(branch.points_m[i][k] * 1e6))));
-            put_u32(bytes, static_cast<std::uint32_t>(std::lround(branch.radii_m[i] * 1e6)));
-        }
+        for (std::size_t i = 0; i < branch.points_m.size(); ++i)
+            put_tree_point(bytes, branch.points_m[i], branch.radii_m[i]);
     return bytes;
 }
 
@@ -165,6 +192,7 @@ Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, 
     std::vector<std::pair<seld_scene_section, Bytes>> sections{{SELD_SCENE_META, meta_section(text)}};
     for (const BakedBody &body : bodies) sections.emplace_back(SELD_SCENE_BODY, body_section(body));
     if (!tree.branches.empty()) sections.emplace_back(SELD_SCENE_TREE, tree_section(tree));
+    if (!tree.lesions.empty()) sections.emplace_back(SELD_SCENE_LESIONS, lesions_section(tree));
     return sealed(SELD_SCENE_KIND_BODIES, sections, text.file.string());
 }
 

@@ -77,7 +77,8 @@ struct FrameError {
 };
 constexpr double small_vessel_mm = 2.3;
 
+// `left_out`: vertices that are not looked at, where the scene's lumen is not the frames' (lesions); empty: none.
 std::vector<FrameError> measure_motion(const seld_lumen *lumen, const seld_motion *motion,
-                                       const Frames &frames);
+                                       const Frames &frames, const std::vector<bool> &left_out = {});
 
 } // namespace seld::bake

@@ -201,8 +201,9 @@ void refuse_steep(const Motion &motion)
 }
 
 std::vector<FrameError> measure_motion(const seld_lumen *lumen, const seld_motion *motion,
-                                       const Frames &frames)
+                                       const Frames &frames, const std::vector<bool> &left_out)
 {
+    const auto is_out = [&](std::size_t vertex) { return !left_out.empty() && left_out[vertex]; };
     std::vector<bool> is_small;
     for (const Eigen::Vector3d &wall : frames.lumen.reference_mm)
         is_small.push_back(radius_mm(lumen, wall) < small_vessel_mm);
@@ -223,13 +224,15 @@ std::vector<FrameError> measure_motion(const seld_lumen *lumen, const seld_motio
             ++count;
         };
         for (std::size_t i = 0; i < moved.size(); ++i) {
+            if (is_out(i)) continue;
             look(moved[i], is_small[i]);
             const Eigen::Vector3d reference = pulled_mm(motion, pose, moved[i]);
             error.along.take((reference - frames.lumen.reference_mm[i]).norm(), moved[i]);
         }
         for (const Triangle &t : frames.triangles)
-            look((moved[t[0]] + moved[t[1]] + moved[t[2]]) / 3,
-                 is_small[t[0]] && is_small[t[1]] && is_small[t[2]]);
+            if (!is_out(t[0]) && !is_out(t[1]) && !is_out(t[2]))
+                look((moved[t[0]] + moved[t[1]] + moved[t[2]]) / 3,
+                     is_small[t[0]] && is_small[t[1]] && is_small[t[2]]);
         error.rms_mm = std::sqrt(squares / static_cast<double>(count));
         errors.push_back(error);
     }

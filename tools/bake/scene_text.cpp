@@ -371,6 +371,47 @@ BodyText body_of(const Table &t)
     return body;
 }
 
+LesionText lesion_of(const Table &t)
+{
+    t.only({"name", "branch", "at_mm", "length_mm", "stenosis_percent", "eccentricity", "plaque_deg",
+            "calcified_deg", "inside"});
+    for (const char *key : {"name", "branch", "at_mm", "length_mm", "stenosis_percent"})
+        if (!t.table.contains(key)) t.fail(nullptr, "needs " + std::string(key));
+    LesionText lesion;
+    lesion.name = t.text("name", "", SELD_SCENE_BODY_NAME_BYTES - 1 - 8); // "_calcium" must fit behind it
+    lesion.branch = t.text("branch", "", SELD_SCENE_BRANCH_NAME_BYTES - 1);
+    lesion.at_mm = t.number("at_mm", 0, 0, 1000);
+    lesion.length_mm = t.number("length_mm", 0, 2, 100);
+    lesion.stenosis_percent = t.number("stenosis_percent", 0, 1, 95);
+    lesion.eccentricity = t.number("eccentricity", 0, 0, 1);
+    lesion.plaque_deg = t.number("plaque_deg", 0, -360, 360);
+    lesion.calcified_deg = t.number("calcified_deg", 0, 0, 300);
+    lesion.inside = t.text("inside", "", SELD_SCENE_BODY_NAME_BYTES - 1);
+    if (lesion.name.empty()) t.fail(t.table.get("name"), "needs a name that is not empty");
+    if (!lesion.inside.empty() && lesion.calcified_deg == 0)
+        t.fail(t.table.get("inside"), "inside says where calcium lies: give calcified_deg as well");
+    return lesion;
+}
+
+void check_lesions(const SceneText &scene)
+{
+    std::set<std::string> names, bodies;
+    for (const BodyText &body : scene.bodies) bodies.insert(body.name);
+    for (const LesionText &lesion : scene.lesions) {
+        if (!names.insert(lesion.name).second)
+            throw Fault(scene.file.string() + ": two lesions are called '" + lesion.name + "': rename one");
+        if (!lesion.inside.empty() && !bodies.count(lesion.inside))
+            throw Fault(scene.file.string() + ": the calcium of lesion '" + lesion.name + "' lies inside '" +
+                        lesion.inside + "', which is no body: correct `inside`");
+        if (bodies.count(lesion.name + "_calcium"))
+            throw Fault(scene.file.string() + ": a body is called '" + lesion.name + "_calcium' as lesion '" +
+                        lesion.name + "' will call its own: rename one");
+    }
+    if (scene.lesions.size() > SELD_SCENE_LESION_MAX)
+        throw Fault(scene.file.string() + ": more than " + std::to_string(int{SELD_SCENE_LESION_MAX}) +
+                    " lesions: leave some out");
+}
+
 // The body that a shell makes inside another.
 void add_marrows(SceneText &scene)
 {
@@ -433,7 +474,7 @@ SceneText read_scene_text(const std::filesystem::path &file, const Folders &fold
     const toml::table root =
         read_toml(file, {16, "a scene text", "the scene's TOML text", ": give the TOML file, not a mesh"});
     const Table top{scene, folders, "the file", root};
-    top.only({"scene", "lumen", "tree", "entry", "motion", "body"});
+    top.only({"scene", "lumen", "tree", "entry", "motion", "lesion", "body"});
     const Table head{scene, folders, "[scene]", table_of(scene, root, "scene")};
     head.only({"name", "source"});
     scene.name = head.text("name", "", SELD_SCENE_NAME_BYTES - 1);
@@ -455,8 +496,14 @@ SceneText read_scene_text(const std::filesystem::path &file, const Folders &fold
         for (const toml::node &node : *bodies->as_array())
             scene.bodies.push_back(body_of({scene, folders, "[[body]]", *node.as_table()}));
     }
+    if (const toml::node *lesions = root.get("lesion")) {
+        if (!lesions->is_array_of_tables()) top.fail(lesions, "has [lesion]: write [[lesion]]");
+        for (const toml::node &node : *lesions->as_array())
+            scene.lesions.push_back(lesion_of({scene, folders, "[[lesion]]", *node.as_table()}));
+    }
     add_marrows(scene);
     check_bodies(scene);
+    check_lesions(scene);
     return scene;
 }
 

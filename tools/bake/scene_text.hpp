@@ -102,6 +102,18 @@ struct BodyText {
     FormText form;
 };
 
+// A stretch of a branch of the tree narrowed by plaque (lesion.hpp).
+struct LesionText {
+    std::string name, branch;
+    double at_mm = 0; // its middle, from the branch's ostium
+    double length_mm = 0;
+    double stenosis_percent = 0; // of the diameter
+    double eccentricity = 0;     // 0: plaque all round; 1: all of it on one side
+    double plaque_deg = 0; // where it is thickest: from the front of the vessel, right-handed about the flow
+    double calcified_deg = 0; // arc of calcium about that place; 0: none
+    std::string inside;       // body in which the calcium lies
+};
+
 struct SceneText {
     std::filesystem::path file;
     std::string name, source;
@@ -109,6 +121,7 @@ struct SceneText {
     TreeText tree;
     EntryText entry;
     MotionText motion;
+    std::vector<LesionText> lesions;
     std::vector<BodyText> bodies;
 };
 

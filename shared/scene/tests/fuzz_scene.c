@@ -42,6 +42,16 @@ static void walk_branch(const seld_scene *scene, uint32_t index, const uint8_t *
             branch.points + SELD_SCENE_TREE_POINT_BYTES * (size_t)branch.point_count <= end);
 }
 
+static void walk_lesion(const seld_scene *scene, uint32_t index, const uint8_t *end)
+{
+    seld_scene_lesion_view lesion = seld_scene_lesion(scene, index);
+    promise(strlen(lesion.name) < SELD_SCENE_BRANCH_NAME_BYTES && lesion.branch < scene->branch_count);
+    const uint32_t points = seld_scene_branch(scene, lesion.branch).point_count;
+    promise(lesion.point_count >= 3 && lesion.first_point < points &&
+            lesion.point_count <= points - lesion.first_point);
+    promise(lesion.healthy_points + SELD_SCENE_TREE_POINT_BYTES * (size_t)lesion.point_count <= end);
+}
+
 /* Every number is within its range, so that the core's sums fit, and the boundary stands still. */
 static void walk_motion(const seld_scene_motion *motion, const uint8_t *end)
 {
@@ -79,6 +89,7 @@ static void walk(const seld_scene *scene, const uint8_t *end)
             promise(seld_scene_u32(body.triangles + 4 * k) < body.vertex_count);
     }
     for (uint32_t i = 0; i < scene->branch_count; i++) walk_branch(scene, i, end);
+    for (uint32_t i = 0; i < scene->lesion_count; i++) walk_lesion(scene, i, end);
 }
 
 static void offer(const uint8_t *bytes, size_t size)
@@ -106,6 +117,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
     if (index == 0) return sample_scene(bytes, capacity);
-    if (index <= 2 && index > 0) return sample_body_file(bytes, capacity, index == 2);
+    if (index <= 2 && index > 0)
+        return sample_body_file(bytes, capacity, index == 2 ? SAMPLE_TREE : SAMPLE_NO_TREE);
+    if (index == 4) return sample_body_file(bytes, capacity, SAMPLE_LESIONS);
     return index == 3 ? sample_moving_scene(bytes, capacity) : 0;
 }

@@ -143,8 +143,24 @@ static inline void sample_tree(uint8_t *tree)
     }
 }
 
-/* Two bodies, and the tree of vessels behind them when it is asked for. */
-static inline size_t sample_body_file(uint8_t *file, size_t capacity, bool with_tree)
+/* One lesion on the whole of the aorta. */
+enum { SAMPLE_LESIONS_BYTES = 16 + 48 + 3 * 16 };
+static inline void sample_lesions(uint8_t *lesions)
+{
+    memset(lesions, 0, SAMPLE_LESIONS_BYTES);
+    seld_scene_put_u32(lesions, 1);
+    seld_scene_put_u32(lesions + 4, 3);
+    memcpy(lesions + 16, "coarctation", 11);
+    seld_scene_put_u32(lesions + 16 + 40, 3);
+    for (uint32_t i = 0; i < 3; i++) {
+        seld_scene_put_u32(lesions + 64 + 16 * i + 4, 20000 * i);
+        seld_scene_put_u32(lesions + 64 + 16 * i + 12, 9000);
+    }
+}
+
+/* What stands behind the two bodies of a body file. */
+typedef enum sample_vessels { SAMPLE_NO_TREE, SAMPLE_TREE, SAMPLE_LESIONS } sample_vessels;
+static inline size_t sample_body_file(uint8_t *file, size_t capacity, sample_vessels vessels)
 {
     uint8_t meta[SELD_SCENE_META_BYTES], skin[SAMPLE_BODY_BYTES], bone[SAMPLE_BODY_BYTES];
     uint8_t tree[SAMPLE_TREE_BYTES];
@@ -152,16 +168,19 @@ static inline size_t sample_body_file(uint8_t *file, size_t capacity, bool with_
     sample_body(bone, "bone", 1);
     sample_body(skin, "skin", -1);
     sample_tree(tree);
-    const seld_scene_part parts[4] = {{SELD_SCENE_META, meta, sizeof meta},
+    uint8_t lesions[SAMPLE_LESIONS_BYTES];
+    sample_lesions(lesions);
+    const seld_scene_part parts[5] = {{SELD_SCENE_META, meta, sizeof meta},
                                       {SELD_SCENE_BODY, bone, sizeof bone},
                                       {SELD_SCENE_BODY, skin, sizeof skin},
-                                      {SELD_SCENE_TREE, tree, sizeof tree}};
-    return seld_scene_write(SELD_SCENE_KIND_BODIES, parts, with_tree ? 4 : 3, file, capacity);
+                                      {SELD_SCENE_TREE, tree, sizeof tree},
+                                      {SELD_SCENE_LESIONS, lesions, sizeof lesions}};
+    return seld_scene_write(SELD_SCENE_KIND_BODIES, parts, 3 + (uint32_t)vessels, file, capacity);
 }
 
 static inline size_t sample_bodies(uint8_t *file, size_t capacity)
 {
-    return sample_body_file(file, capacity, false);
+    return sample_body_file(file, capacity, SAMPLE_NO_TREE);
 }
 
 /* Make every CRC right again where the section table still allows it. */

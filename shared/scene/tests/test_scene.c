@@ -15,6 +15,8 @@
 enum { META_AT = 80, ENTRY_AT = 336, LUMEN_AT = 368, BONE_AT = 336, SKIN_AT = 496 };
 /* With a tree: the table is a row longer. Branches at 16 and 80 of the section, points at 144. */
 enum { TREE_AT = 672, RENAL_AT = TREE_AT + 80, POINTS_AT = TREE_AT + 144 };
+/* With lesions the table has a row more, and behind the tree of 224 bytes LESIONS begins. */
+enum { LESIONS_AT = TREE_AT + 16 + 224, LESION_AT = LESIONS_AT + 16, HEALTHY_AT = LESION_AT + 48 };
 /* In the moving scene: header 32 + table 64 = 96; META 96, ENTRY 352, LUMEN 384 .. 3452, MOTION 3456. */
 enum { MOTION_AT = 3456 };
 
@@ -41,7 +43,15 @@ static int make_bodies_with_tree(void **state)
 {
     (void)state;
     memset(file, 0xee, sizeof file);
-    file_bytes = sample_body_file(file, sizeof file, true);
+    file_bytes = sample_body_file(file, sizeof file, SAMPLE_TREE);
+    return file_bytes == 0;
+}
+
+static int make_bodies_with_lesions(void **state)
+{
+    (void)state;
+    memset(file, 0xee, sizeof file);
+    file_bytes = sample_body_file(file, sizeof file, SAMPLE_LESIONS);
     return file_bytes == 0;
 }
 
@@ -320,6 +330,53 @@ static void a_tree_stands_behind_the_bodies(void **state)
     refuses_word(32 + 48, 4, SELD_SCENE_LUMEN, SELD_SCENE_SECTION_TYPE, 32 + 48);
 }
 
+static void lesions_give_back_what_was_written(void **state)
+{
+    (void)state;
+    seld_scene scene;
+    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+    assert_int_equal(scene.body_count, 2);
+    assert_int_equal(scene.branch_count, 2);
+    assert_int_equal(scene.lesion_count, 1);
+    assert_int_equal(seld_scene_u16(file + 10), 2); /* minor version */
+    seld_scene_lesion_view lesion = seld_scene_lesion(&scene, 0);
+    assert_string_equal(lesion.name, "coarctation");
+    assert_int_equal(lesion.branch, 0);
+    assert_int_equal(lesion.first_point, 0);
+    assert_int_equal(lesion.point_count, 3);
+    assert_int_equal(seld_scene_i32(lesion.healthy_points + 32 + 4), 40000);
+    assert_int_equal(seld_scene_u32(lesion.healthy_points + 32 + 12), 9000);
+}
+
+static void a_lesion_lies_where_there_is_vessel(void **state)
+{
+    (void)state;
+    refuses_word(LESIONS_AT, 4, 0, SELD_SCENE_LESION_SIZE, LESIONS_AT);
+    refuses_word(LESIONS_AT, 4, 33, SELD_SCENE_LESION_SIZE, LESIONS_AT);
+    refuses_word(LESIONS_AT, 4, 2, SELD_SCENE_SECTION_SIZE, LESIONS_AT);
+    refuses_word(LESIONS_AT + 4, 4, 0xffffffffu, SELD_SCENE_SECTION_SIZE, LESIONS_AT);
+    refuses_word(LESIONS_AT + 12, 4, 1, SELD_SCENE_RESERVED, LESIONS_AT + 8);
+    refuses_word(LESION_AT + 31, 1, 'x', SELD_SCENE_TEXT, LESION_AT + 31);
+    refuses_word(LESION_AT + 32, 4, 2, SELD_SCENE_LESION_PLACE, LESION_AT + 32);
+    refuses_word(LESION_AT + 32, 4, 1, SELD_SCENE_LESION_PLACE, LESION_AT + 40); /* that one has two points */
+    refuses_word(LESION_AT + 36, 4, 3, SELD_SCENE_LESION_PLACE, LESION_AT + 36);
+    refuses_word(LESION_AT + 36, 4, 1, SELD_SCENE_LESION_PLACE, LESION_AT + 40);
+    refuses_word(LESION_AT + 40, 4, 2, SELD_SCENE_LESION_PLACE, LESION_AT + 40);
+    refuses_word(LESION_AT + 40, 4, 0xffffffffu, SELD_SCENE_LESION_PLACE, LESION_AT + 40);
+    refuses_word(LESION_AT + 44, 4, 1, SELD_SCENE_LESION_SIZE, LESION_AT + 44);
+    refuses_word(HEALTHY_AT + 4, 4, 2000001, SELD_SCENE_LESION_PLACE, HEALTHY_AT + 4);
+    refuses_word(HEALTHY_AT + 12, 4, 9, SELD_SCENE_LESION_PLACE, HEALTHY_AT + 12);
+}
+
+/* Rows 3 and 4 of the table are the tree's and the lesions'. */
+static void lesions_stand_behind_their_tree(void **state)
+{
+    (void)state;
+    refuses_word(32 + 48, 4, SELD_SCENE_BODY, SELD_SCENE_SECTION_TYPE, 32 + 64);
+    refuses_word(32 + 48, 4, SELD_SCENE_LESIONS, SELD_SCENE_SECTION_TYPE, 32 + 48);
+    refuses_word(32 + 64, 4, SELD_SCENE_TREE, SELD_SCENE_SECTION_TYPE, 32 + 48);
+}
+
 static void a_moving_scene_gives_back_its_lattice(void **state)
 {
     (void)state;
@@ -430,6 +487,9 @@ int main(void)
         cmocka_unit_test_setup(a_tree_stands_behind_the_bodies, make_bodies_with_tree),
         {"every_flipped_bit_of_a_tree_is_refused", every_flipped_bit_is_refused, make_bodies_with_tree, NULL,
          NULL},
+        cmocka_unit_test_setup(lesions_give_back_what_was_written, make_bodies_with_lesions),
+        cmocka_unit_test_setup(a_lesion_lies_where_there_is_vessel, make_bodies_with_lesions),
+        cmocka_unit_test_setup(lesions_stand_behind_their_tree, make_bodies_with_lesions),
         cmocka_unit_test_setup(a_moving_scene_gives_back_its_lattice, make_moving_scene),
         cmocka_unit_test_setup(a_body_may_move, make_bodies),
         cmocka_unit_test_setup(a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_boundary,

@@ -1,0 +1,73 @@
+#include "host/effects/lesion_figures.hpp"
+
+namespace seld
+{
+namespace
+{
+
+double length_mm(const VesselLesion &lesion)
+{
+    double sum = 0.0;
+    for (std::size_t i = 1; i < lesion.size(); ++i)
+        sum += (lesion.healthy_points_m[i] - lesion.healthy_points_m[i - 1]).norm() * 1e3;
+    return sum;
+}
+
+// The cell before a lesion: the one that feeds the first that reaches into it.
+std::size_t before(const FlowCells &cells, const VesselLesion &lesion, const FlowThroat &throat)
+{
+    std::size_t first = cells.branch_begin(lesion.branch);
+    while (first < throat.cell && cells[first].last.point < lesion.first_point) ++first;
+    const int upstream = cells[first].upstream;
+    return upstream < 0 ? first : static_cast<std::size_t>(upstream);
+}
+
+} // namespace
+
+double LesionFigures::diameter_percent() const
+{
+    return 100.0 * (1.0 - minimum_diameter_mm / reference_diameter_mm);
+}
+
+double LesionFigures::area_percent() const
+{
+    const double left = minimum_diameter_mm / reference_diameter_mm;
+    return 100.0 * (1.0 - left * left);
+}
+
+std::vector<LesionFigures> lesion_figures(const VesselTree &tree, double viscosity_mPa_s)
+{
+    std::vector<LesionFigures> all;
+    if (tree.lesions.empty()) return all;
+    const FlowCells cells(tree);
+    FlowNetwork rest(cells, viscosity_mPa_s), hyperaemia(cells, viscosity_mPa_s);
+    const FlowDrive resting;
+    FlowDrive open;
+    for (const VesselBed bed : {VesselBed::left_coronary, VesselBed::right_coronary})
+        open.openness[static_cast<std::size_t>(bed)] = hyperaemia_openness;
+    rest.settle(resting);
+    hyperaemia.settle(open);
+    for (std::size_t k = 0; k < tree.lesions.size(); ++k) {
+        const VesselLesion &lesion = tree.lesions[k];
+        const FlowThroat &throat = cells.throats()[k];
+        const std::size_t ahead = before(cells, lesion, throat);
+        const auto drop = [&](const FlowNetwork &network) {
+            return network.pressure_mmHg()[ahead] - network.pressure_mmHg()[throat.behind];
+        };
+        LesionFigures figures;
+        figures.name = lesion.name;
+        figures.branch = tree.branches[lesion.branch].name;
+        figures.length_mm = length_mm(lesion);
+        figures.minimum_diameter_mm = 2.0 * throat.radius_mm;
+        figures.reference_diameter_mm = 2.0 * throat.healthy_radius_mm;
+        figures.rest_flow_ml_s = rest.inflow_ml_s()[throat.cell];
+        figures.rest_drop_mmHg = drop(rest);
+        figures.hyperaemic_flow_ml_s = hyperaemia.inflow_ml_s()[throat.cell];
+        figures.hyperaemic_drop_mmHg = drop(hyperaemia);
+        figures.ffr = hyperaemia.pressure_mmHg()[throat.behind] / open.pressure_mmHg;
+        all.push_back(figures);
+    }
+    return all;
+}
+
+} // namespace seld

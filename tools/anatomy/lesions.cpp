@@ -1,0 +1,81 @@
+#include "tools/anatomy/lesions.hpp"
+#include "tools/anatomy/output.hpp"
+#include <array>
+#include <cstdio>
+#include <sstream>
+#include <stdexcept>
+
+namespace anatomy
+{
+namespace
+{
+
+constexpr const char *FORM = "BRANCH:PERCENT:LENGTH_MM:AT_MM[:ECCENTRICITY[:PLAQUE_DEG[:CALCIFIED_DEG]]]";
+
+double number_from(const std::string &wish, const std::string &word)
+{
+    std::size_t used = 0;
+    double value = 0;
+    try {
+        value = std::stod(word, &used);
+    } catch (const std::exception &) {
+        used = 0;
+    }
+    if (used == 0 || used != word.size())
+        throw std::invalid_argument("--lesion " + wish + ": '" + word + "' is no number; give " + FORM);
+    return value;
+}
+
+std::string number_text(double value)
+{
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", value);
+    return text;
+}
+
+} // namespace
+
+Lesion lesion_from(const std::string &wish)
+{
+    std::vector<std::string> words;
+    std::istringstream stream(wish);
+    for (std::string word; std::getline(stream, word, ':');) words.push_back(word);
+    if (words.size() < 4 || words.size() > 7 || words[0].empty())
+        throw std::invalid_argument("--lesion " + wish + ": give " + FORM + ", like LAD:75:14:22");
+    Lesion lesion;
+    lesion.branch = words[0];
+    const std::array<double *, 6> values = {
+        &lesion.stenosis_percent, &lesion.length_mm,  &lesion.at_mm,
+        &lesion.eccentricity,     &lesion.plaque_deg, &lesion.calcified_deg};
+    for (std::size_t i = 1; i < words.size(); i++) *values[i - 1] = number_from(wish, words[i]);
+    return lesion;
+}
+
+std::string lesions_text(const std::vector<Lesion> &lesions, const VesselTree &tree,
+                         const std::string &inside)
+{
+    std::string text;
+    int count = 0;
+    for (const Lesion &lesion : lesions) {
+        std::string known;
+        bool is_known = false;
+        for (const Vessel &vessel : tree.vessels) {
+            is_known = is_known || file_stem(vessel.name) == lesion.branch;
+            known += (known.empty() ? "" : ", ") + file_stem(vessel.name);
+        }
+        if (!is_known)
+            throw std::invalid_argument("--lesion " + lesion.branch + ": no such vessel; there are " + known);
+        text += "\n[[lesion]]\nname = \"lesion_" + std::to_string(++count) + "\"\nbranch = \"" +
+                lesion.branch + "\"\n";
+        text += "at_mm = " + number_text(lesion.at_mm) + "\nlength_mm = " + number_text(lesion.length_mm) +
+                "\nstenosis_percent = " + number_text(lesion.stenosis_percent) + " # of the diameter\n";
+        if (lesion.eccentricity != 0) text += "eccentricity = " + number_text(lesion.eccentricity) + "\n";
+        if (lesion.plaque_deg != 0) text += "plaque_deg = " + number_text(lesion.plaque_deg) + "\n";
+        if (lesion.calcified_deg == 0) continue;
+        text += "calcified_deg = " + number_text(lesion.calcified_deg) + "\n";
+        if (!inside.empty()) text += "inside = \"" + inside + "\"\n";
+    }
+    return text;
+}
+
+} // namespace anatomy

@@ -1,0 +1,341 @@
+#include "tools/bake/lesion.hpp"
+#include "shared/scene/scene.h"
+#include "tools/bake/fault.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace seld::bake
+{
+namespace
+{
+
+using Eigen::Vector3d;
+
+constexpr double pi = 3.14159265358979323846;
+constexpr double point_step_mm = 0.5; // of the branch's points in a lesion, at most
+constexpr double near_radii = 1.6, far_radii = 2.4;
+
+Vector3d rounded_m(const Vector3d &p_m) // as the file will hold it
+{
+    return (p_m * 1e6).array().round().matrix() * 1e-6;
+}
+
+std::vector<double> arcs_m(const VesselBranch &branch)
+{
+    std::vector<double> arcs = {0.0};
+    for (std::size_t i = 1; i < branch.points_m.size(); ++i)
+        arcs.push_back(arcs.back() + (branch.points_m[i] - branch.points_m[i - 1]).norm());
+    return arcs;
+}
+
+struct Axis { // a place of a centreline
+    Vector3d point_m, tangent;
+    double radius_m;
+};
+
+Axis axis_at(const VesselBranch &branch, const std::vector<double> &arcs, double arc_m)
+{
+    const auto after = std::upper_bound(arcs.begin() + 1, arcs.end() - 1, arc_m);
+    const auto i = static_cast<std::size_t>(after - arcs.begin()) - 1;
+    const double share = std::clamp((arc_m - arcs[i]) / (arcs[i + 1] - arcs[i]), 0.0, 1.0);
+    const Vector3d step = branch.points_m[i + 1] - branch.points_m[i];
+    return {branch.points_m[i] + share * step, step.normalized(),
+            branch.radii_m[i] + share * (branch.radii_m[i + 1] - branch.radii_m[i])};
+}
+
+// Across the vessel, `deg` from the front (from the patient's left where the vessel itself runs forwards), right-handed about the flow.
+Vector3d across(const Vector3d &tangent, double deg)
+{
+    Vector3d front = Vector3d::UnitZ() - tangent.z() * tangent;
+    if (front.norm() < 0.3) front = Vector3d::UnitX() - tangent.x() * tangent;
+    front.normalize();
+    const double angle = deg * pi / 180;
+    return std::cos(angle) * front + std::sin(angle) * tangent.cross(front);
+}
+
+std::string named(const LesionText &text)
+{
+    return "[[lesion]] '" + text.name + "' ";
+}
+
+std::size_t branch_of(const VesselTree &tree, const LesionText &text)
+{
+    std::string names;
+    for (std::size_t b = 0; b < tree.branches.size(); ++b) {
+        if (tree.branches[b].name == text.branch) return b;
+        names += (names.empty() ? "" : ", ") + tree.branches[b].name;
+    }
+    throw Fault(named(text) + "lies on '" + text.branch + "', which is no branch: " +
+                (names.empty() ? "the scene has no [tree]" : "there are " + names));
+}
+
+// The branch with points every half a millimetre from `begin_m` to `end_m`; the others stay, and so do the places where vessels leave.
+VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double end_m)
+{
+    const VesselBranch old = tree.branches[index];
+    const std::vector<double> arcs = arcs_m(old);
+    std::vector<double> wanted;
+    for (double arc : arcs)
+        if (arc < begin_m - 1e-4) wanted.push_back(arc);
+    VesselLesion lesion;
+    lesion.branch = index;
+    lesion.first_point = wanted.size();
+    // An even number, so that one point is the throat.
+    const double steps = std::max(2 * std::ceil((end_m - begin_m) / (2e-3 * point_step_mm)), 16.0);
+    for (int i = 0; i <= static_cast<int>(steps); ++i)
+        wanted.push_back(begin_m + i / steps * (end_m - begin_m));
+    const std::size_t behind = wanted.size();
+    for (double arc : arcs)
+        if (arc > end_m + 1e-4) wanted.push_back(arc);
+
+    VesselBranch &branch = tree.branches[index];
+    branch.points_m.clear();
+    branch.radii_m.clear();
+    for (double arc : wanted) {
+        const Axis axis = axis_at(old, arcs, arc);
+        branch.points_m.push_back(rounded_m(axis.point_m));
+        branch.radii_m.push_back(std::round(axis.radius_m * 1e6) * 1e-6);
+    }
+    const auto now_at = [&](std::size_t point) {
+        std::size_t best = 0;
+        for (std::size_t i = 1; i < wanted.size(); ++i)
+            if (std::abs(wanted[i] - arcs[point]) < std::abs(wanted[best] - arcs[point])) best = i;
+        return point + 1 == arcs.size() ? wanted.size() - 1 : best;
+    };
+    for (VesselBranch &other : tree.branches)
+        if (other.parent == static_cast<int>(index)) other.parent_point = now_at(other.parent_point);
+    for (VesselLesion &other : tree.lesions)
+        if (other.branch == index && other.first_point > lesion.first_point)
+            other.first_point = now_at(other.first_point);
+    for (std::size_t i = lesion.first_point; i < behind; ++i) {
+        lesion.healthy_points_m.push_back(branch.points_m[i]);
+        lesion.healthy_radii_m.push_back(branch.radii_m[i]);
+    }
+    return lesion;
+}
+
+// What is left of the vessel: the branch's points become those of the channel.
+void narrow(VesselBranch &branch, const VesselLesion &lesion, const LesionText &text)
+{
+    const std::size_t count = lesion.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        const double u = static_cast<double>(i) / static_cast<double>(count - 1) - 0.5;
+        const double healthy_m = lesion.healthy_radii_m[i];
+        const double lost = text.stenosis_percent / 100 * 0.5 * (1 + std::cos(2 * pi * u));
+        const std::size_t a = i > 0 ? i - 1 : 0, b = std::min(i + 1, count - 1);
+        const Vector3d tangent = (lesion.healthy_points_m[b] - lesion.healthy_points_m[a]).normalized();
+        const Vector3d off_m = -text.eccentricity * lost * healthy_m * across(tangent, text.plaque_deg);
+        branch.points_m[lesion.first_point + i] = rounded_m(lesion.healthy_points_m[i] + off_m);
+        branch.radii_m[lesion.first_point + i] = std::round((1 - lost) * healthy_m * 1e6) * 1e-6;
+    }
+}
+
+void place(VesselTree &tree, const LesionText &text)
+{
+    const std::size_t index = branch_of(tree, text);
+    const double length_m = arcs_m(tree.branches[index]).back();
+    const double start_m = vessel_start_m(tree, index), middle_m = start_m + text.at_mm * 1e-3;
+    const double begin_m = middle_m - text.length_mm * 0.5e-3, end_m = middle_m + text.length_mm * 0.5e-3;
+    if (begin_m < 0 || end_m > length_m) {
+        char range[120];
+        std::snprintf(range, sizeof range,
+                      "reaches from %.1f to %.1f mm behind the ostium, but the branch from %.1f to %.1f",
+                      (begin_m - start_m) * 1e3, (end_m - start_m) * 1e3, -start_m * 1e3,
+                      (length_m - start_m) * 1e3);
+        throw Fault(named(text) + range + ": change at_mm or length_mm");
+    }
+    for (const VesselLesion &other : tree.lesions) {
+        if (other.branch != index) continue;
+        const std::vector<double> arcs = arcs_m(tree.branches[index]);
+        if (begin_m < arcs[other.first_point + other.size() - 1] && end_m > arcs[other.first_point])
+            throw Fault(named(text) + "overlaps '" + other.name +
+                        "' on the same branch: make one of the two");
+    }
+    VesselLesion lesion = divide(tree, index, begin_m, end_m);
+    lesion.name = text.name;
+    narrow(tree.branches[index], lesion, text);
+    tree.lesions.push_back(std::move(lesion));
+}
+
+// Nearest place of the healthy centreline within a lesion, and what it becomes.
+struct Foot {
+    double radii = std::numeric_limits<double>::infinity(); // distance over the healthy radius
+    Vector3d healthy_m, channel_m;
+    double left = 1; // of the radius
+};
+
+Foot foot_of(const VesselTree &tree, const VesselLesion &lesion, const Vector3d &place_m)
+{
+    const VesselBranch &branch = tree.branches[lesion.branch];
+    Foot foot;
+    double least_m = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i + 1 < lesion.size(); ++i) {
+        const Vector3d &a = lesion.healthy_points_m[i], step = lesion.healthy_points_m[i + 1] - a;
+        const double share = std::clamp((place_m - a).dot(step) / step.squaredNorm(), 0.0, 1.0);
+        const double distance_m = (place_m - a - share * step).norm();
+        if (distance_m >= least_m) continue;
+        least_m = distance_m;
+        const std::size_t k = lesion.first_point + i;
+        const double healthy_m =
+            lesion.healthy_radii_m[i] + share * (lesion.healthy_radii_m[i + 1] - lesion.healthy_radii_m[i]);
+        const double now_m = branch.radii_m[k] + share * (branch.radii_m[k + 1] - branch.radii_m[k]);
+        foot = {distance_m / healthy_m, a + share * step,
+                branch.points_m[k] + share * (branch.points_m[k + 1] - branch.points_m[k]),
+                now_m / healthy_m};
+    }
+    return foot;
+}
+
+// Distance to the nearest other vessel over its radius there.
+double radii_to_others(const VesselTree &tree, std::size_t own, const Vector3d &place_m)
+{
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t b = 0; b < tree.branches.size(); ++b) {
+        if (b == own) continue;
+        const VesselBranch &branch = tree.branches[b];
+        for (std::size_t i = 0; i + 1 < branch.points_m.size(); ++i) {
+            const Vector3d &a = branch.points_m[i], step = branch.points_m[i + 1] - a;
+            const double share = std::clamp((place_m - a).dot(step) / step.squaredNorm(), 0.0, 1.0);
+            const double radius_m = branch.radii_m[i] + share * (branch.radii_m[i + 1] - branch.radii_m[i]);
+            least = std::min(least, (place_m - a - share * step).norm() / radius_m);
+        }
+    }
+    return least;
+}
+
+// How much of the way a wall goes: all of it near the vessel and none far from it, nor where it is rather another vessel's.
+double share_of_way(const VesselTree &tree, const VesselLesion &lesion, const Foot &foot,
+                    const Vector3d &place_m)
+{
+    const double fade = std::clamp((far_radii - foot.radii) / (far_radii - near_radii), 0.0, 1.0);
+    if (fade == 0) return 0;
+    const double ahead = radii_to_others(tree, lesion.branch, place_m) - foot.radii;
+    return fade * fade * (3 - 2 * fade) * std::clamp(1 + 2 * ahead, 0.0, 1.0);
+}
+
+// Box around what may move, so that a large mesh is passed over quickly.
+Eigen::AlignedBox3d reach_mm(const VesselLesion &lesion)
+{
+    Eigen::AlignedBox3d box;
+    for (std::size_t i = 0; i < lesion.size(); ++i) {
+        const Vector3d margin = Vector3d::Constant(far_radii * lesion.healthy_radii_m[i] * 1e3);
+        box.extend(lesion.healthy_points_m[i] * 1e3 - margin);
+        box.extend(lesion.healthy_points_m[i] * 1e3 + margin);
+    }
+    return box;
+}
+
+} // namespace
+
+void place_lesions(VesselTree &tree, const std::vector<LesionText> &lesions)
+{
+    for (const LesionText &text : lesions) place(tree, text);
+    std::string error;
+    if (!check_vessel_tree(tree, error)) throw Fault("[[lesion]] " + error);
+}
+
+std::vector<bool> narrow_lesions(std::vector<Vector3d> &vertices_mm, const VesselTree &tree)
+{
+    std::vector<bool> moved(vertices_mm.size(), false);
+    for (const VesselLesion &lesion : tree.lesions) {
+        const Eigen::AlignedBox3d reach = reach_mm(lesion);
+        for (std::size_t v = 0; v < vertices_mm.size(); ++v) {
+            if (!reach.contains(vertices_mm[v])) continue;
+            const Foot foot = foot_of(tree, lesion, vertices_mm[v] * 1e-3);
+            const double share = share_of_way(tree, lesion, foot, vertices_mm[v] * 1e-3);
+            const Vector3d there = foot.channel_m * 1e3 + foot.left * (vertices_mm[v] - foot.healthy_m * 1e3);
+            const Vector3d way = share * (there - vertices_mm[v]);
+            if (way.norm() < 1e-3) continue;
+            vertices_mm[v] += way;
+            moved[v] = true;
+        }
+    }
+    return moved;
+}
+
+BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const LesionText &text)
+{
+    constexpr std::size_t columns = 24;
+    constexpr double along_share = 0.3; // of the lesion's length, to either side of its throat
+    BakedBody body;
+    body.name = text.name + "_calcium";
+    body.material = "bone_cortical"; // mineral of plaque is apatite too
+    body.mesh.name = body.name;
+    std::vector<std::size_t> rows;
+    const auto last = static_cast<double>(lesion.size() - 1);
+    for (std::size_t i = 0; i < lesion.size(); ++i)
+        if (std::abs(static_cast<double>(i) / last - 0.5) <= along_share) rows.push_back(i);
+    for (std::size_t i : rows) {
+        const Vector3d &centre = lesion.healthy_points_m[i];
+        const Vector3d tangent =
+            (lesion.healthy_points_m[i + 1] - lesion.healthy_points_m[i - 1]).normalized();
+        const Vector3d off = tree.branches[lesion.branch].points_m[lesion.first_point + i] - centre;
+        const double channel = tree.branches[lesion.branch].radii_m[lesion.first_point + i];
+        for (std::size_t j = 0; j <= columns; ++j) {
+            const double turn = static_cast<double>(j) / columns - 0.5;
+            const Vector3d ray = across(tangent, text.plaque_deg + turn * text.calcified_deg);
+            // Where the ray leaves the channel, if it meets it.
+            const double inwards = off.dot(ray);
+            const double square = channel * channel - off.squaredNorm() + inwards * inwards;
+            const double begin = square > 0 ? std::max(inwards + std::sqrt(square), 0.0) : 0.0;
+            const double plaque = std::max(lesion.healthy_radii_m[i] - begin, 0.06e-3);
+            const double outer = lesion.healthy_radii_m[i] - 0.1 * plaque;
+            const double inner = outer - std::min(0.5 * plaque, 0.8e-3);
+            body.mesh.vertices_mm.push_back((centre + inner * ray) * 1e3);
+            body.mesh.vertices_mm.push_back((centre + outer * ray) * 1e3);
+        }
+    }
+    // Corner of row i, column j, on the inner (0) or outer (1) sheet.
+    const auto at = [&](std::size_t i, std::size_t j, std::size_t sheet) {
+        return static_cast<std::uint32_t>(2 * (i * (columns + 1) + j) + sheet);
+    };
+    const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+        body.mesh.triangles.push_back({a, b, c});
+        body.mesh.triangles.push_back({a, c, d});
+    };
+    const std::size_t end = rows.size() - 1;
+    for (std::size_t i = 0; i < end; ++i)
+        for (std::size_t j = 0; j < columns; ++j) {
+            quad(at(i, j, 1), at(i, j + 1, 1), at(i + 1, j + 1, 1), at(i + 1, j, 1));
+            quad(at(i, j, 0), at(i + 1, j, 0), at(i + 1, j + 1, 0), at(i, j + 1, 0));
+        }
+    for (std::size_t i = 0; i < end; ++i) {
+        quad(at(i, 0, 0), at(i, 0, 1), at(i + 1, 0, 1), at(i + 1, 0, 0));
+        quad(at(i, columns, 1), at(i, columns, 0), at(i + 1, columns, 0), at(i + 1, columns, 1));
+    }
+    for (std::size_t j = 0; j < columns; ++j) {
+        quad(at(0, j, 0), at(0, j + 1, 0), at(0, j + 1, 1), at(0, j, 1));
+        quad(at(end, j, 1), at(end, j + 1, 1), at(end, j + 1, 0), at(end, j, 0));
+    }
+    check_closed(body.mesh, Cap::none); // also turns it the right way round
+    return body;
+}
+
+std::string lesions_report(const VesselTree &tree, const TriangleTree &surface)
+{
+    std::string report;
+    for (const VesselLesion &lesion : tree.lesions) {
+        const VesselBranch &branch = tree.branches[lesion.branch];
+        const std::size_t throat = tree.throat(lesion);
+        const double reference_mm = 2e3 * lesion.healthy_radii_m[throat - lesion.first_point];
+        const double left = branch.radii_m[throat] * 2e3 / reference_mm;
+        double measured_mm = std::numeric_limits<double>::infinity();
+        for (std::size_t i = lesion.first_point; i < lesion.first_point + lesion.size(); ++i)
+            measured_mm = std::min(measured_mm, -2 * surface.nearest(branch.points_m[i] * 1e3).distance_mm);
+        char line[400];
+        std::snprintf(line, sizeof line,
+                      "lesion            %s in %s: %.2f of %.2f mm diameter left at %s, %.0f %% by diameter, "
+                      "%.0f %% by "
+                      "area; %.2f mm on the surface\n",
+                      lesion.name.c_str(), branch.name.c_str(), left * reference_mm, reference_mm,
+                      place_text(branch.points_m[throat] * 1e3).c_str(), 100 * (1 - left),
+                      100 * (1 - left * left), measured_mm);
+        report += line;
+    }
+    return report;
+}
+
+} // namespace seld::bake

@@ -1,0 +1,123 @@
+// Finer triangles where a lesion will move the wall.
+#include "tools/bake/lesion.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+namespace seld::bake
+{
+namespace
+{
+
+using Eigen::Vector3d;
+using Edge = std::pair<std::uint32_t, std::uint32_t>; // lower corner first
+
+constexpr double edge_min_mm = 0.25, near_radii = 1.6;
+constexpr int rounds_max = 8; // each halves an edge
+
+// The edge that is long enough there; infinite where no lesion is near.
+double edge_max_mm(const VesselTree &tree, const Vector3d &place_mm)
+{
+    double most = std::numeric_limits<double>::infinity();
+    for (const VesselLesion &lesion : tree.lesions) {
+        const double length_mm =
+            (lesion.healthy_points_m.back() - lesion.healthy_points_m.front()).norm() * 1e3;
+        for (std::size_t i = 0; i < lesion.size(); ++i)
+            if ((place_mm - lesion.healthy_points_m[i] * 1e3).norm() <
+                near_radii * lesion.healthy_radii_m[i] * 1e3) {
+                const double throat_mm = tree.branches[lesion.branch].radii_m[tree.throat(lesion)] * 1e3;
+                most = std::min(most, std::max(std::min(length_mm / 20, 0.6 * throat_mm), edge_min_mm));
+                break;
+            }
+    }
+    return most;
+}
+
+class Divider
+{
+  public:
+    Divider(Mesh &mesh, const VesselTree &tree) : mesh_(mesh), tree_(tree)
+    {
+        for (const VesselLesion &lesion : tree.lesions)
+            for (std::size_t i = 0; i < lesion.size(); ++i) {
+                const Vector3d margin = Vector3d::Constant(near_radii * lesion.healthy_radii_m[i] * 1e3);
+                box_.extend(lesion.healthy_points_m[i] * 1e3 - margin);
+                box_.extend(lesion.healthy_points_m[i] * 1e3 + margin);
+            }
+    }
+
+    // True when something was divided.
+    bool round()
+    {
+        middles_.clear();
+        for (const Triangle &t : mesh_.triangles)
+            for (std::size_t k = 0; k < 3; ++k) mark(t[k], t[(k + 1) % 3]);
+        if (middles_.empty()) return false;
+        std::vector<Triangle> triangles;
+        for (const Triangle &t : mesh_.triangles) divide(t, triangles);
+        mesh_.triangles = std::move(triangles);
+        return true;
+    }
+
+  private:
+    static Edge edge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+    void mark(std::uint32_t a, std::uint32_t b)
+    {
+        const Vector3d middle_mm = 0.5 * (mesh_.vertices_mm[a] + mesh_.vertices_mm[b]);
+        if (!box_.contains(middle_mm) || middles_.count(edge(a, b))) return;
+        if ((mesh_.vertices_mm[a] - mesh_.vertices_mm[b]).norm() <= edge_max_mm(tree_, middle_mm)) return;
+        middles_[edge(a, b)] = static_cast<std::uint32_t>(mesh_.vertices_mm.size());
+        mesh_.vertices_mm.push_back(middle_mm);
+    }
+
+    // One to four triangles, by how many edges are divided; neighbours see the same middles, so no crack opens.
+    void divide(const Triangle &t, std::vector<Triangle> &out) const
+    {
+        std::array<std::int64_t, 3> middle; // of the edge behind a corner, -1: not divided
+        std::size_t count = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto found = middles_.find(edge(t[k], t[(k + 1) % 3]));
+            middle[k] = found == middles_.end() ? -1 : static_cast<std::int64_t>(found->second);
+            count += middle[k] >= 0;
+        }
+        if (count == 0) return out.push_back(t);
+        // Turned so that the first edge is divided, and with two the last is not.
+        std::size_t turn = 0;
+        while (middle[turn] < 0 || (count == 2 && middle[(turn + 2) % 3] >= 0)) ++turn;
+        const std::uint32_t a = t[turn], b = t[(turn + 1) % 3], c = t[(turn + 2) % 3];
+        const auto ab = static_cast<std::uint32_t>(middle[turn]);
+        if (count == 1) {
+            out.push_back({a, ab, c});
+            return out.push_back({ab, b, c});
+        }
+        const auto bc = static_cast<std::uint32_t>(middle[(turn + 1) % 3]);
+        out.push_back({ab, b, bc});
+        if (count == 2) {
+            out.push_back({a, ab, bc});
+            return out.push_back({a, bc, c});
+        }
+        const auto ca = static_cast<std::uint32_t>(middle[(turn + 2) % 3]);
+        out.push_back({a, ab, ca});
+        out.push_back({ab, bc, ca});
+        out.push_back({ca, bc, c});
+    }
+
+    Mesh &mesh_;
+    const VesselTree &tree_;
+    Eigen::AlignedBox3d box_;
+    std::map<Edge, std::uint32_t> middles_;
+};
+
+} // namespace
+
+void refine_lesions(Mesh &mesh, const VesselTree &tree)
+{
+    if (tree.lesions.empty()) return;
+    Divider divider(mesh, tree);
+    for (int round = 0; round < rounds_max && divider.round(); ++round) {
+    }
+}
+
+} // namespace seld::bake

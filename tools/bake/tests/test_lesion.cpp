@@ -1,0 +1,263 @@
+// Claims: a lesion narrows tree, surface and field alike to what its text says, leaves the rest of the vessel as it was, keeps the mesh
+// closed with its vertices in place, and a text that does not fit is refused by name.
+#include "host/model/bodies.hpp"
+#include "tools/bake/field.hpp"
+#include "tools/bake/lesion.hpp"
+#include "tools/bake/tests/shapes.hpp"
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+extern "C" {
+#include <cmocka.h>
+}
+
+using namespace seld;
+using namespace seld::bake;
+using namespace seld::bake::tests;
+using Eigen::Vector3d;
+
+namespace
+{
+
+constexpr double radius_mm = 2.0;
+
+// A tube of radius 2 mm along y, 0 to 60 mm, points 5 mm apart, with a side branch at 45 mm.
+VesselTree tree_of_tube()
+{
+    VesselTree tree;
+    tree.branches.resize(2);
+    tree.branches[0].name = "lad";
+    for (int i = 0; i <= 12; ++i) {
+        tree.branches[0].points_m.emplace_back(0, 5e-3 * i, 0);
+        tree.branches[0].radii_m.push_back(radius_mm * 1e-3);
+    }
+    tree.branches[1].name = "diagonal";
+    tree.branches[1].parent = 0;
+    tree.branches[1].parent_point = 9;
+    tree.branches[1].points_m = {{0, 45e-3, 0}, {20e-3, 50e-3, 0}};
+    tree.branches[1].radii_m = {1e-3, 1e-3};
+    return tree;
+}
+
+LesionText plaque(double eccentricity = 0)
+{
+    LesionText text;
+    text.name = "plaque";
+    text.branch = "lad";
+    text.at_mm = 30;
+    text.length_mm = 16;
+    text.stenosis_percent = 70;
+    text.eccentricity = eccentricity;
+    return text;
+}
+
+Mesh capped_tube()
+{
+    Mesh mesh = tube(radius_mm, 60, 30, 32);
+    check_closed(mesh, Cap::flat);
+    return mesh;
+}
+
+void the_channel_is_the_cosine_of_the_text(void **)
+{
+    VesselTree tree = tree_of_tube();
+    place_lesions(tree, {plaque()});
+    const VesselLesion &lesion = tree.lesions.at(0);
+    const VesselBranch &lad = tree.branches[0];
+    for (std::size_t i = 0; i < lad.points_m.size(); ++i) {
+        const double u = (lad.points_m[i].y() * 1e3 - 30) / 16;
+        const double left = std::abs(u) < 0.5 ? 1 - 0.7 * 0.5 * (1 + std::cos(turn * u)) : 1;
+        assert_true(std::abs(lad.radii_m[i] * 1e3 - radius_mm * left) <
+                    2e-3); // micrometres, and u from rounded places
+        assert_true(std::hypot(lad.points_m[i].x(), lad.points_m[i].z()) < 1e-9);
+    }
+    assert_true(std::abs(lad.radii_m[tree.throat(lesion)] - 0.6e-3) < 2e-6);
+    assert_true(lad.points_m.front().y() == 0 && std::abs(lad.points_m.back().y() - 60e-3) < 1e-12);
+    for (double healthy : lesion.healthy_radii_m) assert_true(std::abs(healthy - radius_mm * 1e-3) < 1e-9);
+}
+
+void side_branches_still_leave_where_they_left(void **)
+{
+    VesselTree tree = tree_of_tube();
+    place_lesions(tree, {plaque()});
+    assert_true(std::abs(tree.branches[0].points_m[tree.branches[1].parent_point].y() - 45e-3) < 1e-9);
+    std::string error;
+    assert_true(check_vessel_tree(tree, error));
+}
+
+// Plaque in front (+z): the channel lies towards the back, and wholly eccentric it touches the healthy wall there.
+void an_eccentric_channel_lies_away_from_the_plaque(void **)
+{
+    VesselTree tree = tree_of_tube();
+    place_lesions(tree, {plaque(1)});
+    const Vector3d middle = tree.branches[0].points_m[tree.throat(tree.lesions[0])];
+    assert_true(std::abs(middle.z() + 1.4e-3) < 5e-6 && std::abs(middle.x()) < 1e-9);
+    LesionText left = plaque(1);
+    left.plaque_deg = 90; // right-handed about +y: from +z towards +x, the patient's left
+    tree = tree_of_tube();
+    place_lesions(tree, {left});
+    assert_true(tree.branches[0].points_m[tree.throat(tree.lesions[0])].x() < -1.39e-3);
+}
+
+// The wall at the tree's own points is as far as their radii say. Chords of 0.4 mm around 2 mm lie 0.01 mm inside.
+void the_surface_goes_with_the_tree(void **)
+{
+    for (double eccentricity : {0.0, 0.6}) {
+        VesselTree tree = tree_of_tube();
+        place_lesions(tree, {plaque(eccentricity)});
+        Mesh mesh = capped_tube();
+        const Mesh before = mesh;
+        refine_lesions(mesh, tree);
+        for (std::size_t i = 0; i < before.vertices_mm.size(); ++i)
+            assert_true(mesh.vertices_mm[i] == before.vertices_mm[i]);
+        assert_true(mesh.triangles.size() > 4 * before.triangles.size());
+        assert_true(std::abs(volume_mm3(mesh) - volume_mm3(before)) < 1e-6);
+        const std::vector<bool> moved = narrow_lesions(mesh.vertices_mm, tree);
+        check_closed(mesh, Cap::none); // throws when it is not
+        const TriangleTree surface(mesh);
+        const VesselLesion &lesion = tree.lesions[0];
+        for (std::size_t i = lesion.first_point; i < lesion.first_point + lesion.size(); ++i) {
+            const VesselBranch &lad = tree.branches[0];
+            const double wall_mm = -surface.nearest(lad.points_m[i] * 1e3).distance_mm;
+            // The nearest wall of a tapering channel is nearer than its radius: by the cosine of the taper.
+            const double slope = 0.7 * radius_mm * turn / 2 / 16 * 1.001;
+            assert_true(wall_mm < lad.radii_m[i] * 1e3 + 0.02);
+            assert_true(wall_mm >
+                        lad.radii_m[i] * 1e3 / std::sqrt(1 + slope * slope) - 0.1 * eccentricity - 0.04);
+        }
+        for (std::size_t i = 0; i < mesh.vertices_mm.size(); ++i)
+            if (std::abs(mesh.vertices_mm[i].y() - 30) > 8.01) assert_false(moved[i]);
+        assert_non_null(std::strstr(lesions_report(tree, surface).c_str(), "70 % by diameter, 91 % by area"));
+    }
+}
+
+// What the core will feel: the wall where it is, all round, and a wire of 0.18 mm that touches it. On the axis of so narrow a channel the
+// spline rounds the distance's ridge off.
+void the_field_knows_the_narrowed_wall(void **)
+{
+    VesselTree tree = tree_of_tube();
+    place_lesions(tree, {plaque()});
+    Mesh mesh = capped_tube();
+    refine_lesions(mesh, tree);
+    narrow_lesions(mesh.vertices_mm, tree);
+    const TriangleTree surface(mesh);
+    Progress progress;
+    Field field = make_field(surface, {0.03, 2.5, 1.5, 2}, progress);
+    const Vector3d throat_mm = tree.branches[0].points_m[tree.throat(tree.lesions[0])] * 1e3;
+    double worst_mm = 0;
+    for (double off_mm : {0.42, 0.6})
+        for (int k = 0; k < 24; ++k) {
+            const double angle = turn * k / 24;
+            const seld_vec3 place =
+                to_q30(throat_mm + off_mm * Vector3d(std::cos(angle), 0, std::sin(angle)));
+            const double phi_mm = seld_lumen_contact(field.view(), &place).distance_m_q30 * mm_per_q30;
+            worst_mm = std::max(worst_mm, std::abs(phi_mm - (off_mm - 0.6)));
+        }
+    print_message("# worst %.3f mm\n", worst_mm);
+    assert_true(worst_mm < 0.05); // a fifth of a voxel
+}
+
+void calcium_is_a_closed_shell_in_the_plaque(void **)
+{
+    LesionText text = plaque(0.5);
+    text.calcified_deg = 120;
+    VesselTree tree = tree_of_tube();
+    place_lesions(tree, {text});
+    const BakedBody calcium = calcium_of(tree, tree.lesions[0], text);
+    assert_string_equal(calcium.name.c_str(), "plaque_calcium");
+    assert_true(volume_mm3(calcium.mesh) > 1);
+    for (const Vector3d &v : calcium.mesh.vertices_mm) {
+        assert_true(std::hypot(v.x(), v.z()) < radius_mm);
+        assert_true(v.z() > -1e-9); // 60 degrees to either side of the front
+        double channel_mm = 1e9;    // outside of every ball of the channel
+        for (std::size_t i = 0; i < tree.branches[0].points_m.size(); ++i)
+            channel_mm = std::min(channel_mm, (v - tree.branches[0].points_m[i] * 1e3).norm() -
+                                                  tree.branches[0].radii_m[i] * 1e3);
+        assert_true(channel_mm > 0);
+    }
+}
+
+void a_file_gives_the_lesion_back(void **)
+{
+    const Folder folder;
+    SceneText text;
+    text.name = "test";
+    VesselTree tree = tree_of_tube();
+    place_lesions(tree, {plaque(0.3)});
+    write_whole(folder.path / "t.bodies", bodies_bytes(text, {}, tree));
+    Bodies bodies;
+    std::string error;
+    assert_true(read_bodies((folder.path / "t.bodies").string(), bodies, error));
+    assert_int_equal(bodies.vessels.lesions.size(), 1);
+    const VesselLesion &lesion = bodies.vessels.lesions[0];
+    assert_string_equal(lesion.name.c_str(), "plaque");
+    assert_int_equal(lesion.first_point, tree.lesions[0].first_point);
+    assert_true(lesion.healthy_radii_m == tree.lesions[0].healthy_radii_m);
+    for (std::size_t i = 0; i < lesion.size(); ++i)
+        assert_true((lesion.healthy_points_m[i] - tree.lesions[0].healthy_points_m[i]).norm() < 1e-9);
+}
+
+void what_does_not_fit_is_refused_by_name(void **)
+{
+    const auto refusal = [](const std::vector<LesionText> &lesions) {
+        VesselTree tree = tree_of_tube();
+        return complaint([&] { place_lesions(tree, lesions); });
+    };
+    LesionText text = plaque();
+    text.branch = "rca";
+    assert_non_null(std::strstr(refusal({text}).c_str(),
+                                "'plaque' lies on 'rca', which is no branch: there are lad, diagonal"));
+    text = plaque();
+    text.at_mm = 55;
+    assert_non_null(std::strstr(refusal({text}).c_str(), "reaches from 47.0 to 63.0 mm behind the ostium"));
+    LesionText second = plaque();
+    second.name = "second";
+    second.at_mm = 42;
+    assert_non_null(std::strstr(refusal({plaque(), second}).c_str(), "'second' overlaps 'plaque'"));
+    second.at_mm = 48;
+    assert_string_equal(refusal({plaque(), second}).c_str(), "");
+    assert_string_equal(refusal({second, plaque()}).c_str(), "");
+}
+
+void a_text_says_where_it_is_wrong(void **)
+{
+    const Folder folder;
+    folder.write("tube.obj", "v 0 0 0\n");
+    const auto refusal = [&](const std::string &lesion) {
+        const std::filesystem::path file =
+            folder.write("scene.toml", scene_text_of("tube.obj") + "[[lesion]]\n" + lesion);
+        return complaint([&] { read_scene_text(file, {}); });
+    };
+    const std::string whole =
+        "name = \"p\"\nbranch = \"lad\"\nat_mm = 10\nlength_mm = 8\nstenosis_percent = 75\n";
+    assert_string_equal(refusal(whole).c_str(), "");
+    assert_non_null(std::strstr(refusal("name = \"p\"\n").c_str(), ":10: [[lesion]] needs branch"));
+    assert_non_null(std::strstr(refusal(whole + "percent = 3\n").c_str(), "has no key 'percent'"));
+    assert_non_null(
+        std::strstr(refusal(whole + "eccentricity = 2\n").c_str(), ":16: [[lesion]] eccentricity must be"));
+    assert_non_null(
+        std::strstr(refusal(whole + "inside = \"heart\"\n").c_str(), "give calcified_deg as well"));
+    assert_non_null(std::strstr(refusal(whole + "calcified_deg = 90\ninside = \"heart\"\n").c_str(),
+                                "'heart', which is no body"));
+    assert_non_null(
+        std::strstr(refusal(whole + "[[lesion]]\n" + whole).c_str(), "two lesions are called 'p'"));
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(the_channel_is_the_cosine_of_the_text),
+        cmocka_unit_test(side_branches_still_leave_where_they_left),
+        cmocka_unit_test(an_eccentric_channel_lies_away_from_the_plaque),
+        cmocka_unit_test(the_surface_goes_with_the_tree),
+        cmocka_unit_test(the_field_knows_the_narrowed_wall),
+        cmocka_unit_test(calcium_is_a_closed_shell_in_the_plaque),
+        cmocka_unit_test(a_file_gives_the_lesion_back),
+        cmocka_unit_test(what_does_not_fit_is_refused_by_name),
+        cmocka_unit_test(a_text_says_where_it_is_wrong),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
