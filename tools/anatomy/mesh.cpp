@@ -17,6 +17,8 @@ namespace
 
 constexpr int BLOCK = 8; // voxels along one side of an OpenVDB leaf
 constexpr double BAND_VOXELS = 3.0;
+/* Distances of smooth shapes are estimates: 1.5 covers the steepest underestimate of the shapes used here. */
+constexpr double STEEPEST = 1.5;
 
 /* Box of one leaf of the grid with a margin of one voxel. */
 Box block_box(const openvdb::Coord &origin, double voxel_mm)
@@ -27,20 +29,32 @@ Box block_box(const openvdb::Coord &origin, double voxel_mm)
     return box;
 }
 
-/* Fills one leaf from the distance function. */
+/* Fills one leaf from the distance function. The surface needs exact values beside it only: a group of points whose middle lies so far
+ * off that none of them has a neighbour beyond it takes the band's, with the middle's sign. */
 void fill_block(openvdb::FloatGrid::Accessor &access, const openvdb::Coord &origin,
                 const MeshRequest &request)
 {
-    const double band = BAND_VOXELS * request.voxel_mm;
-    const Distance distance = request.distance_in(block_box(origin, request.voxel_mm), band);
+    constexpr int GROUP = 2;
+    const double voxel = request.voxel_mm, band = BAND_VOXELS * voxel;
+    // Half a group's diagonal and a voxel's, by the steepest estimate (level_set()).
+    const double far = STEEPEST * (0.5 * (GROUP - 1) + 1.0) * std::sqrt(3.0) * voxel;
+    const Distance distance = request.distance_in(block_box(origin, voxel), band);
     auto *leaf = access.touchLeaf(origin);
-    for (int x = 0; x < BLOCK; x++)
-        for (int y = 0; y < BLOCK; y++)
-            for (int z = 0; z < BLOCK; z++) {
-                const openvdb::Coord at = origin.offsetBy(x, y, z);
-                const Vec3 point = Vec3(at.x(), at.y(), at.z()) * request.voxel_mm;
-                leaf->setValueOn(at, static_cast<float>(std::clamp(distance(point), -band, band)));
-            }
+    const auto point_at = [&](const openvdb::Coord &at, double off) {
+        return Vec3((Vec3(at.x(), at.y(), at.z()) + Vec3::Constant(off)) * voxel);
+    };
+    for (int group = 0; group < BLOCK * BLOCK * BLOCK; group += GROUP * GROUP * GROUP) {
+        const int n = group / (GROUP * GROUP * GROUP), side = BLOCK / GROUP;
+        const openvdb::Coord first =
+            origin.offsetBy(GROUP * (n % side), GROUP * (n / side % side), GROUP * (n / side / side));
+        const double middle = distance(point_at(first, 0.5 * (GROUP - 1)));
+        for (int k = 0; k < GROUP * GROUP * GROUP; k++) {
+            const openvdb::Coord at = first.offsetBy(k % GROUP, k / GROUP % GROUP, k / GROUP / GROUP);
+            const double value = std::abs(middle) > far ? std::copysign(band, middle)
+                                                        : std::clamp(distance(point_at(at, 0)), -band, band);
+            leaf->setValueOn(at, static_cast<float>(value));
+        }
+    }
 }
 
 /* Blocks whose centre is far from the surface are skipped; the flood fill gives them their sign. */
@@ -50,8 +64,7 @@ openvdb::FloatGrid::Ptr level_set(const MeshRequest &request)
     const double block_mm = BLOCK * request.voxel_mm;
     auto grid = openvdb::FloatGrid::create(static_cast<float>(BAND_VOXELS * request.voxel_mm));
     auto access = grid->getAccessor();
-    // Distances of smooth shapes are estimates: 1.5 covers the steepest underestimate of the shapes used here.
-    const double reach_mm = 1.5 * (0.5 * std::sqrt(3.0) * block_mm) + request.voxel_mm;
+    const double reach_mm = STEEPEST * (0.5 * std::sqrt(3.0) * block_mm) + request.voxel_mm;
     const Vec3 first = ((request.bounds.low / block_mm).array().floor() - 1.0).matrix();
     const Vec3 last = ((request.bounds.high / block_mm).array().ceil() + 1.0).matrix();
     for (int x = static_cast<int>(first.x()); x <= last.x(); x++)
