@@ -119,7 +119,12 @@ SessionContrast::SessionContrast(const VesselTree &vessels, const std::vector<In
                                  const Motion *motion)
     : tools_(tools), vessels_(vessels), flow_(vessels)
 {
-    if (motion) motion_ = *motion;
+    if (!motion) return;
+    std::vector<Vector3d> points_m;
+    for (const VesselBranch &branch : vessels.branches)
+        points_m.insert(points_m.end(), branch.points_m.begin(), branch.points_m.end());
+    points_.emplace(*motion, std::move(points_m));
+    moved_ = vessels;
 }
 
 void SessionContrast::tick(const seld_wire_tick_state &state)
@@ -140,12 +145,12 @@ BeatPhase SessionContrast::beat_at(std::uint32_t tick, std::size_t &next) const
 // The centrelines where heart and breath have them in this frame.
 void SessionContrast::place_vessels(const WireFrame &wire)
 {
-    if (!motion_) return;
-    VesselTree moved = vessels_;
-    for (VesselBranch &branch : moved.branches)
-        for (Vector3d &point : branch.points_m)
-            point = motion_->push(point, MotionMoment{wire.heart_phase32, wire.breath_phase32});
-    flow_.place(moved);
+    if (!points_) return;
+    const MotionWeights now = motion_weights({wire.heart_phase32, wire.breath_phase32});
+    std::size_t i = 0;
+    for (VesselBranch &branch : moved_.branches)
+        for (Vector3d &point_m : branch.points_m) point_m = points_->at(i++, now);
+    flow_.place(moved_);
 }
 
 std::string SessionContrast::refusal(const RoomCommand &command) const

@@ -78,8 +78,9 @@ class SessionContrast
     SweptPoint stream_point(std::size_t cell, double narrowness) const;
 
     const std::vector<Instrument> tools_;
-    const VesselTree vessels_; // in the reference pose
-    std::optional<Motion> motion_;
+    const VesselTree vessels_;           // in the reference pose
+    VesselTree moved_;                   // as flow_ has it now, where there is a motion
+    std::optional<MovingPoints> points_; // of all branches
     ContrastFlow flow_;
     Injector injector_;
     State state_ = State::idle;

@@ -20,7 +20,6 @@ ContrastFlow::ContrastFlow(const VesselTree &tree, const ContrastSettings &setti
     const std::size_t count = cells_.size();
     for (std::size_t i = 0; i < count; ++i) {
         const FlowCell &cell = cells_[i];
-        upstream_.push_back(cell.upstream);
         per_volume_.push_back(2.0 / cell.volume_ml);
         // Mean speed over the length on which layers mix: (Q / (pi r^2)) / (mixing_radii r).
         mixing_.push_back(1e3 /
@@ -29,8 +28,7 @@ ContrastFlow::ContrastFlow(const VesselTree &tree, const ContrastSettings &setti
     tool_mm_.assign(count, 0.0);
     core_mg_.assign(count, 0.0);
     wall_mg_.assign(count, 0.0);
-    core_change_.resize(count);
-    wall_change_.resize(count);
+    in_mg_.assign(count, 0.0);
 }
 
 void ContrastFlow::set_tools(std::span<const ToolBall> balls)
@@ -57,79 +55,89 @@ void ContrastFlow::step(const FlowDrive &drive, const InjectedFluid &fluid)
     for (const CellSource &mouth : mouths_)
         if (fluid.flow_ml_s > 0.0) sources_.push_back({mouth.cell, mouth.flow_ml_s * fluid.flow_ml_s});
     network_.solve(drive, sources_);
-
-    // The faster layer may not give away more than it holds: then the step is done in parts.
-    const std::vector<double> &inflow = network_.inflow_ml_s(), &outflow = network_.outflow_ml_s();
-    std::copy(outflow.begin(), outflow.end(), core_change_.begin()); // what leaves each cell, ml/s
-    for (std::size_t i = 0; i < upstream_.size(); ++i) {
-        if (inflow[i] < 0.0) core_change_[i] -= inflow[i];
-        if (inflow[i] > 0.0 && upstream_[i] >= 0)
-            core_change_[static_cast<std::size_t>(upstream_[i])] += inflow[i];
-    }
-    double emptied = 0.0;
-    for (std::size_t i = 0; i < upstream_.size(); ++i)
-        emptied = std::max(emptied, core_change_[i] * per_volume_[i]);
-    const double faster = std::max(settings_.core_flow_share, 1.0 - settings_.core_flow_share);
-    const double parts = std::max(std::ceil(emptied * faster * step_s / emptied_max), 1.0);
+    out_mg_.resize(network_.runs().size());
+    const double parts = parts_of_step();
     for (int part = 0; part < static_cast<int>(parts); ++part) transport(step_s / parts, fluid);
     mix(step_s);
+}
+
+// The faster layer may not give away more than it holds: then the step is done in parts.
+double ContrastFlow::parts_of_step()
+{
+    const std::vector<FlowRun> &runs = network_.runs();
+    leaving_.assign(runs.size(), 0.0); // each run's last cell, ml/s
+    double emptied = 0.0;
+    for (std::size_t r = runs.size(); r-- > 0;) {
+        const double q = network_.inflow_ml_s(r);
+        if (q > 0.0 && runs[r].upstream >= 0) leaving_[static_cast<std::size_t>(runs[r].upstream)] += q;
+        const double last = leaving_[r] + network_.outflow_ml_s(r) + std::max(-q, 0.0);
+        emptied = std::max(
+            {emptied, last * per_volume_[runs[r].end - 1], std::fabs(q) * 2.0 / runs[r].smallest_ml});
+    }
+    const double faster = std::max(settings_.core_flow_share, 1.0 - settings_.core_flow_share);
+    return std::max(std::ceil(emptied * faster * step_s / emptied_max), 1.0);
 }
 
 // Each layer by itself, upwind: a flow carries the concentration of the cell that it leaves. Both layers have half of the
 // volume, and the same shares of every flow, injected fluid included, so that what enters a layer also leaves it.
 void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
 {
-    const std::vector<double> &inflow = network_.inflow_ml_s(), &outflow = network_.outflow_ml_s();
     const double core = settings_.core_flow_share * dt_s, wall = (1.0 - settings_.core_flow_share) * dt_s;
-    std::fill(core_change_.begin(), core_change_.end(), 0.0);
-    std::fill(wall_change_.begin(), wall_change_.end(), 0.0);
-    for (std::size_t i = 0; i < upstream_.size(); ++i) {
-        const int up = upstream_[i];
-        const double q = inflow[i];
-        const int from = q > 0.0 ? up : static_cast<int>(i);
-        if (from >= 0) { // else fresh blood
-            const auto donor = static_cast<std::size_t>(from);
-            const double carried = q * per_volume_[donor];
-            const double core_mg = core * carried * core_mg_[donor],
-                         wall_mg = wall * carried * wall_mg_[donor];
-            core_change_[i] += core_mg;
-            wall_change_[i] += wall_mg;
-            if (up >= 0) {
-                core_change_[static_cast<std::size_t>(up)] -= core_mg;
-                wall_change_[static_cast<std::size_t>(up)] -= wall_mg;
-            } else {
-                budget_.reflux_mg -= core_mg + wall_mg;
-            }
-        }
-        if (outflow[i] > 0.0) {
-            const double carried = outflow[i] * per_volume_[i];
-            const double core_mg = core * carried * core_mg_[i], wall_mg = wall * carried * wall_mg_[i];
-            core_change_[i] -= core_mg;
-            wall_change_[i] -= wall_mg;
-            budget_.out_mg += core_mg + wall_mg;
-        }
-    }
+    carry(core, core_mg_);
+    carry(wall, wall_mg_);
     for (const CellSource &source : sources_) {
         const double mg_per_s = source.flow_ml_s * fluid.iodine_mg_per_ml;
-        core_change_[source.cell] += core * mg_per_s;
-        wall_change_[source.cell] += wall * mg_per_s;
+        core_mg_[source.cell] += core * mg_per_s;
+        wall_mg_[source.cell] += wall * mg_per_s;
         budget_.injected_mg += mg_per_s * dt_s;
     }
-    for (std::size_t i = 0; i < core_mg_.size(); ++i) {
-        core_mg_[i] += core_change_[i];
-        wall_mg_[i] += wall_change_[i];
+}
+
+// One layer: seconds times its share of the flows, and what it holds. All flows carry what was there before any of them.
+void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
+{
+    const std::vector<FlowRun> &runs = network_.runs();
+    double *mg = layer_mg.data(), *in = in_mg_.data();
+    const double *per_volume = per_volume_.data();
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        const std::size_t begin = runs[r].begin, end = runs[r].end;
+        const double k = share_s * network_.inflow_ml_s(r);
+        const int up = runs[r].upstream;
+        if (k > 0.0) {
+            const std::size_t from = up < 0 ? 0 : runs[static_cast<std::size_t>(up)].end - 1;
+            in[begin] = up < 0 ? 0.0 : k * per_volume[from] * mg[from]; // else fresh blood
+            for (std::size_t i = begin + 1; i < end; ++i) in[i] = k * per_volume[i - 1] * mg[i - 1];
+        } else {
+            for (std::size_t i = begin; i < end; ++i) in[i] = k * per_volume[i] * mg[i];
+        }
+        out_mg_[r] = share_s * network_.outflow_ml_s(r) * per_volume[end - 1] * mg[end - 1];
+    }
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        const std::size_t begin = runs[r].begin, last = runs[r].end - 1;
+        for (std::size_t i = begin; i < last; ++i) mg[i] += in[i] - in[i + 1];
+        mg[last] += in[last] - out_mg_[r];
+        budget_.out_mg += out_mg_[r];
+        if (runs[r].upstream >= 0)
+            mg[runs[static_cast<std::size_t>(runs[r].upstream)].end - 1] -= in[begin];
+        else
+            budget_.reflux_mg -= in[begin];
     }
 }
 
 // The layers' difference falls as exp(-k t), k in proportion to the speed; implicit, so that it never overshoots.
 void ContrastFlow::mix(double dt_s)
 {
-    const std::vector<double> &inflow = network_.inflow_ml_s();
-    for (std::size_t i = 0; i < core_mg_.size(); ++i) {
-        const double x = std::fabs(inflow[i]) * mixing_[i] * dt_s;
-        const double moved = 0.5 * (core_mg_[i] - wall_mg_[i]) * x / (1.0 + x);
-        core_mg_[i] -= moved;
-        wall_mg_[i] += moved;
+    double *core = core_mg_.data(), *wall = wall_mg_.data();
+    const double *mixing = mixing_.data();
+    const std::vector<FlowRun> &runs = network_.runs();
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        const double flow_ml = std::fabs(network_.inflow_ml_s(r)) * dt_s;
+        for (std::size_t i = runs[r].begin; i < runs[r].end; ++i) {
+            const double x = flow_ml * mixing[i];
+            const double moved = 0.5 * (core[i] - wall[i]) * x / (1.0 + x);
+            core[i] -= moved;
+            wall[i] += moved;
+        }
     }
 }
 

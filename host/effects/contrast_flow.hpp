@@ -78,13 +78,14 @@ class ContrastFlow
     bool restore(std::span<const std::uint8_t> bytes);
 
   private:
+    double parts_of_step();
     void transport(double dt_s, const InjectedFluid &fluid);
+    void carry(double share_s, std::vector<double> &layer_mg);
     void mix(double dt_s);
 
     ContrastSettings settings_;
     FlowCells cells_;
     FlowNetwork network_;
-    std::vector<int> upstream_;
     std::vector<double> per_volume_; // 1 / (volume of a layer), 1/ml
     std::vector<double> mixing_;     // mixing rate per flow, 1/ml
     std::vector<double> tool_mm_;    // thickest tool in the cell
@@ -93,7 +94,7 @@ class ContrastFlow
     IodineBudget budget_;
     // Of a step, kept for their memory.
     std::vector<CellSource> sources_;
-    std::vector<double> core_change_, wall_change_;
+    std::vector<double> leaving_, in_mg_, out_mg_; // of runs, into cells, out of runs
 };
 
 } // namespace seld

@@ -1,6 +1,7 @@
 #include "host/effects/flow_network.hpp"
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace seld
 {
@@ -47,7 +48,9 @@ double annulus_share(double share)
 
 FlowNetwork::FlowNetwork(const FlowCells &cells, double viscosity_mPa_s)
 {
-    for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::size_t count = cells.size();
+    ends_run_.assign(count, 1);
+    for (std::size_t i = 0; i < count; ++i) {
         const FlowCell &cell = cells[i];
         // Hagen-Poiseuille, 8 mu/pi times the integral of ds/r^4, from Pa s/m^3 to mmHg s/ml.
         const double resistance = 8.0 * viscosity_mPa_s * cell.per_r4_mm3 / pi * mmHg_per_Pa;
@@ -56,28 +59,33 @@ FlowNetwork::FlowNetwork(const FlowCells &cells, double viscosity_mPa_s)
         outlet_.push_back(cell.outlet_ml_s / mean_pressure_mmHg);
         bed_.push_back(cell.bed);
         radius_mm_.push_back(cell.radius_mm);
+        volume_ml_.push_back(cell.volume_ml);
     }
+    std::vector<int> fed(count, 0); // cells fed by each
+    for (int up : upstream_)
+        if (up >= 0) ++fed[static_cast<std::size_t>(up)];
+    for (std::size_t i = 0; i + 1 < count; ++i)
+        if (upstream_[i + 1] == static_cast<int>(i) && fed[i] == 1 && !(outlet_[i] > 0.0)) ends_run_[i] = 0;
     throats_ = cells.throats();
-    for (const FlowThroat &throat : throats_) throat_loss_.push_back(loss_of(throat, 0.0));
+    throat_loss_.resize(throats_.size());
     throat_flows_.assign(throats_.size(), 0.0);
-    conductance_ = open_;
-    rows_.resize(cells.size());
-    injected_.assign(cells.size(), 0.0);
-    pressure_.assign(cells.size(), 0.0);
-    inflow_.assign(cells.size(), 0.0);
-    outflow_.assign(cells.size(), 0.0);
+    set_tools({});
+    divide({});
 }
 
 void FlowNetwork::set_tools(std::span<const double> tool_radius_mm)
 {
+    resistance_.resize(open_.size());
     for (std::size_t i = 0; i < open_.size(); ++i) {
         const double radius_mm = i < tool_radius_mm.size() ? tool_radius_mm[i] : 0.0;
-        conductance_[i] = open_[i] * (radius_mm > 0.0 ? annulus_share(radius_mm / radius_mm_[i]) : 1.0);
+        const double left = open_[i] * (radius_mm > 0.0 ? annulus_share(radius_mm / radius_mm_[i]) : 1.0);
+        resistance_[i] = left > 0.0 ? 1.0 / left : std::numeric_limits<double>::infinity();
     }
     for (std::size_t k = 0; k < throats_.size(); ++k) {
         const std::size_t cell = throats_[k].cell;
         throat_loss_[k] = loss_of(throats_[k], cell < tool_radius_mm.size() ? tool_radius_mm[cell] : 0.0);
     }
+    set_ways();
 }
 
 void FlowNetwork::set_throat_flows(std::span<const double> flows_ml_s)
@@ -91,55 +99,111 @@ void FlowNetwork::settle(const FlowDrive &drive)
     for (int round = 0; round < settle_rounds; ++round) solve(drive, {});
 }
 
-// Of the way into a cell: Poiseuille's, and behind it what its throats lose at the flows seen last.
+// Runs between the cells that end one, those that get fluid among them.
+void FlowNetwork::divide(std::span<const CellSource> sources)
+{
+    source_cells_.clear();
+    std::vector<std::uint8_t> ends = ends_run_;
+    for (const CellSource &source : sources) {
+        source_cells_.push_back(source.cell);
+        ends[source.cell] = 1;
+    }
+    runs_.clear();
+    run_of_.resize(open_.size());
+    for (std::size_t i = 0, begin = 0; i < open_.size(); ++i) {
+        run_of_[i] = runs_.size();
+        if (!ends[i]) continue;
+        const int up = upstream_[begin];
+        const auto first = volume_ml_.begin() + static_cast<std::ptrdiff_t>(begin);
+        runs_.push_back({begin, i + 1, up < 0 ? -1 : static_cast<int>(run_of_[static_cast<std::size_t>(up)]),
+                         *std::min_element(first, first + static_cast<std::ptrdiff_t>(i + 1 - begin))});
+        begin = i + 1;
+    }
+    rows_.assign(runs_.size(), {});
+    flows_.assign(runs_.size(), {});
+    set_ways();
+}
+
+void FlowNetwork::set_ways()
+{
+    for (std::size_t r = 0; r < runs_.size(); ++r) {
+        double resistance = 0.0;
+        for (std::size_t i = runs_[r].begin; i < runs_[r].end; ++i) resistance += resistance_[i];
+        rows_[r].open_way = std::isfinite(resistance) ? 1.0 / resistance : 0.0;
+    }
+}
+
+// To Poiseuille's resistance of a run comes what its throats lose at the flows seen last.
 void FlowNetwork::add_throats()
 {
-    way_ = conductance_;
+    for (Row &row : rows_) row.way = row.open_way;
     for (std::size_t k = 0; k < throats_.size(); ++k) {
-        double &way = way_[throats_[k].cell];
+        double &way = rows_[run_of_[throats_[k].cell]].way;
         if (way > 0.0) way = 1.0 / (1.0 / way + throat_loss_[k] * throat_flows_[k]);
     }
 }
 
-// Behind a cell lie conductances c to the veins and sources s. Its pressure is p, the way into it from pressure u has
-// conductance g: g (u - p) + s = c p. Seen from upstream the cell is g c / (g + c) with the source g s / (g + c).
+double FlowNetwork::pressure_mmHg(std::size_t cell) const
+{
+    const std::size_t run = run_of_[cell], end = runs_[run].end;
+    double resistance = 0.0; // from there to the run's last cell
+    for (std::size_t i = cell + 1; i < end; ++i) resistance += resistance_[i];
+    for (std::size_t k = 0; k < throats_.size(); ++k)
+        if (throats_[k].cell > cell && throats_[k].cell < end)
+            resistance += throat_loss_[k] * throat_flows_[k];
+    const double flow_ml_s = flows_[run].in_ml_s;
+    return rows_[run].pressure_mmHg + (flow_ml_s == 0.0 ? 0.0 : flow_ml_s * resistance);
+}
+
+// Behind a run's last cell lie conductances c to the veins and sources s. Its pressure is p, the way into it from pressure u has
+// conductance g: g (u - p) + s = c p. Seen from upstream the run is g c / (g + c) with the source g s / (g + c).
 void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sources)
 {
+    const bool is_divided =
+        std::equal(sources.begin(), sources.end(), source_cells_.begin(), source_cells_.end(),
+                   [](const CellSource &source, std::size_t cell) { return source.cell == cell; });
+    if (!is_divided) divide(sources);
     add_throats();
-    const std::size_t count = open_.size();
-    for (std::size_t i = 0; i < count; ++i) {
-        outflow_[i] = outlet_[i] > 0.0 ? outlet_[i] * drive.of(bed_[i]) : 0.0;
-        rows_[i] = {outflow_[i], 0.0};
-        injected_[i] = 0.0;
+    for (std::size_t r = 0; r < runs_.size(); ++r) {
+        const std::size_t last = runs_[r].end - 1;
+        const double outlet = outlet_[last] > 0.0 ? outlet_[last] * drive.of(bed_[last]) : 0.0;
+        flows_[r].out_ml_s = outlet;
+        rows_[r].conductance = outlet;
+        rows_[r].source = rows_[r].injected_ml_s = 0.0;
     }
     for (const CellSource &source : sources) {
-        injected_[source.cell] += source.flow_ml_s;
-        rows_[source.cell].source += source.flow_ml_s;
+        Row &row = rows_[run_of_[source.cell]];
+        row.injected_ml_s += source.flow_ml_s;
+        row.source += source.flow_ml_s;
     }
-    for (std::size_t i = count; i-- > 0;) {
-        const double g = way_[i], sum = g + rows_[i].conductance;
-        if (upstream_[i] < 0 || !(sum > 0.0)) continue;
-        const double share = g / sum;
-        Row &up = rows_[static_cast<std::size_t>(upstream_[i])];
-        up.conductance += share * rows_[i].conductance;
-        up.source += share * rows_[i].source;
+    for (std::size_t r = runs_.size(); r-- > 0;) {
+        const Row &row = rows_[r];
+        const double sum = row.way + row.conductance;
+        if (runs_[r].upstream < 0 || !(sum > 0.0)) continue;
+        const double share = row.way / sum;
+        Row &up = rows_[static_cast<std::size_t>(runs_[r].upstream)];
+        up.conductance += share * row.conductance;
+        up.source += share * row.source;
     }
-    for (std::size_t i = 0; i < count; ++i) {
-        const double g = way_[i], sum = g + rows_[i].conductance;
+    for (std::size_t r = 0; r < runs_.size(); ++r) {
+        Row &row = rows_[r];
+        const double sum = row.way + row.conductance;
+        const int up = runs_[r].upstream;
         const double before =
-            upstream_[i] < 0 ? drive.pressure_mmHg : pressure_[static_cast<std::size_t>(upstream_[i])];
-        pressure_[i] = sum > 0.0 ? (g * before + rows_[i].source) / sum : 0.0;
-        outflow_[i] *= pressure_[i];
-        inflow_[i] = outflow_[i] - injected_[i];
+            up < 0 ? drive.pressure_mmHg : rows_[static_cast<std::size_t>(up)].pressure_mmHg;
+        row.pressure_mmHg = sum > 0.0 ? (row.way * before + row.source) / sum : 0.0;
+        flows_[r].out_ml_s *= row.pressure_mmHg;
+        flows_[r].in_ml_s = flows_[r].out_ml_s - row.injected_ml_s;
     }
-    // What goes into a cell is what leaves it: exact, where differences of nearly equal pressures are not.
-    for (std::size_t i = count; i-- > 0;) {
-        if (!(way_[i] > 0.0)) inflow_[i] = 0.0; // nothing passes, not even a rounding error
-        if (upstream_[i] >= 0) inflow_[static_cast<std::size_t>(upstream_[i])] += inflow_[i];
+    // What goes into a run is what leaves it: exact, where differences of nearly equal pressures are not.
+    for (std::size_t r = runs_.size(); r-- > 0;) {
+        if (!(rows_[r].way > 0.0)) flows_[r].in_ml_s = 0.0; // nothing passes, not even a rounding error
+        if (runs_[r].upstream >= 0)
+            flows_[static_cast<std::size_t>(runs_[r].upstream)].in_ml_s += flows_[r].in_ml_s;
     }
     // Halfway to the new flow: the whole way would swing about it for ever.
     for (std::size_t k = 0; k < throats_.size(); ++k)
-        throat_flows_[k] += 0.5 * (std::fabs(inflow_[throats_[k].cell]) - throat_flows_[k]);
+        throat_flows_[k] += 0.5 * (std::fabs(flows_[run_of_[throats_[k].cell]].in_ml_s) - throat_flows_[k]);
 }
 
 } // namespace seld

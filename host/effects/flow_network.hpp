@@ -1,11 +1,12 @@
 // Blood flow in the cells of a tree at one moment: Poiseuille's resistance of every cell, narrowed by the tools in it, a
 // pressure at the inlet, conductances behind the outlets, and fluid that is injected. Linear, so one elimination from the
-// outlets to the inlet and one walk back solve it exactly. Behind the throat of a lesion the jet loses pressure with the square of
-// the flow (docs/contrast.md): that resistance is taken from the flows of the solutions before.
+// outlets to the inlet and one walk back solve it exactly. Cells in a row are one resistance, so that only the places where flow
+// divides count.
 // May include: flow_cells, beat. Called by: contrast_flow.
 #pragma once
 #include "host/effects/beat.hpp"
 #include "host/effects/flow_cells.hpp"
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,13 @@ struct CellSource {
     double flow_ml_s = 0.0;
 };
 
+// Cells that follow each other with nothing between them that adds or takes fluid: the same flow passes all of them.
+struct FlowRun {
+    std::size_t begin = 0, end = 0; // cells
+    int upstream = -1;              // the run whose last cell feeds the first one; -1: the inlet
+    double smallest_ml = 0.0;       // of its cells
+};
+
 class FlowNetwork
 {
   public:
@@ -33,33 +41,50 @@ class FlowNetwork
     // Solves until the flows through the throats agree with their resistance.
     void settle(const FlowDrive &drive);
 
-    // ml/s: into cell i from the one upstream of it (below 0: out of it), and out of it into the bed behind it.
-    const std::vector<double> &inflow_ml_s() const { return inflow_; }
-    const std::vector<double> &outflow_ml_s() const { return outflow_; }
-    const std::vector<double> &pressure_mmHg() const { return pressure_; } // above the veins
+    // Of the last solve: every cell is in one run, and a run stands behind the one that feeds it. A cell that has an outlet, gets
+    // fluid or feeds others than the next cell is the last of its run.
+    const std::vector<FlowRun> &runs() const { return runs_; }
+    std::size_t run_of(std::size_t cell) const { return run_of_[cell]; }
+    // ml/s: into the run from upstream (below 0: out of it), and out of its last cell into the bed behind it.
+    double inflow_ml_s(std::size_t run) const { return flows_[run].in_ml_s; }
+    double outflow_ml_s(std::size_t run) const { return flows_[run].out_ml_s; }
+
+    double pressure_mmHg(std::size_t cell) const; // above the veins
 
     // The flows on which the throats' resistance rests, ml/s: what the next solution depends on besides its arguments.
     const std::vector<double> &throat_flows_ml_s() const { return throat_flows_; }
     void set_throat_flows(std::span<const double> flows_ml_s); // as many as there are throats
 
   private:
-    void add_throats();
-
-    struct Row {                  // of the elimination
+    struct Flow {
+        double in_ml_s = 0.0, out_ml_s = 0.0;
+    };
+    struct Row {                  // of the elimination, at a run's last cell
         double conductance = 0.0; // of all behind it, seen from the cell
         double source = 0.0;
+        double open_way = 0.0,
+               way = 0.0; // conductance from the last cell of the run upstream, without and with throats
+        double pressure_mmHg = 0.0, injected_ml_s = 0.0;
     };
+    void divide(std::span<const CellSource> sources);
+    void set_ways();
+    void add_throats();
+
     std::vector<FlowThroat> throats_;
     std::vector<double> throat_loss_,
         throat_flows_; // mmHg per (ml/s)^2 with the tools that stand in it; ml/s
     std::vector<int> upstream_;
-    std::vector<double> open_, conductance_,
-        way_; // of the way into each cell: without tools, with them, with the throats too; ml/s per mmHg
+    std::vector<double> open_,
+        resistance_; // of the way into each cell: conductance without tools, resistance with tools
     std::vector<double> outlet_; // mean conductance behind it
     std::vector<VesselBed> bed_;
-    std::vector<double> radius_mm_;
+    std::vector<double> radius_mm_, volume_ml_;
+    std::vector<std::uint8_t> ends_run_;    // without sources
+    std::vector<std::size_t> source_cells_; // that the runs were divided at
+    std::vector<FlowRun> runs_;
+    std::vector<std::size_t> run_of_; // of each cell
     std::vector<Row> rows_;
-    std::vector<double> injected_, pressure_, inflow_, outflow_;
+    std::vector<Flow> flows_;
 };
 
 } // namespace seld

@@ -52,7 +52,7 @@ std::vector<LesionFigures> lesion_figures(const VesselTree &tree, double viscosi
         const FlowThroat &throat = cells.throats()[k];
         const std::size_t ahead = before(cells, lesion, throat);
         const auto drop = [&](const FlowNetwork &network) {
-            return network.pressure_mmHg()[ahead] - network.pressure_mmHg()[throat.behind];
+            return network.pressure_mmHg(ahead) - network.pressure_mmHg(throat.behind);
         };
         LesionFigures figures;
         figures.name = lesion.name;
@@ -60,11 +60,11 @@ std::vector<LesionFigures> lesion_figures(const VesselTree &tree, double viscosi
         figures.length_mm = length_mm(lesion);
         figures.minimum_diameter_mm = 2.0 * throat.radius_mm;
         figures.reference_diameter_mm = 2.0 * throat.healthy_radius_mm;
-        figures.rest_flow_ml_s = rest.inflow_ml_s()[throat.cell];
+        figures.rest_flow_ml_s = rest.inflow_ml_s(rest.run_of(throat.cell));
         figures.rest_drop_mmHg = drop(rest);
-        figures.hyperaemic_flow_ml_s = hyperaemia.inflow_ml_s()[throat.cell];
+        figures.hyperaemic_flow_ml_s = hyperaemia.inflow_ml_s(hyperaemia.run_of(throat.cell));
         figures.hyperaemic_drop_mmHg = drop(hyperaemia);
-        figures.ffr = hyperaemia.pressure_mmHg()[throat.behind] / open.pressure_mmHg;
+        figures.ffr = hyperaemia.pressure_mmHg(throat.behind) / open.pressure_mmHg;
         all.push_back(figures);
     }
     return all;

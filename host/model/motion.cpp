@@ -124,50 +124,69 @@ std::optional<Motion> read_motion(const std::string &scene_path, std::string &er
     return {};
 }
 
+MovingPoints::MovingPoints(const Motion &motion, std::vector<Eigen::Vector3d> reference_m)
+    : reference_m_(std::move(reference_m))
+{
+    coefficients_um_.reserve(reference_m_.size() * 3 * kept);
+    for (const Eigen::Vector3d &X_m : reference_m_) {
+        double way[3][motion_keyframes], c[motion_keyframes];
+        bool moves = false;
+        for (int key = 0; key < motion_keyframes; ++key) {
+            MotionMoment moment;
+            moment.heart_phase32 = static_cast<std::uint32_t>((std::uint64_t(key) << 32) / motion_keyframes);
+            const Eigen::Vector3d moved = motion.push(X_m, moment) - X_m;
+            moves = moves || !moved.isZero(0.0);
+            for (int k = 0; k < 3; ++k) way[k][key] = moved[k] * 1e6;
+        }
+        const Eigen::Vector3d inhaled = motion.push(X_m, MotionMoment{0, 1u << 31}) - X_m;
+        moves_.push_back(moves || !inhaled.isZero(0.0));
+        for (int k = 0; k < 3; ++k) {
+            motion_prefilter(way[k], c);
+            for (int i = 0; i < motion_keyframes + 2; ++i)
+                coefficients_um_.push_back(
+                    static_cast<float>(c[(i + motion_keyframes - 1) % motion_keyframes]));
+            coefficients_um_.push_back(static_cast<float>(inhaled[k] * 1e6 - way[k][0]));
+        }
+    }
+}
+
+Eigen::Vector3f MovingPoints::way_um(std::size_t i, const MotionWeights &weights) const
+{
+    if (!moves_[i]) return Eigen::Vector3f::Zero();
+    const auto a = static_cast<float>(weights.weights[0]), b = static_cast<float>(weights.weights[1]),
+               c = static_cast<float>(weights.weights[2]), depth = static_cast<float>(weights.breath);
+    Eigen::Vector3f way;
+    const float *row = coefficients_um_.data() + i * 3 * kept;
+    for (int k = 0; k < 3; ++k, row += kept) {
+        const float *taps = row + weights.first;
+        way[k] = taps[0] * a + taps[1] * b + taps[2] * c + row[kept - 1] * depth;
+    }
+    return way;
+}
+
 MovingBodies::MovingBodies(const Motion &motion, const Bodies &bodies)
 {
     for (std::size_t index = 0; index < bodies.bodies.size(); ++index) {
         const seld::Body &body = bodies.bodies[index];
         if (!body.moves) continue;
-        Body moving{static_cast<int>(index), {}, body.vertices_um, body.vertices_um};
-        moving.coefficients_um.reserve(body.vertices_um.size() * 3 * kept);
-        for (const Eigen::Vector3i &vertex_um : body.vertices_um) {
-            const Eigen::Vector3d X_m = vertex_um.cast<double>() * 1e-6;
-            double way[3][motion_keyframes], c[motion_keyframes];
-            for (int key = 0; key < motion_keyframes; ++key) {
-                MotionMoment moment;
-                moment.heart_phase32 =
-                    static_cast<std::uint32_t>((std::uint64_t(key) << 32) / motion_keyframes);
-                const Eigen::Vector3d moved = motion.push(X_m, moment) - X_m;
-                for (int k = 0; k < 3; ++k) way[k][key] = moved[k] * 1e6;
-            }
-            const Eigen::Vector3d inhaled = motion.push(X_m, MotionMoment{0, 1u << 31}) - X_m;
-            for (int k = 0; k < 3; ++k) {
-                motion_prefilter(way[k], c);
-                for (int i = 0; i < motion_keyframes + 2; ++i)
-                    moving.coefficients_um.push_back(
-                        static_cast<float>(c[(i + motion_keyframes - 1) % motion_keyframes]));
-                moving.coefficients_um.push_back(static_cast<float>(inhaled[k] * 1e6 - way[k][0]));
-            }
-        }
-        moving_.push_back(std::move(moving));
+        std::vector<Eigen::Vector3d> places_m;
+        for (const Eigen::Vector3i &vertex_um : body.vertices_um)
+            places_m.push_back(vertex_um.cast<double>() * 1e-6);
+        moving_.push_back({static_cast<int>(index), MovingPoints(motion, std::move(places_m)),
+                           body.vertices_um, body.vertices_um});
     }
 }
 
 const std::vector<MovingBodies::Moved> &MovingBodies::at(const MotionMoment &moment)
 {
     const MotionWeights weights = motion_weights(moment);
-    const auto a = static_cast<float>(weights.weights[0]), b = static_cast<float>(weights.weights[1]),
-               c = static_cast<float>(weights.weights[2]), depth = static_cast<float>(weights.breath);
     moved_.clear();
     for (Body &body : moving_) {
-        const float *row = body.coefficients_um.data();
-        for (std::size_t i = 0; i < body.vertices_um.size(); ++i)
-            for (int k = 0; k < 3; ++k, row += kept) {
-                const float *taps = row + weights.first;
-                const float way = taps[0] * a + taps[1] * b + taps[2] * c + row[kept - 1] * depth;
-                body.vertices_um[i][k] = body.reference_um[i][k] + static_cast<int>(std::lround(way));
-            }
+        for (std::size_t i = 0; i < body.points.size(); ++i) {
+            const Eigen::Vector3f way_um = body.points.way_um(i, weights);
+            for (int k = 0; k < 3; ++k)
+                body.vertices_um[i][k] = body.reference_um[i][k] + static_cast<int>(std::lround(way_um[k]));
+        }
         moved_.push_back({body.index, body.vertices_um});
     }
     return moved_;

@@ -4,6 +4,7 @@
 //   X = motion->pull(x, moment); x = motion->push(X, moment);
 //   MovingBodies bodies(*motion, all_bodies);
 //   bodies.at({wire.heart_phase32, wire.breath_phase32});       // vertices of what moves
+//   MovingPoints points(*motion, places); points.at(moment);
 //
 // May include: shared/scene, bodies. Called by: host/app, host/effects.
 #pragma once
@@ -51,7 +52,6 @@ class Motion
     Eigen::Vector3d push(const Eigen::Vector3d &X_m, const MotionMoment &moment) const;
 
   private:
-    friend class MovingBodies;
     Eigen::Vector3d way(const Eigen::Vector3d &x_m, const MotionWeights &weights) const;
     Eigen::Vector3d push(const Eigen::Vector3d &X_m, const MotionWeights &weights) const;
 
@@ -64,8 +64,28 @@ class Motion
 // The MOTION section of a scene file. Nothing when it has none, or, with a message in `error`, when it cannot be read.
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error);
 
-// Bodies that move with it: every vertex is taken through the keyframes once, then a moment costs a few products per vertex.
-// Between keyframes that is the spline of the moved places, within 0.05 mm of the lattice's own map.
+// Places that move with it: each is taken through the keyframes once, then a moment costs a few products. Between keyframes that is the
+// spline of the moved places, within 0.05 mm of the lattice's own map.
+class MovingPoints
+{
+  public:
+    MovingPoints(const Motion &motion, std::vector<Eigen::Vector3d> reference_m);
+    std::size_t size() const { return reference_m_.size(); }
+    bool moves(std::size_t i) const { return moves_[i]; }
+    // The way of place i from the reference pose, um; 0 0 0 for one that never moves.
+    Eigen::Vector3f way_um(std::size_t i, const MotionWeights &weights) const;
+    Eigen::Vector3d at(std::size_t i, const MotionWeights &weights) const
+    {
+        return reference_m_[i] + way_um(i, weights).cast<double>() * 1e-6;
+    }
+
+  private:
+    std::vector<Eigen::Vector3d> reference_m_;
+    std::vector<bool> moves_;
+    std::vector<float> coefficients_um_; // per place: 3 components of 27: keyframes 23, 0 .. 23, 0, breath
+};
+
+// Bodies that move with it: their vertices.
 class MovingBodies
 {
   public:
@@ -82,8 +102,7 @@ class MovingBodies
   private:
     struct Body {
         int index;
-        std::vector<float>
-            coefficients_um; // per vertex: 3 components of 27: keyframes 23, 0 .. 23, 0, breath
+        MovingPoints points;
         std::vector<Eigen::Vector3i> reference_um, vertices_um;
     };
     std::vector<Body> moving_;

@@ -177,6 +177,29 @@ void bodies_that_move_go_where_the_lattice_takes_them(void **)
     }
 }
 
+// Places go where the lattice pushes them: to 1 um at the keyframes, of which the spline is made, to 50 um between them and in a deep
+// breath; places outside the lattice stay to the last bit.
+void points_that_move_go_where_the_lattice_takes_them(void **)
+{
+    const Sample sample;
+    const Motion motion(sample.scene.motion);
+    std::vector<Eigen::Vector3d> places_m = {{0.1, 0, 0}};
+    for (int i = 0; i < 40; ++i) places_m.emplace_back((i % 5 - 2) * 3e-3, (i % 8) * 1.8e-3, (i % 7) * 2e-3);
+    const MovingPoints points(motion, places_m);
+    assert_true(points.size() == 41 && !points.moves(0) && points.moves(10));
+    for (int step = 0; step < 4 * motion_keyframes; ++step) {
+        const MotionMoment now = moment(step / (4.0 * motion_keyframes), 0), inhaled = moment(0, 0.5);
+        assert_true(points.at(0, motion_weights(now)) == places_m[0]);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const double off_m = (points.at(i, motion_weights(now)) - motion.push(places_m[i], now)).norm();
+            if (off_m > (step % 4 == 0 ? 1e-6 : 50e-6)) fail_msg("place %zu off by %g m", i, off_m);
+            const double breath_off_m =
+                (points.at(i, motion_weights(inhaled)) - motion.push(places_m[i], inhaled)).norm();
+            assert_true(breath_off_m < 1e-6);
+        }
+    }
+}
+
 } // namespace
 
 int main()
@@ -188,6 +211,7 @@ int main()
         cmocka_unit_test(the_waves_stand_where_the_beat_says),
         cmocka_unit_test(the_lattice_is_read_as_it_was_written),
         cmocka_unit_test(pushing_undoes_pulling),
+        cmocka_unit_test(points_that_move_go_where_the_lattice_takes_them),
         cmocka_unit_test(bodies_that_move_go_where_the_lattice_takes_them),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
