@@ -1,6 +1,7 @@
 // Draws into one tile: eight triangles are set up together, then each one's rows are drawn eight pixels at a time.
 #include "host/xray/raster_tile.hpp"
 #include <algorithm>
+#include <cmath>
 
 namespace seld
 {
@@ -8,6 +9,7 @@ namespace
 {
 
 constexpr int half = subpixels / 2;
+constexpr int strips_max = tile_columns / lane_count;
 
 namespace plain
 {

@@ -16,6 +16,8 @@ struct Batch {
     // Edge functions at the first pixel's centre, and their steps by one pixel; in `subpixels`, rounded down, since the steps
     // are whole multiples and only the sign counts.
     std::int32_t edge[3][lane_count], step_x[3][lane_count], step_y[3][lane_count];
+    // Rows that an edge leaves to each strip of eight columns.
+    float from[3][lane_count], from_step[3][lane_count], to[3][lane_count], to_step[3][lane_count];
     float area[lane_count], slope_x[lane_count], slope_y[lane_count], low[lane_count], high[lane_count];
     std::int32_t sign[lane_count];  // -1 for an entry, 0 for an exit
     std::int32_t *sums[lane_count]; // where each is drawn
