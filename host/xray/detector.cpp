@@ -68,115 +68,108 @@ float transmission(const BeamTable &beam, const std::array<float, material_count
     return share;
 }
 
-// Loops of their own: among others, compilers do not turn them into vectors.
-
-// Not 0 when any of them is.
-SELD_WIDE static std::int32_t take(const std::int32_t *from, int count, float *to)
-{
-    std::int32_t any = 0;
-    for (int i = 0; i < count; ++i) {
-        to[i] = static_cast<float>(from[i]);
-        any |= from[i];
-    }
-    return any;
-}
-
-SELD_WIDE static void add_scaled(const float *from, float factor, int count, float *to)
-{
-    for (int i = 0; i < count; ++i) to[i] += factor * from[i];
-}
-
-SELD_WIDE static void add_passed(const float *exponent, float weight, int count, float *sum)
-{
-    for (int i = 0; i < count; ++i) sum[i] += weight * exp2_negative(exponent[i]);
-}
-
-// Both at once for three, six and nine materials.
-SELD_WIDE static void add_passed_three(const float *const *path, const float *factor, float weight, int count,
-                                       float *sum)
-{
-    const float *p0 = path[0], *p1 = path[1], *p2 = path[2];
-    const float f0 = factor[0], f1 = factor[1], f2 = factor[2];
-    for (int i = 0; i < count; ++i) sum[i] += weight * exp2_negative(f0 * p0[i] + f1 * p1[i] + f2 * p2[i]);
-}
-
-SELD_WIDE static void add_passed_six(const float *const *path, const float *factor, float weight, int count,
-                                     float *sum)
-{
-    const float *p0 = path[0], *p1 = path[1], *p2 = path[2], *p3 = path[3], *p4 = path[4], *p5 = path[5];
-    const float f0 = factor[0], f1 = factor[1], f2 = factor[2], f3 = factor[3], f4 = factor[4],
-                f5 = factor[5];
-    for (int i = 0; i < count; ++i)
-        sum[i] += weight *
-                  exp2_negative(f0 * p0[i] + f1 * p1[i] + f2 * p2[i] + f3 * p3[i] + f4 * p4[i] + f5 * p5[i]);
-}
-
-SELD_WIDE static void add_passed_nine(const float *const *path, const float *factor, float weight, int count,
-                                      float *sum)
-{
-    const float *p0 = path[0], *p1 = path[1], *p2 = path[2], *p3 = path[3], *p4 = path[4], *p5 = path[5],
-                *p6 = path[6], *p7 = path[7], *p8 = path[8];
-    const float f0 = factor[0], f1 = factor[1], f2 = factor[2], f3 = factor[3], f4 = factor[4],
-                f5 = factor[5], f6 = factor[6], f7 = factor[7], f8 = factor[8];
-    for (int i = 0; i < count; ++i)
-        sum[i] += weight * exp2_negative(f0 * p0[i] + f1 * p1[i] + f2 * p2[i] + f3 * p3[i] + f4 * p4[i] +
-                                         f5 * p5[i] + f6 * p6[i] + f7 * p7[i] + f8 * p8[i]);
-}
-
 namespace
 {
 
-constexpr int fused_max = 9;
-constexpr int block = 64; // columns: long enough to be a loop of vectors, short enough for the nearest cache
+constexpr int block = 64; // columns: long enough for a loop of vectors, short enough for the nearest cache
+constexpr std::int32_t nothing[block] = {};
 
-// What some columns of a row have of the materials, and no others; filled up with nothing to nine.
+// What some columns of a row have of the materials, and no others.
 struct PresentPaths {
-    float path[material_count + fused_max][block];
-    const float *pointer[fused_max];
-    int material[material_count];
+    const std::int32_t *path[material_count];
+    float factor[material_count][beam_energy_count];
+    float weight[beam_energy_count];
     int count = 0;
 
-    PresentPaths(const std::array<const std::int32_t *, material_count> &paths, int begin, int columns)
+    void add(const std::int32_t *line, const std::array<float, beam_energy_count> &factors)
     {
-        for (int m = 0; m < material_count; ++m) {
-            if (!paths[m]) continue;
-            if (take(paths[m] + begin, columns, path[count]) != 0) material[count++] = m;
-        }
-        for (int j = count; j < fused_max; ++j) std::fill_n(path[j], columns, 0.0f);
-        for (int j = 0; j < fused_max; ++j) pointer[j] = path[j];
-    }
-    float factor(const BeamTable &beam, int j, int energy) const
-    {
-        return j < count ? beam.log2_per_q10mm[material[j]][energy] : 0.0f;
+        path[count] = line;
+        std::copy(factors.begin(), factors.end(), factor[count++]);
     }
 };
 
+// All energies at once, so that each path is read once.
+template <int count>
+inline __attribute__((always_inline)) void pass_block(const PresentPaths &present, int columns, float *share)
+{
+    for (int i = 0; i < columns; ++i) {
+        float path[count], sum = 0.0f;
+        for (int j = 0; j < count; ++j) path[j] = static_cast<float>(present.path[j][i]);
+        for (int k = 0; k < beam_energy_count; ++k) {
+            float exponent = present.factor[0][k] * path[0];
+            for (int j = 1; j < count; ++j) exponent += present.factor[j][k] * path[j];
+            sum += present.weight[k] * exp2_negative(exponent);
+        }
+        share[i] = sum;
+    }
+}
+
 } // namespace
+
+// Loops of their own: among others, compilers do not turn them into vectors.
+
+// Not 0 when any of them is.
+SELD_WIDE static std::int32_t any_of(const std::int32_t *from, int count)
+{
+    std::int32_t any = 0;
+    for (int i = 0; i < count; ++i) any |= from[i];
+    return any;
+}
+
+SELD_WIDE static void pass_one(const PresentPaths &present, int columns, float *share)
+{
+    pass_block<1>(present, columns, share);
+}
+
+SELD_WIDE static void pass_two(const PresentPaths &present, int columns, float *share)
+{
+    pass_block<2>(present, columns, share);
+}
+
+SELD_WIDE static void pass_three(const PresentPaths &present, int columns, float *share)
+{
+    pass_block<3>(present, columns, share);
+}
+
+SELD_WIDE static void pass_four(const PresentPaths &present, int columns, float *share)
+{
+    pass_block<4>(present, columns, share);
+}
+
+SELD_WIDE static void pass_six(const PresentPaths &present, int columns, float *share)
+{
+    pass_block<6>(present, columns, share);
+}
+
+SELD_WIDE static void pass_nine(const PresentPaths &present, int columns, float *share)
+{
+    pass_block<9>(present, columns, share);
+}
+
+SELD_WIDE static void pass_all(const PresentPaths &present, int columns, float *share)
+{
+    pass_block<material_count>(present, columns, share);
+}
 
 void transmission_row(const BeamTable &beam, const std::array<const std::int32_t *, material_count> &paths,
                       int size, float *share)
 {
+    static constexpr struct {
+        int count;
+        void (*pass)(const PresentPaths &present, int columns, float *share);
+    } passes[] = {{1, pass_one}, {2, pass_two},  {3, pass_three},           {4, pass_four},
+                  {6, pass_six}, {9, pass_nine}, {material_count, pass_all}};
     for (int begin = 0; begin < size; begin += block) {
         const int columns = std::min(block, size - begin);
-        const PresentPaths present(paths, begin, columns);
-        float *sum = share + begin;
-        std::fill_n(sum, columns, 0.0f);
-        for (int k = 0; k < beam_energy_count; ++k) {
-            const float weight = beam.share[k];
-            float factors[fused_max];
-            for (int j = 0; j < fused_max; ++j) factors[j] = present.factor(beam, j, k);
-            if (present.count <= fused_max) {
-                auto add = present.count <= 3   ? add_passed_three
-                           : present.count <= 6 ? add_passed_six
-                                                : add_passed_nine;
-                add(present.pointer, factors, weight, columns, sum);
-                continue;
-            }
-            float exponent[block] = {};
-            for (int j = 0; j < present.count; ++j)
-                add_scaled(present.path[j], present.factor(beam, j, k), columns, exponent);
-            add_passed(exponent, weight, columns, sum);
-        }
+        PresentPaths present;
+        std::copy(beam.share.begin(), beam.share.end(), present.weight);
+        for (int m = 0; m < material_count; ++m)
+            if (paths[m] && any_of(paths[m] + begin, columns) != 0)
+                present.add(paths[m] + begin, beam.log2_per_q10mm[m]);
+        const auto *fitting = passes;
+        while (fitting->count < present.count) ++fitting;
+        while (present.count < fitting->count) present.add(nothing, {});
+        fitting->pass(present, columns, share + begin);
     }
 }
 
