@@ -72,8 +72,8 @@ SELD_WIDE void keep_triangles(const std::array<std::uint16_t, 3> *triangles, std
     std::int32_t least[2] = {INT16_MAX, INT16_MAX}, greatest[2] = {-1, -1};
     std::uint32_t kept_count = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
-        const Corner &a = corners[triangles[i][0]], &b = corners[triangles[i][1]],
-                     &c = corners[triangles[i][2]];
+        const auto [first_corner, second_corner, third_corner] = triangles[i];
+        const Corner &a = corners[first_corner], &b = corners[second_corner], &c = corners[third_corner];
         const std::int32_t as[2] = {a.x, a.y}, bs[2] = {b.x, b.y}, cs[2] = {c.x, c.y};
         std::int32_t from[2], to[2], is_large = 0;
         for (int axis = 0; axis < 2; ++axis) {
@@ -84,9 +84,12 @@ SELD_WIDE void keep_triangles(const std::array<std::uint16_t, 3> *triangles, std
             is_large |= high - low > 64 * subpixels; // products of differences then pass 2^30
         }
         if (from[0] > to[0] || from[1] > to[1]) continue;
-        kept[kept_count++] = {static_cast<std::int16_t>(from[0]), static_cast<std::int16_t>(from[1]),
-                              static_cast<std::int16_t>(to[0]),   static_cast<std::int16_t>(to[1]),
-                              static_cast<std::uint16_t>(i),      static_cast<std::uint16_t>(is_large)};
+        kept[kept_count++] = {static_cast<std::int16_t>(from[0]),
+                              static_cast<std::int16_t>(from[1]),
+                              static_cast<std::int16_t>(to[0]),
+                              static_cast<std::int16_t>(to[1]),
+                              {first_corner, second_corner, third_corner},
+                              static_cast<std::uint16_t>(is_large)};
         for (int axis = 0; axis < 2; ++axis) {
             least[axis] = std::min(least[axis], from[axis]);
             greatest[axis] = std::max(greatest[axis], to[axis]);

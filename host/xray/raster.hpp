@@ -42,8 +42,8 @@ inline std::int32_t snap(float pixels)
 // Pixels x0 .. x1, y0 .. y1, both included, that the box of a triangle holds.
 struct KeptTriangle {
     std::int16_t x0, y0, x1, y1;
-    std::uint16_t index;    // in the chunk
-    std::uint16_t is_large; // more than 64 pixels wide or high: products of differences may pass 2^31
+    std::uint16_t corner[3]; // of the chunk's
+    std::uint16_t is_large;  // more than 64 pixels wide or high: products of differences may pass 2^31
 };
 
 // The corners are stored by coordinate, each chunk's on its own and filled up to whole lanes.

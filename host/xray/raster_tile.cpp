@@ -67,7 +67,6 @@ void TileRaster::finish()
 void TileRaster::add_plain(const MeshChunk &chunk, const Projection::OfChunk &of_chunk, const Corner *corners,
                            std::int32_t *sums)
 {
-    const auto *triangles = meshes_.triangles.data() + chunk.triangle_begin;
     const KeptTriangle *kept = projection_.kept.data() + chunk.triangle_begin;
     const PixelRect tile = tile_;
     const bool is_inside =
@@ -77,7 +76,7 @@ void TileRaster::add_plain(const MeshChunk &chunk, const Projection::OfChunk &of
         if (!is_inside && (triangle.x0 >= tile.x1 || triangle.x1 < tile.x0 || triangle.y0 >= tile.y1 ||
                            triangle.y1 < tile.y0))
             continue;
-        const auto [a, b, c] = triangles[triangle.index];
+        const auto [a, b, c] = triangle.corner;
         batch_.sums[batch_.count] = sums;
         load(batch_, batch_.count++, corners[a], corners[b], corners[c], triangle, tile);
         if (batch_.count == lane_count) finish();
