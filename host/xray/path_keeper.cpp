@@ -123,10 +123,9 @@ PixelRect PathKeeper::moved_rect() const
     return rect;
 }
 
-void PathKeeper::see_view(const CArm &carm, int size)
+void PathKeeper::see_view()
 {
-    carm_ = carm;
-    view_ = make_view(carm, size);
+    const int size = view_.size;
     changed_ = {0, 0, size, size};
     size_pictures(meshes_, size, bodies_);
     std::vector<std::uint8_t> is_still(is_moved_.size());
@@ -174,11 +173,20 @@ bool PathKeeper::see(const CArm &carm, int size, const XrayFrame &frame)
 {
     const bool have_moved = move(frame);
     const bool is_new = !is_filled_ || !(carm_ == carm) || view_.size != size;
+    if (is_new) {
+        carm_ = carm;
+        view_ = make_view(carm, size);
+    }
     changed_ = {};
-    if (is_new) see_view(carm, size);
     const bool is_any_moved = std::find(is_moved_.begin(), is_moved_.end(), 1) != is_moved_.end();
-    if (is_any_moved && (is_new || have_moved)) see_moved(changed_);
-    draw_tubes(frame, view_, displaced_, tools_);
+    const bool are_bodies_drawn = is_new || (is_any_moved && have_moved);
+    // Tubes are work for one thread, so they are drawn beside the bodies.
+    const int lines = are_bodies_drawn && threads_ > 1 ? 2 : 1;
+    run_on_threads(lines, [&](int line) {
+        if (line == 0 && is_new) see_view();
+        if (line == 0 && is_any_moved && are_bodies_drawn) see_moved(changed_);
+        if (line == lines - 1) draw_tubes(frame, view_, displaced_, tools_);
+    });
     return is_new || have_moved;
 }
 

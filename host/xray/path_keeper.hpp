@@ -25,7 +25,7 @@ class PathKeeper
   private:
     // Moves the back end's bodies to where the frame wants them. True when any has changed.
     bool move(const XrayFrame &frame);
-    void see_view(const CArm &carm, int size);
+    void see_view();
     void see_moved(const PixelRect &at_least);
     PixelRect moved_rect() const;
     void draw(std::span<const std::uint8_t> is_drawn, const PixelRect &rect, PathForm form,
