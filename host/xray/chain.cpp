@@ -11,6 +11,9 @@ namespace seld
 namespace
 {
 
+// Whole cells of the coarse grid, whose rows come in order from one thread.
+constexpr int rows_at_once = 4 * coarse_cell;
+
 double pixel_mm(const XrayChain &chain)
 {
     return chain.paths.view().pixel_m * 1e3;
@@ -21,8 +24,7 @@ CoarseSums attenuate(XrayChain &chain)
 {
     CoarseSums sums(chain.size / coarse_cell);
     chain.transmission.resize(static_cast<std::size_t>(chain.size) * chain.size);
-    run_on_threads(chain.threads, [&](int thread) {
-        const RowRange rows = cell_rows_of_thread(thread, chain.threads, chain.size);
+    run_on_rows(chain.threads, chain.size, rows_at_once, [&](const RowRange &rows) {
         for (int row = rows.begin; row < rows.end; ++row) {
             std::array<const std::int32_t *, material_count> paths{};
             const std::size_t begin = static_cast<std::size_t>(row) * chain.size;
@@ -88,9 +90,8 @@ void blur_add_and_measure(XrayChain &chain)
     CoarseSums logarithms(chain.size / coarse_cell);
     std::vector<std::int64_t> sums(chain.size, 0);
     std::vector<std::int64_t> counts(chain.size, 0);
-    run_on_threads(chain.threads, [&](int thread) {
+    run_on_rows(chain.threads, chain.size, rows_at_once, [&](const RowRange &rows) {
         std::vector<float> scratch(chain.size + 2 * blur_radius_max), logarithm(chain.size);
-        const RowRange rows = cell_rows_of_thread(thread, chain.threads, chain.size);
         for (int row = rows.begin; row < rows.end; ++row) {
             const std::size_t begin = static_cast<std::size_t>(row) * chain.size;
             float *primary = chain.primary.data() + begin;

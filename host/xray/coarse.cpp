@@ -1,5 +1,6 @@
 // The coarse grid's sums, blurs and interpolation.
 #include "host/xray/coarse.hpp"
+#include "host/xray/lanes.hpp"
 #include <algorithm>
 
 namespace seld
@@ -25,19 +26,35 @@ void blur_five(std::vector<float> &grid, int cells, int dx, int dy)
 
 } // namespace
 
+// A cell's part of a row, its pixels added in order.
+SELD_WIDE static void add_cells(const float *values, int cells, float *sum)
+{
+    for (int c = 0; c < cells; ++c) {
+        float part = 0.0f;
+        for (int x = 0; x < coarse_cell; ++x) part += values[c * coarse_cell + x];
+        sum[c] += part;
+    }
+}
+
 void CoarseSums::add_row(const float *values, int size, int row, const OpenColumns &open)
 {
     const int cells = size / coarse_cell;
     float *own_sum = sum.data() + static_cast<std::size_t>(row / coarse_cell) * cells;
     float *own_count = count.data() + static_cast<std::size_t>(row / coarse_cell) * cells;
-    for (int cx = 0; cx < cells; ++cx) {
+    const int first_whole = std::min((open.begin + coarse_cell - 1) / coarse_cell, cells);
+    const int behind_whole = std::max(open.end / coarse_cell, first_whole);
+    add_cells(values + first_whole * coarse_cell, behind_whole - first_whole, own_sum + first_whole);
+    for (int cx = first_whole; cx < behind_whole; ++cx) own_count[cx] += static_cast<float>(coarse_cell);
+    auto add_partly_open = [&](int cx) {
         const int begin = std::max(cx * coarse_cell, open.begin);
         const int end = std::min((cx + 1) * coarse_cell, open.end);
         float part = 0.0f;
         for (int x = begin; x < end; ++x) part += values[x];
         own_sum[cx] += part;
         own_count[cx] += static_cast<float>(std::max(end - begin, 0));
-    }
+    };
+    for (int cx = 0; cx < first_whole; ++cx) add_partly_open(cx);
+    for (int cx = behind_whole; cx < cells; ++cx) add_partly_open(cx);
 }
 
 CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open)
@@ -46,12 +63,6 @@ CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::ve
     for (int row = 0; row < size; ++row)
         sums.add_row(values.data() + static_cast<std::size_t>(row) * size, size, row, open[row]);
     return sums;
-}
-
-RowRange cell_rows_of_thread(int index, int count, int size)
-{
-    const RowRange cells = rows_of_thread(index, count, size / coarse_cell);
-    return {cells.begin * coarse_cell, cells.end * coarse_cell};
 }
 
 std::vector<float> slow_part(CoarseSums sums, int cells)

@@ -1,7 +1,7 @@
 // What changes slowly over a picture, on a grid of cells of 8x8 pixels: scatter, and the display's slow part.
-// May include: parallel. Called by: scatter, chain, display.
+// Called by: scatter, chain, display.
 #pragma once
-#include "host/xray/parallel.hpp"
+#include <cstddef>
 #include <vector>
 
 namespace seld
@@ -26,9 +26,6 @@ struct CoarseSums {
     void add_row(const float *values, int size, int row, const OpenColumns &open);
 };
 CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open);
-
-// Rows of a thread's own cells.
-RowRange cell_rows_of_thread(int index, int count, int size);
 
 // Means over about a tenth of the picture: two passes of five cells along both axes. Closed pixels have no weight.
 std::vector<float> slow_part(CoarseSums sums, int cells);

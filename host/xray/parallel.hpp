@@ -1,5 +1,7 @@
 // Runs the same work on a few threads and waits for all of them. Results never depend on the number.
 #pragma once
+#include <algorithm>
+#include <atomic>
 #include <thread>
 #include <vector>
 
@@ -22,6 +24,16 @@ struct RowRange {
 inline RowRange rows_of_thread(int index, int count, int rows)
 {
     return {rows * index / count, rows * (index + 1) / count};
+}
+
+// work(range) for all rows, `step` of them at a time, by whichever thread is free.
+template <class Work> void run_on_rows(int threads, int rows, int step, const Work &work)
+{
+    std::atomic<int> next = 0;
+    run_on_threads(threads, [&](int) {
+        for (int begin = next.fetch_add(step); begin < rows; begin = next.fetch_add(step))
+            work(RowRange{begin, std::min(begin + step, rows)});
+    });
 }
 
 } // namespace seld

@@ -64,8 +64,9 @@ struct Projection {
         std::uint32_t kept_count = 0;
     };
     std::vector<OfChunk> chunks;
-    std::vector<Corner> corners;    // as RasterVertices
-    std::vector<KeptTriangle> kept; // at the chunk's triangle_begin
+    std::vector<std::uint32_t> seen; // the chunks that are somewhere
+    std::vector<Corner> corners;     // as RasterVertices
+    std::vector<KeptTriangle> kept;  // at the chunk's triangle_begin
 };
 
 // Fills the projection of chunk `index`; only what `rect` can show is kept.

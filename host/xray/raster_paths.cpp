@@ -100,6 +100,10 @@ void RasterPaths::project(const Camera &camera, std::span<const std::uint8_t> is
                 projection_.chunks[i] = {};
         }
     });
+    projection_.seen.clear();
+    for (std::size_t i = 0; i < projection_.chunks.size(); ++i)
+        if (projection_.chunks[i].kind != Projection::Kind::nowhere)
+            projection_.seen.push_back(static_cast<std::uint32_t>(i));
 }
 
 void RasterPaths::sum_tile(const Camera &camera, const PixelRect &rect, Tile &tile) const
@@ -107,11 +111,9 @@ void RasterPaths::sum_tile(const Camera &camera, const PixelRect &rect, Tile &ti
     tile.sums.resize(meshes_->channels.size() * tile_ints);
     tile.has_channel.assign(meshes_->channels.size(), 0);
     TileRaster raster(*meshes_, vertices_, camera, projection_, rect);
-    for (std::size_t i = 0; i < meshes_->chunks.size(); ++i) {
+    for (const std::uint32_t i : projection_.seen) {
         const Projection::OfChunk &chunk = projection_.chunks[i];
-        if (chunk.kind == Projection::Kind::nowhere || chunk.x0 >= rect.x1 || chunk.x1 < rect.x0 ||
-            chunk.y0 >= rect.y1 || chunk.y1 < rect.y0)
-            continue;
+        if (chunk.x0 >= rect.x1 || chunk.x1 < rect.x0 || chunk.y0 >= rect.y1 || chunk.y1 < rect.y0) continue;
         const int channel = meshes_->chunks[i].channel;
         std::int32_t *sums = tile.sums.data() + channel * tile_ints;
         if (!tile.has_channel[channel]) std::fill_n(sums, tile_ints, 0);

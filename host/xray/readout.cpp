@@ -72,9 +72,8 @@ void read_out(const XrayChain &chain, const XrayDisplay &display, XrayMemory *me
     const BlurKernel kernel = kernel_of_scintillator(chain.paths.view().pixel_m * 1e3);
     const float released = memory ? lag_released_share(picture.tick - memory->tick) : 0.0f;
     const auto gain = static_cast<float>(picture.raw_per_photon);
-    run_on_threads(chain.threads, [&](int thread) {
+    run_on_rows(chain.threads, size, 32, [&](const RowRange &rows) {
         std::vector<float> scratch(size + 2 * blur_radius_max), signal(size), slow(size);
-        const RowRange rows = rows_of_thread(thread, chain.threads, size);
         for (int row = rows.begin; row < rows.end; ++row) {
             const std::size_t begin = static_cast<std::size_t>(row) * size;
             blur_row(picture.photons.data(), size, row, kernel, scratch.data(), signal.data());

@@ -42,9 +42,8 @@ void count_all(const XrayChain &chain, const XraySettings &settings, std::uint64
     const int size = chain.size;
     const std::uint32_t key = noise_key(seed, picture.tick);
     const auto photons_open = static_cast<float>(picture.photons_open);
-    run_on_threads(chain.threads, [&](int thread) {
+    run_on_rows(chain.threads, size, 32, [&](const RowRange &rows) {
         std::vector<float> expected(size);
-        const RowRange rows = rows_of_thread(thread, chain.threads, size);
         for (int row = rows.begin; row < rows.end; ++row) {
             const std::size_t begin = static_cast<std::size_t>(row) * size;
             std::uint32_t *photons = picture.photons.data() + begin;
