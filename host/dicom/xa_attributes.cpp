@@ -205,8 +205,9 @@ void put_mask(XaItem &item, const XrayRun &run)
     const auto count = static_cast<std::uint16_t>(run.frames.size());
     if (numbers.back() == numbers.size() && numbers.back() < count)
         mask.shorts(DCM_ApplicableFrameRange, {static_cast<std::uint16_t>(numbers.back() + 1), count});
+    // C.7.6.10.1.2: rows first, toward the lower row; then columns, toward the left.
     mask.floats(DCM_MaskSubPixelShift,
-                {static_cast<float>(run.mask->shift_y_px), static_cast<float>(run.mask->shift_x_px)});
+                {static_cast<float>(run.mask->shift_y_px), static_cast<float>(0.0 - run.mask->shift_x_px)});
     mask.text(DCM_MaskOperationExplanation, mask_in_words(*run.mask));
 }
 

@@ -317,7 +317,7 @@ static void a_dsa_run_names_its_mask_shift_and_contrast(void **)
     assert_text(reader, DCM_MaskOperation, "AVG_SUB");
     assert_text(reader, DCM_MaskFrameNumbers, "1\\2");
     assert_text(reader, DCM_ApplicableFrameRange, "3\\6");
-    assert_text(reader, DCM_MaskSubPixelShift, "-0.25\\1.5"); // rows, then columns
+    assert_text(reader, DCM_MaskSubPixelShift, "-0.25\\-1.5"); // rows down, then columns to the left
     assert_text(reader, DCM_MaskOperationExplanation,
                 "mean of the mask frames, moved 1.5 pixels right and 0.25 up");
     reader.item = reader.format.getDataset();

@@ -83,12 +83,12 @@ END
     [ "$(ls acquired)" = $'run_01_cine.dcm\nrun_02_dsa.dcm' ] && "$program" dicom-check acquired >>said 2>&1
 result $? "cine and DSA are files without an error, named by their kind"
 
-# Mask Frame Numbers 1 and 2; Sub-pixel Shift: half a row up, one column to the right.
+# Mask Frame Numbers 1 and 2; Sub-pixel Shift: half a row up, one column to the right (down and left are positive).
 python3 - >said 2>&1 <<'END'
 import struct
 data = open("acquired/run_02_dsa.dcm", "rb").read()
 assert b"\x28\x00\x10\x61US\x04\x00" + struct.pack("<2H", 1, 2) in data
-assert b"\x28\x00\x14\x61FL\x08\x00" + struct.pack("<2f", -0.5, 1.0) in data
+assert b"\x28\x00\x14\x61FL\x08\x00" + struct.pack("<2f", -0.5, -1.0) in data
 assert b"\x28\x00\x90\x10CS\x04\x00SUB " in data
 END
 result $? "the mask and its shift are those chosen while the run was looked at"
