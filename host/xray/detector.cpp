@@ -71,105 +71,73 @@ float transmission(const BeamTable &beam, const std::array<float, material_count
 namespace
 {
 
-constexpr int block = 64; // columns: long enough for a loop of vectors, short enough for the nearest cache
-constexpr std::int32_t nothing[block] = {};
+constexpr int block = 64; // columns that are looked at for materials together
 
 // What some columns of a row have of the materials, and no others.
 struct PresentPaths {
     const std::int32_t *path[material_count];
-    float factor[material_count][beam_energy_count];
-    float weight[beam_energy_count];
+    const float *factor[material_count]; // of each energy
     int count = 0;
-
-    void add(const std::int32_t *line, const std::array<float, beam_energy_count> &factors)
-    {
-        path[count] = line;
-        std::copy(factors.begin(), factors.end(), factor[count++]);
-    }
 };
 
-// All energies at once, so that each path is read once.
-template <int count>
-inline __attribute__((always_inline)) void pass_block(const PresentPaths &present, int columns, float *share)
+// exp2_negative, eight at a time. By reference: what passes vectors by value depends on the processor.
+inline __attribute__((always_inline)) void exp2_negative_lanes(Lanes_f &x)
 {
-    for (int i = 0; i < columns; ++i) {
-        float path[count], sum = 0.0f;
-        for (int j = 0; j < count; ++j) path[j] = static_cast<float>(present.path[j][i]);
-        for (int k = 0; k < beam_energy_count; ++k) {
-            float exponent = present.factor[0][k] * path[0];
-            for (int j = 1; j < count; ++j) exponent += present.factor[j][k] * path[j];
-            sum += present.weight[k] * exp2_negative(exponent);
-        }
-        share[i] = sum;
-    }
+    x = x < 126.0f ? x : 126.0f - Lanes_f{};
+    const Lanes_f y = 126.0f - x;
+    const Lanes_i whole = __builtin_convertvector(y, Lanes_i);
+    const Lanes_f f = (y - __builtin_convertvector(whole, Lanes_f) - 0.5f) * 0.69314718f;
+    const Lanes_i bits = (whole + 1) << 23;
+    Lanes_f scale;
+    __builtin_memcpy(&scale, &bits, sizeof scale);
+    const Lanes_f sum =
+        1.0f + f * (1.0f + f * (0.5f + f * (0.16666667f +
+                                            f * (0.041666668f + f * (0.0083333338f + f * 0.0013888889f)))));
+    x = sum * 1.41421356f * scale;
 }
 
-} // namespace
-
-// Loops of their own: among others, compilers do not turn them into vectors.
-
 // Not 0 when any of them is.
-SELD_WIDE static std::int32_t any_of(const std::int32_t *from, int count)
+SELD_WIDE std::int32_t any_of(const std::int32_t *from, int count)
 {
     std::int32_t any = 0;
     for (int i = 0; i < count; ++i) any |= from[i];
     return any;
 }
 
-SELD_WIDE static void pass_one(const PresentPaths &present, int columns, float *share)
+// All energies at once, so that each path is read once.
+SELD_WIDE void pass_block(const PresentPaths &present, const float *weight, int columns, float *share)
 {
-    pass_block<1>(present, columns, share);
+    for (int i = 0; i < columns; i += lane_count) {
+        Lanes_f exponent[beam_energy_count] = {};
+        for (int j = 0; j < present.count; ++j) {
+            const Lanes_i length = *reinterpret_cast<const Lanes_i_anywhere *>(present.path[j] + i);
+            const Lanes_f path = __builtin_convertvector(length, Lanes_f);
+            const float *factor = present.factor[j];
+            for (int k = 0; k < beam_energy_count; ++k) exponent[k] += factor[k] * path;
+        }
+        Lanes_f sum{};
+        for (int k = 0; k < beam_energy_count; ++k) {
+            exp2_negative_lanes(exponent[k]);
+            sum += weight[k] * exponent[k];
+        }
+        __builtin_memcpy(share + i, &sum, sizeof sum);
+    }
 }
 
-SELD_WIDE static void pass_two(const PresentPaths &present, int columns, float *share)
-{
-    pass_block<2>(present, columns, share);
-}
-
-SELD_WIDE static void pass_three(const PresentPaths &present, int columns, float *share)
-{
-    pass_block<3>(present, columns, share);
-}
-
-SELD_WIDE static void pass_four(const PresentPaths &present, int columns, float *share)
-{
-    pass_block<4>(present, columns, share);
-}
-
-SELD_WIDE static void pass_six(const PresentPaths &present, int columns, float *share)
-{
-    pass_block<6>(present, columns, share);
-}
-
-SELD_WIDE static void pass_nine(const PresentPaths &present, int columns, float *share)
-{
-    pass_block<9>(present, columns, share);
-}
-
-SELD_WIDE static void pass_all(const PresentPaths &present, int columns, float *share)
-{
-    pass_block<material_count>(present, columns, share);
-}
+} // namespace
 
 void transmission_row(const BeamTable &beam, const std::array<const std::int32_t *, material_count> &paths,
                       int size, float *share)
 {
-    static constexpr struct {
-        int count;
-        void (*pass)(const PresentPaths &present, int columns, float *share);
-    } passes[] = {{1, pass_one}, {2, pass_two},  {3, pass_three},           {4, pass_four},
-                  {6, pass_six}, {9, pass_nine}, {material_count, pass_all}};
     for (int begin = 0; begin < size; begin += block) {
         const int columns = std::min(block, size - begin);
         PresentPaths present;
-        std::copy(beam.share.begin(), beam.share.end(), present.weight);
-        for (int m = 0; m < material_count; ++m)
-            if (paths[m] && any_of(paths[m] + begin, columns) != 0)
-                present.add(paths[m] + begin, beam.log2_per_q10mm[m]);
-        const auto *fitting = passes;
-        while (fitting->count < present.count) ++fitting;
-        while (present.count < fitting->count) present.add(nothing, {});
-        fitting->pass(present, columns, share + begin);
+        for (int m = 0; m < material_count; ++m) {
+            if (!paths[m] || any_of(paths[m] + begin, columns) == 0) continue;
+            present.path[present.count] = paths[m] + begin;
+            present.factor[present.count++] = beam.log2_per_q10mm[m].data();
+        }
+        pass_block(present, beam.share.data(), columns, share + begin);
     }
 }
 
