@@ -212,6 +212,9 @@ coronary: packages-build packages-run ## guides take the left and the right coro
 # --- the gallery: docs/gallery.md ---------------------------------------------------------------------------------------
 GALLERY       := pelvis arch chest loin
 GALLERY_DOCS  := docs/images/gallery
+RENAL_TOOLS   := --tool shared/examples/instruments/bentson.toml --tool shared/examples/instruments/pigtail_5f.toml
+# Of the session: filling, both arteries filled, washing out, roadmap.
+RENAL_SECONDS := 11.2 11.9 12.6 15.0
 gallery: packages-build packages-run ## renew the pictures of docs/gallery.md
 	@$(QUIET_MAKE) $(PROGRAMS)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
@@ -225,6 +228,11 @@ gallery: packages-build packages-run ## renew the pictures of docs/gallery.md
 	    --fps 8 --quiet --style vcsim3 --png out/gallery/arch_vcsim3.png > out/gallery/arch_vcsim3.log
 	@ffmpeg -v error -y -i out/gallery/arch_vcsim3.png -i out/gallery/arch.png -filter_complex hstack -q:v 4 \
 	    $(GALLERY_DOCS)/thesis_look.jpg && echo "$(GALLERY_DOCS)/thesis_look.jpg"
+	@$(BUILD)/bin/seldinger run --scene $(SCENE) $(RENAL_TOOLS) --session shared/examples/sessions/renal.session \
+	    --quiet --mp4 out/gallery/renal.mp4 > out/gallery/renal.log
+	@ffmpeg -v error -y $(foreach s,$(RENAL_SECONDS),-ss $(s) -i out/gallery/renal.mp4) -filter_complex \
+	    '[0:v]trim=end_frame=1[a];[1:v]trim=end_frame=1[b];[2:v]trim=end_frame=1[c];[3:v]trim=end_frame=1[d];[a][b][c][d]hstack=4' \
+	    -frames:v 1 -q:v 4 docs/images/renal_dsa.jpg && echo "docs/images/renal_dsa.jpg"
 
 # --- tests: every test_* file is one program --------------------------------------------------------------------
 FIRMWARE_TESTS := $(wildcard firmware/tests/test_*.c shared/*/tests/test_*.c hil_tests/test_*.c)
