@@ -55,7 +55,7 @@ HOST_LINK     := -lpng -lglfw -lusb-1.0 -ldl -ldcmdata -lofstd
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/centreline $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: gallery coronary dissector all run window test validate validate-centreline bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig hil-faults hil-loop hil-emulator hil-machines install-udev bench-xray-peers
+.PHONY: gallery coronary coronary-real dissector all run window test validate validate-centreline bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig hil-faults hil-loop hil-emulator hil-machines install-udev bench-xray-peers
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -208,6 +208,25 @@ coronary: packages-build packages-run ## guides take the left and the right coro
 	@$(QUIET_MAKE) $(PROGRAMS)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(CORONARY_OUT)
 	@echo "Written: $(CORONARY_OUT)"
+
+# The same on real arteries, where their meshes are.
+REAL_DATA  := $(or $(SELD_ANATOMY),../shared/anatomy)
+REAL_ATLAS := $(REAL_DATA)/hra/VH_M_Blood_Vasculature_Heart.glb
+REAL_LINES := $(foreach side,left right,$(dir $(ANATOMY))real_$(side).csv)
+REAL_SCENE := out/real_coronaries.scene
+$(REAL_LINES) &: $(ANATOMY) tools/anatomy/real_coronaries.sh $(BUILD)/bin/centreline
+	@tools/anatomy/real_coronaries.sh $(BUILD)/bin/centreline $(REAL_ATLAS) $(dir $(ANATOMY))
+$(REAL_SCENE): shared/examples/real_coronaries.toml shared/examples/centrelines/real_aorta.csv $(REAL_LINES) $(BUILD)/bin/bake
+	@mkdir -p out
+	@echo "Baking $@ (4 minutes of one core)"
+	@$(BUILD)/bin/bake $< --data $(REAL_DATA) --shipped $(dir $(ANATOMY)) -o $@
+out/coronary_real.mp4: $(REAL_SCENE) shared/examples/sessions/coronary_real.session $(BUILD)/bin/seldinger
+	@$(BUILD)/bin/seldinger run --scene $(REAL_SCENE) --tool shared/examples/instruments/terumo_5f.toml \
+	    --session shared/examples/sessions/coronary_real.session --json $(@:.mp4=.json) --png $(@:.mp4=.png) --mp4 $@
+
+coronary-real: packages-build packages-run ## the left coronary artery of the Human Reference Atlas (needs ../shared/anatomy): out/coronary_real.mp4
+	@if [ ! -e $(REAL_ATLAS) ]; then echo "Skipped: $(REAL_ATLAS) is not there (docs/contrast.md)"; else \
+	    $(QUIET_MAKE) $(PROGRAMS) && $(MAKE) --no-print-directory PACKAGES=skip out/coronary_real.mp4; fi
 
 # --- the gallery: docs/gallery.md ---------------------------------------------------------------------------------------
 GALLERY       := pelvis arch chest loin
