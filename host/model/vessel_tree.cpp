@@ -53,18 +53,20 @@ constexpr double start_share_max = 0.8; // of a branch, at most, may lie in its 
 constexpr double division_start_radii =
     0.5; // a branch from its parent's end begins so many of its radii further on
 
-bool is_inside(const VesselBranch &parent, const Eigen::Vector3d &place_m)
-{
-    for (std::size_t i = 0; i + 1 < parent.points_m.size(); ++i) {
-        const Eigen::Vector3d &a = parent.points_m[i], step = parent.points_m[i + 1] - a;
-        const double share = std::clamp((place_m - a).dot(step) / step.squaredNorm(), 0.0, 1.0);
-        const double radius = parent.radii_m[i] + share * (parent.radii_m[i + 1] - parent.radii_m[i]);
-        if ((place_m - a - share * step).squaredNorm() < radius * radius) return true;
-    }
-    return false;
-}
-
 } // namespace
+
+VesselFoot vessel_foot(const VesselBranch &branch, const Eigen::Vector3d &place_m)
+{
+    VesselFoot foot;
+    for (std::size_t i = 0; i + 1 < branch.points_m.size(); ++i) {
+        const Eigen::Vector3d &a = branch.points_m[i], step = branch.points_m[i + 1] - a;
+        const double share = std::clamp((place_m - a).dot(step) / step.squaredNorm(), 0.0, 1.0);
+        const double radius_m = branch.radii_m[i] + share * (branch.radii_m[i + 1] - branch.radii_m[i]);
+        const double radii = (place_m - a - share * step).norm() / radius_m;
+        if (radii < foot.radii) foot = {radii, i, share};
+    }
+    return foot;
+}
 
 std::size_t VesselTree::throat(const VesselLesion &lesion) const
 {
@@ -93,7 +95,7 @@ double vessel_start_m(const VesselTree &tree, std::size_t index)
         const Eigen::Vector3d &a = branch.points_m[i], step = branch.points_m[i + 1] - a;
         const double piece_m = step.norm();
         for (; arc_m < latest_m && arc_m < begin_m + piece_m; arc_m += walk_step_m)
-            if (!is_inside(parent, a + (arc_m - begin_m) / piece_m * step)) return arc_m;
+            if (vessel_foot(parent, a + (arc_m - begin_m) / piece_m * step).radii >= 1.0) return arc_m;
         begin_m += piece_m;
     }
     return std::min(arc_m, latest_m);

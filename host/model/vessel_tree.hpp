@@ -3,6 +3,8 @@
 // May include: nothing. Called by: bodies, effects, app, tools/bake.
 #pragma once
 #include <Eigen/Core>
+#include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -43,6 +45,14 @@ struct VesselTree {
     // Blood leaves at the last point of such a branch: none goes on from there.
     bool is_outlet(std::size_t branch) const;
 };
+
+// The place of a branch from which a point lies the fewest of the branch's radii away.
+struct VesselFoot {
+    double radii = std::numeric_limits<double>::infinity(); // distance over the radius there
+    std::size_t point = 0;                                  // between this one and the next ...
+    double share = 0.0;                                     // ... so far
+};
+VesselFoot vessel_foot(const VesselBranch &branch, const Eigen::Vector3d &place_m);
 
 // How far along a branch it leaves its parent: where its centreline leaves the parent's lumen, or half of the parent's radius behind
 // a division; at most 0.8 of the branch. Blood of its own, and millimetres from its ostium, begin there. 0 for the root.

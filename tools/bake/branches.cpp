@@ -15,24 +15,6 @@ namespace
 constexpr double apart_max_radii =
     1.25; // an end farther from a centreline than so many of its radii is not joined to it
 
-struct Foot {                                               // nearest place of a branch to a point
-    double radii = std::numeric_limits<double>::infinity(); // distance over the radius there
-    std::size_t point = 0;
-};
-
-Foot foot_on(const VesselBranch &branch, const Eigen::Vector3d &place_m)
-{
-    Foot foot;
-    for (std::size_t i = 0; i + 1 < branch.points_m.size(); ++i) {
-        const Eigen::Vector3d &a = branch.points_m[i], step = branch.points_m[i + 1] - a;
-        const double share = std::clamp((place_m - a).dot(step) / step.squaredNorm(), 0.0, 1.0);
-        const double radius = branch.radii_m[i] + share * (branch.radii_m[i + 1] - branch.radii_m[i]);
-        const double radii = (place_m - a - share * step).norm() / radius;
-        if (radii < foot.radii) foot = {radii, share < 0.5 ? i : i + 1};
-    }
-    return foot;
-}
-
 // Points on the one before them are left out; coordinates are those that the file will hold.
 VesselBranch branch_of(const Centreline &line)
 {
@@ -75,9 +57,10 @@ Join best_join(const std::vector<VesselBranch> &loose, const std::vector<VesselB
     for (std::size_t l = 0; l < loose.size(); ++l)
         for (std::size_t p = 0; p < joined.size(); ++p)
             for (bool from_last : {false, true}) {
-                const Foot foot =
-                    foot_on(joined[p], from_last ? loose[l].points_m.back() : loose[l].points_m.front());
-                if (foot.radii < best.radii) best = {foot.radii, l, p, foot.point, from_last};
+                const VesselFoot foot =
+                    vessel_foot(joined[p], from_last ? loose[l].points_m.back() : loose[l].points_m.front());
+                if (foot.radii < best.radii)
+                    best = {foot.radii, l, p, foot.point + (foot.share < 0.5 ? 0 : 1), from_last};
             }
     return best;
 }
