@@ -52,7 +52,7 @@ CurvePoint entry_of(const SceneText &text, const TriangleTree &tree)
     return entry;
 }
 
-// Disease narrows the lumen, and every body of blood with it.
+// Disease narrows the lumen, and bodies of its blood with it.
 void narrow(Mesh &mesh, const VesselTree &tree)
 {
     if (tree.lesions.empty()) return;
@@ -73,7 +73,8 @@ std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, const
         for (std::size_t i = 0; i < text.bodies.size(); ++i)
             if (text.bodies[i].name == body.inside) baked.parent = static_cast<int>(i);
         baked.mesh = body.is_lumen ? lumen : form_body(body, bodies, report);
-        if (!body.is_lumen && body.material == "blood") narrow(baked.mesh, tree);
+        if (!body.is_lumen && body.material == "blood" && !tree.lesions.empty())
+            narrow(baked.mesh, lesions_within(tree, TriangleTree(baked.mesh)));
         bodies.push_back(std::move(baked));
         progress.step(bodies.size());
     }
@@ -281,7 +282,10 @@ std::string bake(const Options &options, Progress &progress)
     }
     const VesselTree posed_vessels = motion ? in_reference(*motion, vessels) : vessels;
     Mesh posed = frames ? posed_lumen(text, *frames, progress) : surface;
-    if (frames) narrow(posed, posed_vessels);
+    if (frames && !posed_vessels.lesions.empty()) {
+        narrow(posed, posed_vessels);
+        check_crossing(posed, progress);
+    }
     const TriangleTree posed_tree(posed);
     const FieldText wanted{text.lumen.tolerance_mm, text.lumen.inside_mm, text.lumen.outside_mm,
                            text.lumen.level_max};

@@ -16,6 +16,7 @@ using Eigen::Vector3d;
 
 constexpr double pi = 3.14159265358979323846;
 constexpr double point_step_mm = 0.5; // of the branch's points in a lesion, at most
+constexpr double touch_m = 10e-6;     // lesions may end and begin at one place, which rounding moves
 constexpr double near_radii = 1.6, far_radii = 2.4;
 
 Vector3d rounded_m(const Vector3d &p_m) // as the file will hold it
@@ -46,15 +47,41 @@ Axis axis_at(const VesselBranch &branch, const std::vector<double> &arcs, double
             branch.radii_m[i] + share * (branch.radii_m[i + 1] - branch.radii_m[i])};
 }
 
-// Across the vessel, `deg` from the front (from the patient's left where the vessel itself runs forwards), right-handed about the flow.
-Vector3d across(const Vector3d &tangent, double deg)
+// Directions across the healthy vessel at a lesion's points. Its front is looked for in the lesion's middle (the patient's left where the
+// vessel itself runs forwards there) and carried along the vessel without twist, so that plaque stays on its side in a bend.
+class Across
 {
-    Vector3d front = Vector3d::UnitZ() - tangent.z() * tangent;
-    if (front.norm() < 0.3) front = Vector3d::UnitX() - tangent.x() * tangent;
-    front.normalize();
-    const double angle = deg * pi / 180;
-    return std::cos(angle) * front + std::sin(angle) * tangent.cross(front);
-}
+  public:
+    explicit Across(const VesselLesion &lesion)
+    {
+        const std::vector<Vector3d> &points_m = lesion.healthy_points_m;
+        const std::size_t last = points_m.size() - 1, middle = last / 2;
+        for (std::size_t i = 0; i <= last; ++i)
+            tangents_.push_back((points_m[std::min(i + 1, last)] - points_m[i > 0 ? i - 1 : 0]).normalized());
+        fronts_.resize(points_m.size());
+        const Vector3d &along = tangents_[middle];
+        const bool runs_forwards = Vector3d(Vector3d::UnitZ() - along.z() * along).norm() < 0.3;
+        carry(runs_forwards ? Vector3d::UnitX() : Vector3d::UnitZ(), middle);
+        for (std::size_t i = middle; i < last; ++i) carry(fronts_[i], i + 1);
+        for (std::size_t i = middle; i > 0; --i) carry(fronts_[i], i - 1);
+    }
+
+    // `deg` from the front at a point of the lesion, right-handed about the flow.
+    Vector3d at(std::size_t point, double deg) const
+    {
+        const double angle = deg * pi / 180;
+        return std::cos(angle) * fronts_[point] + std::sin(angle) * tangents_[point].cross(fronts_[point]);
+    }
+
+  private:
+    void carry(const Vector3d &front, std::size_t point)
+    {
+        const Vector3d &along = tangents_[point];
+        fronts_[point] = (front - front.dot(along) * along).normalized();
+    }
+
+    std::vector<Vector3d> tangents_, fronts_;
+};
 
 std::string named(const LesionText &text)
 {
@@ -121,18 +148,18 @@ VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double 
 void narrow(VesselBranch &branch, const VesselLesion &lesion, const LesionText &text)
 {
     const std::size_t count = lesion.size();
+    const Across across(lesion);
     for (std::size_t i = 0; i < count; ++i) {
         const double u = static_cast<double>(i) / static_cast<double>(count - 1) - 0.5;
         const double healthy_m = lesion.healthy_radii_m[i];
         const double lost = text.stenosis_percent / 100 * 0.5 * (1 + std::cos(2 * pi * u));
-        const std::size_t a = i > 0 ? i - 1 : 0, b = std::min(i + 1, count - 1);
-        const Vector3d tangent = (lesion.healthy_points_m[b] - lesion.healthy_points_m[a]).normalized();
-        const Vector3d off_m = -text.eccentricity * lost * healthy_m * across(tangent, text.plaque_deg);
+        const Vector3d off_m = -text.eccentricity * lost * healthy_m * across.at(i, text.plaque_deg);
         branch.points_m[lesion.first_point + i] = rounded_m(lesion.healthy_points_m[i] + off_m);
         branch.radii_m[lesion.first_point + i] = std::round((1 - lost) * healthy_m * 1e6) * 1e-6;
     }
 }
 
+// Points for one lesion in a tree that none has narrowed yet: places are those of the healthy vessel, in whatever order lesions come.
 void place(VesselTree &tree, const LesionText &text)
 {
     const std::size_t index = branch_of(tree, text);
@@ -150,13 +177,13 @@ void place(VesselTree &tree, const LesionText &text)
     for (const VesselLesion &other : tree.lesions) {
         if (other.branch != index) continue;
         const std::vector<double> arcs = arcs_m(tree.branches[index]);
-        if (begin_m < arcs[other.first_point + other.size() - 1] && end_m > arcs[other.first_point])
+        if (begin_m < arcs[other.first_point + other.size() - 1] - touch_m &&
+            end_m > arcs[other.first_point] + touch_m)
             throw Fault(named(text) + "overlaps '" + other.name +
                         "' on the same branch: make one of the two");
     }
     VesselLesion lesion = divide(tree, index, begin_m, end_m);
     lesion.name = text.name;
-    narrow(tree.branches[index], lesion, text);
     tree.lesions.push_back(std::move(lesion));
 }
 
@@ -189,30 +216,31 @@ Foot foot_of(const VesselTree &tree, const VesselLesion &lesion, const Vector3d 
     return foot;
 }
 
+// The branch of a lesion as it was before.
+void heal(VesselBranch &branch, const VesselLesion &lesion)
+{
+    const auto first = static_cast<std::ptrdiff_t>(lesion.first_point);
+    std::copy(lesion.healthy_points_m.begin(), lesion.healthy_points_m.end(),
+              branch.points_m.begin() + first);
+    std::copy(lesion.healthy_radii_m.begin(), lesion.healthy_radii_m.end(), branch.radii_m.begin() + first);
+}
+
 // Distance to the nearest other vessel over its radius there.
-double radii_to_others(const VesselTree &tree, std::size_t own, const Vector3d &place_m)
+double radii_to_others(const VesselTree &healthy, std::size_t own, const Vector3d &place_m)
 {
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t b = 0; b < tree.branches.size(); ++b) {
-        if (b == own) continue;
-        const VesselBranch &branch = tree.branches[b];
-        for (std::size_t i = 0; i + 1 < branch.points_m.size(); ++i) {
-            const Vector3d &a = branch.points_m[i], step = branch.points_m[i + 1] - a;
-            const double share = std::clamp((place_m - a).dot(step) / step.squaredNorm(), 0.0, 1.0);
-            const double radius_m = branch.radii_m[i] + share * (branch.radii_m[i + 1] - branch.radii_m[i]);
-            least = std::min(least, (place_m - a - share * step).norm() / radius_m);
-        }
-    }
+    for (std::size_t b = 0; b < healthy.branches.size(); ++b)
+        if (b != own) least = std::min(least, vessel_foot(healthy.branches[b], place_m).radii);
     return least;
 }
 
 // How much of the way a wall goes: all of it near the vessel and none far from it, nor where it is rather another vessel's.
-double share_of_way(const VesselTree &tree, const VesselLesion &lesion, const Foot &foot,
+double share_of_way(const VesselTree &healthy, const VesselLesion &lesion, const Foot &foot,
                     const Vector3d &place_m)
 {
     const double fade = std::clamp((far_radii - foot.radii) / (far_radii - near_radii), 0.0, 1.0);
     if (fade == 0) return 0;
-    const double ahead = radii_to_others(tree, lesion.branch, place_m) - foot.radii;
+    const double ahead = radii_to_others(healthy, lesion.branch, place_m) - foot.radii;
     return fade * fade * (3 - 2 * fade) * std::clamp(1 + 2 * ahead, 0.0, 1.0);
 }
 
@@ -233,6 +261,8 @@ Eigen::AlignedBox3d reach_mm(const VesselLesion &lesion)
 void place_lesions(VesselTree &tree, const std::vector<LesionText> &lesions)
 {
     for (const LesionText &text : lesions) place(tree, text);
+    for (std::size_t k = 0; k < lesions.size(); ++k)
+        narrow(tree.branches[tree.lesions[k].branch], tree.lesions[k], lesions[k]);
     std::string error;
     if (!check_vessel_tree(tree, error)) throw Fault("[[lesion]] " + error);
 }
@@ -240,12 +270,14 @@ void place_lesions(VesselTree &tree, const std::vector<LesionText> &lesions)
 std::vector<bool> narrow_lesions(std::vector<Vector3d> &vertices_mm, const VesselTree &tree)
 {
     std::vector<bool> moved(vertices_mm.size(), false);
+    VesselTree healthy = tree;
+    for (const VesselLesion &lesion : tree.lesions) heal(healthy.branches[lesion.branch], lesion);
     for (const VesselLesion &lesion : tree.lesions) {
         const Eigen::AlignedBox3d reach = reach_mm(lesion);
         for (std::size_t v = 0; v < vertices_mm.size(); ++v) {
             if (!reach.contains(vertices_mm[v])) continue;
             const Foot foot = foot_of(tree, lesion, vertices_mm[v] * 1e-3);
-            const double share = share_of_way(tree, lesion, foot, vertices_mm[v] * 1e-3);
+            const double share = share_of_way(healthy, lesion, foot, vertices_mm[v] * 1e-3);
             const Vector3d there = foot.channel_m * 1e3 + foot.left * (vertices_mm[v] - foot.healthy_m * 1e3);
             const Vector3d way = share * (there - vertices_mm[v]);
             if (way.norm() < 1e-3) continue;
@@ -254,6 +286,20 @@ std::vector<bool> narrow_lesions(std::vector<Vector3d> &vertices_mm, const Vesse
         }
     }
     return moved;
+}
+
+VesselTree lesions_within(const VesselTree &tree, const TriangleTree &body)
+{
+    VesselTree within = tree;
+    within.lesions.clear();
+    for (const VesselLesion &lesion : tree.lesions) {
+        const auto is_inside = [&](const Vector3d &p_m) { return body.nearest(p_m * 1e3).distance_mm < 0; };
+        if (std::any_of(lesion.healthy_points_m.begin(), lesion.healthy_points_m.end(), is_inside))
+            within.lesions.push_back(lesion);
+        else
+            heal(within.branches[lesion.branch], lesion);
+    }
+    return within;
 }
 
 BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const LesionText &text)
@@ -265,18 +311,17 @@ BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const L
     body.material = "bone_cortical"; // mineral of plaque is apatite too
     body.mesh.name = body.name;
     std::vector<std::size_t> rows;
+    const Across across(lesion);
     const auto last = static_cast<double>(lesion.size() - 1);
     for (std::size_t i = 0; i < lesion.size(); ++i)
         if (std::abs(static_cast<double>(i) / last - 0.5) <= along_share) rows.push_back(i);
     for (std::size_t i : rows) {
         const Vector3d &centre = lesion.healthy_points_m[i];
-        const Vector3d tangent =
-            (lesion.healthy_points_m[i + 1] - lesion.healthy_points_m[i - 1]).normalized();
         const Vector3d off = tree.branches[lesion.branch].points_m[lesion.first_point + i] - centre;
         const double channel = tree.branches[lesion.branch].radii_m[lesion.first_point + i];
         for (std::size_t j = 0; j <= columns; ++j) {
             const double turn = static_cast<double>(j) / columns - 0.5;
-            const Vector3d ray = across(tangent, text.plaque_deg + turn * text.calcified_deg);
+            const Vector3d ray = across.at(i, text.plaque_deg + turn * text.calcified_deg);
             // Where the ray leaves the channel, if it meets it.
             const double inwards = off.dot(ray);
             const double square = channel * channel - off.squaredNorm() + inwards * inwards;

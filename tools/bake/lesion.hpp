@@ -27,6 +27,9 @@ void refine_lesions(Mesh &mesh, const VesselTree &tree);
 // with the wall, what is farther than 2.4 stays, and so do the walls of other vessels.
 std::vector<bool> narrow_lesions(std::vector<Eigen::Vector3d> &vertices_mm, const VesselTree &tree);
 
+// The tree with those lesions only whose vessel runs through a body: blood beside a vessel is not narrowed with it.
+VesselTree lesions_within(const VesselTree &tree, const TriangleTree &body);
+
 // A shell of calcium in the plaque of the lesion, over the arc that its text states; for lesions that state one.
 BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const LesionText &text);
 

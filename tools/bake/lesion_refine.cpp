@@ -14,17 +14,25 @@ using Eigen::Vector3d;
 using Edge = std::pair<std::uint32_t, std::uint32_t>; // lower corner first
 
 constexpr double edge_min_mm = 0.25, near_radii = 1.6;
-constexpr int rounds_max = 8; // each halves an edge
+constexpr int rounds_max = 12; // each halves an edge
 
-// The edge that is long enough there; infinite where no lesion is near.
-double edge_max_mm(const VesselTree &tree, const Vector3d &place_mm)
+double distance_mm(const Vector3d &a_mm, const Vector3d &b_mm, const Vector3d &place_mm) // from an edge
+{
+    const Vector3d step = b_mm - a_mm;
+    const double share = std::clamp((place_mm - a_mm).dot(step) / step.squaredNorm(), 0.0, 1.0);
+    return (place_mm - a_mm - share * step).norm();
+}
+
+// How long an edge from a to b may be; infinite when no part of it is near a lesion.
+double edge_max_mm(const VesselTree &tree, const Vector3d &a_mm, const Vector3d &b_mm)
 {
     double most = std::numeric_limits<double>::infinity();
     for (const VesselLesion &lesion : tree.lesions) {
-        const double length_mm =
-            (lesion.healthy_points_m.back() - lesion.healthy_points_m.front()).norm() * 1e3;
+        double length_mm = 0;
+        for (std::size_t i = 1; i < lesion.size(); ++i)
+            length_mm += (lesion.healthy_points_m[i] - lesion.healthy_points_m[i - 1]).norm() * 1e3;
         for (std::size_t i = 0; i < lesion.size(); ++i)
-            if ((place_mm - lesion.healthy_points_m[i] * 1e3).norm() <
+            if (distance_mm(a_mm, b_mm, lesion.healthy_points_m[i] * 1e3) <
                 near_radii * lesion.healthy_radii_m[i] * 1e3) {
                 const double throat_mm = tree.branches[lesion.branch].radii_m[tree.throat(lesion)] * 1e3;
                 most = std::min(most, std::max(std::min(length_mm / 20, 0.6 * throat_mm), edge_min_mm));
@@ -65,11 +73,13 @@ class Divider
 
     void mark(std::uint32_t a, std::uint32_t b)
     {
-        const Vector3d middle_mm = 0.5 * (mesh_.vertices_mm[a] + mesh_.vertices_mm[b]);
-        if (!box_.contains(middle_mm) || middles_.count(edge(a, b))) return;
-        if ((mesh_.vertices_mm[a] - mesh_.vertices_mm[b]).norm() <= edge_max_mm(tree_, middle_mm)) return;
+        const Vector3d a_mm = mesh_.vertices_mm[a], b_mm = mesh_.vertices_mm[b];
+        const double length_mm = (a_mm - b_mm).norm();
+        if (length_mm <= edge_min_mm || middles_.count(edge(a, b))) return;
+        Eigen::AlignedBox3d around(a_mm);
+        if (!box_.intersects(around.extend(b_mm)) || length_mm <= edge_max_mm(tree_, a_mm, b_mm)) return;
         middles_[edge(a, b)] = static_cast<std::uint32_t>(mesh_.vertices_mm.size());
-        mesh_.vertices_mm.push_back(middle_mm);
+        mesh_.vertices_mm.push_back(0.5 * (a_mm + b_mm));
     }
 
     // One to four triangles, by how many edges are divided; neighbours see the same middles, so no crack opens.

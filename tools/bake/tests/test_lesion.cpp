@@ -158,6 +158,102 @@ void the_field_knows_the_narrowed_wall(void **)
     assert_true(worst_mm < 0.05); // a fifth of a voxel
 }
 
+// Places are those of the healthy vessel: neither an eccentric lesion before, whose channel is longer than the vessel, nor one that
+// narrows the parent where a branch leaves, moves another one.
+void a_lesion_lies_where_it_would_lie_alone(void **)
+{
+    LesionText second = plaque(0.5), ostium = plaque(), side = plaque();
+    second.name = "second";
+    second.at_mm = 46; // begins where the first ends
+    for (bool is_first : {false, true}) {
+        VesselTree tree = tree_of_tube();
+        place_lesions(tree, is_first ? std::vector{second, plaque(1)} : std::vector{plaque(1), second});
+        const Vector3d throat = tree.branches[0].points_m[tree.throat(tree.lesions[is_first ? 0 : 1])];
+        assert_true(std::abs(throat.y() - 46e-3) < 2e-6);
+    }
+    ostium.at_mm = 45;
+    side.name = "side";
+    side.branch = "diagonal";
+    side.at_mm = 8;
+    VesselTree alone = tree_of_tube(), both = tree_of_tube();
+    place_lesions(alone, {side});
+    place_lesions(both, {ostium, side});
+    assert_true(alone.branches[1].points_m == both.branches[1].points_m);
+}
+
+// A vessel that comes to run forwards within its lesion: the plaque stays on one side of it. Its points are 5 degrees apart.
+void plaque_stays_on_its_side_in_a_bend(void **)
+{
+    VesselTree tree;
+    tree.branches.resize(1);
+    tree.branches[0].name = "lad";
+    for (int deg = 0; deg <= 180; deg += 5) {
+        const double angle = turn * deg / 360;
+        tree.branches[0].points_m.emplace_back(0, -20e-3 * std::cos(angle), 20e-3 * std::sin(angle));
+        tree.branches[0].radii_m.push_back(radius_mm * 1e-3);
+    }
+    LesionText text = plaque(1);
+    text.at_mm = 10; // runs 29 degrees from the front there, and along it at the lesion's begin
+    text.length_mm = 18;
+    place_lesions(tree, {text});
+    const VesselLesion &lesion = tree.lesions[0];
+    Vector3d before = Vector3d::Zero();
+    for (std::size_t i = 0; i < lesion.size(); ++i) {
+        const Vector3d off_m = tree.branches[0].points_m[lesion.first_point + i] - lesion.healthy_points_m[i];
+        if (off_m.norm() < 0.05e-3) continue; // rounding turns short ones
+        const Vector3d now = off_m.normalized();
+        if (before.norm() > 0) assert_true(now.dot(before) > std::cos(turn * 6 / 360));
+        before = now;
+    }
+    assert_true(before.norm() > 0);
+}
+
+// A side branch of 1 mm runs along the vessel, both are narrowed: a wall that is rather the side branch's goes with that one only.
+void walls_go_with_their_own_vessel_when_both_are_narrowed(void **)
+{
+    VesselTree tree = tree_of_tube();
+    tree.branches[1].parent_point = 0;
+    tree.branches[1].points_m = {{3.05e-3, 0, 0}, {3.05e-3, 60e-3, 0}};
+    LesionText side = plaque();
+    side.name = "side";
+    side.branch = "diagonal";
+    place_lesions(tree, {plaque(), side});
+    std::vector<Vector3d> wall_mm = {{3.05 - 0.17, 30, 0.985}}; // 1.52 radii from the one, 1 from the other
+    narrow_lesions(wall_mm, tree);
+    assert_true((wall_mm[0] - Vector3d(3.05 - 0.3 * 0.17, 30, 0.3 * 0.985)).norm() < 5e-3);
+}
+
+// As computer-aided design writes tubes: the middles of their edges lie far from the lesion.
+void triangles_as_long_as_the_vessel_are_divided(void **)
+{
+    LesionText text = plaque();
+    text.at_mm = 15;
+    VesselTree tree = tree_of_tube();
+    place_lesions(tree, {text});
+    Mesh mesh = tube(radius_mm, 60, 1, 32);
+    check_closed(mesh, Cap::flat);
+    refine_lesions(mesh, tree);
+    narrow_lesions(mesh.vertices_mm, tree);
+    check_closed(mesh, Cap::none);
+    const double wall_mm = -TriangleTree(mesh).nearest({0, 15, 0}).distance_mm;
+    assert_true(wall_mm > 0.56 && wall_mm < 0.62);
+}
+
+// A chamber of the heart beside the vessel is blood too, but not the vessel's.
+void blood_beside_the_vessel_keeps_its_shape(void **)
+{
+    VesselTree tree = tree_of_tube();
+    place_lesions(tree, {plaque()});
+    Mesh beside = capped_tube();
+    for (Vector3d &v : beside.vertices_mm) v.x() += 5;
+    check_closed(beside, Cap::none);
+    const VesselTree none = lesions_within(tree, TriangleTree(beside));
+    assert_true(none.lesions.empty());
+    assert_true(std::abs(none.branches[0].radii_m[tree.throat(tree.lesions[0])] - radius_mm * 1e-3) < 1e-9);
+    Mesh around = capped_tube();
+    assert_int_equal(lesions_within(tree, TriangleTree(around)).lesions.size(), 1);
+}
+
 void calcium_is_a_closed_shell_in_the_plaque(void **)
 {
     LesionText text = plaque(0.5);
@@ -254,6 +350,11 @@ int main()
         cmocka_unit_test(an_eccentric_channel_lies_away_from_the_plaque),
         cmocka_unit_test(the_surface_goes_with_the_tree),
         cmocka_unit_test(the_field_knows_the_narrowed_wall),
+        cmocka_unit_test(a_lesion_lies_where_it_would_lie_alone),
+        cmocka_unit_test(plaque_stays_on_its_side_in_a_bend),
+        cmocka_unit_test(walls_go_with_their_own_vessel_when_both_are_narrowed),
+        cmocka_unit_test(triangles_as_long_as_the_vessel_are_divided),
+        cmocka_unit_test(blood_beside_the_vessel_keeps_its_shape),
         cmocka_unit_test(calcium_is_a_closed_shell_in_the_plaque),
         cmocka_unit_test(a_file_gives_the_lesion_back),
         cmocka_unit_test(what_does_not_fit_is_refused_by_name),
