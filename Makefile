@@ -213,17 +213,14 @@ coronary: packages-build packages-run ## guides take the left and the right coro
 REAL_DATA  := $(or $(SELD_ANATOMY),../shared/anatomy)
 REAL_ATLAS := $(REAL_DATA)/hra/VH_M_Blood_Vasculature_Heart.glb
 REAL_LINES := $(foreach side,left right,$(dir $(ANATOMY))real_$(side).csv)
-REAL_SCENE := out/real_coronaries.scene
 $(REAL_LINES) &: $(ANATOMY) tools/anatomy/real_coronaries.sh $(BUILD)/bin/centreline
 	@tools/anatomy/real_coronaries.sh $(BUILD)/bin/centreline $(REAL_ATLAS) $(dir $(ANATOMY))
-$(REAL_SCENE): shared/examples/real_coronaries.toml shared/examples/centrelines/real_aorta.csv $(REAL_LINES) $(BUILD)/bin/bake
-	@mkdir -p out
-	@echo "Baking $@ (4 minutes of one core)"
+out/real_coronaries.scene: shared/examples/real_coronaries.toml shared/examples/centrelines/real_aorta.csv $(REAL_LINES) $(BUILD)/bin/bake
+	@mkdir -p out && echo "Baking $@ (4 minutes of one core)"
 	@$(BUILD)/bin/bake $< --data $(REAL_DATA) --shipped $(dir $(ANATOMY)) -o $@
-out/coronary_real.mp4: $(REAL_SCENE) shared/examples/sessions/coronary_real.session $(BUILD)/bin/seldinger
-	@$(BUILD)/bin/seldinger run --scene $(REAL_SCENE) --tool shared/examples/instruments/terumo_5f.toml \
-	    --session shared/examples/sessions/coronary_real.session --json $(@:.mp4=.json) --png $(@:.mp4=.png) --mp4 $@
-
+out/coronary_real.mp4: out/real_coronaries.scene shared/examples/sessions/coronary_real.session $(BUILD)/bin/seldinger
+	@$(BUILD)/bin/seldinger run --scene $< --tool shared/examples/instruments/terumo_5f.toml \
+	    --session $(word 2,$^) --json $(@:.mp4=.json) --png $(@:.mp4=.png) --mp4 $@
 coronary-real: packages-build packages-run ## the left coronary artery of the Human Reference Atlas (needs ../shared/anatomy): out/coronary_real.mp4
 	@if [ ! -e $(REAL_ATLAS) ]; then echo "Skipped: $(REAL_ATLAS) is not there (docs/contrast.md)"; else \
 	    $(QUIET_MAKE) $(PROGRAMS) && $(MAKE) --no-print-directory PACKAGES=skip out/coronary_real.mp4; fi
@@ -556,20 +553,16 @@ $(WIRES_FIGURE): $(HEART_FRAME) $(BUILD)/bin/centreline
 	@$(BUILD)/bin/centreline show --wireframe --mesh $(HEART_FRAME) --part heart --part aortic_root --turn 20 --size 900 -o $(@D)/heart.png
 	@ffmpeg -v error -y -i $(@D)/coronaries.png -i $(@D)/heart.png -filter_complex hstack $@
 	@rm $(@D)/coronaries.png $(@D)/heart.png
-# The right artery under fluoroscopy, while the session's first injection has filled it, in the thesis' look and as physics; both
-# arteries in cine.
+# The right artery under fluoroscopy when the first injection has filled it, in both looks; both arteries in cine.
 SCREEN_FIGURE := out/thesis/figure_5_6.png
 out/coronary_right_vcsim3.mp4: out/coronary_right.mp4
-	@echo "Running shared/examples/sessions/coronary_right.session in the thesis' look"
 	@$(BUILD)/bin/seldinger run --scene $(HEART) --tool $(WIRE) --tool shared/examples/instruments/guide_ntr_6f.toml \
 	    --session shared/examples/sessions/coronary_right.session --style vcsim3 --mp4 $@ > $(@:.mp4=.log)
 $(SCREEN_FIGURE): out/coronary_right_vcsim3.mp4 out/coronary_right.mp4
-	@mkdir -p $(@D)
-	@ffmpeg -v error -y -ss 36.6 -i $< -ss 36.6 -i $(word 2,$^) -filter_complex hstack -frames:v 1 $@
+	@mkdir -p $(@D) && ffmpeg -v error -y -ss 36.6 -i $< -ss 36.6 -i $(word 2,$^) -filter_complex hstack -frames:v 1 $@
 MEDIUM_FIGURE := out/thesis/figure_5_8.png
 $(MEDIUM_FIGURE): out/coronary_right.png out/coronary.png
-	@mkdir -p $(@D)
-	@ffmpeg -v error -y -i out/coronary_right.png -i out/coronary.png -filter_complex hstack $@
+	@mkdir -p $(@D) && ffmpeg -v error -y -i out/coronary_right.png -i out/coronary.png -filter_complex hstack $@
 
 thesis: packages-build packages-run packages-bench ## Figures 5.6 to 5.9 and 5.11 to 5.14 of the thesis, by its own rod and by ours: out/thesis/index.html (minutes)
 	@$(QUIET_MAKE) $(BUILD)/bin/seldinger
