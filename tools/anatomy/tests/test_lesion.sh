@@ -35,6 +35,8 @@ report "bake refuses one on a branch that is not there, and writes nothing" $?
 
 refuses "a lesion with too few numbers is a usage error" 2 "like LAD:75:14:22" phantom -o "$work/x" --lesion aorta:75
 refuses "a lesion's number that is none is a usage error" 2 "'wide' is no number" phantom -o "$work/x" --lesion aorta:wide:14:22
+refuses "a lesion that bake would refuse is a usage error" 2 "PERCENT must be 1 to 95" phantom -o "$work/x" --lesion aorta:100:14:22
+refuses "a number that is none, in words, too" 2 "LENGTH_MM must be 2 to 100" phantom -o "$work/x" --lesion aorta:75:nan:22
 refuses "a lesion on a vessel that is not there is a usage error" 2 "there are aorta, right_iliac_artery" phantom -o "$work/x" --lesion LAD:75:14:22
 [ ! -e "$work/x" ]
 report "what is refused has written nothing" $?
