@@ -54,10 +54,9 @@ static void make_coaxial(seld_instrument *tool, uint32_t radius_um, uint32_t bor
     }
 }
 
-/* A lattice of 7.8 mm around what the field describes of the path from `from` on; over its four outer cells it fades to rest. */
+/* A lattice of 7.8 mm around the path from `from` on. */
 static void make_beat(reference_tube *tube, uint32_t from)
 {
-    enum { FADE = 4, NODE = 3 * SELD_MOTION_ROW };
     double low[3] = {9, 9, 9}, high[3] = {-9, -9, -9};
     for (uint32_t i = from; i < tube->point_count; i++) {
         for (int k = 0; k < 3; k++) {
@@ -65,20 +64,7 @@ static void make_beat(reference_tube *tube, uint32_t from)
             high[k] = fmax(high[k], tube->points_m[i][k] + 0.03);
         }
     }
-    const seld_motion *motion = &reference_motion_make(reference_waves, low, high, 23, &tube->lumen)->motion;
-    int16_t *rows = (int16_t *)(uintptr_t)motion->rows;
-    const uint32_t *n = motion->count_xyz;
-    for (uint32_t i = 0; i < n[0] * n[1] * n[2]; i++) {
-        const uint32_t at[3] = {i % n[0], i / n[0] % n[1], i / n[0] / n[1]};
-        uint32_t inside = FADE;
-        for (int k = 0; k < 3; k++) {
-            inside = at[k] < inside ? at[k] : inside;
-            inside = n[k] - 1 - at[k] < inside ? n[k] - 1 - at[k] : inside;
-        }
-        for (int k = 0; k < NODE; k++)
-            rows[i * NODE + k] = (int16_t)(rows[i * NODE + k] * (int)inside / FADE);
-    }
-    tube->lumen.motion = motion;
+    tube->lumen.motion = &reference_waves_make(low, high, 23)->motion;
 }
 
 /* From now on 90 beats a minute. */
@@ -132,7 +118,7 @@ static double run_coronary(const bench_case *self)
 {
     reference_tube *tube = reference_tube_make(reference_coronary, 3, 0.0015, 1);
     tube->lumen.motion = &reference_motion_make(reference_beating_sphere, reference_coronary_low_m,
-                                                reference_coronary_high_m, 23, NULL)
+                                                reference_coronary_high_m, 23)
                               ->motion;
     const seld_instrument wire = reference_coronary_wire();
     const seld_entry entry = reference_entry();

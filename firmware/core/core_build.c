@@ -376,6 +376,9 @@ seld_build_status seld_model_build(seld_model *model, const seld_instrument *too
     model->contact = SELD_CONTACT_STIFFNESS_N_m << model->stiffness_exponent;
     model->contact_deep = SELD_CONTACT_STIFFNESS_DEEP_N_m << model->stiffness_exponent;
     model->friction = SELD_FRICTION_STIFFNESS_N_m << model->stiffness_exponent;
+    if (lumen != NULL && lumen->motion != NULL) {
+        model->wall_shrink_q30 = seld_motion_shrink_q30(lumen->motion);
+    }
     build_base_axes(model);
     seld_model_set_gravity(model, 0, 0, -9810);
     return SELD_BUILD_OK;

@@ -103,6 +103,7 @@ typedef struct seld_tip_hold {
 
 struct seld_model {
     const seld_lumen *lumen;
+    int32_t wall_shrink_q30; /* of a lumen that moves: seld_motion_shrink_q30 */
     seld_entry entry;
     uint32_t tool_count;
     uint32_t node_count;

@@ -116,9 +116,9 @@ typedef struct seld_work {
     int32_t torque_N_m_q30; /* joint: twisting moment of all tools */
     seld_vec3 force_N_q22;  /* right side */
     seld_vec3 normal_q30;
-    int32_t distance_m_q30;             /* cull distance at x* */
-    int32_t depth_m_q30;                /* at x*; meaningful while touching */
-    int32_t wall_round;                 /* N / r of a wall of SELD_WALL_ROUND, Q(a) */
+    int32_t distance_m_q30; /* to the wall at x*; of a wall that moves and was not sampled, no less */
+    int32_t depth_m_q30;    /* at x*; meaningful while touching */
+    int32_t wall_round;     /* N / r of a wall of SELD_WALL_ROUND, Q(a) */
     int32_t wall_normal, wall_friction; /* contact stiffnesses, Q(a); 0 where nothing touches */
     seld_vec3 held_m_q33; /* touching: bristle and way without the deviation, across the normal */
     int32_t reach_m_q33;  /* touching: expected bristle along normal x tangent without the surface's turn */

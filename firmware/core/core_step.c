@@ -81,7 +81,7 @@ static void beat(const seld_model *model, seld_state *state, const seld_input *i
     const seld_rhythm before = state->words.rhythm;
     seld_rhythm_step(&state->words.rhythm, &input->rhythm);
     if (model->lumen != NULL && model->lumen->motion != NULL) {
-        seld_motion_pose_begin(&state->scratch.pose, &before, &state->words.rhythm);
+        seld_motion_pose_begin(model->lumen->motion, &state->scratch.pose, &before, &state->words.rhythm);
     }
 }
 

@@ -1,7 +1,7 @@
 /* Sampling of the lumen: docs/lumen.md has the layout, the equations and their errors.
  *
  * Both samplers go the same way: world point -> coarse brick -> finer brick where refined -> position in the brick in
- * voxels (Q20) -> 8 or 27 int8 coefficients of one brick. Fixed work: two refinements, 8 or 27 taps.
+ * voxels (Q20) -> 27 int8 coefficients of one brick. Fixed work: two refinements, 27 taps.
  *
  * May include: lumen.h. Called by: contact. */
 #include "firmware/core/lumen.h"
@@ -11,7 +11,6 @@ enum {
     BRICK_LOG2 = SELD_LUMEN_VOXEL_LOG2_Q30 + 3, /* edge of a coarse brick in Q30 m */
     ROW = 10,                                   /* coefficients along x */
     SLICE = 100,                                /* and in an x-y plane */
-    HALF_VOXEL_Q20 = 1 << 19,
     VOXEL_MASK_Q20 = (1 << 20) - 1,
     IN_BRICK_MASK = (1 << BRICK_LOG2) - 1,
 };
@@ -66,32 +65,6 @@ static inline bool find(const seld_lumen *lumen, const seld_vec3 *p, lumen_place
     place->y_q20 = (y << place->level) & IN_BRICK_MASK;
     place->z_q20 = (z << place->level) & IN_BRICK_MASK;
     return true;
-}
-
-/* Point between two values, along y and z (along x the two products are dearer once and cheaper four times). Format: Qa, fraction Q8 in [0, 1) -> Q(a+8).
- * Overflow: the result is no larger than a or b and ends at 8 + 24 bits; the unsigned product may wrap on the way, which
- * cancels. Error: exact. */
-static inline int32_t between(int32_t a, int32_t b, int32_t t_q8)
-{
-    return (int32_t)((uint32_t)a * 256u + (uint32_t)(b - a) * (uint32_t)t_q8);
-}
-
-int32_t seld_lumen_distance(const seld_lumen *lumen, const seld_vec3 *position_m_q30)
-{
-    lumen_place place;
-    if (!find(lumen, position_m_q30, &place)) {
-        return place.far_m_q30;
-    }
-    /* Coefficient i sits at i - 1/2 voxels: the cell is floor(x + 1/2). */
-    uint32_t x = place.x_q20 + HALF_VOXEL_Q20, y = place.y_q20 + HALF_VOXEL_Q20,
-             z = place.z_q20 + HALF_VOXEL_Q20;
-    const int8_t *c = place.brick + ((z >> 20) * SLICE + (y >> 20) * ROW + (x >> 20));
-    const int32_t t = (int32_t)(x >> 12 & 255u), rest = 256 - t, s = (int32_t)(y >> 12 & 255u);
-    int32_t low = between(c[0] * rest + c[1] * t, c[ROW] * rest + c[ROW + 1] * t, s);
-    c += SLICE;
-    int32_t high = between(c[0] * rest + c[1] * t, c[ROW] * rest + c[ROW + 1] * t, s);
-    /* Q24 of voxel/32, and that is 2^(15-L) Q30 units */
-    return seld_asr32(between(low, high, (int32_t)(z >> 12 & 255u)), 9 + place.level);
 }
 
 /* The quadratic B-spline at fraction u of a voxel: weights (1-u)^2/2, the rest, u^2/2; those of the slope per voxel are
@@ -179,12 +152,30 @@ static inline lumen_row row_of(const int8_t *c, const lumen_row_weights *w)
     __asm__("smlatt %0, %1, %2, %0" : "+r"(gradient) : "r"(inner), "r"(w->middle));
     return (lumen_row){value, gradient};
 }
+
+static inline int_fast32_t value_of_row(const int8_t *c, const lumen_row_weights *w)
+{
+    const uint32_t upper_bytes = 0xff00ff00u;
+    uint32_t word;
+    int32_t value;
+    __builtin_memcpy(&word, c - 1 + (w->shift >> 3), sizeof word);
+    word <<= w->shift;
+    uint32_t outer = word & upper_bytes, inner = word << 8 & upper_bytes;
+    __asm__("smuad %0, %1, %2" : "=r"(value) : "r"(outer), "r"(w->value));
+    __asm__("smlatb %0, %1, %2, %0" : "+r"(value) : "r"(inner), "r"(w->middle));
+    return value;
+}
 #else
 static inline lumen_row row_of(const int8_t *c, const lumen_row_weights *w)
 {
     int64_t both = c[0] * w->low + c[1] * w->middle + c[2] * w->high;
     /* A negative value borrows one from the slope. */
     return (lumen_row){(int32_t)(uint32_t)both, seld_asr64(both + ((int64_t)1 << 31), 32)};
+}
+
+static inline int_fast32_t value_of_row(const int8_t *c, const lumen_row_weights *w)
+{
+    return (int32_t)(uint32_t)(uint64_t)(c[0] * w->low + c[1] * w->middle + c[2] * w->high);
 }
 #endif
 
@@ -240,6 +231,31 @@ static inline seld_vec3 inward(const lumen_taps *taps)
                           seld_mulh(z * scale, root_q30) * 2);
 }
 
+/* Format: Q19 of voxel/32, and that is 2^(15-L) Q30 units. */
+static inline int32_t metres_q30(int32_t value_q19, uint32_t level)
+{
+    return seld_asr32(value_q19 + (8 << level), 4 + level);
+}
+
+static inline int_fast32_t value_of_plane(const int8_t *c, const lumen_row_weights *x, const lumen_weights *y)
+{
+    return spline(value_of_row(c, x), value_of_row(c + ROW, x), value_of_row(c + 2 * ROW, x), y);
+}
+
+int32_t seld_lumen_distance(const seld_lumen *lumen, const seld_vec3 *position_m_q30)
+{
+    lumen_place p;
+    if (!find(lumen, position_m_q30, &p)) {
+        return p.far_m_q30;
+    }
+    const lumen_row_weights x = row_weights_at(p.x_q20);
+    const lumen_weights y = weights_at(p.y_q20), z = weights_at(p.z_q20);
+    const int8_t *c = p.brick + ((p.z_q20 >> 20) * SLICE + (p.y_q20 >> 20) * ROW + (p.x_q20 >> 20));
+    const int_fast32_t low = value_of_plane(c, &x, &y), middle = value_of_plane(c + SLICE, &x, &y),
+                       high = value_of_plane(c + 2 * SLICE, &x, &y);
+    return metres_q30((int32_t)spline(low, middle, high, &z), p.level);
+}
+
 seld_lumen_sample seld_lumen_contact(const seld_lumen *lumen, const seld_vec3 *position_m_q30)
 {
     lumen_place place;
@@ -249,8 +265,7 @@ seld_lumen_sample seld_lumen_contact(const seld_lumen *lumen, const seld_vec3 *p
         return sample;
     }
     lumen_taps taps = spline_27(&place);
-    /* Q19 of voxel/32, and that is 2^(15-L) Q30 units */
-    sample.distance_m_q30 = seld_asr32(taps.value + (8 << place.level), 4 + place.level);
+    sample.distance_m_q30 = metres_q30(taps.value, place.level);
     sample.normal_q30 = inward(&taps);
     return sample;
 }

@@ -32,9 +32,6 @@ enum {
     SELD_LUMEN_ENTRY_INSIDE = 1,
     SELD_LUMEN_ENTRY_FIRST_BRICK = 2,
     SELD_LUMEN_ENTRY_REFINED = 0x8000,
-    /* seld_lumen_distance may differ by this (0.12 mm) from seld_lumen_contact within one voxel of a wall whose radii
-     * are at least 3 voxels of its level; the baker measures it for each scene. */
-    SELD_LUMEN_CULL_ERROR_M_Q30 = 1 << 17,
 };
 
 struct seld_motion;
@@ -56,9 +53,8 @@ typedef struct seld_lumen_sample {
     seld_vec3 normal_q30;   /* inward unit normal; zero where the gradient vanishes (no contact there) */
 } seld_lumen_sample;
 
-/* Cheap distance to decide whether a node can be near the wall at all: trilinear in the spline's coefficients.
- * Format: Q30 m -> Q30 m. Outside the lattice or in OUTSIDE bricks: +2^24 (15.6 mm); INSIDE: -2^24.
- * Error against the spline: stated and tested in firmware/tests/test_lumen.c (SELD_LUMEN_CULL_ERROR_M_Q30). */
+/* The distance that seld_lumen_contact gives, bit for bit, without the normal: whether a node can touch the wall at all.
+ * Format: Q30 m -> Q30 m. Outside the lattice or in OUTSIDE bricks: +2^24 (15.6 mm); INSIDE: -2^24. */
 int32_t seld_lumen_distance(const seld_lumen *lumen, const seld_vec3 *position_m_q30);
 
 /* Value and inward normal of the triquadratic B-spline (27 taps, C1), for contact. Same far values as above. */

@@ -44,36 +44,53 @@ typedef struct seld_motion_moment {
     int32_t breath_q15;
 } seld_motion_moment;
 
+/* What was blended of a cell, kept for the next point in it or in a neighbour. */
+typedef struct seld_motion_cell {
+    uint32_t node; /* its low node; UINT32_MAX: none */
+    seld_vec3 corners_m_q34[8];
+} seld_motion_cell;
+
 /* Two moments, and what of the lattice was made for them last: nodes of a wire lie in the same cell one after the other. */
 typedef struct seld_motion_pose {
     seld_motion_moment now, before;
-    uint32_t cell, cell_before; /* low node whose corners are below; UINT32_MAX: none */
-    int32_t corners_m_q34[8][3];
-    int32_t corners_before_m_q34[8][3];
-    int32_t fraction_q31[3];    /* of the last point pulled back */
-    int32_t gradient_q28[3][3]; /* dw_i/dx_j there, after seld_motion_contact */
-    bool is_inside;             /* it lay in the lattice */
+    uint32_t corner_rows[8];   /* numbers from a cell's low node to its corners */
+    seld_motion_cell ways;     /* from the corners to the reference pose */
+    seld_motion_cell changes;  /* of these in the tick */
+    int32_t fraction_q31[3];   /* of the last point pulled back */
+    int32_t edges_m_q34[3][4]; /* there, on the cell's four edges along x */
+    seld_vec3 reference_m_q30; /* where it was pulled to, after seld_motion_distance or seld_motion_contact */
+    int32_t gradient_q28[3][3]; /* I + dw_i/dx_j there, once it has_gradient */
+    bool has_gradient;
+    bool is_inside; /* it lay in the lattice */
 } seld_motion_pose;
 
 seld_motion_moment seld_motion_moment_at(uint32_t heart_phase32, uint32_t breath_phase32);
 
 /* For a tick that leads from one moment to another. */
-void seld_motion_pose_begin(seld_motion_pose *pose, const seld_rhythm *before, const seld_rhythm *now);
+void seld_motion_pose_begin(const seld_motion *motion, seld_motion_pose *pose, const seld_rhythm *before,
+                            const seld_rhythm *now);
 
 /* Place in the reference pose of what is at `world` now. Format: Q30 m. Overflow: saturates. Error against the exact spline of the
  * stored coefficients: 1 um (weights of 15 bits; firmware/tests/test_motion.c). */
 seld_vec3 seld_motion_pull(const seld_motion *motion, seld_motion_pose *pose, const seld_vec3 *world_m_q30);
 
-/* As seld_lumen_distance at that place, less an eighth: with the margin of the cull that is on the safe side for tools up to 0.7 mm in radius and a
- * wall stretched by up to a third. */
+/* 1 / the most that this lattice lengthens a gradient: |(I + J)^T n| <= 1 + |J|, and |J|^2 is at most the sum over the axes of the longest
+ * difference of neighbours along each, squared. For set-up: reads all of it. Format: Q30, in (0, 1]. */
+int32_t seld_motion_shrink_q30(const seld_motion *motion);
+
+/* At or beyond the wall at least 0, else no less than the distance that seld_motion_contact gives there: the lumen's, made smaller by the most
+ * that a gradient is lengthened, by `shrink` in the whole lattice or, where the distance is not below `far` by it, here. */
 int32_t seld_motion_distance(const seld_lumen *lumen, const seld_motion *motion, seld_motion_pose *pose,
-                             const seld_vec3 *world_m_q30);
+                             const seld_vec3 *world_m_q30, int32_t shrink_q30, int32_t far_m_q30);
 
 /* As seld_lumen_contact of the moved wall: distance phi / |g| (exact at the wall), normal -g / |g|. */
 seld_lumen_sample seld_motion_contact(const seld_lumen *lumen, const seld_motion *motion,
                                       seld_motion_pose *pose, const seld_vec3 *world_m_q30);
+/* The same at the place of the last seld_motion_distance. */
+seld_lumen_sample seld_motion_contact_here(const seld_lumen *lumen, const seld_motion *motion,
+                                           seld_motion_pose *pose);
 
-/* Way of the wall in this tick at the place of the last seld_motion_contact. Format: Q33 m, limited to SELD_MOTION_WALL_STEP_MAX. */
+/* Way of the wall in this tick at the place of the last contact. Format: Q33 m, limited to SELD_MOTION_WALL_STEP_MAX. */
 seld_vec3 seld_motion_wall_step(const seld_motion *motion, seld_motion_pose *pose);
 
 #endif

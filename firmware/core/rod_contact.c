@@ -9,17 +9,21 @@
 #include "firmware/core/rod.h"
 
 enum {
-    MARGIN_M_Q30 = SELD_LUMEN_CULL_ERROR_M_Q30, /* beyond the drift before the dear sample is skipped */
-    NORMAL_MAX_N_Q22 = 1 << 29,                 /* 128 N: bounds a bristle to 66 mm, below 2^30 in Q33 */
+    ROUNDING_M_Q30 =
+        4, /* of ways along the normal, which decide beside the distance whether a node can touch */
+    NORMAL_MAX_N_Q22 = 1 << 29, /* 128 N: bounds a bristle to 66 mm, below 2^30 in Q33 */
 };
 
-static int32_t magnitude_sum(const seld_vec3 *a)
+/* No less than the length: half of the largest magnitude and of their sum. Overflow: saturates. */
+static int32_t length_at_most(const seld_vec3 *a)
 {
-    int64_t sum = 0;
+    int64_t sum = 0, most = 0;
     for (int k = 0; k < 3; k++) {
-        sum += a->v[k] < 0 ? -(int64_t)a->v[k] : a->v[k];
+        const int64_t size = a->v[k] < 0 ? -(int64_t)a->v[k] : a->v[k];
+        sum += size;
+        most = size > most ? size : most;
     }
-    return seld_sat32(sum);
+    return seld_sat32((sum + most + 1) / 2);
 }
 
 /* Component along n. Format: Q33 . Q30 -> Q33. Overflow: impossible, displacements stay below 2^30 (125 mm). */
@@ -190,15 +194,23 @@ static inline void push_node(const seld_model *model, const seld_node_state *nod
     }
 }
 
-/* Depth and normal at x*; false when the field has no gradient there. */
-static inline bool sample(const seld_model *model, seld_state *state, seld_work *work,
-                          const seld_line_node *line)
+/* The wall at x*. `placed`: wall_distance has looked there last. */
+static inline seld_lumen_sample wall_at(const seld_model *model, seld_state *state, const seld_work *work,
+                                        bool placed)
 {
     const seld_lumen *lumen = model->lumen;
-    seld_lumen_sample wall =
-        lumen->motion == NULL
-            ? seld_lumen_contact(lumen, &work->position_m_q30)
-            : seld_motion_contact(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30);
+    if (lumen->motion == NULL) {
+        return seld_lumen_contact(lumen, &work->position_m_q30);
+    }
+    return placed ? seld_motion_contact_here(lumen, lumen->motion, &state->scratch.pose)
+                  : seld_motion_contact(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30);
+}
+
+/* Depth and normal at x*; false when the field has no gradient there. */
+static inline bool sample(const seld_model *model, seld_state *state, seld_work *work,
+                          const seld_line_node *line, bool placed)
+{
+    const seld_lumen_sample wall = wall_at(model, state, work, placed);
     work->distance_m_q30 = wall.distance_m_q30;
     work->normal_q30 = wall.normal_q30;
     work->depth_m_q30 = seld_add_sat(wall.distance_m_q30, line->radius_m_q30);
@@ -218,27 +230,30 @@ static void clear(seld_node_state *node)
     node->contact = SELD_CONTACT_NONE;
 }
 
-static inline int32_t cull_distance(const seld_model *model, seld_state *state,
-                                    const seld_vec3 *position_m_q30)
+/* Distance to the wall at x*; of a wall that moves no less than the sample will give, or at least 0. */
+static inline int32_t wall_distance(const seld_model *model, seld_state *state, const seld_work *work,
+                                    int32_t far_m_q30)
 {
     const seld_lumen *lumen = model->lumen;
     return lumen->motion == NULL
-               ? seld_lumen_distance(lumen, position_m_q30)
-               : seld_motion_distance(lumen, lumen->motion, &state->scratch.pose, position_m_q30);
+               ? seld_lumen_distance(lumen, &work->position_m_q30)
+               : seld_motion_distance(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30,
+                                      model->wall_shrink_q30, far_m_q30);
 }
 
-/* A node that touched in the last tick is sampled at once, another only when the cheap distance allows contact. */
+/* A node that touched in the last tick is sampled at once, another only when its distance allows contact. */
 static inline bool may_touch(const seld_model *model, seld_state *state, const seld_node_state *node,
                              seld_work *work, const seld_line_node *line)
 {
-    if (node->contact == SELD_CONTACT_NONE) {
-        work->distance_m_q30 = cull_distance(model, state, &work->position_m_q30);
-        int32_t reach = (magnitude_sum(&work->drift_m_q33) >> 3) + MARGIN_M_Q30;
-        if (work->distance_m_q30 < -line->radius_m_q30 - reach) {
+    const bool placed = node->contact == SELD_CONTACT_NONE;
+    if (placed) {
+        int32_t far = -line->radius_m_q30 - (length_at_most(&work->drift_m_q33) >> 3) - ROUNDING_M_Q30;
+        work->distance_m_q30 = wall_distance(model, state, work, far);
+        if (work->distance_m_q30 < far) {
             return false;
         }
     }
-    return sample(model, state, work, line);
+    return sample(model, state, work, line, placed);
 }
 
 static inline void find_node(const seld_model *model, seld_state *state, seld_node_state *node,
@@ -323,13 +338,14 @@ uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t
         return 0;
     }
     uint32_t added = 0;
-    int32_t reach = 2 * (largest_m_q33 >> 3) + MARGIN_M_Q30 - SELD_MISSED_CONTACT_M_Q30; /* sqrt(3) < 2 */
+    int32_t reach = 2 * (largest_m_q33 >> 3) + ROUNDING_M_Q30 - SELD_MISSED_CONTACT_M_Q30; /* sqrt(3) < 2 */
     seld_work *work = state->scratch.nodes;
     const seld_node_state *node = state->words.nodes;
     const seld_line_node *line = state->line.nodes;
     for (uint32_t i = 0; i < state->words.free_count; i++, work++, node++, line++) {
         bool held = work->touching || work->wall_friction != 0;
-        if (held || work->distance_m_q30 < -line->radius_m_q30 - reach || !sample(model, state, work, line)) {
+        if (held || work->distance_m_q30 < -line->radius_m_q30 - reach ||
+            !sample(model, state, work, line, false)) {
             continue;
         }
         int32_t inwards = along(&work->solution_m_q33, &work->normal_q30);
@@ -411,7 +427,7 @@ seld_lumen_sample seld_wall_sample(const seld_model *model, const seld_state *st
         return seld_lumen_contact(model->lumen, position_m_q30);
     }
     seld_motion_pose pose;
-    seld_motion_pose_begin(&pose, &state->words.rhythm, &state->words.rhythm);
+    seld_motion_pose_begin(model->lumen->motion, &pose, &state->words.rhythm, &state->words.rhythm);
     return seld_motion_contact(model->lumen, model->lumen->motion, &pose, position_m_q30);
 }
 

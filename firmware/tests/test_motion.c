@@ -23,7 +23,7 @@ static int set_up(void **state)
     (void)state;
     tube = reference_tube_make(reference_coronary, 3, 0.0015, 1);
     beating = reference_motion_make(reference_beating_sphere, reference_coronary_low_m,
-                                    reference_coronary_high_m, 23, NULL);
+                                    reference_coronary_high_m, 23);
     return 0;
 }
 
@@ -47,14 +47,19 @@ static uint32_t phase32(double phase)
 }
 
 /* Pose of a tick that leads to `phase` from `step` before, with the chest at rest or, at `breath` 1, full. */
-static seld_motion_pose pose_at(double phase, double step, double breath)
+static seld_motion_pose pose_of(const seld_motion *motion, double phase, double step, double breath)
 {
     seld_rhythm now = {.heart_phase32 = phase32(phase), .breath_phase32 = breath > 0 ? 1u << 31 : 0},
                 before = now;
     before.heart_phase32 = phase32(phase - step);
     seld_motion_pose pose;
-    seld_motion_pose_begin(&pose, &before, &now);
+    seld_motion_pose_begin(motion, &pose, &before, &now);
     return pose;
+}
+
+static seld_motion_pose pose_at(double phase, double step, double breath)
+{
+    return pose_of(&beating->motion, phase, step, breath);
 }
 
 static double uniform(reference_random *random, double low, double high)
@@ -196,6 +201,51 @@ static void the_normal_is_the_gradient_of_the_moved_distance(void **state)
         "# of %d normals %d are off by more than 1 deg, of distances %d by more than 5 %% and 10 um\n",
         PLACES, wide, far);
     assert_true(wide < PLACES / 50 && far < PLACES / 50);
+}
+
+/* A node is taken for far from the wall by the cheap distance alone: where the contact's is not, that must say so. In the beating lattice, and in one
+ * as steep as a scene may be, where neighbours differ at random. */
+static void the_cheap_distance_never_hides_a_contact(void **state)
+{
+    (void)state;
+    reference_random random = reference_random_seed(6);
+    enum { PLACES = 20000, STEEP = 8, NODES = STEEP * STEEP * STEEP, NODE = 3 * SELD_MOTION_ROW };
+    static int16_t rows[NODES * NODE];
+    const int32_t spacing = 1 << (23 - SELD_MOTION_UNIT_LOG2_Q30);
+    for (int i = 0; i < NODES * NODE; i++) {
+        const int at = i / NODE;
+        const bool edge = at % STEEP % (STEEP - 1) == 0 || at / STEEP % STEEP % (STEEP - 1) == 0 ||
+                          at / STEEP / STEEP % (STEEP - 1) == 0;
+        const bool breath = i % SELD_MOTION_ROW == SELD_MOTION_ROW_BREATH;
+        const int32_t most = breath ? spacing * 3 / 16 : spacing * 5 / 16;
+        const int32_t value = (int32_t)reference_random_below(&random, 2u * (uint32_t)most + 1) - most;
+        rows[i] = (int16_t)(edge ? 0 : value);
+    }
+    const seld_motion steep = {{64 * 1048576, -28 * 1048576, -20 * 1048576}, {STEEP, STEEP, STEEP}, 23, rows};
+    const seld_motion *motions[] = {&beating->motion, &steep};
+    for (int m = 0; m < 2; m++) {
+        const int32_t shrink_q30 = seld_motion_shrink_q30(motions[m]);
+        double ratio = 1;
+        int near = 0, spared = 0;
+        for (int i = 0; i < PLACES; i++) {
+            double X[3], x[3];
+            const double phase = uniform(&random, 0, 1);
+            draw_place(&random, phase, X, x);
+            const seld_vec3 world = to_q30(x);
+            seld_motion_pose pose = pose_of(motions[m], phase, 0.001, uniform(&random, -1, 1));
+            const int32_t far = -(int32_t)reference_random_below(&random, 1000000); /* to 0.93 mm */
+            const int32_t cheap =
+                seld_motion_distance(&tube->lumen, motions[m], &pose, &world, shrink_q30, far);
+            const int32_t exact = seld_motion_contact(&tube->lumen, motions[m], &pose, &world).distance_m_q30;
+            assert_true(cheap >= exact || cheap >= 0);
+            near += exact < far;
+            spared += cheap < far;
+            if (cheap >= far && cheap < -50000) ratio = fmax(ratio, (double)exact / cheap);
+        }
+        print_message("# shrink %.3f, where it matters %.3f: %d of %d distant places found at once\n",
+                      shrink_q30 / q30_per_m, 1 / ratio, spared, near);
+        assert_true(m == 1 || spared > near / 2);
+    }
 }
 
 /* Against the way of the map's own point in the tick, at 120 /min: within 5 % of the fastest wall (0.13 mm in a tick) and 2 um. */
@@ -359,7 +409,7 @@ static void a_wall_that_slides_drags_at_mu_N(void **state)
     const reference_piece straight = {0.3, 0, 0};
     const double low[3] = {0.004, -0.02, -0.02}, high[3] = {0.31, 0.02, 0.02}, friction = 0.25;
     reference_tube *floor_tube = reference_tube_make(&straight, 1, 0.0008, 1);
-    reference_motion *sliding = reference_motion_make(slide_along, low, high, 23, NULL);
+    reference_motion *sliding = reference_motion_make(slide_along, low, high, 23);
     seld_instrument wire = reference_wire(2e-6, 400000, 3000, friction);
     const uint32_t inserted_um = 250000;
     const seld_entry entry = reference_entry();
@@ -399,6 +449,7 @@ int main(void)
         cmocka_unit_test(the_map_is_continuous_in_place_and_time),
         cmocka_unit_test(outside_the_lattice_nothing_moves),
         cmocka_unit_test(the_normal_is_the_gradient_of_the_moved_distance),
+        cmocka_unit_test(the_cheap_distance_never_hides_a_contact),
         cmocka_unit_test(the_wall_step_is_that_of_the_map),
         cmocka_unit_test(a_wire_in_a_beating_vessel_is_carried),
         cmocka_unit_test(a_beating_state_can_be_saved_and_goes_on_the_same),

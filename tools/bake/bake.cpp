@@ -117,8 +117,6 @@ std::string field_report(const Field &field, const FieldError &error)
                  "within %.1f mm)",
                  error.median_mm, error.percent99_mm, error.permille999_mm, error.largest.mm,
                  place_text(error.largest.place_mm).c_str(), error.points, error_band_mm);
-    text += line("cull - contact    largest %.4f mm at %s (the core allows %.4f)", error.cull.mm,
-                 place_text(error.cull.place_mm).c_str(), int{SELD_LUMEN_CULL_ERROR_M_Q30} * mm_per_q30);
     return text;
 }
 

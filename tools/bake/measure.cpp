@@ -217,7 +217,6 @@ FieldError measure_field(const seld_lumen *lumen, const TriangleTree &tree, std:
         const double core = seld_lumen_contact(lumen, &q).distance_m_q30 * mm_per_q30;
         errors.push_back(std::abs(core - exact));
         error.largest.take(errors.back(), p);
-        error.cull.take(std::abs(seld_lumen_distance(lumen, &q) * mm_per_q30 - core), p);
     }
     progress.finish();
     std::sort(errors.begin(), errors.end());

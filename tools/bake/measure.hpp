@@ -22,7 +22,6 @@ struct FieldError {
     std::size_t points = 0; // within error_band_mm of the wall
     double median_mm = 0, percent99_mm = 0, permille999_mm = 0;
     Worst largest;
-    Worst cull; // |seld_lumen_distance - seld_lumen_contact|
 };
 
 // Random points within error_band_mm of the wall: |core's distance - exact signed distance|.

@@ -79,13 +79,13 @@ double radius_mm(const seld_lumen *lumen, const Eigen::Vector3d &wall_mm)
     return deepest;
 }
 
-seld_motion_pose pose_of(std::size_t key, bool inhaled)
+seld_motion_pose pose_of(const seld_motion *motion, std::size_t key, bool inhaled)
 {
     seld_rhythm rhythm{};
     rhythm.heart_phase32 = static_cast<std::uint32_t>((std::uint64_t{key} << 32) / frames_count);
     rhythm.breath_phase32 = inhaled ? 1u << 31 : 0u;
     seld_motion_pose pose;
-    seld_motion_pose_begin(&pose, &rhythm, &rhythm);
+    seld_motion_pose_begin(motion, &pose, &rhythm, &rhythm);
     return pose;
 }
 
@@ -153,7 +153,7 @@ const seld_motion *Motion::view()
 
 Eigen::Vector3d Motion::to_reference_mm(const Eigen::Vector3d &at_mm) const
 {
-    seld_motion_pose pose = pose_of(0, false);
+    seld_motion_pose pose = pose_of(&lattice, 0, false);
     return pulled_mm(&lattice, pose, at_mm);
 }
 
@@ -211,7 +211,7 @@ std::vector<FrameError> measure_motion(const seld_lumen *lumen, const seld_motio
     for (std::size_t key = 0; key < frames_count + !frames.lumen.inhaled_mm.empty(); ++key) {
         const bool is_breath = key == frames_count;
         const auto &moved = is_breath ? frames.lumen.inhaled_mm : frames.lumen.moved_mm[key];
-        seld_motion_pose pose = pose_of(is_breath ? 0 : key, is_breath);
+        seld_motion_pose pose = pose_of(motion, is_breath ? 0 : key, is_breath);
         FrameError error;
         double squares = 0;
         std::size_t count = 0;

@@ -86,50 +86,38 @@ static void fill_node(const reference_motion *m, const double *x, int16_t *rows)
     }
 }
 
-/* Is there anything but OUTSIDE within two coarse bricks of x? */
-static bool is_near(const seld_lumen *lumen, const double *x)
-{
-    if (lumen == NULL) return true;
-    int64_t brick[3];
-    for (int k = 0; k < 3; k++)
-        brick[k] = (int64_t)floor((x[k] * q30_per_m - lumen->origin_m_q30[k]) / (1 << 23));
-    for (int i = 0; i < 125; i++) {
-        const int64_t at[3] = {brick[0] + i % 5 - 2, brick[1] + i / 5 % 5 - 2, brick[2] + i / 25 - 2};
-        bool is_inside = true;
-        for (int k = 0; k < 3; k++)
-            is_inside = is_inside && at[k] >= 0 && at[k] < (int64_t)lumen->brick_count_xyz[k];
-        if (is_inside &&
-            lumen->index[(at[2] * lumen->brick_count_xyz[1] + at[1]) * lumen->brick_count_xyz[0] + at[0]] !=
-                0)
-            return true;
-    }
-    return false;
-}
-
-reference_motion *reference_motion_make(reference_map map, const double *low_m, const double *high_m,
-                                        uint32_t spacing_log2_q30, const seld_lumen *near)
+/* Without map, all at rest. */
+static reference_motion *lattice_over(const double *low_m, const double *high_m, uint32_t spacing_log2_q30)
 {
     reference_motion *m = calloc(1, sizeof *m);
     const double spacing = (double)(1 << spacing_log2_q30) / q30_per_m;
     size_t nodes = 1;
-    m->map = map;
     m->motion.spacing_log2_q30 = spacing_log2_q30;
     for (int k = 0; k < 3; k++) {
         m->motion.origin_m_q30[k] = (int32_t)lround(low_m[k] * q30_per_m);
         m->motion.count_xyz[k] = (uint32_t)ceil((high_m[k] - low_m[k]) / spacing) + 1;
         nodes *= m->motion.count_xyz[k];
     }
-    int16_t *rows = calloc(nodes * 3 * SELD_MOTION_ROW, sizeof *rows);
+    m->motion.rows = calloc(nodes * 3 * SELD_MOTION_ROW, sizeof *m->motion.rows);
+    return m;
+}
+
+reference_motion *reference_motion_make(reference_map map, const double *low_m, const double *high_m,
+                                        uint32_t spacing_log2_q30)
+{
+    reference_motion *m = lattice_over(low_m, high_m, spacing_log2_q30);
+    const double spacing = (double)(1 << spacing_log2_q30) / q30_per_m;
+    m->map = map;
+    int16_t *rows = (int16_t *)(uintptr_t)m->motion.rows;
     const uint32_t nx = m->motion.count_xyz[0], ny = m->motion.count_xyz[1], nz = m->motion.count_xyz[2];
-    for (uint32_t i = 0; i < nodes; i++) {
+    for (uint32_t i = 0; i < nx * ny * nz; i++) {
         const uint32_t at[3] = {i % nx, i / nx % ny, i / nx / ny};
         double x[3];
         for (int k = 0; k < 3; k++) x[k] = m->motion.origin_m_q30[k] / q30_per_m + at[k] * spacing;
         const bool is_edge =
             at[0] == 0 || at[1] == 0 || at[2] == 0 || at[0] + 1 == nx || at[1] + 1 == ny || at[2] + 1 == nz;
-        if (!is_edge && is_near(near, x)) fill_node(m, x, rows + (size_t)i * 3 * SELD_MOTION_ROW);
+        if (!is_edge) fill_node(m, x, rows + (size_t)i * 3 * SELD_MOTION_ROW);
     }
-    m->motion.rows = rows;
     return m;
 }
 
@@ -140,12 +128,35 @@ void reference_motion_free(reference_motion *motion)
     free(motion);
 }
 
-void reference_waves(const double *X, double phase, double breath, double *x)
+/* Contraction and place are factors of the way, so that the filter in time is needed once. */
+reference_motion *reference_waves_make(const double *low_m, const double *high_m, uint32_t spacing_log2_q30)
 {
-    const double c = 0.005 * reference_contraction(phase), wave = 2 * acos(-1.0) / 0.25;
-    x[0] = X[0] + c * sin(wave * X[1]) + 0.005 * breath;
-    x[1] = X[1] + c * sin(wave * X[2] + 1);
-    x[2] = X[2] + c * sin(wave * X[0] + 2);
+    enum { FADE = 4 };
+    reference_motion *m = lattice_over(low_m, high_m, spacing_log2_q30);
+    const uint32_t *n = m->motion.count_xyz, nodes = n[0] * n[1] * n[2];
+    const double spacing = (double)(1 << spacing_log2_q30) / q30_per_m, wave = 2 * acos(-1.0) / 0.25;
+    double beat[SELD_MOTION_KEYFRAMES], c[SELD_MOTION_KEYFRAMES];
+    for (int i = 0; i < SELD_MOTION_KEYFRAMES; i++)
+        beat[i] = -0.005 * reference_contraction(i / (double)SELD_MOTION_KEYFRAMES);
+    prefilter(beat, c);
+    int16_t *row = (int16_t *)(uintptr_t)m->motion.rows;
+    for (uint32_t i = 0; i < nodes; i++) {
+        const uint32_t at[3] = {i % n[0], i / n[0] % n[1], i / n[0] / n[1]};
+        double x[3];
+        uint32_t inside = FADE;
+        for (int k = 0; k < 3; k++) {
+            x[k] = m->motion.origin_m_q30[k] / q30_per_m + at[k] * spacing;
+            const uint32_t from_edge = at[k] < n[k] - 1 - at[k] ? at[k] : n[k] - 1 - at[k];
+            inside = from_edge < inside ? from_edge : inside;
+        }
+        for (int k = 0; k < 3; k++, row += SELD_MOTION_ROW) {
+            const double part = (double)inside / FADE * sin(wave * x[(k + 1) % 3] + k);
+            for (int j = 0; j < SELD_MOTION_KEYFRAMES + 2; j++)
+                row[j] = coefficient(part * c[(j + SELD_MOTION_KEYFRAMES - 1) % SELD_MOTION_KEYFRAMES]);
+            row[SELD_MOTION_ROW_BREATH] = k == 0 ? coefficient(-0.005 * inside / FADE) : 0;
+        }
+    }
+    return m;
 }
 
 seld_instrument reference_coronary_wire(void)

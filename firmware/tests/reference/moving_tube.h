@@ -17,9 +17,9 @@ typedef struct reference_motion {
 } reference_motion;
 
 /* The lattice over a box, with nodes 2^log2 Q30 m apart; its outermost nodes stand still, so that the box must reach beyond what
- * moves, or beyond what is looked at. `near` not NULL: nodes farther than two bricks from its lumen stand still too, which saves time. */
+ * moves, or beyond what is looked at. */
 reference_motion *reference_motion_make(reference_map map, const double *low_m, const double *high_m,
-                                        uint32_t spacing_log2_q30, const seld_lumen *near);
+                                        uint32_t spacing_log2_q30);
 void reference_motion_free(reference_motion *motion);
 
 /* x with pull(x) = X by Newton's method on the map's inverse: w(x) = X - x, exactly. */
@@ -36,8 +36,9 @@ void reference_beating_sphere(const double *X_m, double phase, double breath, do
 extern const reference_piece reference_coronary[3];
 extern const double reference_coronary_low_m[3], reference_coronary_high_m[3];
 
-/* What moves the three bends of reference_three_bends(): everything by up to 5 mm along each axis, with waves of 250 mm. */
-void reference_waves(const double *X_m, double phase, double breath, double *x_m);
+/* A lattice, as steep as a heart's, without a map: in it everything moves by up to 5 mm along each axis, with waves of 250 mm, and by 5 mm in a breath;
+ * over the four outer cells of the box it fades to rest. */
+reference_motion *reference_waves_make(const double *low_m, const double *high_m, uint32_t spacing_log2_q30);
 
 /* A 0.014 in wire of 400 mm with a soft tip. */
 seld_instrument reference_coronary_wire(void);
