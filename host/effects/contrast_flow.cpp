@@ -185,7 +185,7 @@ bool ContrastFlow::restore(std::span<const std::uint8_t> bytes)
     if (bytes.size() < fixed) return false;
     const std::uint8_t *from = bytes.data();
     const auto get = [&](void *to, std::size_t size) {
-        std::memcpy(to, from, size);
+        if (size > 0) std::memcpy(to, from, size); // of nothing there is no address
         from += size;
     };
     get(counts, sizeof counts);

@@ -48,8 +48,8 @@ const char *seld_scene_status_text(seld_scene_status status)
         [SELD_SCENE_TREE_POINT] =
             "a vessel's point lies beyond 2 m or on the one before it, or its radius is none: bake it again",
         [SELD_SCENE_LESION_SIZE] = "the list of lesions is empty or too long: bake it with fewer lesions",
-        [SELD_SCENE_LESION_PLACE] = "a lesion lies where there is no vessel, or what the vessel was there "
-                                    "before is damaged: bake it again",
+        [SELD_SCENE_LESION_PLACE] =
+            "a lesion lies where no vessel is, or its healthy points are damaged: bake it again",
     };
     return (unsigned)status < SELD_SCENE_STATUS_COUNT ? texts[status]
                                                       : "unknown scene status: update this program";
