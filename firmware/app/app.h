@@ -139,6 +139,12 @@ typedef struct seld_app_queue {
     seld_wire_live_tick ticks[SELD_APP_LIVE_QUEUE_ticks];
 } seld_app_queue;
 
+/* What a tick is asked for besides the hands. */
+typedef struct seld_app_wish {
+    seld_rhythm_order rhythm;
+    seld_scaffold scaffold;
+} seld_app_wish;
+
 typedef struct seld_app {
     const seld_port *port;
     uint8_t state; /* SELD_WIRE_STATE_* */
@@ -154,7 +160,8 @@ typedef struct seld_app {
     uint32_t silent_ticks; /* since the last valid frame, in FREE_RUN */
     bool has_mailbox;      /* the host has sent an `input` since START */
     seld_app_encoders mailbox;
-    seld_rhythm_order orders[SELD_APP_RHYTHM_QUEUE]; /* FREE_RUN: of the ticks to come */
+    seld_app_wish orders[SELD_APP_RHYTHM_QUEUE]; /* FREE_RUN: of the ticks to come */
+    int32_t inflator_raw; /* of the last tick: while nobody tells, the pressure stays */
     uint32_t order_count;
 
     /* set-up */
@@ -163,6 +170,7 @@ typedef struct seld_app {
     bool has_scene, has_entry;
     uint32_t tool_count; /* 0: none yet */
     seld_lumen lumen;
+    seld_lesion lesions[SELD_LESION_MAX]; /* of the lumen, that give way */
     seld_motion motion;                   /* of the lumen, when it moves */
     seld_instrument tools[SELD_TOOL_MAX]; /* from the innermost */
     seld_entry entry;

@@ -147,6 +147,7 @@ static void begin_listening(seld_app *app)
 {
     app->silent_ticks = 0;
     app->order_count = 0;
+    app->inflator_raw = 0;
     app->has_stop = false;
     if (app->mode != SELD_WIRE_MODE_FREE_RUN) return;
     forget_hands(app);

@@ -60,10 +60,10 @@ void seld_app_entry(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_reject_build(seld_app *app, uint16_t type, seld_build_status status,
                            const seld_build_place *place);
 
-/* app_lumen.c: scene bytes -> the core's view of them; `lumen` then points to `motion` when it moves. 0, or the scene status that
- * says what is wrong: both are as they were. */
+/* app_lumen.c: scene bytes -> the core's view of them; `lumen` then points to `motion` when it moves, and to `lesions` when some give way. 0,
+ * or the scene status that says what is wrong: all are as they were. */
 uint32_t seld_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, seld_lumen *lumen,
-                             seld_motion *motion);
+                             seld_motion *motion, seld_lesion lesions[SELD_LESION_MAX]);
 
 /* app_rig.c: configuration of the tracks */
 void seld_app_rig(seld_app *app, const uint8_t *payload, size_t length);
@@ -80,6 +80,7 @@ void seld_app_set_state(seld_app *app, uint8_t state);
 void seld_app_step(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_input(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_rhythm(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_scaffold(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_log_core_faults(seld_app *app, uint32_t bits);
 
 /* app_stream.c: what goes out by itself, with back-pressure */

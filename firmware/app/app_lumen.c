@@ -10,18 +10,53 @@ _Static_assert((int)SELD_SCENE_MOTION_ROW == (int)SELD_MOTION_ROW &&
                    (int)SELD_SCENE_MOTION_SPACING_LOG2_MAX == (int)SELD_MOTION_SPACING_LOG2_MAX,
                "scene and core agree about the lattice of a moving vessel");
 
-static seld_motion motion_from(const seld_scene_motion *scene)
+static seld_lattice lattice_from(const seld_scene_motion *scene)
 {
-    return (seld_motion){
+    return (seld_lattice){
         .origin_m_q30 = {scene->origin_m_q30[0], scene->origin_m_q30[1], scene->origin_m_q30[2]},
         .count_xyz = {scene->node_count_xyz[0], scene->node_count_xyz[1], scene->node_count_xyz[2]},
         .spacing_log2_q30 = scene->spacing_log2_q30,
-        .rows = scene->rows,
     };
 }
 
+static seld_motion motion_from(const seld_scene *scene)
+{
+    return (seld_motion){
+        .beat = lattice_from(&scene->motion),
+        .rows = scene->motion.rows,
+        .breath = lattice_from(&scene->breath),
+        .inhaled = scene->has_breath ? scene->breath.rows : NULL,
+    };
+}
+
+_Static_assert((int)SELD_SCENE_PLAQUE_MAX == (int)SELD_LESION_MAX &&
+                   (int)SELD_SCENE_PLAQUE_STATION_MAX == (int)SELD_LESION_STATION_MAX &&
+                   (int)SELD_SCENE_PLAQUE_STATION_BYTES == (int)sizeof(seld_lesion_station),
+               "scene and core agree about lesions that give way");
+
+/* The stations stay in place: words of the scene's own byte order, which is this machine's (checked), at a multiple of 16. */
+static seld_lesion lesion_from(const seld_scene_plaque_view *plaque)
+{
+    seld_lesion lesion = {
+        .stretch_q28 = plaque->stretch_q28,
+        .spacing_log2_q30 = plaque->spacing_log2_q30,
+        .station_count = plaque->station_count,
+        .yield_Pa = plaque->yield_Pa,
+        .full_Pa = plaque->full_Pa,
+        .recoil_q30 = plaque->recoil_q30,
+        .pace_q30 = plaque->pace_q30,
+        .stations = (const seld_lesion_station *)(const void *)plaque->stations,
+    };
+    for (int k = 0; k < 3; k++) {
+        lesion.low_m_q30[k] = plaque->low_m_q30[k];
+        lesion.high_m_q30[k] = plaque->high_m_q30[k];
+        lesion.chord_q30[k] = plaque->chord_q30[k];
+    }
+    return lesion;
+}
+
 uint32_t seld_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, seld_lumen *lumen,
-                             seld_motion *motion)
+                             seld_motion *motion, seld_lesion lesions[SELD_LESION_MAX])
 {
     seld_scene scene;
     seld_scene_status status = seld_scene_open(bytes, byte_count, &scene, NULL);
@@ -38,7 +73,13 @@ uint32_t seld_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, seld_lum
         .children = scene.lumen.children,
         .samples = scene.lumen.samples,
         .motion = scene.has_motion ? motion : NULL,
+        .lesion_count = scene.plaque_count,
+        .lesions = lesions,
     };
-    *motion = motion_from(&scene.motion);
+    for (uint32_t i = 0; i < scene.plaque_count; i++) {
+        const seld_scene_plaque_view plaque = seld_scene_plaque(&scene, i);
+        lesions[i] = lesion_from(&plaque);
+    }
+    *motion = motion_from(&scene);
     return SELD_SCENE_OK;
 }

@@ -87,6 +87,22 @@ void seld_app_send_hello_reply(seld_app *app, bool accepted)
 }
 
 /* Nodes beyond the inserter and the first one inside it: what a picture shows. */
+/* Balloon and lesions, for pictures. */
+static void put_treatment(const seld_app *app, seld_wire_nodes *nodes)
+{
+    int32_t radii_m_q30[SELD_BALLOON_BALL_MAX];
+    nodes->balloon_radii_um_count = (uint16_t)seld_state_balloon(
+        &app->model, &app->core, radii_m_q30, &nodes->balloon_arc_m_q30, &nodes->balloon_spacing_m_q30);
+    for (uint32_t j = 0; j < nodes->balloon_radii_um_count; j++)
+        nodes->balloon_radii_um[j] = (uint16_t)(((int64_t)radii_m_q30[j] * 15625 + (1 << 23)) >> 24);
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < SELD_LESION_MAX; i++) {
+        for (uint32_t k = 0; k < seld_model_stations(&app->model, i); k++)
+            nodes->lesions_open_q15[count++] = (uint16_t)(seld_state_open(&app->core, i, k) >> 15);
+    }
+    nodes->lesions_open_q15_count = (uint16_t)count;
+}
+
 void seld_app_send_nodes(seld_app *app)
 {
     seld_wire_nodes *nodes = &app->reply.nodes;
@@ -100,6 +116,7 @@ void seld_app_send_nodes(seld_app *app)
     nodes->inserted_m_q30_count = (uint16_t)app->tool_count;
     for (uint32_t k = 0; k < app->tool_count; k++)
         nodes->inserted_m_q30[k] = seld_state_inserted(&app->core, k);
+    put_treatment(app, nodes);
     nodes->positions_count = (uint16_t)count;
     for (uint32_t i = 0; i < count; i++) {
         seld_vec3 p = seld_state_position(&app->core, i);

@@ -34,6 +34,12 @@ static seld_wire_tool_state tool_state(const seld_handle *handle, const seld_por
     };
 }
 
+/* Rounded. Overflow: impossible, a balloon's radius is below 2^24. */
+static uint16_t um_from_q30(int32_t length_m_q30)
+{
+    return (uint16_t)(((int64_t)length_m_q30 * 15625 + (1 << 23)) >> 24);
+}
+
 static void note_tick(const seld_app *app, const seld_output *output, seld_wire_tick_state *state)
 {
     *state = (seld_wire_tick_state){
@@ -52,20 +58,34 @@ static void note_tick(const seld_app *app, const seld_output *output, seld_wire_
         .beat_ms = output->beat_ms,
         .interval_ms = output->interval_ms,
         .rhythm_bits = (uint8_t)output->rhythm_bits,
+        .balloon_bits = (uint8_t)output->balloon_bits,
+        .balloon_kPa = (uint16_t)(output->balloon_Pa / 1000),
+        .balloon_diameter_max_um = um_from_q30(2 * output->balloon_radius_max_m_q30),
+        .balloon_diameter_min_um = um_from_q30(2 * output->balloon_radius_min_m_q30),
+        .balloon_wall_mN = (uint32_t)(((int64_t)output->balloon_wall_N_q22 * 1000) >> 22),
     };
     for (uint32_t k = 0; k < app->tool_count; k++) {
         state->tools[k] = tool_state(&output->tools[k], &app->motors[k]);
     }
 }
 
+static int32_t kPa_of(int32_t inflator_raw)
+{
+    const int32_t most = SELD_PRESSURE_MAX_Pa / 1000;
+    return inflator_raw < 0 ? 0 : (inflator_raw > most ? most : inflator_raw);
+}
+
 /* `encoders` NULL: nobody says where the hands are, they rest. False: FAULT, no tick was done. */
-static bool tick(seld_app *app, const seld_app_encoders *encoders, seld_rhythm_order rhythm,
+static bool tick(seld_app *app, const seld_app_encoders *encoders, const seld_app_wish *order,
                  seld_output *output)
 {
     seld_input hands, input;
     if (encoders != NULL && !seld_app_hands_update(app, encoders)) return false;
     seld_app_hands_input(app, &hands);
-    hands.rhythm = rhythm;
+    if (encoders != NULL) app->inflator_raw = encoders->inflator_raw;
+    hands.inflator_Pa = kPa_of(app->inflator_raw) * 1000;
+    hands.rhythm = order->rhythm;
+    hands.scaffold = order->scaffold;
     input = hands;
     seld_app_coupling_before(app, &input);
     seld_step(&app->model, &app->core, &input, output);
@@ -101,9 +121,30 @@ static seld_app_encoders encoders_from_wire(const seld_wire_encoders *wire)
     return encoders;
 }
 
-static seld_rhythm_order rhythm_from_wire(const seld_wire_encoders *wire)
+/* False: no such place in the scene. */
+static bool scaffold_from_wire(const seld_app *app, const seld_wire_scaffold *wire, seld_scaffold *order)
 {
-    return (seld_rhythm_order){wire->rhythm_action, wire->rhythm_value};
+    *order = (seld_scaffold){0, 0, 0, 0};
+    if (wire->lesion == 0) return wire->first == 0 && wire->last == 0 && wire->open_q15 == 0;
+    *order = (seld_scaffold){wire->lesion - 1u, wire->first, wire->last, wire->open_q15 << 15};
+    return wire->first <= wire->last && wire->last < seld_model_stations(&app->model, order->lesion) &&
+           wire->open_q15 >= 1 && wire->open_q15 <= 1 << 15;
+}
+
+/* What an input asks for; refuses with a code and the values at fault. */
+static uint16_t order_from_wire(const seld_app *app, const seld_wire_encoders *wire, seld_app_wish *order,
+                                uint16_t values[2])
+{
+    const seld_wire_scaffold scaffold = {wire->scaffold_lesion, wire->scaffold_first, wire->scaffold_last,
+                                         wire->scaffold_open_q15};
+    order->rhythm = (seld_rhythm_order){wire->rhythm_action, wire->rhythm_value};
+    values[0] = wire->rhythm_action;
+    values[1] = wire->rhythm_value;
+    if (!seld_rhythm_order_is_valid(&order->rhythm)) return SELD_REJECT_RHYTHM_RANGE;
+    values[0] = wire->scaffold_lesion;
+    values[1] = wire->scaffold_last;
+    return scaffold_from_wire(app, &scaffold, &order->scaffold) ? SELD_REJECT_NONE
+                                                                : SELD_REJECT_SCAFFOLD_RANGE;
 }
 
 /* --- LOCKSTEP --- */
@@ -122,16 +163,20 @@ void seld_app_step(seld_app *app, const uint8_t *payload, size_t length)
     for (uint16_t i = 0; i < step->inputs_count; i++) {
         SELD_REJECT_IF(app, type, step->inputs[i].hands_count != app->tool_count, SELD_REJECT_TOOL_COUNT,
                        step->inputs[i].hands_count, app->tool_count);
-        const seld_rhythm_order rhythm = rhythm_from_wire(&step->inputs[i]);
-        SELD_REJECT_IF(app, type, !seld_rhythm_order_is_valid(&rhythm), SELD_REJECT_RHYTHM_RANGE,
-                       rhythm.action, rhythm.value);
+        seld_app_wish order;
+        uint16_t values[2];
+        const uint16_t fault = order_from_wire(app, &step->inputs[i], &order, values);
+        SELD_REJECT_IF(app, type, fault != SELD_REJECT_NONE, fault, values[0], values[1]);
     }
     app->ticks.states_count = 0;
     for (uint16_t i = 0; i < step->inputs_count && app->state == SELD_WIRE_STATE_RUNNING; i++) {
         const seld_app_encoders encoders = encoders_from_wire(&step->inputs[i]);
         seld_output output;
+        seld_app_wish order;
+        uint16_t values[2];
+        (void)order_from_wire(app, &step->inputs[i], &order, values);
         note_buttons(app, encoders.buttons);
-        if (!tick(app, &encoders, rhythm_from_wire(&step->inputs[i]), &output)) break;
+        if (!tick(app, &encoders, &order, &output)) break;
         note_tick(app, &output, &app->ticks.states[app->ticks.states_count++]);
         if (output.tick % SELD_APP_HASH64_EVERY_ticks == 0) seld_app_send_hash64(app);
         stop_when_due(app);
@@ -152,6 +197,8 @@ void seld_app_input(seld_app *app, const uint8_t *payload, size_t length)
     SELD_REJECT_IF(app, SELD_WIRE_TYPE_input,
                    input.encoders.rhythm_action != 0 || input.encoders.rhythm_value != 0,
                    SELD_REJECT_RHYTHM_RANGE, input.encoders.rhythm_action, input.encoders.rhythm_value);
+    SELD_REJECT_IF(app, SELD_WIRE_TYPE_input, input.encoders.scaffold_lesion != 0, SELD_REJECT_SCAFFOLD_RANGE,
+                   input.encoders.scaffold_lesion, input.encoders.scaffold_last);
     app->mailbox = encoders_from_wire(&input.encoders);
     app->has_mailbox = true;
 }
@@ -170,14 +217,32 @@ void seld_app_rhythm(seld_app *app, const uint8_t *payload, size_t length)
                    SELD_REJECT_RHYTHM_RANGE, order.action, order.value);
     SELD_REJECT_IF(app, type, app->order_count == SELD_APP_RHYTHM_QUEUE, SELD_REJECT_RHYTHM_FULL,
                    order.action, order.value);
+    app->orders[app->order_count++] = (seld_app_wish){.rhythm = order};
+    seld_app_send_status(app, type);
+}
+
+/* Waits for its tick as well. */
+void seld_app_scaffold(seld_app *app, const uint8_t *payload, size_t length)
+{
+    const uint16_t type = SELD_WIRE_TYPE_scaffold;
+    seld_wire_scaffold wire;
+    SELD_REJECT_IF(app, type, !seld_wire_decode_scaffold(payload, length, &wire), SELD_REJECT_MALFORMED,
+                   length, SELD_WIRE_BYTES_scaffold);
+    SELD_REJECT_IF(app, type, app->mode != SELD_WIRE_MODE_FREE_RUN, SELD_REJECT_WRONG_MODE, app->mode, 0);
+    SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_RUNNING, SELD_REJECT_WRONG_STATE, app->state, 0);
+    seld_app_wish order = {.rhythm = {0, 0}};
+    SELD_REJECT_IF(app, type, wire.lesion == 0 || !scaffold_from_wire(app, &wire, &order.scaffold),
+                   SELD_REJECT_SCAFFOLD_RANGE, wire.lesion, wire.last);
+    SELD_REJECT_IF(app, type, app->order_count == SELD_APP_RHYTHM_QUEUE, SELD_REJECT_RHYTHM_FULL, wire.lesion,
+                   wire.last);
     app->orders[app->order_count++] = order;
     seld_app_send_status(app, type);
 }
 
 /* The order of this tick of FREE_RUN. */
-static seld_rhythm_order next_order(seld_app *app)
+static seld_app_wish next_order(seld_app *app)
 {
-    const seld_rhythm_order order = app->order_count > 0 ? app->orders[0] : (seld_rhythm_order){0, 0};
+    const seld_app_wish none = {.rhythm = {0, 0}}, order = app->order_count > 0 ? app->orders[0] : none;
     for (uint32_t i = 1; i < app->order_count; i++) app->orders[i - 1] = app->orders[i];
     if (app->order_count > 0) app->order_count--;
     return order;
@@ -207,14 +272,21 @@ static uint16_t fade_milli(const seld_app *app)
 }
 
 /* What the host needs to replay this tick in LOCKSTEP, and to see what the rig did. */
-static void note_live(seld_app *app, const seld_app_encoders *encoders, seld_rhythm_order rhythm,
+static void note_live(seld_app *app, const seld_app_encoders *encoders, const seld_app_wish *order,
                       const seld_output *output)
 {
     seld_wire_live_tick *live = seld_app_stream_next(app);
     *live = (seld_wire_live_tick){.fade_milli = fade_milli(app)};
     note_tick(app, output, &live->state);
-    live->input.rhythm_action = (uint8_t)rhythm.action;
-    live->input.rhythm_value = (uint16_t)rhythm.value;
+    live->input.rhythm_action = (uint8_t)order->rhythm.action;
+    live->input.rhythm_value = (uint16_t)order->rhythm.value;
+    if (order->scaffold.open_q30 > 0) {
+        live->input.scaffold_lesion = (uint8_t)(order->scaffold.lesion + 1);
+        live->input.scaffold_first = (uint8_t)order->scaffold.first;
+        live->input.scaffold_last = (uint8_t)order->scaffold.last;
+        live->input.scaffold_open_q15 = (uint16_t)(order->scaffold.open_q30 >> 15);
+    }
+    live->input.inflator_raw = app->inflator_raw;
     live->input.hands_count = (uint16_t)app->tool_count;
     live->force_measured_mN_count = (uint16_t)app->tool_count;
     for (uint32_t k = 0; k < app->tool_count; k++) {
@@ -225,7 +297,6 @@ static void note_live(seld_app *app, const seld_app_encoders *encoders, seld_rhy
     if (encoders != NULL) {
         live->input.buttons = encoders->buttons;
         live->input.syringe_counts = encoders->syringe_counts;
-        live->input.inflator_raw = encoders->inflator_raw;
     }
     if (encoders != NULL) live->flags |= SELD_WIRE_LIVE_HANDS;
     if (app->is_driving) live->flags |= SELD_WIRE_LIVE_POWERED;
@@ -239,9 +310,9 @@ static void free_run_tick(seld_app *app)
     seld_app_encoders encoders = app->has_rig ? encoders_from_rig(&app->rig) : app->mailbox;
     const seld_app_encoders *told = app->has_rig || app->has_mailbox ? &encoders : NULL;
     if (told != NULL) note_buttons(app, told->buttons);
-    const seld_rhythm_order rhythm = next_order(app);
-    if (!tick(app, told, rhythm, &output)) return;
-    note_live(app, told, rhythm, &output);
+    const seld_app_wish order = next_order(app);
+    if (!tick(app, told, &order, &output)) return;
+    note_live(app, told, &order, &output);
     if (output.tick % SELD_APP_HASH64_EVERY_ticks == 0) seld_app_stream_hash64(app);
     seld_app_stream_tick(app);
 }

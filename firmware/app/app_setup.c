@@ -55,7 +55,8 @@ void seld_app_scene_end(seld_app *app, const uint8_t *payload, size_t length)
     const uint8_t *staged = app->port->scene_slots[1 - app->scene_slot];
     uint32_t crc = seld_wire_crc32(0, staged, upload.received_bytes);
     SELD_REJECT_IF(app, type, crc != upload.crc32, SELD_REJECT_SCENE_CRC, crc, upload.crc32);
-    uint32_t status = seld_app_lumen_open(staged, upload.received_bytes, &app->lumen, &app->motion);
+    uint32_t status =
+        seld_app_lumen_open(staged, upload.received_bytes, &app->lumen, &app->motion, app->lesions);
     SELD_REJECT_IF(app, type, status != 0, SELD_REJECT_SCENE_INVALID, status, 0);
     app->scene_slot = (uint8_t)(1 - app->scene_slot);
     app->has_scene = true;
@@ -65,6 +66,12 @@ void seld_app_scene_end(seld_app *app, const uint8_t *payload, size_t length)
 }
 
 /* --- tools and entry --- */
+
+_Static_assert((int)SELD_WIRE_MAX_instrument_balloon == (int)SELD_BALLOON_POINT_MAX &&
+                   (int)SELD_WIRE_MAX_nodes_balloon_radii_um == (int)SELD_BALLOON_BALL_MAX &&
+                   (int)SELD_WIRE_MAX_nodes_lesions_open_q15 ==
+                       (int)SELD_LESION_MAX * (int)SELD_LESION_STATION_MAX,
+               "wire and core agree about balloons and lesions");
 
 static seld_knot knot_from_wire(const seld_wire_knot *wire)
 {
@@ -93,6 +100,16 @@ static void tool_from_wire(const seld_wire_instrument *wire, seld_instrument *to
         .element_fine_um = wire->element_fine_um,
     };
     for (uint16_t i = 0; i < wire->knots_count; i++) tool->knots[i] = knot_from_wire(&wire->knots[i]);
+    tool->balloon = (seld_balloon){
+        .point_count = wire->balloon_count,
+        .distal_um = wire->balloon_distal_um,
+        .proximal_um = wire->balloon_proximal_um,
+        .burst_kPa = wire->balloon_burst_kPa,
+    };
+    for (uint16_t i = 0; i < wire->balloon_count; i++) {
+        tool->balloon.pressure_kPa[i] = wire->balloon[i].pressure_kPa;
+        tool->balloon.diameter_um[i] = wire->balloon[i].diameter_um;
+    }
 }
 
 /* Why the core takes no model of it, with the tool and knot at fault. */
@@ -103,7 +120,7 @@ void seld_app_reject_build(seld_app *app, uint16_t type, seld_build_status statu
         [SELD_BUILD_KNOTS] = SELD_REJECT_TOOL_KNOTS,     [SELD_BUILD_RANGE] = SELD_REJECT_TOOL_RANGE,
         [SELD_BUILD_LENGTH] = SELD_REJECT_TOOL_LENGTH,   [SELD_BUILD_ELEMENTS] = SELD_REJECT_TOOL_ELEMENTS,
         [SELD_BUILD_ENTRY] = SELD_REJECT_ENTRY_INVALID,  [SELD_BUILD_OVERFLOW] = SELD_REJECT_TOOL_OVERFLOW,
-        [SELD_BUILD_NESTING] = SELD_REJECT_TOOL_NESTING,
+        [SELD_BUILD_NESTING] = SELD_REJECT_TOOL_NESTING, [SELD_BUILD_BALLOON] = SELD_REJECT_TOOL_BALLOON,
     };
     bool is_listed = status < sizeof codes / sizeof codes[0] && codes[status] != 0;
     SELD_REQUIRE(app, is_listed, status);

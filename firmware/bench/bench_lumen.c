@@ -10,7 +10,7 @@ enum { CALLS = 1000, POINTS = 64 };
 static int8_t samples[2 * SELD_LUMEN_BRICK_SAMPLES];
 static const uint16_t index_entries[2] = {2, 0x8000};
 static const uint16_t children[8] = {3, 3, 3, 3, 3, 3, 3, 3};
-static const seld_lumen lumen = {{0, 0, 0}, {2, 1, 1}, 1, 2, index_entries, children, samples, NULL};
+static const seld_lumen lumen = {{0, 0, 0}, {2, 1, 1}, 1, 2, index_entries, children, samples, NULL, 0, NULL};
 static seld_vec3 points[POINTS];
 static volatile int32_t sink;
 

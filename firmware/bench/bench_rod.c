@@ -3,7 +3,8 @@
  * Scenes: `bends`, a super stiff wire (EI 1.85e-3 N m^2, 3 mm elements) pushed through a tube of 2 mm radius with three
  * bends; `floor`, a soft wire (EI 2e-6) lying on the floor of a straight narrow tube, so that every node touches but the few
  * that hang from the mouth. `bends` also beats at 90 /min, all of it or, as in a heart, the last 200 mm; `coronary` is a 0.014 in wire in a vessel of 1.5 mm radius on a
- * beating sphere (tests/reference/moving_tube.h). A row
+ * beating sphere (tests/reference/moving_tube.h). `balloon` is a wire in a balloon catheter of 256 elements in the three bends, with its balloon of 3 x 20 mm
+ * folded or filling the vessel at 8 bar. A row
  * fails when its scene has fewer contacts than it says.
  * May include: bench.h, tests/reference, the core. Called by: make bench. */
 #include "firmware/bench/bench.h"
@@ -29,10 +30,22 @@ static seld_output output;
 
 typedef struct scene {
     int elements, on_floor, contacts, tools, beats;
+    int balloon_kPa; /* 0: none; 1: folded */
+    int has_lesion;  /* the vessel gives way under it */
 } scene;
-static const scene scenes[] = {{256, 0, 57, 1, 0},          {128, 0, 20, 1, 0},  {64, 0, 4, 1, 0},
-                               {256, 1, 240, 1, 0},         {256, 1, 240, 3, 0}, {256, 0, 50, 1, ALL_BEATS},
-                               {256, 0, 50, 1, HEART_BEATS}};
+static const scene scenes[] = {{256, 0, 57, 1, 0, 0, 0},
+                               {128, 0, 20, 1, 0, 0, 0},
+                               {64, 0, 4, 1, 0, 0, 0},
+                               {256, 1, 240, 1, 0, 0, 0},
+                               {256, 1, 240, 3, 0, 0, 0},
+                               {256, 0, 50, 1, ALL_BEATS, 0, 0},
+                               {256, 0, 50, 1, HEART_BEATS, 0, 0},
+                               {256, 0, 50, 2, 0, 1, 0},
+                               {256, 0, 50, 2, 0, 800, 0},
+                               {256, 0, 50, 2, HEART_BEATS, 1, 0},
+                               {256, 0, 50, 2, HEART_BEATS, 800, 0},
+                               {256, 0, 50, 2, 0, 800, 1},
+                               {256, 0, 50, 2, HEART_BEATS, 800, 1}};
 
 /* What callgrind counts: seld_step as called from here, not the ticks of the insertion. The tools slide and turn against
  * each other, so that nothing is kept from tick to tick. */
@@ -52,6 +65,72 @@ static void make_coaxial(seld_instrument *tool, uint32_t radius_um, uint32_t bor
         tool->knots[i].radius_inner_um = bore_um;
         if (i > 0) tool->knots[i].bend_stiffness_nN_m2 += tool->knots[i].bend_stiffness_nN_m2 / 2;
     }
+}
+
+/* On the catheter, 20 mm behind its tip. */
+static void put_balloon(seld_instrument *tool)
+{
+    tool->balloon = (seld_balloon){.point_count = 2,
+                                   .distal_um = 20000,
+                                   .proximal_um = 40000,
+                                   .burst_kPa = 2000,
+                                   .pressure_kPa = {600, 1600},
+                                   .diameter_um = {4500, 5000}};
+}
+
+static int nearest_point(const reference_tube *tube, uint32_t node)
+{
+    const seld_vec3 p = seld_state_position(&state, node);
+    double least = 9;
+    int best = 0;
+    for (uint32_t i = 0; i < tube->point_count; i++) {
+        double square = 0;
+        for (int k = 0; k < 3; k++) {
+            const double off = tube->points_m[i][k] - p.v[k] / 1073741824.0;
+            square += off * off;
+        }
+        if (square < least) best = (int)i;
+        least = fmin(least, square);
+    }
+    return best;
+}
+
+/* 22 mm of the path that give way by 0.4 mm all round, where the middle of the balloon is. The path has a point per mm. */
+static void put_lesion(reference_tube *tube)
+{
+    enum { STATIONS = 23 };
+    static seld_lesion_station stations[STATIONS];
+    static seld_lesion lesion;
+    const double q30 = 1073741824.0;
+    const double begin = nearest_point(tube, 10) - 11; /* 10 elements of 3 mm */
+    lesion = (seld_lesion){.stretch_q28 = 1 << 28,
+                           .spacing_log2_q30 = 20,
+                           .station_count = STATIONS,
+                           .yield_Pa = 100000,
+                           .full_Pa = 100000,
+                           .pace_q30 = 1 << 24,
+                           .stations = stations};
+    for (int i = 0; i < STATIONS; i++) {
+        const double at = begin + i * 1048576 / q30 * 1e3;
+        const double *a = tube->points_m[(int)at], *b = tube->points_m[(int)at + 1];
+        stations[i].healthy_radius_m_q30 = (int32_t)(0.0024 * q30);
+        stations[i].channel_radius_m_q30 = (int32_t)(0.002 * q30);
+        for (int k = 0; k < 3; k++) {
+            const int32_t here = (int32_t)((a[k] + (at - (int)at) * (b[k] - a[k])) * q30);
+            stations[i].healthy_m_q30[k] = stations[i].channel_m_q30[k] = here;
+            stations[i].along_q30[k] = (int32_t)((b[k] - a[k]) * 1e3 * q30);
+            if (i == 0 || here - (1 << 23) < lesion.low_m_q30[k]) lesion.low_m_q30[k] = here - (1 << 23);
+            if (i == 0 || here + (1 << 23) > lesion.high_m_q30[k]) lesion.high_m_q30[k] = here + (1 << 23);
+        }
+    }
+    double chord[3], length = 0;
+    for (int k = 0; k < 3; k++) {
+        chord[k] = stations[STATIONS - 1].healthy_m_q30[k] - stations[0].healthy_m_q30[k];
+        length += chord[k] * chord[k];
+    }
+    for (int k = 0; k < 3; k++) lesion.chord_q30[k] = (int32_t)(chord[k] / sqrt(length) * (q30 - 4));
+    tube->lumen.lesion_count = 1;
+    tube->lumen.lesions = &lesion;
 }
 
 /* A lattice of 7.8 mm around the path from `from` on. */
@@ -91,6 +170,7 @@ static void insert(const scene *s)
         tools[k].lumen_friction_milli = 50;
         if (s->tools > 1) make_coaxial(&tools[k], radius_um[k], k > 0 ? radius_um[k - 1] : 0);
     }
+    if (s->balloon_kPa > 0) put_balloon(&tools[1]);
     seld_entry entry = reference_entry();
     seld_build_place place;
     const uint32_t inserted_um[] = {50000, 49000, 48000};
@@ -106,11 +186,18 @@ static void insert(const scene *s)
         }
         seld_step(&model, &state, &input, &output);
     }
+    fprintf(stderr, "tip %d mm\n", (int)(seld_state_inserted(&state, 0) * 1e3 / 1073741824.0));
     fprintf(stderr, "%u free nodes, %u contacts\n", seld_state_free_count(&state), output.contact_count);
     if (output.contact_count < s->contacts) bench_fail("the scene has fewer contacts than its row says");
-    if (!s->beats) return;
-    begin_beating();
-    for (int ms = 0; ms < 100; ms++) seld_step(&model, &state, &input, &output);
+    if (s->has_lesion) put_lesion(tube);
+    if (s->beats) begin_beating();
+    input.inflator_Pa = s->balloon_kPa > 1 ? s->balloon_kPa * 1000 : 0;
+    const int settling_ms = s->balloon_kPa > 0 ? 500 : (s->beats ? 100 : 0);
+    for (int ms = 0; ms < settling_ms; ms++) seld_step(&model, &state, &input, &output);
+    if (s->has_lesion && state.words.lesions.open_q30[0][11] < SELD_ONE_Q30 / 2)
+        bench_fail("the lesion does not give way");
+    if (s->balloon_kPa > 1 && output.balloon_wall_N_q22 < (s->has_lesion ? 1 : 100) << 22)
+        bench_fail("the balloon does not fill the vessel");
 }
 
 /* Deepest contact of a coronary wire, mm: while it is pushed in at rest (argument 0), or in 60 s at 90 /min after it (1). */
@@ -219,6 +306,12 @@ static const bench_case cases[] = {
     STEP(256, "all", 3, 4),
     STEP(256, "50+ beating=all", 1, 5),
     STEP(256, "50+ beating=last_200_mm", 1, 6),
+    STEP(256, "50+ balloon=folded", 2, 7),
+    STEP(256, "50+ balloon=inflated", 2, 8),
+    STEP(256, "50+ balloon=inflated lesion=open", 2, 11),
+    STEP(256, "50+ beating=last_200_mm balloon=inflated lesion=open", 2, 12),
+    STEP(256, "50+ beating=last_200_mm balloon=folded", 2, 9),
+    STEP(256, "50+ beating=last_200_mm balloon=inflated", 2, 10),
     CORONARY("at=rest pushed_in_m_s=0.05", 0),
     CORONARY("at=90/min for_s=60", 1),
     ELASTICA(256, 0, "2e-6", "0.1"),

@@ -23,9 +23,12 @@
 #endif
 
 enum {
-    SELD_CORE_VERSION = 4, /* changes whenever the same inputs may give another hash */
-    SELD_TOOL_MAX = 3,     /* coaxial tools of one line */
-    SELD_KNOT_MAX = 32,    /* knots of one instrument */
+    SELD_CORE_VERSION = 8,       /* changes whenever the same inputs may give another hash */
+    SELD_TOOL_MAX = 3,           /* coaxial tools of one line */
+    SELD_KNOT_MAX = 32,          /* knots of one instrument */
+    SELD_BALLOON_POINT_MAX = 12, /* of a balloon's table */
+    SELD_BALLOON_BALL_MAX = 24,
+    SELD_PRESSURE_MAX_Pa = 4000000,
     SELD_TICK_us = 1000,
 };
 
@@ -45,6 +48,16 @@ typedef struct seld_knot {
     int32_t rest_curvature2_per_m_milli; /* turning towards d2 */
 } seld_knot;
 
+/* A balloon on a tool; one of a line's tools may have one. Diameters are those of the free balloon. */
+typedef struct seld_balloon {
+    uint32_t point_count; /* of the table, 2 .. SELD_BALLOON_POINT_MAX; 0: the tool has no balloon */
+    uint32_t distal_um, proximal_um;               /* its working length, from the tool's tip: 2 to 60 mm */
+    uint32_t burst_kPa;                            /* above the table's last pressure, at most 4000 */
+    uint32_t pressure_kPa[SELD_BALLOON_POINT_MAX]; /* increasing, from 100 on */
+    uint32_t diameter_um
+        [SELD_BALLOON_POINT_MAX]; /* increasing, at most 20 000, the first wider than the folded tool */
+} seld_balloon;
+
 typedef struct seld_instrument {
     uint32_t knot_count; /* 2 .. SELD_KNOT_MAX */
     seld_knot knots[SELD_KNOT_MAX];
@@ -53,6 +66,7 @@ typedef struct seld_instrument {
     uint32_t element_tip_um;        /* shortest element, 200 .. 8 000 (1 000 usual) */
     uint32_t element_shaft_um;      /* longest element, >= element_tip_um, <= 8 000 (4 000 usual) */
     uint32_t element_fine_um;       /* arc length from the tip meshed with element_tip_um */
+    seld_balloon balloon;
 } seld_instrument; /* a line takes the finest tip and shaft and the longest fine part of its tools */
 
 /* Where the tools enter: an inserter (sheath) that ends inside the lumen. */
@@ -74,6 +88,7 @@ typedef enum seld_build_status {
     SELD_BUILD_OVERFLOW, /* stiffness or mass and element length together exceed the number format */
     SELD_BUILD_TOOLS,    /* number of tools not 1 .. SELD_TOOL_MAX */
     SELD_BUILD_NESTING,  /* a tool does not fit into the lumen of the next one */
+    SELD_BUILD_BALLOON,  /* a balloon's place or table, or a second balloon */
 } seld_build_status;
 
 /* What a refused model names: the tool, and the knot within it where a knot is at fault (else 0). */
@@ -87,9 +102,18 @@ typedef struct seld_hand_pose {
     uint32_t turn32;    /* angle, one turn = 2^32, + right-handed about the direction of insertion */
 } seld_hand_pose;
 
+/* A stent holds stations first .. last of a lesion open by so much. */
+typedef struct seld_scaffold {
+    uint32_t lesion, first, last;
+    int32_t open_q30; /* 0: no order; .. 1. An order for what is not there does nothing */
+} seld_scaffold;
+
 typedef struct seld_input {
     seld_hand_pose hands[SELD_TOOL_MAX];
     seld_rhythm_order rhythm; /* zero: nothing */
+    seld_scaffold scaffold;
+    int32_t
+        inflator_Pa; /* pressure in the balloon above that of the blood; limited to 0 .. SELD_PRESSURE_MAX_Pa */
 } seld_input;
 
 /* What one tool gives back to its hand. */
@@ -112,9 +136,13 @@ typedef struct seld_output {
     uint32_t fault_bits;    /* sticky SELD_FAULT_* of the state */
     uint32_t heart_phase32; /* after the tick: where the wall is that the contacts met */
     uint32_t breath_phase32;
-    uint32_t beat_ms;     /* since the beat began */
-    uint32_t interval_ms; /* from there to the next one */
-    uint32_t rhythm_bits; /* SELD_RHYTHM_* */
+    uint32_t beat_ms;      /* since the beat began */
+    uint32_t interval_ms;  /* from there to the next one */
+    uint32_t rhythm_bits;  /* SELD_RHYTHM_* */
+    uint32_t balloon_bits; /* SELD_BALLOON_* */
+    int32_t balloon_Pa;    /* pressure in it */
+    int32_t balloon_radius_max_m_q30, balloon_radius_min_m_q30;
+    int32_t balloon_wall_N_q22; /* of all its balls on the wall */
 } seld_output;
 
 enum {
@@ -124,6 +152,8 @@ enum {
     SELD_FAULT_INSERT_END = 1u << 3,  /* fully inserted or fully withdrawn; the hand slips */
     SELD_FAULT_OUTSIDE = 1u << 4,     /* a node left the region that the lumen's field describes */
 };
+
+enum { SELD_BALLOON_BURST = 1u << 0 };
 
 /* Sizes for owners that allocate by bytes. */
 size_t seld_model_size(void);
@@ -175,6 +205,18 @@ bool seld_state_contact_force(const seld_model *model, const seld_state *state, 
 /* Deepest contact depth of the free nodes, Q30 m: negative while all are inside the lumen, INT32_MIN without a lumen.
  * For set-up (is the start possible?) and tests; a step reports its own in the output. */
 int32_t seld_state_depth(const seld_model *model, const seld_state *state);
+/* The balloon for pictures: its balls' radii from the distal end, whose arc length from the leading tip `arc` gets. Returns their number; 0: no
+ * tool has a balloon. */
+uint32_t seld_state_balloon(const seld_model *model, const seld_state *state,
+                            int32_t radii_m_q30[SELD_BALLOON_BALL_MAX], int32_t *arc_m_q30,
+                            int32_t *spacing_m_q30);
+
+/* How far a lesion of the lumen is open at one of its stations, Q30: 0 as baked, 1 as the healthy vessel; 0 where there is none. Stations
+ * of a lesion that gives way; 0: there is none of that number. Holding one open, at once and for good: false when there is no such place. */
+int32_t seld_state_open(const seld_state *state, uint32_t lesion, uint32_t station);
+uint32_t seld_model_stations(const seld_model *model, uint32_t lesion);
+bool seld_state_scaffold(const seld_model *model, seld_state *state, const seld_scaffold *order);
+
 uint32_t seld_state_tick(const seld_state *state);
 const seld_rhythm *seld_state_rhythm(const seld_state *state);
 

@@ -1,7 +1,7 @@
 /* Set-up: tools -> constants. Runs once per line, so it may divide (bit by bit) and take its time.
  * May include: core_check.h, rod.h. Called by: firmware/app, tools, tests through core.h. */
+#include "firmware/core/balloon.h"
 #include "firmware/core/core_check.h"
-#include "firmware/core/rod.h"
 
 enum {
     FOLD_MAX_N = 8192,         /* W / l: bounds the products of joint_forces() in rod_force.c */
@@ -344,6 +344,9 @@ seld_build_status seld_model_build(seld_model *model, const seld_instrument *too
 {
     seld_build_status status = seld_check_tools(tools, tool_count, place);
     if (status == SELD_BUILD_OK) {
+        status = seld_balloon_check(tools, tool_count, place);
+    }
+    if (status == SELD_BUILD_OK) {
         status = seld_check_entry(entry);
     }
     if (status != SELD_BUILD_OK) {
@@ -380,6 +383,7 @@ seld_build_status seld_model_build(seld_model *model, const seld_instrument *too
         model->wall_shrink_q30 = seld_motion_shrink_q30(lumen->motion);
     }
     build_base_axes(model);
+    seld_balloon_build(&model->balloon, tools, tool_count);
     seld_model_set_gravity(model, 0, 0, -9810);
     return SELD_BUILD_OK;
 }

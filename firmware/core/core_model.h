@@ -101,6 +101,18 @@ typedef struct seld_tip_hold {
     uint32_t turn32;
 } seld_tip_hold;
 
+enum { SELD_BALLOON_UNFOLD_Pa = 50000 }; /* at this pressure its folds are out */
+
+/* The balloon of one of the tools; ball_count 0: there is none. */
+typedef struct seld_balloon_model {
+    uint32_t tool, ball_count;
+    int32_t distal_m_q30, spacing_m_q30;
+    int32_t burst_Pa;
+    uint32_t point_count; /* folded, unfolded, then the maker's table */
+    int32_t pressure_Pa[SELD_BALLOON_POINT_MAX + 2];
+    int32_t radius_m_q30[SELD_BALLOON_POINT_MAX + 2];
+} seld_balloon_model;
+
 struct seld_model {
     const seld_lumen *lumen;
     int32_t wall_shrink_q30; /* of a lumen that moves: seld_motion_shrink_q30 */
@@ -116,6 +128,7 @@ struct seld_model {
     seld_tip_hold hold;
     seld_vec3 base_axis1_q30, base_axis2_q30; /* material axes of the inserter at hand angle 0 */
     seld_tool tools[SELD_TOOL_MAX];
+    seld_balloon_model balloon;
     seld_mesh_node mesh[SELD_ARRAY_NODES];
 };
 

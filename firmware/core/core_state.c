@@ -2,7 +2,8 @@
  *
  * Nodes beyond free_count + 2 sit in the inserter and follow from the rest; they are zero in a saved state
  * and take no part in a hash. May include: rod.h. Called by: core_step.c; others through core.h. */
-#include "firmware/core/rod.h"
+#include "firmware/core/balloon.h"
+#include "firmware/core/lesion.h"
 
 enum {
     HEADER_WORDS = offsetof(seld_state_words, nodes) / 4,
@@ -200,7 +201,8 @@ static bool words_are_valid(const seld_model *model, const seld_state_words *wor
 {
     uint32_t na = words->free_count;
     if (na < 4 || na + INSIDE_KEPT > model->node_count || !tools_are_valid(model, words) ||
-        !seld_rhythm_is_valid(&words->rhythm)) {
+        !seld_rhythm_is_valid(&words->rhythm) || !seld_balloon_is_valid(model, &words->balloon) ||
+        !seld_lesion_is_valid(model->lumen, &words->lesions)) {
         return false;
     }
     int32_t inserted = seld_lead_inserted(model, words);

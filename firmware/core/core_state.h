@@ -35,6 +35,27 @@ typedef struct seld_tool_state {
     int32_t slide_grip_m_q33; /* friction: elastic slide of this tool inside the next one */
 } seld_tool_state;
 
+typedef struct seld_balloon_ball {
+    seld_vec3 centre_m_q30;
+    int32_t radius_m_q30;
+    int32_t wall_N_q22; /* 0: nothing confines it */
+} seld_balloon_ball;
+
+typedef struct seld_balloon_state {
+    uint32_t bits;       /* SELD_BALLOON_* */
+    int32_t pressure_Pa; /* in it */
+    uint32_t confined_bits
+        [2]; /* balls without room between the walls of the directions that even and odd ticks look in */
+    seld_balloon_ball balls[SELD_BALLOON_BALL_MAX]; /* from its distal end */
+} seld_balloon_state;
+
+typedef struct seld_lesion_state {
+    uint32_t bits; /* bit i: a station of lesion i is open, or would be */
+    int32_t open_q30[SELD_LESION_MAX]
+                    [SELD_LESION_STATION_MAX]; /* how far: 0 as baked, 1 as the healthy vessel */
+    int32_t kept_q30[SELD_LESION_MAX][SELD_LESION_STATION_MAX]; /* what it does not spring back from */
+} seld_lesion_state;
+
 typedef struct seld_state_words {
     uint32_t tick;
     uint32_t fault_bits;
@@ -45,6 +66,8 @@ typedef struct seld_state_words {
     uint32_t line_compliance_m_N_q40; /* of the line seen from the hands, the least of the last ticks */
     int32_t release_q30; /* share of the rest shapes in force: 0 in the introducer, 1 after 256 ticks */
     seld_rhythm rhythm;
+    seld_balloon_state balloon;
+    seld_lesion_state lesions;
     seld_tool_state tools[SELD_TOOL_MAX];
     seld_node_state nodes[SELD_ARRAY_NODES];
 } seld_state_words;
@@ -120,6 +143,7 @@ typedef struct seld_work {
     int32_t depth_m_q30;    /* at x*; meaningful while touching */
     int32_t wall_round;     /* N / r of a wall of SELD_WALL_ROUND, Q(a) */
     int32_t wall_normal, wall_friction; /* contact stiffnesses, Q(a); 0 where nothing touches */
+    int32_t tied;                       /* stiffness of what ties the node to a balloon, all round, Q(a) */
     seld_vec3 held_m_q33; /* touching: bristle and way without the deviation, across the normal */
     int32_t reach_m_q33;  /* touching: expected bristle along normal x tangent without the surface's turn */
     uint32_t touching;
@@ -147,6 +171,7 @@ typedef struct seld_scratch {
     int32_t torque_N_m_q30[SELD_TOOL_MAX];   /* on each handle */
     int32_t axial_N_q22[SELD_TOOL_MAX];      /* on each handle of a tool that does not lead */
     int32_t grip_limit_N_q22[SELD_PAIR_MAX]; /* sum of mu N between tool k and k + 1 */
+    int32_t press_Pa[SELD_BALLOON_BALL_MAX]; /* of a ball on the wall that confines it */
     int32_t outside_m_q30;                   /* depth of a node beyond the field's band, 0: none */
 } seld_scratch;
 

@@ -1,6 +1,7 @@
 /* One tick, part by part (docs/tick.md follows it through the code).
  * May include: rod.h. Called by: firmware/app, tools, tests through core.h. */
-#include "firmware/core/rod.h"
+#include "firmware/core/balloon.h"
+#include "firmware/core/lesion.h"
 
 /* Largest component of any node's deviation, Q33 m. */
 static int32_t largest_deviation(const seld_state *state)
@@ -88,9 +89,14 @@ static void beat(const seld_model *model, seld_state *state, const seld_input *i
 void seld_step(const seld_model *model, seld_state *state, const seld_input *input, seld_output *output)
 {
     beat(model, state, input);
+    if (input->scaffold.open_q30 > 0) {
+        (void)seld_state_scaffold(model, state, &input->scaffold);
+    }
     seld_rod_feed(model, state, input);
     seld_rod_stretch(model, state);
     seld_contact_find(model, state);
+    seld_balloon_find(model, state, input->inflator_Pa);
+    seld_lesions_give_way(model, state);
     seld_frames_carry(model, state);
     seld_tools_grip(model, state);
     seld_rod_twist(model, state);
@@ -98,6 +104,7 @@ void seld_step(const seld_model *model, seld_state *state, const seld_input *inp
     seld_rod_bend(model, state);
     seld_tools_handles(model, state);
     seld_contact_forces(model, state);
+    seld_balloon_forces(model, state);
     seld_rod_solve(model, state);
     output->solve_count = 1;
     int32_t largest_m_q33 = largest_deviation(state);
@@ -110,6 +117,7 @@ void seld_step(const seld_model *model, seld_state *state, const seld_input *inp
         seld_add_sat(seld_rod_handle_axial(model, state), state->scratch.mouth_axial_N_q22);
     cap_step(state, largest_m_q33);
     seld_contact_finish(model, state, output);
+    seld_balloon_finish(model, state, output);
     seld_tools_slide(model, state);
     share_handles(model, state, line_axial_N_q22);
     seld_rod_advance(model, state, output);

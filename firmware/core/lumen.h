@@ -36,6 +36,28 @@ enum {
 
 struct seld_motion;
 
+/* A lesion that gives way (lesion.h): stations along the healthy centreline, spacing 2^log2 apart by arc length. In place in a scene. */
+typedef struct seld_lesion_station {
+    int32_t healthy_m_q30[3], healthy_radius_m_q30;
+    int32_t channel_m_q30[3], channel_radius_m_q30; /* of what is left, in the plane across the vessel */
+    int32_t along_q30[3];                           /* unit vector to the next station */
+    int32_t reserved;
+} seld_lesion_station;
+
+enum { SELD_LESION_MAX = 4, SELD_LESION_STATION_MAX = 24 };
+
+typedef struct seld_lesion {
+    int32_t low_m_q30[3], high_m_q30[3]; /* box around everything that it can move */
+    int32_t chord_q30[3];                /* unit vector from the first station to the last */
+    int32_t stretch_q28;                 /* arc length over chord */
+    uint32_t spacing_log2_q30, station_count;
+    int32_t yield_Pa; /* pressure on the wall at which it begins to give way */
+    int32_t full_Pa;  /* and how much more opens it wholly */
+    int32_t recoil_q30;
+    int32_t pace_q30; /* of opening, in a tick at most */
+    const seld_lesion_station *stations;
+} seld_lesion;
+
 typedef struct seld_lumen {
     int32_t origin_m_q30[3];     /* corner of coarse brick (0,0,0) */
     uint32_t brick_count_xyz[3]; /* coarse bricks along each axis, each >= 1 */
@@ -45,7 +67,9 @@ typedef struct seld_lumen {
     const uint16_t *children; /* child_row_count x 8 entries */
     const int8_t *samples;    /* brick_count x SELD_LUMEN_BRICK_SAMPLES */
     const struct seld_motion
-        *motion; /* motion.h; NULL: the vessel stands still. Not looked at by the samplers below */
+        *motion;           /* motion.h; NULL: the vessel stands still. Not looked at by the samplers below */
+    uint32_t lesion_count; /* that give way, at most SELD_LESION_MAX. Nor are they */
+    const seld_lesion *lesions;
 } seld_lumen;
 
 typedef struct seld_lumen_sample {

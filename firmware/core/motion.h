@@ -1,12 +1,15 @@
 /* Vessels that move: where the point of the wall that is here now lies in the pose the lumen was described in.
  *
- * A coarse lattice in the room holds, for each of its nodes, the way w from the node to the reference pose: X = x + w(x). So a
- * world point is pulled back by one look-up, without iteration, and the wall is where phi(x + w(x)) = 0. In a cell w is
- * trilinear. In time it is the periodic quadratic B-spline of 24 coefficients (C1; the baker prefilters, so that it passes
- * through the keyframes), plus a second field times the depth of breath. Outside the lattice, and on its boundary, w = 0.
+ * Two coarse lattices in the room: breath's is undone first, then the heart's, as a chest carries the heart that beats in it.
  *
- *     gradient of the depth used    g = (I + J)^T grad phi,  J = dw/dx
- *     step of the wall in a tick    -(I + J)^-1 (w now - w before)
+ *     X1 = x + depth b(x),  X = X1 + w(X1)
+ *
+ * So a world point is pulled back by look-ups, without iteration, and the wall is where phi(X) = 0. In a cell w is trilinear;
+ * b, which is smooth, is plane in each of its six tetrahedra (Kuhn), a third of the work. In time w is the periodic quadratic B-spline of
+ * 24 coefficients (C1; the baker prefilters, so that it passes through the keyframes). Outside a lattice, and on its boundary, w = 0 and b = 0.
+ *
+ *     gradient of the depth used    g = (I + depth db/dx)^T (I + dw/dx)^T grad phi
+ *     step of the wall in a tick    -(I + depth db/dx)^-1 ((I + dw/dx)^-1 (w now - w before) + (depth now - depth before) b)
  *
  * docs/heart.md has the equations and what they cost. May include: lumen.h, rhythm.h. Called by: contact. Checked before use by
  * shared/scene (hostile until checked).
@@ -19,8 +22,7 @@
 
 enum {
     SELD_MOTION_KEYFRAMES = 24,
-    SELD_MOTION_ROW = 28, /* numbers of one component of one node */
-    SELD_MOTION_ROW_BREATH = 26,
+    SELD_MOTION_ROW = 26,                      /* numbers of one component of one node of the beat */
     SELD_MOTION_UNIT_LOG2_Q30 = 11,            /* of a coefficient: 2^11 / 2^30 m = 1.9 um */
     SELD_MOTION_COEFFICIENT_MAX = 1 << 14,     /* 31 mm */
     SELD_MOTION_SPACING_LOG2_MIN = 20,         /* 0.98 mm */
@@ -28,13 +30,20 @@ enum {
     SELD_MOTION_WALL_STEP_MAX_M_Q33 = 1 << 24, /* 2 mm in a tick: nothing in a body moves so fast */
 };
 
-typedef struct seld_motion {
+typedef struct seld_lattice {
     int32_t origin_m_q30[3]; /* node (0,0,0) */
     uint32_t count_xyz[3];   /* nodes along each axis, at least 2 */
     uint32_t spacing_log2_q30;
-    /* Node by node, x fastest; three components each; of a component: coefficients of keyframes 23, 0, 1 .. 23, 0, then
-     * that of breath, then 0. Neighbours differ by at most 5/8 of a spacing (breath: 3/8). */
+} seld_lattice;
+
+typedef struct seld_motion {
+    seld_lattice beat;
+    /* Node by node, x fastest; three components each; of a component the coefficients of keyframes 23, 0, 1 .. 23, 0. Neighbours
+     * differ by at most 5/8 of a spacing. */
     const int16_t *rows;
+    seld_lattice breath;
+    /* b: node by node, x fastest, three components each; neighbours differ by at most 3/8 of a spacing. NULL: it does not breathe. */
+    const int16_t *inhaled;
 } seld_motion;
 
 /* A moment of heart and breath: which three coefficients count how much. */
@@ -44,24 +53,36 @@ typedef struct seld_motion_moment {
     int32_t breath_q15;
 } seld_motion_moment;
 
-/* What was blended of a cell, kept for the next point in it or in a neighbour. */
+/* What was blended of a cell, kept for the next point in it or in a neighbour. Of breath: at the depth now. */
 typedef struct seld_motion_cell {
     uint32_t node; /* its low node; UINT32_MAX: none */
     seld_vec3 corners_m_q34[8];
+    /* The same as polynomials: of the beat of 1, x, y, xy, z, xz, yz, xyz; of breath of 1, x, y, -, z, in the tetrahedron of the last point. */
+    int32_t terms_m_q34[3][8];
 } seld_motion_cell;
 
-/* Two moments, and what of the lattice was made for them last: nodes of a wire lie in the same cell one after the other. */
+/* What of one lattice was made for the last point. */
+typedef struct seld_motion_field {
+    uint32_t corner_rows[8];  /* numbers from a cell's low node to its corners */
+    seld_motion_cell ways;    /* from the corners back */
+    seld_motion_cell changes; /* of these in the tick */
+    int32_t low_m_q30[3];     /* place of the cell's low node */
+    int32_t powers_q31[8];    /* x, y, xy, z, xz, yz, xyz of the last point pulled back, from [1] on */
+    uint32_t tetrahedron;     /* of breath: which of the cell's */
+    int32_t shrink_q30;       /* of breath there; 0: not made */
+    bool is_inside;           /* the point lay in the lattice */
+} seld_motion_field;
+
+/* Two moments, and what of the lattices was made for them last: nodes of a wire lie in the same cell one after the other. */
 typedef struct seld_motion_pose {
     seld_motion_moment now, before;
-    uint32_t corner_rows[8];   /* numbers from a cell's low node to its corners */
-    seld_motion_cell ways;     /* from the corners to the reference pose */
-    seld_motion_cell changes;  /* of these in the tick */
-    int32_t fraction_q31[3];   /* of the last point pulled back */
-    int32_t edges_m_q34[3][4]; /* there, on the cell's four edges along x */
-    seld_vec3 reference_m_q30; /* where it was pulled to, after seld_motion_distance or seld_motion_contact */
+    seld_motion_field beat, breath;
+    int32_t low_m_q30[3]; /* a box about both lattices: beyond it nothing moves */
+    uint32_t size_m_q30[3];
+    /* Where the last point was pulled to, after seld_motion_distance or seld_motion_contact. */
+    seld_vec3 reference_m_q30;
     int32_t gradient_q28[3][3]; /* I + dw_i/dx_j there, once it has_gradient */
     bool has_gradient;
-    bool is_inside; /* it lay in the lattice */
 } seld_motion_pose;
 
 seld_motion_moment seld_motion_moment_at(uint32_t heart_phase32, uint32_t breath_phase32);
@@ -74,12 +95,12 @@ void seld_motion_pose_begin(const seld_motion *motion, seld_motion_pose *pose, c
  * stored coefficients: 1 um (weights of 15 bits; firmware/tests/test_motion.c). */
 seld_vec3 seld_motion_pull(const seld_motion *motion, seld_motion_pose *pose, const seld_vec3 *world_m_q30);
 
-/* 1 / the most that this lattice lengthens a gradient: |(I + J)^T n| <= 1 + |J|, and |J|^2 is at most the sum over the axes of the longest
- * difference of neighbours along each, squared. For set-up: reads all of it. Format: Q30, in (0, 1]. */
+/* 1 / the most that this motion lengthens a gradient: |(I + J)^T n| <= 1 + |J| for each of the two factors, and |J|^2 is at most the sum over the axes
+ * of the longest difference of neighbours along each, squared. For set-up: reads all of it. Format: Q30, in (0, 1]. */
 int32_t seld_motion_shrink_q30(const seld_motion *motion);
 
 /* At or beyond the wall at least 0, else no less than the distance that seld_motion_contact gives there: the lumen's, made smaller by the most
- * that a gradient is lengthened, by `shrink` in the whole lattice or, where the distance is not below `far` by it, here. */
+ * that a gradient is lengthened, by `shrink` everywhere or, where the distance is not below `far` by it, here. */
 int32_t seld_motion_distance(const seld_lumen *lumen, const seld_motion *motion, seld_motion_pose *pose,
                              const seld_vec3 *world_m_q30, int32_t shrink_q30, int32_t far_m_q30);
 
@@ -89,6 +110,10 @@ seld_lumen_sample seld_motion_contact(const seld_lumen *lumen, const seld_motion
 /* The same at the place of the last seld_motion_distance. */
 seld_lumen_sample seld_motion_contact_here(const seld_lumen *lumen, const seld_motion *motion,
                                            seld_motion_pose *pose);
+
+/* A sample of the wall at the place of the last seld_motion_pull, in the reference pose, as it is in the world. */
+seld_lumen_sample seld_motion_carry(const seld_motion *motion, seld_motion_pose *pose,
+                                    seld_lumen_sample sample);
 
 /* Way of the wall in this tick at the place of the last contact. Format: Q33 m, limited to SELD_MOTION_WALL_STEP_MAX. */
 seld_vec3 seld_motion_wall_step(const seld_motion *motion, seld_motion_pose *pose);

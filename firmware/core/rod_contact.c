@@ -6,6 +6,7 @@
  * r theta along n x t. So one limit mu N bounds sliding and turning together, and a wire that slides turns freely.
  * After the solve z takes the way and is limited to mu N / k_t.
  * May include: rod.h. Called by: core_step.c. */
+#include "firmware/core/lesion.h"
 #include "firmware/core/rod.h"
 
 enum {
@@ -199,6 +200,11 @@ static inline seld_lumen_sample wall_at(const seld_model *model, seld_state *sta
                                         bool placed)
 {
     const seld_lumen *lumen = model->lumen;
+    seld_lumen_sample open;
+    if (state->words.lesions.bits != 0 &&
+        seld_lesion_wall(model, &state->words, &state->scratch.pose, &work->position_m_q30, &open)) {
+        return open;
+    }
     if (lumen->motion == NULL) {
         return seld_lumen_contact(lumen, &work->position_m_q30);
     }
@@ -230,7 +236,7 @@ static void clear(seld_node_state *node)
     node->contact = SELD_CONTACT_NONE;
 }
 
-/* Distance to the wall at x*; of a wall that moves no less than the sample will give, or at least 0. */
+/* Distance to the wall at x* where no lesion is open, which is never less than where one is; of a wall that moves no less than the sample will give, or at least 0. */
 static inline int32_t wall_distance(const seld_model *model, seld_state *state, const seld_work *work,
                                     int32_t far_m_q30)
 {
@@ -306,6 +312,7 @@ void seld_contact_find(const seld_model *model, seld_state *state)
         work->touching = 0;
         work->wall_normal = 0;
         work->wall_friction = 0;
+        work->tied = 0;
         if (model->lumen != NULL && i < na) {
             find_node(model, state, node, work, line);
         } else {
@@ -423,11 +430,18 @@ void seld_contact_finish(const seld_model *model, seld_state *state, seld_output
 seld_lumen_sample seld_wall_sample(const seld_model *model, const seld_state *state,
                                    const seld_vec3 *position_m_q30)
 {
+    seld_motion_pose pose;
+    seld_lumen_sample open;
+    if (model->lumen->motion != NULL) {
+        seld_motion_pose_begin(model->lumen->motion, &pose, &state->words.rhythm, &state->words.rhythm);
+    }
+    if (state->words.lesions.bits != 0 &&
+        seld_lesion_wall(model, &state->words, &pose, position_m_q30, &open)) {
+        return open;
+    }
     if (model->lumen->motion == NULL) {
         return seld_lumen_contact(model->lumen, position_m_q30);
     }
-    seld_motion_pose pose;
-    seld_motion_pose_begin(model->lumen->motion, &pose, &state->words.rhythm, &state->words.rhythm);
     return seld_motion_contact(model->lumen, model->lumen->motion, &pose, position_m_q30);
 }
 

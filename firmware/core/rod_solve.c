@@ -188,14 +188,14 @@ typedef struct joints3 {
     const seld_joint *before, *here, *after;
 } joints3;
 
-/* R of row i as assembled: joints, inertia and wall. */
+/* R of row i as assembled: joints, inertia, wall and balloon. */
 static inline seld_sym3 load_rest(const seld_model *model, const seld_state *state, uint32_t i,
                                   const joints3 *joint)
 {
     const seld_work *work = &state->scratch.nodes[i];
     const seld_joint *here = joint->here;
     int32_t diagonal = seld_line_inertia(model, &state->line.nodes[i]) + joint->before->r + here->p +
-                       2 * here->q + here->r + joint->after->p;
+                       2 * here->q + here->r + joint->after->p + work->tied;
     seld_sym3 rest = {{diagonal, 0, 0, diagonal, 0, diagonal}};
     if ((work->wall_normal | work->wall_friction) != 0) {
         add_wall(work, &state->words.nodes[i].tangent_q30, &rest);

@@ -9,18 +9,9 @@
 #include <cmocka.h>
 
 #include "firmware/app/app.h"
-#include "firmware/tests/reference/bench_fixture.h"
+#include "firmware/tests/reference/bench_session.h"
 
 static seld_wire_reject reject;
-static seld_wire_ticks ticks;
-
-static void send_step(const seld_wire_step *step)
-{
-    static uint8_t payload[SELD_WIRE_BYTES_step];
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    assert_true(seld_wire_put_step(&writer, step));
-    client_send(&b.host, SELD_WIRE_TYPE_step, payload, writer.length);
-}
 
 static void ask(uint8_t action, uint16_t value)
 {
@@ -29,13 +20,6 @@ static void ask(uint8_t action, uint16_t value)
     seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
     assert_true(seld_wire_put_rhythm(&writer, &order));
     client_send(&b.host, SELD_WIRE_TYPE_rhythm, payload, writer.length);
-}
-
-static void start_lockstep(void)
-{
-    command(SELD_WIRE_ACTION_LOCKSTEP);
-    command(SELD_WIRE_ACTION_ARM);
-    command(SELD_WIRE_ACTION_START);
 }
 
 /* One tick in LOCKSTEP that asks something; its result in `ticks`. */
@@ -114,44 +98,20 @@ static void a_request_in_the_wrong_mode_state_or_range_is_refused(void **state)
     assert_int_equal(reject.code, SELD_REJECT_RHYTHM_FULL);
 }
 
-static seld_wire_live_tick session[400];
-
-/* 400 ticks of FREE_RUN as they come. */
-static uint32_t record(void)
+static void ask_now_and_then(int ms)
 {
-    static seld_wire_live live;
-    uint32_t count = 0;
-    for (int ms = 0; ms < 400; ms++) {
-        if (ms == 100) ask(SELD_WIRE_RHYTHM_PREMATURE, 500);
-        if (ms == 100) ask(SELD_WIRE_RHYTHM_BREATH_HOLD, 1);
-        if (ms == 300) ask(SELD_WIRE_RHYTHM_BREATH_HOLD, 0);
-        client_get(&b.host, SELD_WIRE_GET_STATUS); /* the host speaks and reads later */
-        seld_sim_set_inputs(b.host.sim, &b.rig);
-        seld_sim_timer(b.host.sim, 1);
-    }
-    for (uint16_t type = client_receive(&b.host); type != 0; type = client_receive(&b.host)) {
-        if (type != SELD_WIRE_TYPE_live) continue;
-        assert_true(seld_wire_decode_live(b.host.decoder.payload, b.host.decoder.payload_bytes, &live));
-        for (uint16_t k = 0; k < live.ticks_count && count < 400; k++) session[count++] = live.ticks[k];
-    }
-    return count;
+    if (ms == 100) ask(SELD_WIRE_RHYTHM_PREMATURE, 500);
+    if (ms == 100) ask(SELD_WIRE_RHYTHM_BREATH_HOLD, 1);
+    if (ms == 300) ask(SELD_WIRE_RHYTHM_BREATH_HOLD, 0);
 }
 
 /* Two requests in one millisecond take two ticks; the recorded inputs give the same beats, hashes and phases in LOCKSTEP. */
 static void requests_of_free_run_replay_in_lockstep_bit_for_bit(void **state)
 {
     (void)state;
-    const seld_wire_track uncoupled = {.translation_pm_per_count = 1000000,
-                                       .rotation_counts_per_turn = 65536,
-                                       .force_gain_milli = 1000,
-                                       .force_limit_mN = 8000,
-                                       .torque_limit_uN_m = 20000};
     bench_drain(&b);
-    client_rig(&b.host, &uncoupled, 1);
-    assert_true(client_expect_status(&b.host, &status));
-    command(SELD_WIRE_ACTION_ARM);
-    command(SELD_WIRE_ACTION_START);
-    const uint32_t count = record();
+    start_free_run();
+    const uint32_t count = record(ask_now_and_then);
     uint32_t asked = 0, last = 0;
     assert_true(count > 350);
     for (uint32_t i = 0; i < count; i++) {
@@ -160,17 +120,7 @@ static void requests_of_free_run_replay_in_lockstep_bit_for_bit(void **state)
         last = i;
     }
     assert_int_equal(asked, 3);
-    command(SELD_WIRE_ACTION_STOP);
-    command(SELD_WIRE_ACTION_RESET);
-    start_lockstep();
-    for (uint32_t tick = 0; tick < count; tick++) {
-        static seld_wire_step step;
-        step = (seld_wire_step){.tick = tick, .inputs_count = 1};
-        step.inputs[0] = session[tick].input;
-        send_step(&step);
-        assert_true(client_expect_ticks(&b.host, &ticks));
-        assert_memory_equal(&ticks.states[0], &session[tick].state, sizeof ticks.states[0]);
-    }
+    replays(count);
 }
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)

@@ -22,7 +22,7 @@ static void a_slow_host_loses_pictures_and_no_tick(void **state)
     (void)state;
     static seld_wire_live live;
     uint32_t tick = 0, pictures = 0;
-    seld_sim_set_pipe(host->sim, 9000);
+    seld_sim_set_pipe(host->sim, 10500);
     assert_true(bench_power(&b));
     bench_drain(&b);
     client_stream(host, 0, 10);

@@ -20,8 +20,16 @@ enum { BRICKS = 32, RANDOM_POINTS = 200000, VOXEL_Q30 = 1 << 20, BRICK_Q30 = 1 <
 static int8_t samples[BRICKS][10][10][10];
 static uint16_t entries[12];
 static uint16_t children[4 * 8];
-static const seld_lumen lumen = {
-    {-BRICK_Q30, 5 * VOXEL_Q30, -3}, {3, 2, 2}, 4, BRICKS, entries, children, &samples[0][0][0][0], NULL};
+static const seld_lumen lumen = {{-BRICK_Q30, 5 * VOXEL_Q30, -3},
+                                 {3, 2, 2},
+                                 4,
+                                 BRICKS,
+                                 entries,
+                                 children,
+                                 &samples[0][0][0][0],
+                                 NULL,
+                                 0,
+                                 NULL};
 
 static double voxel_m(int level)
 {

@@ -73,11 +73,11 @@ static double distance_m(const double *a, const double *b)
 }
 
 /* A place in the moved lumen: a point of the path, moved by the map. */
-static void draw_place(reference_random *random, double phase, double *X, double *x)
+static void draw_place(reference_random *random, double phase, double breath, double *X, double *x)
 {
     const double *p = tube->points_m[40 + reference_random_below(random, tube->point_count - 60)];
     for (int k = 0; k < 3; k++) X[k] = p[k] + uniform(random, -0.001, 0.001);
-    reference_beating_sphere(X, phase, 0, x);
+    reference_beating_sphere(X, phase, breath, x);
 }
 
 /* At the nodes and keyframes the lattice is the map but for half a unit of its numbers and the rounding of weights. */
@@ -98,8 +98,7 @@ static void the_lattice_passes_through_its_keyframes(void **state)
     assert_true(worst < 3e-6);
 }
 
-/* Between nodes and keyframes: 7.8 mm and 24 keyframes represent 11 mm of beating within 0.3 mm. Breath adds its own field, which
- * is made at the end of filling: alone it is as good. */
+/* Between nodes and keyframes: 7.8 mm and 24 keyframes represent 11 mm of beating within 0.3 mm, and 8 mm of breath at any moment of it within as much. */
 static void the_lattice_represents_the_map(void **state)
 {
     (void)state;
@@ -108,9 +107,8 @@ static void the_lattice_represents_the_map(void **state)
     enum { PLACES = 4000 };
     for (int i = 0; i < PLACES; i++) {
         double X[3], x[3], got[3];
-        const double phase = i % 2 == 0 ? uniform(&random, 0, 1) : 0;
-        draw_place(&random, phase, X, x);
-        if (i % 2 == 1) reference_beating_sphere(X, 0, 1, x);
+        const double phase = uniform(&random, 0, 1);
+        draw_place(&random, phase, i % 2, X, x);
         seld_motion_pose pose = pose_at(phase, 0, i % 2);
         seld_vec3 world = to_q30(x), reference = seld_motion_pull(&beating->motion, &pose, &world);
         for (int k = 0; k < 3; k++) got[k] = reference.v[k] / q30_per_m;
@@ -120,9 +118,9 @@ static void the_lattice_represents_the_map(void **state)
         worst = fmax(worst, error);
         square += error * error;
     }
-    print_message("# beating: rms %.3f mm, worst %.3f mm; breath: worst %.3f mm\n",
+    print_message("# beating: rms %.3f mm, worst %.3f mm; inhaled: worst %.3f mm\n",
                   sqrt(square / (PLACES / 2)) * 1e3, worst * 1e3, deepest * 1e3);
-    assert_true(worst < 0.3e-3 && deepest < 0.15e-3);
+    assert_true(worst < 0.3e-3 && deepest < 0.3e-3);
 }
 
 /* The cycle closes, and from cell to cell and keyframe to keyframe nothing jumps by more than what the way between explains. */
@@ -177,8 +175,8 @@ static void the_normal_is_the_gradient_of_the_moved_distance(void **state)
     for (int i = 0; i < PLACES; i++) {
         double X[3], x[3], g[3], length = 0, dot = 0;
         const double phase = uniform(&random, 0, 1), h = 2e-5;
-        draw_place(&random, phase, X, x);
-        seld_motion_pose pose = pose_at(phase, 0, 0);
+        draw_place(&random, phase, i % 2, X, x);
+        seld_motion_pose pose = pose_at(phase, 0, i % 2);
         for (int k = 0; k < 3; k++) {
             double up[3], down[3];
             memcpy(up, x, sizeof up);
@@ -203,6 +201,11 @@ static void the_normal_is_the_gradient_of_the_moved_distance(void **state)
     assert_true(wide < PLACES / 50 && far < PLACES / 50);
 }
 
+static int16_t up_to(reference_random *random, int32_t most)
+{
+    return (int16_t)((int32_t)reference_random_below(random, 2u * (uint32_t)most + 1) - most);
+}
+
 /* A node is taken for far from the wall by the cheap distance alone: where the contact's is not, that must say so. In the beating lattice, and in one
  * as steep as a scene may be, where neighbours differ at random. */
 static void the_cheap_distance_never_hides_a_contact(void **state)
@@ -210,18 +213,17 @@ static void the_cheap_distance_never_hides_a_contact(void **state)
     (void)state;
     reference_random random = reference_random_seed(6);
     enum { PLACES = 20000, STEEP = 8, NODES = STEEP * STEEP * STEEP, NODE = 3 * SELD_MOTION_ROW };
-    static int16_t rows[NODES * NODE];
+    static int16_t rows[NODES * NODE], inhaled[NODES * 3];
     const int32_t spacing = 1 << (23 - SELD_MOTION_UNIT_LOG2_Q30);
     for (int i = 0; i < NODES * NODE; i++) {
         const int at = i / NODE;
         const bool edge = at % STEEP % (STEEP - 1) == 0 || at / STEEP % STEEP % (STEEP - 1) == 0 ||
                           at / STEEP / STEEP % (STEEP - 1) == 0;
-        const bool breath = i % SELD_MOTION_ROW == SELD_MOTION_ROW_BREATH;
-        const int32_t most = breath ? spacing * 3 / 16 : spacing * 5 / 16;
-        const int32_t value = (int32_t)reference_random_below(&random, 2u * (uint32_t)most + 1) - most;
-        rows[i] = (int16_t)(edge ? 0 : value);
+        rows[i] = edge ? 0 : up_to(&random, spacing * 5 / 16);
+        if (i % NODE < 3) inhaled[3 * at + i % NODE] = edge ? 0 : up_to(&random, spacing * 3 / 16);
     }
-    const seld_motion steep = {{64 * 1048576, -28 * 1048576, -20 * 1048576}, {STEEP, STEEP, STEEP}, 23, rows};
+    const seld_lattice lattice = {{64 * 1048576, -28 * 1048576, -20 * 1048576}, {STEEP, STEEP, STEEP}, 23};
+    const seld_motion steep = {lattice, rows, lattice, inhaled};
     const seld_motion *motions[] = {&beating->motion, &steep};
     for (int m = 0; m < 2; m++) {
         const int32_t shrink_q30 = seld_motion_shrink_q30(motions[m]);
@@ -230,9 +232,9 @@ static void the_cheap_distance_never_hides_a_contact(void **state)
         for (int i = 0; i < PLACES; i++) {
             double X[3], x[3];
             const double phase = uniform(&random, 0, 1);
-            draw_place(&random, phase, X, x);
+            draw_place(&random, phase, i % 2, X, x);
             const seld_vec3 world = to_q30(x);
-            seld_motion_pose pose = pose_of(motions[m], phase, 0.001, uniform(&random, -1, 1));
+            seld_motion_pose pose = pose_of(motions[m], phase, 0.001, i % 2);
             const int32_t far = -(int32_t)reference_random_below(&random, 1000000); /* to 0.93 mm */
             const int32_t cheap =
                 seld_motion_distance(&tube->lumen, motions[m], &pose, &world, shrink_q30, far);
@@ -248,18 +250,24 @@ static void the_cheap_distance_never_hides_a_contact(void **state)
     }
 }
 
-/* Against the way of the map's own point in the tick, at 120 /min: within 5 % of the fastest wall (0.13 mm in a tick) and 2 um. */
+/* Against the way of the map's own point in the tick, at 120 /min: within 5 % of the fastest wall (0.13 mm in a tick) and 2 um. Every other
+ * time the chest fills as well, at 20 /min. */
 static void the_wall_step_is_that_of_the_map(void **state)
 {
     (void)state;
     reference_random random = reference_random_seed(5);
-    double fastest = 0, worst = 0;
+    double fastest = 0, worst[2] = {0};
     for (int i = 0; i < 1000; i++) {
         double X[3], now[3], before[3], got[3], way[3];
-        const double phase = uniform(&random, 0, 1), tick = 10.0 / 24 / 288;
-        draw_place(&random, phase, X, now);
-        reference_beating_sphere(X, phase - tick, 0, before);
-        seld_motion_pose pose = pose_at(phase, tick, 0);
+        const double phase = uniform(&random, 0, 1), tick = 10.0 / 24 / 288,
+                     breath = i % 2 * uniform(&random, 0, 1), breath_tick = i % 2 / 3000.0;
+        draw_place(&random, phase, pow(sin(acos(-1.0) * breath), 4), X, now);
+        reference_beating_sphere(X, phase - tick, pow(sin(acos(-1.0) * (breath - breath_tick)), 4), before);
+        const seld_rhythm rhythm = {.heart_phase32 = phase32(phase), .breath_phase32 = phase32(breath)},
+                          last = {.heart_phase32 = phase32(phase - tick),
+                                  .breath_phase32 = phase32(breath - breath_tick)};
+        seld_motion_pose pose;
+        seld_motion_pose_begin(&beating->motion, &pose, &last, &rhythm);
         seld_vec3 world = to_q30(now);
         seld_motion_contact(&tube->lumen, &beating->motion, &pose, &world);
         seld_vec3 step = seld_motion_wall_step(&beating->motion, &pose);
@@ -269,10 +277,11 @@ static void the_wall_step_is_that_of_the_map(void **state)
         }
         const double none[3] = {0, 0, 0};
         fastest = fmax(fastest, distance_m(way, none));
-        worst = fmax(worst, distance_m(way, got));
+        worst[i % 2] = fmax(worst[i % 2], distance_m(way, got));
     }
-    print_message("# wall up to %.1f um in a tick, off by %.2f um at most\n", fastest * 1e6, worst * 1e6);
-    assert_true(worst < 0.05 * fastest + 2e-6);
+    print_message("# wall up to %.1f um in a tick, off by %.2f um at most, breathing by %.2f\n",
+                  fastest * 1e6, worst[0] * 1e6, worst[1] * 1e6);
+    assert_true(fmax(worst[0], worst[1]) < 0.05 * fastest + 2e-6);
 }
 
 /* --- the rod in it --------------------------------------------------------------------------------------------------- */
@@ -354,8 +363,9 @@ static void a_wire_in_a_beating_vessel_is_carried(void **state)
     assert_true(seld_state_inserted(&core, 0) > 0.125 * q30_per_m);
     core.words.fault_bits = 0; /* of the insertion */
     const beat_figures f = beat_on(&input);
-    print_message("# penetration %.3f mm, a node moves by %.1f mm, %u ticks solved twice, faults %u\n",
-                  f.penetration_m * 1e3, f.excursion_m * 1e3, f.solved_twice, f.faults);
+    print_message(
+        "# miss %.3f mm penetration %.3f mm, a node moves by %.1f mm, %u ticks solved twice, faults %u\n",
+        f.miss_m * 1e3, f.penetration_m * 1e3, f.excursion_m * 1e3, f.solved_twice, f.faults);
     assert_true(f.excursion_m > 8e-3);
     assert_true(f.penetration_m < 0.15e-3 && f.miss_m < 0.15e-3);
     assert_int_equal(f.faults & ~(uint32_t)SELD_FAULT_STEP_CAPPED,

@@ -75,7 +75,7 @@ class Traveller
 {
   public:
     Traveller(Bench &bench, std::uint32_t upload_bytes, std::uint32_t session_bytes)
-        : bench_(bench), cable_(bench), bytes_{upload_bytes, session_bytes}
+        : cable_(bench), bytes_{upload_bytes, session_bytes}
     {
     }
 
@@ -149,7 +149,6 @@ class Traveller
         return ending_;
     }
 
-    Bench &bench_;
     Cable cable_;
     std::uint32_t bytes_[pulls_per_session], pulled_ = 0, lost_ = 0, resumed_ = 0;
     std::optional<seld::Link> link_;

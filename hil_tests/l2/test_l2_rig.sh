@@ -3,8 +3,8 @@
 # programs come from $BUILD, by default the sanitized ones. Prints TAP.
 build="${BUILD:-build}"
 [ -n "$HIL" ] || build="$build/san"
-preload="libumockdev-preload.so.0"
-case "$build" in */san) preload="$(gcc -print-file-name=libasan.so) $preload" ;; esac
+# gcc's address sanitizer is a library and wants to be the first; clang's is in the program.
+preload="$(ldd "$build/hil/mock_bus" | awk '/libasan/ { print $3 }') libumockdev-preload.so.0"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 count=0

@@ -196,7 +196,7 @@ void add_instruments(CLI::App &app, InstrumentsOptions &options)
     CLI::App *command =
         app.add_subcommand("instruments", "List instruments with size, stiffness, shape and presets");
     command->add_option("file", options.files,
-                        "Instrument files, each maybe with :preset, or folders; default: " +
+                        std::string("Instrument files, each maybe with :preset, or folders; default: ") +
                             shipped_instruments);
     command->add_option("--preset", options.preset,
                         "This preset of every file that has it; default: physical");

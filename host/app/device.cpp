@@ -56,6 +56,7 @@ std::string tool_at_fault(const std::vector<Instrument> &tools, const seld_wire_
     case SELD_REJECT_TOOL_LENGTH:
     case SELD_REJECT_TOOL_ELEMENTS:
     case SELD_REJECT_TOOL_OVERFLOW:
+    case SELD_REJECT_TOOL_BALLOON:
     case SELD_REJECT_LENGTH_INSERTED:
         return tool < tools.size() ? "'" + tools[tool].name + "'" : "";
     case SELD_REJECT_TOOL_NESTING:

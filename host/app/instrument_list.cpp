@@ -100,7 +100,7 @@ void add_folder(std::vector<ListedInstrument> &list, const std::string &folder, 
 
 nlohmann::ordered_json knots_json(const Instrument &instrument)
 {
-    nlohmann::ordered_json knots = nlohmann::json::array();
+    nlohmann::ordered_json knots = nlohmann::ordered_json::array();
     for (std::uint16_t i = 0; i < instrument.table.knots_count; i++) {
         const seld_wire_knot &knot = instrument.table.knots[i];
         knots.push_back({{"arc_mm", knot.arc_um * 1e-3},
@@ -137,7 +137,7 @@ nlohmann::ordered_json one_json(const ListedInstrument &item)
     one["lumen_friction"] = instrument.table.lumen_friction_milli * 1e-3;
     one["nodes"] = line_node_count(instrument.table);
     one["shape"] = instrument.shape_name;
-    one["shape_centreline_mm"] = nlohmann::json::array();
+    one["shape_centreline_mm"] = nlohmann::ordered_json::array();
     for (const ShapePoint &point : unloaded_shape(instrument, 1e-3, 0.02)) {
         one["shape_centreline_mm"].push_back(
             {point.position_m.x() * 1e3, point.position_m.y() * 1e3, point.position_m.z() * 1e3});
@@ -212,9 +212,9 @@ std::string instruments_text(const std::vector<ListedInstrument> &list)
 
 std::string instruments_json(const std::vector<ListedInstrument> &list)
 {
-    nlohmann::ordered_json all = nlohmann::json::array();
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
     for (const ListedInstrument &item : list) all.push_back(one_json(item));
-    return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    return all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string instruments_markdown(const std::vector<ListedInstrument> &list)

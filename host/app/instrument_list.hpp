@@ -16,7 +16,8 @@ struct ListedInstrument {
     std::vector<Instrument> others; // the file's other presets
 };
 
-inline const std::string shipped_instruments = "shared/examples/instruments";
+inline constexpr char shipped_instruments[] =
+    "shared/examples/instruments"; // no std::string: other globals are made of it
 
 // Files, each maybe with ":preset", and folders (every .toml in them, by name) -> instruments. Empty: the shipped folder.
 // A `preset` that is not empty is taken where no other one is named, and files of a folder that do not have it are left

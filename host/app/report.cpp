@@ -34,7 +34,7 @@ nlohmann::ordered_json room_report(const Room &room)
     report["total"] = dose_report(dose.total());
     report["fluoroscopy_min"] = dose.fluoro_ticks() / 60e3;
     report["dose_alerts_passed"] = dose.alerts_passed();
-    report["irradiations"] = nlohmann::json::array();
+    report["irradiations"] = nlohmann::ordered_json::array();
     for (const Irradiation &one : dose.irradiations()) {
         nlohmann::ordered_json entry = {{"kind", name_of(one.kind)},
                                         {"run", one.run},
@@ -51,7 +51,7 @@ nlohmann::ordered_json room_report(const Room &room)
         entry.update(dose_report(one.dose));
         report["irradiations"].push_back(entry);
     }
-    report["runs"] = nlohmann::json::array();
+    report["runs"] = nlohmann::ordered_json::array();
     for (const auto &stored : room.store().runs())
         report["runs"].push_back({{"number", stored->run.number},
                                   {"kind", name_of(stored->run.kind)},
@@ -85,7 +85,7 @@ nlohmann::ordered_json contrast_report(const SessionContrast &contrast, double w
 // How narrow each lesion is, and what it does to the flow at rest and in hyperaemia.
 nlohmann::ordered_json lesions_report(const VesselTree &vessels)
 {
-    nlohmann::ordered_json report = nlohmann::json::array();
+    nlohmann::ordered_json report = nlohmann::ordered_json::array();
     for (const LesionFigures &f : lesion_figures(vessels, ContrastSettings{}.viscosity_mPa_s))
         report.push_back({{"name", f.name},
                           {"branch", f.branch},
@@ -123,7 +123,7 @@ void write_report(const std::string &path, const RunResult &result, const std::s
     report["length_error_max_pct"] = figures.strain_max * 1e2;
     report["length_error_max_tick"] = figures.strain_max_tick;
     report["contacts_max"] = figures.contact_count_max;
-    report["tools"] = nlohmann::json::array(); // from the innermost to the outermost
+    report["tools"] = nlohmann::ordered_json::array(); // from the innermost to the outermost
     for (std::size_t k = 0; k < tools.size(); k++) {
         const ToolFigures tool = k < figures.tools.size() ? figures.tools[k] : ToolFigures{};
         report["tools"].push_back({{"name", tools[k].name},
@@ -144,7 +144,7 @@ void write_report(const std::string &path, const RunResult &result, const std::s
     report["lesions"] = contrast ? lesions_report(contrast->vessels()) : nlohmann::ordered_json::array();
     report["interrupted"] = result.was_interrupted;
     report["script_lines_given_up"] = result.given_up_lines;
-    report["faults"] = nlohmann::json::array();
+    report["faults"] = nlohmann::ordered_json::array();
     for (std::uint16_t i = 0; i < result.faults.entries_count; i++) {
         const seld_wire_fault_entry &fault = result.faults.entries[i];
         report["faults"].push_back({{"name", seld_wire_fault_name(fault.code)},
@@ -152,7 +152,8 @@ void write_report(const std::string &path, const RunResult &result, const std::s
                                     {"count", fault.count},
                                     {"text", seld_wire_fault_text(fault.code)}});
     }
-    write_whole_file(path, report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    write_whole_file(path,
+                     report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 } // namespace seld

@@ -16,8 +16,10 @@ const std::vector<Unit> speed_units = {{"mm/s", 1e-3}, {"cm/s", 1e-2}, {"m/s", 1
 const std::vector<Unit> angle_units = {{"deg", 1.0}, {"°", 1.0}, {"turn", 360.0}, {"turns", 360.0}};
 const std::vector<Unit> turn_speed_units = {
     {"deg/s", 1.0}, {"°/s", 1.0}, {"turn/s", 360.0}, {"turns/s", 360.0}};
-const std::vector<std::string> hand_verbs = {"begin",  "advance", "withdraw", "rotate",
-                                             "select", "tool",    "wait"};
+const std::vector<std::string> hand_verbs = {"begin", "advance", "withdraw", "rotate", "select",
+                                             "tool",  "wait",    "inflate",  "deflate"};
+const std::vector<Unit> pressure_units = {{"bar", 100.0}, {"atm", 101.325}, {"kPa", 1.0}};
+const std::vector<Unit> rate_units = {{"bar/s", 100.0}, {"atm/s", 101.325}, {"kPa/s", 1.0}};
 const std::vector<std::string> tool_names = {"wire", "catheter", "guide"}; // from the innermost
 const std::string all_tools = "together";
 
@@ -159,12 +161,29 @@ class SessionParser
         if (verb == "wait") {
             statement.wait_ticks = static_cast<std::uint32_t>(
                 std::lround(line.quantity("time", time_units, 0.001, 3600.0) * 1e3));
+        } else if (verb == "inflate" || verb == "deflate") {
+            statement.inflation = inflation(line, verb == "inflate");
         } else if (std::find(rhythm_verbs().begin(), rhythm_verbs().end(), verb) != rhythm_verbs().end()) {
             statement.rhythm = parse_rhythm(line, verb);
         } else {
             statement.room = room_.parse(line, verb);
         }
         session_.statements.push_back(statement);
+    }
+
+    // "inflate to 8 bar at 2 bar/s"; "deflate at 4 bar/s" lets it all out.
+    Inflation inflation(LineParser &line, bool is_up) const
+    {
+        Inflation way{0, is_up ? 100 : 400};
+        if (is_up) {
+            line.expect("to");
+            way.kPa = static_cast<std::int32_t>(
+                std::lround(line.quantity("pressure", pressure_units, 0.0, 4000.0)));
+        }
+        if (line.accept("at"))
+            way.kPa_per_s =
+                static_cast<std::int32_t>(std::lround(line.quantity("rate", rate_units, 1.0, 4000.0)));
+        return way;
     }
 
     // "begin inserted 20 mm" is for every tool, "begin catheter inserted 80 mm" for one.

@@ -35,13 +35,19 @@ struct HandMove {
     std::optional<std::int64_t> until_inserted_um;
 };
 
-// One line of the script: moves of hands (together), or a pause, or commands to the room, or something asked of heart and breath.
+// The inflator goes to a pressure at a steady rate.
+struct Inflation {
+    std::int32_t kPa = 0, kPa_per_s = 100;
+};
+
+// One line of the script: moves of hands (together), or a pause, or the inflator's way, or commands to the room, or something asked of heart and breath.
 struct Statement {
     int line = 0;
     std::vector<HandMove> moves;
     std::uint32_t wait_ticks = 0;
     std::vector<RoomCommand> room;
     std::optional<RhythmOrder> rhythm;
+    std::optional<Inflation> inflation;
 };
 
 struct Session {
@@ -79,6 +85,7 @@ class SessionPlayer
     void finish_statement();
 
     void begin_move(const HandMove &move, std::size_t tool);
+    void begin_inflation(const Inflation &inflation);
 
     const Session &session_;
     std::size_t tool_count_;
@@ -102,6 +109,10 @@ class SessionPlayer
     void ask(const RoomCommand &command);
     std::vector<RoomCommand> commands_;
     RhythmOrders rhythm_;
+    std::int32_t inflator_kPa_ = 0;
+    struct {
+        std::int64_t begin_kPa = 0, way_kPa = 0, ticks = 0;
+    } inflating_;
     std::uint32_t buttons_ = 0; // pedals as the rig would send them
     std::vector<int> given_up_lines_;
 };

@@ -70,6 +70,11 @@ std::vector<ToolBall> balls_of(const WireFrame &wire)
                 {from.position_m + (static_cast<double>(k) / pieces) * (to.position_m - from.position_m),
                  from.radius_m});
     }
+    // A balloon blocks the flow where it fills the vessel.
+    for (std::size_t j = 0; j < wire.balloon_radii_m.size() && !wire.nodes.empty(); ++j) {
+        const double arc_m = wire.balloon_arc_m + static_cast<double>(j) * wire.balloon_spacing_m;
+        balls.push_back({place_at(wire, arc_m), wire.balloon_radii_m[j]});
+    }
     return balls;
 }
 

@@ -53,6 +53,13 @@ void SessionPlayer::begin_move(const HandMove &move, std::size_t tool)
     active_.push_back(std::move(active));
 }
 
+void SessionPlayer::begin_inflation(const Inflation &inflation)
+{
+    inflating_.way_kPa = inflation.kPa - inflator_kPa_;
+    inflating_.ticks =
+        (std::llabs(inflating_.way_kPa) * 1000 + inflation.kPa_per_s - 1) / inflation.kPa_per_s;
+}
+
 void SessionPlayer::ask(const RoomCommand &command)
 {
     commands_.push_back(command);
@@ -71,12 +78,14 @@ void SessionPlayer::enter_statement()
         if (statement.rhythm) rhythm_.add(*statement.rhythm);
         tick_in_statement_ = 0;
         active_.clear();
+        inflating_ = {inflator_kPa_, 0, 0};
+        if (statement.inflation) begin_inflation(*statement.inflation);
         for (const HandMove &move : statement.moves) {
             const std::size_t first = move.moves_all ? 0 : move.tool,
                               last = move.moves_all ? tool_count_ - 1 : move.tool;
             for (std::size_t tool = first; tool <= last; tool++) begin_move(move, tool);
         }
-        if (!statement.moves.empty() || statement.wait_ticks > 0) return;
+        if (!statement.moves.empty() || statement.wait_ticks > 0 || inflating_.ticks > 0) return;
     }
 }
 
@@ -84,7 +93,7 @@ void SessionPlayer::enter_statement()
 void SessionPlayer::finish_statement()
 {
     const Statement &statement = session_.statements[statement_];
-    bool is_over = tick_in_statement_ >= statement.wait_ticks;
+    bool is_over = tick_in_statement_ >= statement.wait_ticks && tick_in_statement_ >= inflating_.ticks;
     for (const Active &active : active_) {
         is_over = is_over && (active.steady ? active.steady->is_done(tick_in_statement_)
                                             : tick_in_statement_ >= active.ticks);
@@ -107,6 +116,11 @@ seld_wire_encoders SessionPlayer::next()
         }
         position_counts_[active.tool][static_cast<int>(active.what.axis)] = active.begin_counts + moved;
     }
+    if (inflating_.ticks > 0) {
+        const std::int64_t done = std::min(tick_in_statement_, inflating_.ticks);
+        inflator_kPa_ =
+            static_cast<std::int32_t>(inflating_.begin_kPa + inflating_.way_kPa * done / inflating_.ticks);
+    }
     seld_wire_encoders input{};
     input.hands_count = static_cast<std::uint16_t>(tool_count_);
     for (std::size_t k = 0; k < tool_count_; k++) {
@@ -116,6 +130,7 @@ seld_wire_encoders SessionPlayer::next()
         input.hands[k] = {counts(0), counts(1)};
     }
     input.buttons = buttons_;
+    input.inflator_raw = inflator_kPa_;
     rhythm_.put_next(input);
     if (!is_done()) finish_statement();
     return input;

@@ -110,6 +110,7 @@ class Window
             if (keys_.take_reset()) restart();
             keys_.hold(screen_);
             keys_.lead(session_->hands());
+            session_->inflate(keys_.inflation_kPa_per_s());
             for (const RoomCommand &command : keys_.take_commands()) session_->command(command);
             for (const RhythmOrder &order : keys_.take_orders()) session_->order(order);
             session_->advance(pace.ticks_due());

@@ -59,6 +59,7 @@ std::vector<std::string> help_panel(std::size_t tool_count)
                                       "Space / C         hold: fluoroscopy / acquisition pedal",
                                       "F                 fluoroscopy stays on / off",
                                       "E  Y              hold: inject contrast (4 ml/s); its rate",
+                                      "U                 hold: inflate the balloon  (Shift: deflate)",
                                       "P  X  O           fluoro rate, cine or DSA, its rate",
                                       "",
                                       "D / A   W / S     C-arm to LAO / RAO, to CRA / CAU",
@@ -303,6 +304,7 @@ void WindowKeys::hold(const Screen &screen)
     is_pedal_down_ = screen.is_down(GLFW_KEY_SPACE);
     is_cine_down_ = screen.is_down(GLFW_KEY_C);
     is_injecting_ = screen.is_down(GLFW_KEY_E);
+    inflation_kPa_per_s_ = !screen.is_down(GLFW_KEY_U) ? 0 : (is_shift_down_ ? -400 : 100);
 }
 
 void WindowKeys::lead(std::span<LiveHand> hands) const

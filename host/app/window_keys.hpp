@@ -28,6 +28,9 @@ class WindowKeys
     std::size_t chosen_tool() const { return chosen_tool_; }
     bool moves_all() const { return moves_all_; }
 
+    // How fast the inflator's pressure is pumped up or let out, kPa/s.
+    std::int32_t inflation_kPa_per_s() const { return inflation_kPa_per_s_; }
+
     // What the room is asked for since the last call, pedals included.
     std::vector<RoomCommand> take_commands();
     // What heart and breath are asked for.
@@ -64,6 +67,7 @@ class WindowKeys
     bool wants_end_ = false, wants_reset_ = false;
     bool is_pedal_down_ = false, is_pedal_latched_ = false, is_cine_down_ = false;
     bool was_fluoro_asked_ = false, was_cine_asked_ = false;
+    std::int32_t inflation_kPa_per_s_ = 0;
     bool is_injecting_ = false, was_injecting_ = false;
     std::size_t injection_rate_ = 2; // index
     std::int64_t push_um_per_s_ = 0, turn_counts_per_s_ = 0;

@@ -5,6 +5,8 @@
 
 namespace seld
 {
+
+constexpr std::int32_t inflator_max_kPa = 4000; // what a device takes (docs/wire.md)
 namespace
 {
 
@@ -126,6 +128,9 @@ void LiveSession::batch(std::uint32_t count)
             hands_[k].advance_tick();
             input.hands[k] = {hands_[k].translation_counts(), hands_[k].rotation_counts()};
         }
+        inflator_milli_kPa_ =
+            std::clamp(inflator_milli_kPa_ + inflation_kPa_per_s_, 0, inflator_max_kPa * 1000);
+        input.inflator_raw = inflator_milli_kPa_ / 1000;
         rhythm_.put_next(input);
         inputs_.push_back(input);
     }

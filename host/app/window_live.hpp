@@ -24,9 +24,13 @@ class LiveSession final : private FreeRunSink
                 const std::vector<RoomCommand> &begin, const DeviceChoice &choice = {});
 
     std::span<LiveHand> hands() { return hands_; } // one per tool
-    void choose_tool(std::size_t tool, bool all);  // marked in the display
-    void command(const RoomCommand &command);      // in force from the next tick on; recorded
-    void order(const RhythmOrder &order);          // of heart and breath, in the next tick
+    void inflate(std::int32_t kPa_per_s)
+    {
+        inflation_kPa_per_s_ = kPa_per_s;
+    }                                             // until told otherwise; 0: the pressure stays
+    void choose_tool(std::size_t tool, bool all); // marked in the display
+    void command(const RoomCommand &command);     // in force from the next tick on; recorded
+    void order(const RhythmOrder &order);         // of heart and breath, in the next tick
     const Room &room() const { return pictures_.room(); }
     // `ticks` ticks; pictures are made when they are due. False when the device stopped: fault() says why.
     bool advance(std::uint32_t ticks);
@@ -59,7 +63,8 @@ class LiveSession final : private FreeRunSink
     RigPedals rig_pedals_;
     RigSyringe rig_syringe_;
     RhythmOrders rhythm_;
-    std::uint32_t buttons_ = 0; // pedals by key, as a rig would send them
+    std::int32_t inflation_kPa_per_s_ = 0, inflator_milli_kPa_ = 0; // 1/1000 kPa
+    std::uint32_t buttons_ = 0;                                     // pedals by key, as a rig would send them
     std::vector<seld_wire_encoders> inputs_;
     seld_wire_tick_state state_{};
     SessionFrame frame_;

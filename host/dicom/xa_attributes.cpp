@@ -259,6 +259,13 @@ void check_run(const XrayRun &run)
     for (std::size_t i = 1; i < run.frames.size(); i++)
         require(run.frames[i].tick >= run.frames[i - 1].tick,
                 "frame " + std::to_string(i) + " is before the last one");
+    for (std::size_t i = 0; i < run.frames.size(); i++) {
+        const CArm &carm = run.frames[i].carm; // a view of angles without number is undefined
+        require(std::isfinite(carm.primary_deg) && std::isfinite(carm.secondary_deg) &&
+                    carm.isocentre_m.allFinite() && std::isfinite(carm.source_detector_m) &&
+                    std::isfinite(carm.source_isocentre_m) && std::isfinite(carm.field_m),
+                "the C-arm's place at frame " + std::to_string(i) + " is not a finite number");
+    }
     check_mask(run);
 }
 

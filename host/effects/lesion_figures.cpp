@@ -5,14 +5,6 @@ namespace seld
 namespace
 {
 
-double length_mm(const VesselLesion &lesion)
-{
-    double sum = 0.0;
-    for (std::size_t i = 1; i < lesion.size(); ++i)
-        sum += (lesion.healthy_points_m[i] - lesion.healthy_points_m[i - 1]).norm() * 1e3;
-    return sum;
-}
-
 // The cell before a lesion: the one that feeds the first that reaches into it.
 std::size_t before(const FlowCells &cells, const VesselLesion &lesion, const FlowThroat &throat)
 {
@@ -57,7 +49,7 @@ std::vector<LesionFigures> lesion_figures(const VesselTree &tree, double viscosi
         LesionFigures figures;
         figures.name = lesion.name;
         figures.branch = tree.branches[lesion.branch].name;
-        figures.length_mm = length_mm(lesion);
+        figures.length_mm = lesion.length_m() * 1e3;
         figures.minimum_diameter_mm = 2.0 * throat.radius_mm;
         figures.reference_diameter_mm = 2.0 * throat.healthy_radius_mm;
         figures.rest_flow_ml_s = rest.inflow_ml_s(rest.run_of(throat.cell));

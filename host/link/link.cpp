@@ -435,6 +435,12 @@ void Link::ask_rhythm(std::uint8_t action, std::uint16_t value)
     receive_answer(SELD_WIRE_TYPE_status);
 }
 
+void Link::hold_open(const seld_wire_scaffold &scaffold)
+{
+    send_message(SELD_WIRE_TYPE_scaffold, scaffold, seld_wire_put_scaffold);
+    receive_answer(SELD_WIRE_TYPE_status);
+}
+
 // Says that the host is there, unless it has spoken since this was last asked. An answer is filed with what else comes.
 void Link::beat()
 {

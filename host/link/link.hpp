@@ -77,6 +77,8 @@ class Link
     std::vector<seld_wire_tick_state> free_run(std::uint32_t milliseconds);
     // FREE_RUN: the next tick asks this of heart and breath (SELD_WIRE_RHYTHM_*); in LOCKSTEP the input itself does.
     void ask_rhythm(std::uint8_t action, std::uint16_t value);
+    // FREE_RUN: stations of a lesion are held open from the next tick on (docs/lesions.md); `lesion` is 1 and its number. Throws LinkError.
+    void hold_open(const seld_wire_scaffold &scaffold);
     // The same ticks with their inputs, sensors and flags, also when it threw; and what happened since it was last asked.
     const std::vector<seld_wire_live_tick> &live_ticks() const { return live_ticks_; }
     std::uint32_t ticks_lost() const { return live_.ticks_lost; }

@@ -28,6 +28,17 @@ Body read_body(const seld_scene_body_view &view)
     return body;
 }
 
+void read_points(const std::uint8_t *points, std::size_t count, std::vector<Eigen::Vector3d> &places_m,
+                 std::vector<double> &radii_m)
+{
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint8_t *at = points + SELD_SCENE_TREE_POINT_BYTES * i;
+        places_m.push_back(
+            Eigen::Vector3d(seld_scene_i32(at), seld_scene_i32(at + 4), seld_scene_i32(at + 8)) * 1e-6);
+        radii_m.push_back(seld_scene_u32(at + 12) * 1e-6);
+    }
+}
+
 VesselBranch read_branch(const seld_scene_branch_view &view)
 {
     VesselBranch branch;
@@ -36,12 +47,7 @@ VesselBranch read_branch(const seld_scene_branch_view &view)
     branch.parent_point = view.parent_point;
     branch.bed = static_cast<VesselBed>(view.bed);
     branch.flow_ml_s = view.flow_mm3_per_s * 1e-3;
-    for (std::size_t i = 0; i < view.point_count; ++i) {
-        const std::uint8_t *at = view.points + SELD_SCENE_TREE_POINT_BYTES * i;
-        branch.points_m.push_back(
-            Eigen::Vector3d(seld_scene_i32(at), seld_scene_i32(at + 4), seld_scene_i32(at + 8)) * 1e-6);
-        branch.radii_m.push_back(seld_scene_u32(at + 12) * 1e-6);
-    }
+    read_points(view.points, view.point_count, branch.points_m, branch.radii_m);
     return branch;
 }
 
@@ -51,12 +57,7 @@ VesselLesion read_lesion(const seld_scene_lesion_view &view)
     lesion.name = view.name;
     lesion.branch = view.branch;
     lesion.first_point = view.first_point;
-    for (std::size_t i = 0; i < view.point_count; ++i) {
-        const std::uint8_t *at = view.healthy_points + SELD_SCENE_TREE_POINT_BYTES * i;
-        lesion.healthy_points_m.push_back(
-            Eigen::Vector3d(seld_scene_i32(at), seld_scene_i32(at + 4), seld_scene_i32(at + 8)) * 1e-6);
-        lesion.healthy_radii_m.push_back(seld_scene_u32(at + 12) * 1e-6);
-    }
+    read_points(view.healthy_points, view.point_count, lesion.healthy_points_m, lesion.healthy_radii_m);
     return lesion;
 }
 

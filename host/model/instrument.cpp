@@ -41,7 +41,7 @@ void read_head(const Place &place, const toml::table &root, Instrument &instrume
 {
     check_keys(place, root,
                {"format", "name", "kind", "description", "shape_name", "sources", "elements", "shape",
-                "side_holes", "preset"});
+                "side_holes", "balloon", "preset"});
     instrument.name = to_text(place, require(place, root, "name"), "name");
     instrument.description = to_text(place, require(place, root, "description"), "description");
     instrument.shape_name = to_text(place, require(place, root, "shape_name"), "shape_name");
@@ -168,6 +168,7 @@ Instrument assemble(const Place &place, const Instrument &head, const std::strin
         static_cast<std::uint32_t>(std::lround(preset.lumen_friction * 1e3));
     instrument.thesis = preset.thesis;
     add_profile(place.inside("preset " + in_quotes(name)), preset.sections, instrument);
+    add_markers(instrument);
     return instrument;
 }
 
@@ -202,6 +203,7 @@ Instrument read_instrument(const std::string &path)
     read_elements(place, root, head.table);
     head.shape = read_shape(place, root);
     head.side_holes = read_side_holes(place, root, head.kind);
+    head.balloon = read_balloon(place, root, head.kind, head.table);
     const std::map<std::string, Preset> presets = read_presets(place, root, head.kind);
     std::string unused;
     if (const toml::node *node = sources.unused(unused))

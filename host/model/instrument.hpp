@@ -50,6 +50,13 @@ struct SideHoles {
     double diameter_m = 0.0;
 };
 
+// What a balloon's label says beside its table of pressures and diameters.
+struct BalloonLabel {
+    double nominal_kPa = 0.0, rated_burst_kPa = 0.0;
+    double crossing_profile_m = 0.0;   // its widest diameter, folded
+    std::vector<double> marker_arcs_m; // middles of its marker bands, from the tip
+};
+
 enum class InstrumentKind { wire, catheter };
 
 struct Instrument {
@@ -62,7 +69,8 @@ struct Instrument {
     std::vector<InstrumentLayer> layers;
     std::vector<InstrumentArc> shape; // from the tip; straight behind the last one
     std::vector<SideHoles> side_holes;
-    std::optional<ThesisRow> thesis; // of a preset that was made from the table
+    std::optional<BalloonLabel> balloon; // its table is in `table`
+    std::optional<ThesisRow> thesis;     // of a preset that was made from the table
 };
 
 // `path` may end in ":preset". Reads and checks every preset of the file whichever is asked for. Throws FileError.

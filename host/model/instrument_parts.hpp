@@ -39,6 +39,13 @@ std::vector<InstrumentArc> read_shape(const Place &place, const toml::table &roo
 // [[side_holes]]; none where the key is missing.
 std::vector<SideHoles> read_side_holes(const Place &place, const toml::table &root, InstrumentKind kind);
 
+// [balloon] into the wire's table and the label; nothing where the key is missing.
+std::optional<BalloonLabel> read_balloon(const Place &place, const toml::table &root, InstrumentKind kind,
+                                         seld_wire_instrument &wire);
+
+// Its marker bands among the instrument's layers.
+void add_markers(Instrument &instrument);
+
 void read_elements(const Place &place, const toml::table &root, seld_wire_instrument &wire);
 
 // Knots of sections and arcs together into the instrument's table.

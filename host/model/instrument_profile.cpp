@@ -138,19 +138,24 @@ void add_profile(const Place &place, const std::vector<Section> &sections, Instr
 
 int line_node_count(std::span<const seld_wire_instrument *const> tools)
 {
-    double total = 0.0, tip = 1e9, shaft = 1e9, fine = 0.0; // um
+    // In the core's Q30 metres and with its rounding: a line may end on a whole element to the micrometre.
+    const auto q30 = [](std::uint64_t um) {
+        return static_cast<std::int64_t>(((um << 30) + 500000) / 1000000);
+    };
+    constexpr std::int64_t rounding = 64;
+    std::int64_t total = 0, tip = INT32_MAX, shaft = INT32_MAX, fine = 0;
     for (const seld_wire_instrument *tool : tools) {
-        total = std::max<double>(total, tool->knots[tool->knots_count - 1].arc_um);
-        tip = std::min<double>(tip, tool->element_tip_um);
-        shaft = std::min<double>(shaft, tool->element_shaft_um);
-        fine = std::max<double>(fine, tool->element_fine_um);
+        total = std::max(total, q30(tool->knots[tool->knots_count - 1].arc_um));
+        tip = std::min(tip, q30(tool->element_tip_um));
+        shaft = std::min(shaft, q30(tool->element_shaft_um));
+        fine = std::max(fine, q30(tool->element_fine_um));
     }
     int nodes = 1;
-    double arc = 0.0, length = tip;
-    while (arc + length <= total + 1e-3) {
+    std::int64_t arc = 0, length = tip;
+    while (arc + length <= total + rounding) {
         arc += length;
         nodes++;
-        if (arc >= fine && length < shaft) length = std::min(1.5 * length, shaft);
+        if (arc >= fine && length < shaft) length = std::min(length + length / 2, shaft);
     }
     return nodes;
 }

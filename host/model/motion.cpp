@@ -13,8 +13,8 @@ namespace
 
 constexpr double q30 = 0x1p-30;
 constexpr double unit_m = 0x1p-19; // of a coefficient: 2^11 / 2^30
-constexpr int row_numbers = SELD_SCENE_MOTION_ROW, row_breath = SELD_SCENE_MOTION_ROW_BREATH;
-constexpr int kept = motion_keyframes + 3; // of a moved vertex's component: keyframes 23, 0 .. 23, 0, breath
+constexpr std::size_t row_numbers = SELD_SCENE_MOTION_ROW;
+constexpr std::size_t kept = motion_keyframes + 2; // of a moved vertex: keyframes 23, 0 .. 23, 0
 
 } // namespace
 
@@ -40,59 +40,106 @@ MotionWeights motion_weights(const MotionMoment &moment)
     return result;
 }
 
-Motion::Motion(const seld_scene_motion &scene)
+double motion_plane_weight(int corner, const Eigen::Vector3d &place)
 {
-    std::size_t nodes = 1;
+    // A corner is on the path when the axes it has gone along have larger fractions than those it has not; what it counts is the difference
+    // between the smallest of the ones and the largest of the others.
+    double least = 1, most = 0;
     for (int k = 0; k < 3; ++k) {
-        origin_m_[static_cast<std::size_t>(k)] = scene.origin_m_q30[k] * q30;
-        count_[static_cast<std::size_t>(k)] = scene.node_count_xyz[k];
-        nodes *= scene.node_count_xyz[k];
+        if ((corner >> k & 1) != 0)
+            least = std::min(least, place[k]);
+        else
+            most = std::max(most, place[k]);
     }
-    spacing_m_ = std::ldexp(q30, scene.spacing_log2_q30);
-    rows_.assign(scene.rows, scene.rows + nodes * 3 * row_numbers);
+    return std::max(0.0, least - most);
 }
 
-Eigen::Vector3d Motion::way(const Eigen::Vector3d &x_m, const MotionWeights &at) const
+Motion::Lattice::Lattice(const seld_scene_motion &scene, std::size_t row)
+{
+    std::size_t nodes = 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+        origin_m[k] = scene.origin_m_q30[k] * q30;
+        count[k] = scene.node_count_xyz[k];
+        nodes *= scene.node_count_xyz[k];
+    }
+    spacing_m = std::ldexp(q30, scene.spacing_log2_q30);
+    rows.assign(scene.rows, scene.rows + nodes * 3 * row);
+}
+
+bool Motion::Lattice::find(const Eigen::Vector3d &x_m, std::size_t &node, Eigen::Vector3d &place) const
 {
     std::size_t cell[3];
-    double place[3];
     for (std::size_t k = 0; k < 3; ++k) {
-        const double from = (x_m[static_cast<int>(k)] - origin_m_[k]) / spacing_m_;
-        if (!(from >= 0 && from < count_[k] - 1)) return Eigen::Vector3d::Zero();
+        const double from = (x_m[static_cast<int>(k)] - origin_m[k]) / spacing_m;
+        if (!(from >= 0 && from < count[k] - 1)) return false;
         cell[k] = static_cast<std::size_t>(from);
-        place[k] = from - static_cast<double>(cell[k]);
+        place[static_cast<int>(k)] = from - static_cast<double>(cell[k]);
     }
-    const auto nx = static_cast<std::size_t>(count_[0]), ny = static_cast<std::size_t>(count_[1]);
-    double sum[3] = {0, 0, 0};
+    node = (cell[2] * static_cast<std::size_t>(count[1]) + cell[1]) * static_cast<std::size_t>(count[0]) +
+           cell[0];
+    return true;
+}
+
+std::size_t Motion::Lattice::corner(std::size_t node, unsigned corner) const
+{
+    const auto nx = static_cast<std::size_t>(count[0]), ny = static_cast<std::size_t>(count[1]);
+    return node + (corner & 1u) + ((corner >> 1 & 1u) + (corner >> 2) * ny) * nx;
+}
+
+Motion::Motion(const seld_scene &scene) : beat_(scene.motion, row_numbers)
+{
+    if (scene.has_breath) breath_.emplace(scene.breath, 1);
+}
+
+Eigen::Vector3d Motion::beat_way(const Eigen::Vector3d &x_m, const MotionWeights &at) const
+{
+    std::size_t node = 0;
+    Eigen::Vector3d place, sum = Eigen::Vector3d::Zero();
+    if (!beat_.find(x_m, node, place)) return sum;
     for (unsigned corner = 0; corner < 8; ++corner) {
-        const std::size_t dx = corner & 1u, dy = corner >> 1 & 1u, dz = corner >> 2;
-        const double weight =
-            (dx ? place[0] : 1 - place[0]) * (dy ? place[1] : 1 - place[1]) * (dz ? place[2] : 1 - place[2]);
-        const std::size_t node = ((cell[2] + dz) * ny + cell[1] + dy) * nx + cell[0] + dx;
-        const std::int16_t *row = rows_.data() + node * 3 * row_numbers;
-        for (int k = 0; k < 3; ++k, row += row_numbers) {
-            const std::int16_t *taps = row + at.first;
-            sum[k] += weight * (taps[0] * at.weights[0] + taps[1] * at.weights[1] + taps[2] * at.weights[2] +
-                                row[row_breath] * at.breath);
-        }
+        double weight = 1;
+        for (int k = 0; k < 3; ++k) weight *= (corner >> k & 1u) != 0 ? place[k] : 1 - place[k];
+        const std::int16_t *taps =
+            beat_.rows.data() + beat_.corner(node, corner) * 3 * row_numbers + at.first;
+        for (int k = 0; k < 3; ++k, taps += row_numbers)
+            sum[k] += weight * (taps[0] * at.weights[0] + taps[1] * at.weights[1] + taps[2] * at.weights[2]);
     }
-    return {sum[0] * unit_m, sum[1] * unit_m, sum[2] * unit_m};
+    return sum * unit_m;
+}
+
+Eigen::Vector3d Motion::breath_way(const Eigen::Vector3d &x_m, double depth) const
+{
+    std::size_t node = 0;
+    Eigen::Vector3d place, sum = Eigen::Vector3d::Zero();
+    if (!breath_ || depth == 0 || !breath_->find(x_m, node, place)) return sum;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        const double weight = motion_plane_weight(static_cast<int>(corner), place);
+        if (weight == 0) continue;
+        const std::int16_t *inhaled = breath_->rows.data() + breath_->corner(node, corner) * 3;
+        sum += weight * Eigen::Vector3d(inhaled[0], inhaled[1], inhaled[2]);
+    }
+    return sum * (depth * unit_m);
 }
 
 Eigen::Vector3d Motion::pull(const Eigen::Vector3d &x_m, const MotionMoment &moment) const
 {
-    return x_m + way(x_m, motion_weights(moment));
+    const MotionWeights at = motion_weights(moment);
+    const Eigen::Vector3d rest_m = x_m + breath_way(x_m, at.breath);
+    return rest_m + beat_way(rest_m, at);
 }
+
+namespace
+{
 
 // x = X - w(x): w changes from place to place by less than places do, so that it goes to the fixed point; each round gains the
 // lattice's steepness, a third in a heart.
-Eigen::Vector3d Motion::push(const Eigen::Vector3d &X_m, const MotionWeights &at) const
+template <typename Way> Eigen::Vector3d undo(const Eigen::Vector3d &X_m, const Way &way)
 {
     constexpr int rounds_max = 40;
     constexpr double enough_m = 2e-7;
     Eigen::Vector3d x = X_m;
     for (int round = 0; round < rounds_max; ++round) {
-        const Eigen::Vector3d next = X_m - way(x, at);
+        const Eigen::Vector3d next = X_m - way(x);
         const double step = (next - x).cwiseAbs().maxCoeff();
         x = next;
         if (step < enough_m) break;
@@ -100,9 +147,13 @@ Eigen::Vector3d Motion::push(const Eigen::Vector3d &X_m, const MotionWeights &at
     return x;
 }
 
+} // namespace
+
 Eigen::Vector3d Motion::push(const Eigen::Vector3d &X_m, const MotionMoment &moment) const
 {
-    return push(X_m, motion_weights(moment));
+    const MotionWeights at = motion_weights(moment);
+    const Eigen::Vector3d rest_m = undo(X_m, [&](const Eigen::Vector3d &x_m) { return beat_way(x_m, at); });
+    return undo(rest_m, [&](const Eigen::Vector3d &x_m) { return breath_way(x_m, at.breath); });
 }
 
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error)
@@ -114,7 +165,7 @@ std::optional<Motion> read_motion(const std::string &scene_path, std::string &er
         seld_scene scene;
         std::uint32_t where_byte = 0;
         const seld_scene_status status = seld_scene_open(bytes.data(), bytes.size(), &scene, &where_byte);
-        if (status == SELD_SCENE_OK && scene.has_motion) return Motion(scene.motion);
+        if (status == SELD_SCENE_OK && scene.has_motion) return Motion(scene);
         if (status != SELD_SCENE_OK)
             error =
                 scene_path + ": byte " + std::to_string(where_byte) + ": " + seld_scene_status_text(status);
@@ -125,42 +176,51 @@ std::optional<Motion> read_motion(const std::string &scene_path, std::string &er
 }
 
 MovingPoints::MovingPoints(const Motion &motion, std::vector<Eigen::Vector3d> reference_m)
-    : reference_m_(std::move(reference_m))
+    : reference_m_(std::move(reference_m)), breathes_(motion.breathes())
 {
-    coefficients_um_.reserve(reference_m_.size() * 3 * kept);
+    const int columns = breathes_ ? 6 : 3;
+    coefficients_um_.reserve(reference_m_.size() * kept * static_cast<std::size_t>(columns));
     for (const Eigen::Vector3d &X_m : reference_m_) {
-        double way[3][motion_keyframes], c[motion_keyframes];
+        double way_um[6][motion_keyframes], c[6][motion_keyframes];
         bool moves = false;
         for (int key = 0; key < motion_keyframes; ++key) {
             MotionMoment moment;
             moment.heart_phase32 = static_cast<std::uint32_t>((std::uint64_t(key) << 32) / motion_keyframes);
-            const Eigen::Vector3d moved = motion.push(X_m, moment) - X_m;
-            moves = moves || !moved.isZero(0.0);
-            for (int k = 0; k < 3; ++k) way[k][key] = moved[k] * 1e6;
+            const Eigen::Vector3d rest = motion.push(X_m, moment);
+            moment.breath_phase32 = 1u << 31;
+            const Eigen::Vector3d inhaled = breathes_ ? motion.push(X_m, moment) : rest;
+            moves = moves || rest != X_m || inhaled != X_m;
+            for (int k = 0; k < 3; ++k) {
+                way_um[k][key] = (rest[k] - X_m[k]) * 1e6;
+                way_um[3 + k][key] = (inhaled[k] - rest[k]) * 1e6;
+            }
         }
-        const Eigen::Vector3d inhaled = motion.push(X_m, MotionMoment{0, 1u << 31}) - X_m;
-        moves_.push_back(moves || !inhaled.isZero(0.0));
-        for (int k = 0; k < 3; ++k) {
-            motion_prefilter(way[k], c);
-            for (int i = 0; i < motion_keyframes + 2; ++i)
+        moves_.push_back(moves);
+        for (int column = 0; column < columns; ++column) motion_prefilter(way_um[column], c[column]);
+        for (std::size_t i = 0; i < kept; ++i)
+            for (int column = 0; column < columns; ++column)
                 coefficients_um_.push_back(
-                    static_cast<float>(c[(i + motion_keyframes - 1) % motion_keyframes]));
-            coefficients_um_.push_back(static_cast<float>(inhaled[k] * 1e6 - way[k][0]));
-        }
+                    static_cast<float>(c[column][(i + motion_keyframes - 1) % motion_keyframes]));
     }
+}
+
+Eigen::Vector3f MovingPoints::blend(const float *first, std::size_t step, const MotionWeights &weights) const
+{
+    using Way = Eigen::Map<const Eigen::Vector3f>;
+    return static_cast<float>(weights.weights[0]) * Way(first) +
+           static_cast<float>(weights.weights[1]) * Way(first + step) +
+           static_cast<float>(weights.weights[2]) * Way(first + 2 * step);
 }
 
 Eigen::Vector3f MovingPoints::way_um(std::size_t i, const MotionWeights &weights) const
 {
     if (!moves_[i]) return Eigen::Vector3f::Zero();
-    const auto a = static_cast<float>(weights.weights[0]), b = static_cast<float>(weights.weights[1]),
-               c = static_cast<float>(weights.weights[2]), depth = static_cast<float>(weights.breath);
-    Eigen::Vector3f way;
-    const float *row = coefficients_um_.data() + i * 3 * kept;
-    for (int k = 0; k < 3; ++k, row += kept) {
-        const float *taps = row + weights.first;
-        way[k] = taps[0] * a + taps[1] * b + taps[2] * c + row[kept - 1] * depth;
-    }
+    const std::size_t columns = breathes_ ? 6 : 3;
+    const float *first =
+        coefficients_um_.data() + (i * kept + static_cast<std::size_t>(weights.first)) * columns;
+    Eigen::Vector3f way = blend(first, columns, weights);
+    if (breathes_ && weights.breath > 0)
+        way += static_cast<float>(weights.breath) * blend(first + 3, columns, weights);
     return way;
 }
 

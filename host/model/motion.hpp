@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+struct seld_scene;
 struct seld_scene_motion;
 
 namespace seld
@@ -41,10 +42,15 @@ MotionWeights motion_weights(const MotionMoment &moment);
 // factor of 9 in each of 20 rounds.
 void motion_prefilter(const double *w, double *c);
 
+// How much a corner of a cell (bits x, y, z) counts at a place in it (0 .. 1), where the way is plane in each of the cell's six tetrahedra: the path
+// from corner 0 goes along the axis of the largest fraction first (Kuhn; the field of breath).
+double motion_plane_weight(int corner, const Eigen::Vector3d &place);
+
 class Motion
 {
   public:
-    explicit Motion(const seld_scene_motion &scene); // a checked one; copies it
+    explicit Motion(const seld_scene &scene); // a checked one that moves; copies its lattices
+    bool breathes() const { return breath_.has_value(); }
 
     // The reference pose's place of what is at x now.
     Eigen::Vector3d pull(const Eigen::Vector3d &x_m, const MotionMoment &moment) const;
@@ -52,20 +58,30 @@ class Motion
     Eigen::Vector3d push(const Eigen::Vector3d &X_m, const MotionMoment &moment) const;
 
   private:
-    Eigen::Vector3d way(const Eigen::Vector3d &x_m, const MotionWeights &weights) const;
-    Eigen::Vector3d push(const Eigen::Vector3d &X_m, const MotionWeights &weights) const;
+    // One lattice: nodes with `row` numbers for each of three components.
+    struct Lattice {
+        explicit Lattice(const seld_scene_motion &scene, std::size_t row);
+        // The node of the cell's corner 0, strides to its others and the place in it; false outside.
+        bool find(const Eigen::Vector3d &x_m, std::size_t &node, Eigen::Vector3d &place) const;
+        std::size_t corner(std::size_t node, unsigned corner) const;
 
-    std::array<double, 3> origin_m_{};
-    std::array<int, 3> count_{};
-    double spacing_m_ = 1.0;
-    std::vector<std::int16_t> rows_;
+        std::array<double, 3> origin_m{};
+        std::array<int, 3> count{};
+        double spacing_m = 1.0;
+        std::vector<std::int16_t> rows;
+    };
+    Eigen::Vector3d beat_way(const Eigen::Vector3d &x_m, const MotionWeights &weights) const;
+    Eigen::Vector3d breath_way(const Eigen::Vector3d &x_m, double depth) const;
+
+    Lattice beat_;
+    std::optional<Lattice> breath_;
 };
 
 // The MOTION section of a scene file. Nothing when it has none, or, with a message in `error`, when it cannot be read.
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error);
 
-// Places that move with it: each is taken through the keyframes once, then a moment costs a few products. Between keyframes that is the
-// spline of the moved places, within 0.05 mm of the lattice's own map.
+// Places that move with it: each is taken through the keyframes once, at rest and inhaled, then a moment costs a few products. Between keyframes that
+// is the spline of the moved places, within 0.05 mm of the lattice's own map.
 class MovingPoints
 {
   public:
@@ -80,9 +96,14 @@ class MovingPoints
     }
 
   private:
+    Eigen::Vector3f blend(const float *first, std::size_t step, const MotionWeights &weights) const;
+
     std::vector<Eigen::Vector3d> reference_m_;
     std::vector<bool> moves_;
-    std::vector<float> coefficients_um_; // per place: 3 components of 27: keyframes 23, 0 .. 23, 0, breath
+    bool breathes_;
+    // Per place, for keyframes 23, 0 .. 23, 0: its way at rest, and where it breathes what a full breath adds to that. Side by side, as a moment needs
+    // three neighbours.
+    std::vector<float> coefficients_um_;
 };
 
 // Bodies that move with it: their vertices.

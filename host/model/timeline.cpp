@@ -43,6 +43,12 @@ WireFrame wire_frame(const seld_wire_nodes &nodes, const seld_wire_node_table &t
         }
         frame.nodes.push_back(node);
     }
+    for (std::size_t j = 0; j < nodes.balloon_radii_um_count; j++)
+        frame.balloon_radii_m.push_back(nodes.balloon_radii_um[j] * 1e-6);
+    frame.balloon_arc_m = units::metres(nodes.balloon_arc_m_q30);
+    frame.balloon_spacing_m = units::metres(nodes.balloon_spacing_m_q30);
+    for (std::size_t i = 0; i < nodes.lesions_open_q15_count; i++)
+        frame.lesions_open.push_back(nodes.lesions_open_q15[i] / 32768.0);
     return frame;
 }
 

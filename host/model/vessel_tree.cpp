@@ -68,6 +68,13 @@ VesselFoot vessel_foot(const VesselBranch &branch, const Eigen::Vector3d &place_
     return foot;
 }
 
+double VesselLesion::length_m() const
+{
+    double sum_m = 0.0;
+    for (std::size_t i = 1; i < size(); ++i) sum_m += (healthy_points_m[i] - healthy_points_m[i - 1]).norm();
+    return sum_m;
+}
+
 std::size_t VesselTree::throat(const VesselLesion &lesion) const
 {
     const std::vector<double> &radii_m = branches[lesion.branch].radii_m;

@@ -33,6 +33,7 @@ struct VesselLesion {
     std::vector<double> healthy_radii_m; // and how wide it was there
 
     std::size_t size() const { return healthy_radii_m.size(); }
+    double length_m() const; // along the healthy vessel
 };
 
 struct VesselTree {

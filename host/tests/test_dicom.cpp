@@ -489,6 +489,12 @@ static void a_run_that_contradicts_itself_is_refused(void **)
     refused(run, "pulse rate");
     run = good;
     run.frames[0].carm.primary_deg = NAN;
+    refused(run, "place at frame 0 is not a finite number");
+    run = good;
+    run.frames[0].carm.field_m = INFINITY;
+    refused(run, "place at frame 0 is not a finite number");
+    run = good;
+    run.frames[0].tube_voltage_kV = NAN;
     refused(run, "not be a finite number");
 }
 

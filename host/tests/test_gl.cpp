@@ -6,6 +6,7 @@
 // Inside, where the path changes by less than 2 mm between neighbours, a shift of 1/128 pixel is 0.016 mm; the sums are
 // floats around 100 mm, good to 0.00001 mm each, and the rasteriser's faces are rounded to 1/1024 mm. Hence 0.05 mm inside,
 // mean 0.002 mm, and at edges a share of pixels that may differ.
+#include "firmware/tests/reference/long_run.h"
 #include "host/tests/xray_shapes.hpp"
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/raster_paths.hpp"
@@ -512,7 +513,7 @@ void fifty_contexts_come_and_go_without_growing(void **)
     }
     const long growth_kB = resident_kB() - after_ten_kB;
     std::printf("# %ld kB more after 50 contexts than after 10\n", growth_kB);
-#ifndef __SANITIZE_ADDRESS__ // which holds freed blocks back
+#ifndef REFERENCE_SANITIZED // which holds freed blocks back
     assert_true(growth_kB < 16384);
 #endif
 }

@@ -29,7 +29,7 @@ namespace
 using seld::Instrument;
 using seld::Stiffness;
 
-const std::string folder = seld::shipped_instruments + "/";
+const std::string folder = std::string(seld::shipped_instruments) + "/";
 
 std::string temporary_path()
 {
@@ -112,6 +112,8 @@ void the_shipped_instruments_have_the_documented_stiffness(void **)
         {"guide_ntr_6f", 1000, 2.08, 1.80, 1.21e-4, 7.65e-4, 1.5},
         {"pigtail_5f", 1100, 1.67, 1.20, 8.4e-5, 4.2e-4, 1.5},
         {"simmons_2_5f", 1000, 1.67, 0.97, 1.01e-4, 5.07e-4, 1.5},
+        {"balloon_3x20", 1350, 0.90, 0.42, 1.0145e-6, 4.6e-05, 0.71},
+        {"balloon_6x20", 900, 1.66, 0.94, 8.3685e-6, 0.000502, 0.71},
     };
     for (const Expected &expected : all) {
         const Instrument one = seld::read_instrument(folder + expected.file + ".toml");
@@ -351,6 +353,40 @@ void wrong_shapes_are_refused(void **)
            "knots, at most 32");
 }
 
+// What the maker prints, in the wire's units, and its marker bands among what the X-ray sees.
+void a_balloon_has_its_makers_table(void **)
+{
+    const Instrument one = seld::read_instrument(folder + "balloon_3x20.toml");
+    assert_true(one.balloon.has_value());
+    assert_int_equal(one.table.balloon_count, 7);
+    assert_int_equal(one.table.balloon[2].pressure_kPa, 800);
+    assert_int_equal(one.table.balloon[2].diameter_um, 3000);
+    assert_int_equal(one.table.balloon_distal_um, 5000);
+    assert_int_equal(one.table.balloon_proximal_um, 25000);
+    assert_int_equal(one.table.balloon_burst_kPa, 2200);
+    expect_near("rated", one.balloon->rated_burst_kPa, 1600, 1e-9);
+    expect_near("profile", one.balloon->crossing_profile_m, 0.9e-3, 1e-12);
+    int bands = 0;
+    for (const seld::InstrumentLayer &layer : one.layers) bands += layer.material == "platinum";
+    assert_int_equal(bands, 2);
+    assert_false(seld::read_instrument(folder + "coronary_014.toml").balloon.has_value());
+}
+
+void wrong_balloons_are_refused(void **)
+{
+    const auto expect = [](const std::string &old_piece, const std::string &new_piece,
+                           const std::string &expected) {
+        expect_error_in("balloon_3x20.toml", old_piece, new_piece, expected);
+    };
+    expect("diameter_mm = 3.06", "diameter_mm = 2.99", "'diameter_mm' must rise from row to row");
+    expect("pressure_bar = 10,", "pressure_bar = 8,", "'pressure_bar' must rise from row to row");
+    expect("burst_bar = 22", "burst_bar = 16", "'burst_bar' = 16 is outside 16.01 .. 40");
+    expect("to_mm = 25", "to_mm = 70", "'to_mm' = 70 is outside 7 .. 65");
+    expect("markers_mm = [5.5, 24.5]", "markers_mm = [5.5, 30]", "'markers_mm' = 30 is outside 5 .. 25");
+    expect("nominal_bar = 8", "nominal = 8", "unknown key 'nominal'");
+    expect("kind = \"catheter\"", "kind = \"wire\"", "a wire has no balloon");
+}
+
 void wrong_side_holes_are_refused(void **)
 {
     const auto expect = [](const std::string &old_piece, const std::string &new_piece,
@@ -407,6 +443,8 @@ int main()
         cmocka_unit_test(wrong_presets_are_refused),
         cmocka_unit_test(wrong_shapes_are_refused),
         cmocka_unit_test(wrong_side_holes_are_refused),
+        cmocka_unit_test(a_balloon_has_its_makers_table),
+        cmocka_unit_test(wrong_balloons_are_refused),
         cmocka_unit_test(broken_toml_is_refused_with_line_and_column),
         cmocka_unit_test(missing_files_and_folders_are_refused),
     };

@@ -215,6 +215,26 @@ void heart_and_breath_are_asked_at_their_ticks(void **)
     expect_error("hart rate 90 /min\n", "did you mean 'heart'");
 }
 
+// Two bar a second to 8 bar take four seconds; deflating lets four bar out in a second. Hands rest meanwhile.
+void the_inflator_goes_to_its_pressure_at_its_rate(void **)
+{
+    const auto inputs = play("inflate to 8 bar at 2 bar/s\nwait 0.5 s\ndeflate\nadvance 10 mm\n");
+    assert_int_equal(inputs[999].inflator_raw, 200);
+    assert_int_equal(inputs[3999].inflator_raw, 800);
+    assert_int_equal(inputs[4499].inflator_raw, 800);
+    assert_int_equal(inputs[5499].inflator_raw, 400);
+    assert_int_equal(inputs[6499].inflator_raw, 0);
+    assert_int_equal(inputs[6499].hands[0].translation_counts, 0);
+    assert_int_equal(inputs.back().inflator_raw, 0);
+    assert_int_equal(inputs.back().hands[0].translation_counts, 10000);
+    for (std::size_t i = 1; i < inputs.size(); i++)
+        assert_true(std::abs(inputs[i].inflator_raw - inputs[i - 1].inflator_raw) <= 1);
+    expect_error("inflate 8 bar\n", "expected 'to'");
+    expect_error("inflate to 50 bar\n", "pressure is out of range");
+    expect_error("inflate to 8 bear\n", "did you mean 'bar'");
+    expect_error("deflate at 2 bar\n", "unknown unit of rate 'bar'");
+}
+
 void mistakes_are_reported_with_place_and_suggestion(void **)
 {
     expect_error("wait 1 s\nadvanse 10 mm",
@@ -372,6 +392,7 @@ int main()
         cmocka_unit_test(views_change_between_moves),
         cmocka_unit_test(the_room_is_asked_in_words),
         cmocka_unit_test(heart_and_breath_are_asked_at_their_ticks),
+        cmocka_unit_test(the_inflator_goes_to_its_pressure_at_its_rate),
         cmocka_unit_test(mistakes_are_reported_with_place_and_suggestion),
         cmocka_unit_test(comments_commas_and_joined_units_are_understood),
         cmocka_unit_test(a_move_names_its_tool_or_moves_the_selected_one),

@@ -264,7 +264,7 @@ void medium_moves_with_the_vessels(void **)
     seld_scene scene{};
     if (seld_scene_open(file, sample_moving_scene(file, sizeof file), &scene, nullptr) != SELD_SCENE_OK)
         fail_msg("the sample does not open");
-    const Motion motion(scene.motion);
+    const Motion motion(scene);
     VesselTree vessel = aorta();
     VesselBranch &branch = vessel.branches[0];
     for (std::size_t i = 0; i < branch.points_m.size(); ++i) {

@@ -58,6 +58,7 @@ static seld_scene_status check_version(seld_scene_check *check)
     if (major > SELD_SCENE_MAJOR || (major == SELD_SCENE_MAJOR && minor > SELD_SCENE_MINOR))
         return seld_scene_fault_at(check, SELD_SCENE_NEWER, 8);
     if (major < SELD_SCENE_MAJOR) return seld_scene_fault_at(check, SELD_SCENE_OLDER, 8);
+    check->minor = minor;
     return SELD_SCENE_OK;
 }
 
@@ -82,7 +83,7 @@ static seld_scene_status check_header(seld_scene_check *check)
     TRY(check_size(check));
     check->section_count = seld_scene_u32(b + 20);
     bool is_scene = check->kind == SELD_SCENE_KIND_SCENE;
-    if (is_scene ? check->section_count < 3 || check->section_count > 4
+    if (is_scene ? check->section_count < 3 || check->section_count > 6
                  : check->section_count < 2 || check->section_count > 3 + SELD_SCENE_BODY_MAX)
         return seld_scene_fault_at(check, SELD_SCENE_SECTION_COUNT, 20);
     check->table_end = SELD_SCENE_HEADER_BYTES + check->section_count * SELD_SCENE_TABLE_ROW_BYTES;
@@ -107,9 +108,12 @@ seld_scene_span seld_scene_section_span(const uint8_t *bytes, uint32_t index)
 /* A body file ends with its bodies, or with one tree behind them, or with that tree's lesions behind it. */
 static bool section_type_fits(const seld_scene_check *check, uint32_t index, uint32_t type)
 {
-    static const uint32_t scene_types[4] = {SELD_SCENE_META, SELD_SCENE_ENTRY, SELD_SCENE_LUMEN,
-                                            SELD_SCENE_MOTION};
-    if (check->kind == SELD_SCENE_KIND_SCENE) return type == scene_types[index];
+    static const uint32_t scene_types[5] = {SELD_SCENE_META, SELD_SCENE_ENTRY, SELD_SCENE_LUMEN,
+                                            SELD_SCENE_MOTION, SELD_SCENE_BREATH};
+    if (check->kind == SELD_SCENE_KIND_SCENE && index >= 3 && index == check->section_count - 1 &&
+        type == SELD_SCENE_PLAQUES)
+        return true;
+    if (check->kind == SELD_SCENE_KIND_SCENE) return index < 5 && type == scene_types[index];
     if (index == 0) return type == SELD_SCENE_META;
     const uint32_t left = check->section_count - 1 - index;
     if (left == 0 && type == SELD_SCENE_LESIONS)
@@ -227,14 +231,24 @@ static seld_scene_status check_scene(seld_scene_check *check, seld_scene *scene)
     if (check->kind == SELD_SCENE_KIND_BODIES) return check_body_file(check, scene);
     TRY(check_entry(check, seld_scene_section_span(check->bytes, 1), scene));
     TRY(seld_scene_check_lumen(check, seld_scene_section_span(check->bytes, 2), &scene->lumen));
-    scene->has_motion = check->section_count > 3;
-    if (!scene->has_motion) return SELD_SCENE_OK;
-    return seld_scene_check_motion(check, seld_scene_section_span(check->bytes, 3), &scene->motion);
+    const seld_scene_span last = seld_scene_section_span(check->bytes, check->section_count - 1);
+    if (last.type == SELD_SCENE_PLAQUES) {
+        scene->plaques = check->bytes + last.offset;
+        TRY(seld_scene_check_plaques(check, last, &scene->plaque_count));
+    }
+    const uint32_t moving = check->section_count - 3 - (last.type == SELD_SCENE_PLAQUES ? 1u : 0u);
+    scene->has_motion = moving > 0;
+    scene->has_breath = moving > 1;
+    if (scene->has_motion)
+        TRY(seld_scene_check_motion(check, seld_scene_section_span(check->bytes, 3), &scene->motion));
+    if (scene->has_breath)
+        TRY(seld_scene_check_motion(check, seld_scene_section_span(check->bytes, 4), &scene->breath));
+    return SELD_SCENE_OK;
 }
 
 seld_scene_status seld_scene_open(const uint8_t *bytes, size_t size, seld_scene *scene, uint32_t *where_byte)
 {
-    seld_scene_check check = {bytes, size, SELD_SCENE_KIND_SCENE, 0, 0, 0};
+    seld_scene_check check = {.bytes = bytes, .size = size, .kind = SELD_SCENE_KIND_SCENE};
     seld_scene found;
     memset(&found, 0, sizeof found);
     seld_scene_status status = SELD_SCENE_OK;

@@ -23,7 +23,7 @@ extern "C" {
 enum {
     SELD_SCENE_MAJOR = 1,
     SELD_SCENE_MINOR =
-        2, /* written only into files that need it: 1 for MOTION, a body that moves, a TREE; 2 for LESIONS */
+        4, /* written only into files that need it: 1 for a body that moves, a TREE; 2 for LESIONS; 3 for PLAQUES; 4 for MOTION and BREATH */
     SELD_SCENE_ALIGNMENT = 16,       /* of sections in the file */
     SELD_SCENE_ADDRESS_MULTIPLE = 4, /* of the bytes in memory */
     SELD_SCENE_HEADER_BYTES = 32,
@@ -53,14 +53,18 @@ enum {
     SELD_SCENE_LESIONS_HEADER_BYTES = 16,
     SELD_SCENE_LESION_BYTES = 48,
     SELD_SCENE_LESION_MAX = 32,
+    SELD_SCENE_PLAQUES_HEADER_BYTES = 16,
+    SELD_SCENE_PLAQUE_BYTES = 80,
+    SELD_SCENE_PLAQUE_MAX = 4,
+    SELD_SCENE_PLAQUE_STATION_BYTES = 48,
+    SELD_SCENE_PLAQUE_STATION_MAX = 24, /* of a plaque */
     SELD_SCENE_RADIUS_MIN_um = 10,
     SELD_SCENE_RADIUS_MAX_um = 100000,
     SELD_SCENE_BRANCH_FLOW_MAX_mm3_per_s = 1000000,
     SELD_SCENE_BODY_MOVES = 1, /* flag of a body: it moves with the scene's MOTION */
     SELD_SCENE_MOTION_HEADER_BYTES = 32,
     SELD_SCENE_MOTION_KEYFRAMES = 24,
-    SELD_SCENE_MOTION_ROW = 28, /* numbers of one component of one node; 3 components */
-    SELD_SCENE_MOTION_ROW_BREATH = 26,
+    SELD_SCENE_MOTION_ROW = 26, /* numbers of one component of one node; 3 components */
     SELD_SCENE_MOTION_UNIT_LOG2_Q30 = 11,
     SELD_SCENE_MOTION_VALUE_MAX = 1 << 14,
     SELD_SCENE_MOTION_COUNT_MAX = 256, /* nodes along an axis */
@@ -79,6 +83,8 @@ typedef enum seld_scene_section {
     SELD_SCENE_ENTRY = 2,
     SELD_SCENE_LUMEN = 3,
     SELD_SCENE_MOTION = 4,
+    SELD_SCENE_PLAQUES = 5,
+    SELD_SCENE_BREATH = 6,
     SELD_SCENE_BODY = 16,
     SELD_SCENE_TREE = 17,
     SELD_SCENE_LESIONS = 18,
@@ -114,6 +120,7 @@ typedef enum seld_scene_status {
     SELD_SCENE_MOTION_VALUE,  /* a displacement over 31 mm, or a row that contradicts itself */
     SELD_SCENE_MOTION_STEEP,  /* neighbours differ so much that the vessel would fold over */
     SELD_SCENE_MOTION_EDGE,   /* the lattice's boundary moves */
+    SELD_SCENE_MOTION_OLDER,  /* of a minor version before 4: breath and beat in one lattice */
     SELD_SCENE_BODY_PARENT,   /* a parent that is not there, or bodies lying in each other in a circle */
     SELD_SCENE_BODY_SIZE,     /* no triangles, or too many in all */
     SELD_SCENE_BODY_VERTEX,   /* a vertex beyond 2 m */
@@ -123,6 +130,7 @@ typedef enum seld_scene_status {
     SELD_SCENE_TREE_POINT,  /* a point beyond 2 m or where the last one was, or a radius out of range */
     SELD_SCENE_LESION_SIZE, /* no lesions, or too many */
     SELD_SCENE_LESION_PLACE, /* a lesion on a branch or at points that are not there, or healthy points or radii out of range */
+    SELD_SCENE_PLAQUE, /* no plaques, too many, or one whose stations, radii or pressures are out of range */
     SELD_SCENE_STATUS_COUNT,
 } seld_scene_status;
 
@@ -137,7 +145,8 @@ typedef struct seld_scene_lumen {
     const int8_t *samples;
 } seld_scene_lumen;
 
-/* How it moves, as firmware/core's seld_motion wants it. */
+/* How it moves, as firmware/core's seld_motion wants it: of the beat rows of SELD_SCENE_MOTION_ROW numbers, of breath one number, for each of
+ * a node's three components. */
 typedef struct seld_scene_motion {
     int32_t origin_m_q30[3];
     uint16_t node_count_xyz[3];
@@ -156,6 +165,10 @@ typedef struct seld_scene {
     seld_scene_lumen lumen;
     bool has_motion;
     seld_scene_motion motion;
+    bool has_breath; /* only with motion */
+    seld_scene_motion breath;
+    uint32_t plaque_count; /* lesions that give way, in the order of the body file's */
+    const uint8_t *plaques;
     uint32_t body_count;   /* KIND_BODIES */
     uint32_t branch_count; /* of its tree of vessels; 0: it has none */
     const uint8_t *tree;
@@ -203,6 +216,15 @@ typedef struct seld_scene_lesion_view {
     const uint8_t *healthy_points; /* one for each: i32 x 3 in um and u32 radius in um */
 } seld_scene_lesion_view;
 
+/* A lesion that gives way, as firmware/core's seld_lesion wants it. */
+typedef struct seld_scene_plaque_view {
+    int32_t low_m_q30[3], high_m_q30[3], chord_q30[3], stretch_q28;
+    uint32_t spacing_log2_q30, station_count;
+    int32_t yield_Pa, full_Pa, recoil_q30, pace_q30;
+    const uint8_t *
+        stations; /* 12 words each: healthy i32[3] and radius i32, channel i32[3] and radius i32, along i32[3], 0 */
+} seld_scene_plaque_view;
+
 /* Check everything. On OK fills *scene; otherwise leaves it alone and, when where_byte is not NULL, says at which byte
  * of the file the fault stands. Time is linear in size; no memory, no recursion. */
 seld_scene_status seld_scene_open(const uint8_t *bytes, size_t size, seld_scene *scene, uint32_t *where_byte);
@@ -218,6 +240,9 @@ seld_scene_branch_view seld_scene_branch(const seld_scene *scene, uint32_t index
 
 /* Lesion number `index` < lesion_count. */
 seld_scene_lesion_view seld_scene_lesion(const seld_scene *scene, uint32_t index);
+
+/* Plaque number `index` < plaque_count. */
+seld_scene_plaque_view seld_scene_plaque(const seld_scene *scene, uint32_t index);
 
 /* Little-endian words at any address. */
 uint32_t seld_scene_u32(const uint8_t *bytes);

@@ -8,6 +8,7 @@ typedef struct seld_scene_check {
     const uint8_t *bytes;
     size_t size;
     seld_scene_kind kind;
+    uint16_t minor;
     uint32_t section_count;
     size_t table_end;
     uint32_t where; /* of the fault */
@@ -30,6 +31,7 @@ seld_scene_status seld_scene_check_text(seld_scene_check *check, size_t where, s
 
 seld_scene_status seld_scene_check_lumen(seld_scene_check *check, seld_scene_span span,
                                          seld_scene_lumen *lumen);
+/* MOTION or BREATH, as the span's type says. */
 seld_scene_status seld_scene_check_motion(seld_scene_check *check, seld_scene_span span,
                                           seld_scene_motion *motion);
 seld_scene_status seld_scene_check_bodies(seld_scene_check *check, uint32_t body_count);
@@ -38,6 +40,8 @@ seld_scene_status seld_scene_check_tree(seld_scene_check *check, seld_scene_span
 /* Of a tree that has passed its check. */
 seld_scene_status seld_scene_check_lesions(seld_scene_check *check, seld_scene_span span,
                                            const seld_scene *scene, uint32_t *lesion_count);
+seld_scene_status seld_scene_check_plaques(seld_scene_check *check, seld_scene_span span,
+                                           uint32_t *plaque_count);
 /* Coordinates of a point within reach and a radius in range. */
 seld_scene_status seld_scene_check_tree_point(seld_scene_check *check, size_t at, seld_scene_status fault);
 

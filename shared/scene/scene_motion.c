@@ -1,14 +1,28 @@
-/* Checking the MOTION section: every number within what the core's arithmetic is proved for, neighbours close enough that the map is one
- * to one for any wall that a heart has, and a boundary that stands still, where the lattice ends. */
+/* Checking the MOTION and BREATH sections: every number within what the core's arithmetic is proved for, neighbours close enough that the map
+ * is one to one for any wall that a heart has, and a boundary that stands still, where a lattice ends. */
 #include "shared/scene/scene_check.h"
 
-enum { COMPONENTS = 3, NODE = COMPONENTS * SELD_SCENE_MOTION_ROW, COPIES = 2 };
+enum { COMPONENTS = 3, COPIES = 2 };
 
-static seld_scene_status check_header(seld_scene_check *check, const uint8_t *header, size_t where)
+/* What the two lattices differ in. */
+typedef struct lattice_rules {
+    uint32_t keyframes; /* as the header says */
+    uint32_t row;       /* numbers of a component */
+    int32_t eighths;    /* of a spacing, by which neighbours may differ */
+} lattice_rules;
+
+static lattice_rules rules_of(uint32_t type)
+{
+    const lattice_rules beat = {SELD_SCENE_MOTION_KEYFRAMES, SELD_SCENE_MOTION_ROW, 5}, breath = {0, 1, 3};
+    return type == SELD_SCENE_BREATH ? breath : beat;
+}
+
+static seld_scene_status check_header(seld_scene_check *check, const lattice_rules *rules,
+                                      const uint8_t *header, size_t where)
 {
     uint32_t log2 = seld_scene_u16(header + 18);
     if (log2 < SELD_SCENE_MOTION_SPACING_LOG2_MIN || log2 > SELD_SCENE_MOTION_SPACING_LOG2_MAX ||
-        seld_scene_u16(header + 20) != SELD_SCENE_MOTION_KEYFRAMES)
+        seld_scene_u16(header + 20) != rules->keyframes)
         return seld_scene_fault_at(check, SELD_SCENE_MOTION_LATTICE, where + 18);
     for (int k = 0; k < 3; k++) {
         uint32_t count = seld_scene_u16(header + 12 + 2 * k);
@@ -24,54 +38,53 @@ static seld_scene_status check_header(seld_scene_check *check, const uint8_t *he
     return SELD_SCENE_OK;
 }
 
-/* One component of one node: in range, the copies at the row's ends what they copy, the last number 0. */
-static bool row_is_valid(const int16_t *row)
+/* One component of one node: in range, the copies at the row's ends what they copy. */
+static bool row_is_valid(const lattice_rules *rules, const int16_t *row)
 {
-    for (int i = 0; i < SELD_SCENE_MOTION_ROW; i++) {
+    for (uint32_t i = 0; i < rules->row; i++) {
         if (row[i] > SELD_SCENE_MOTION_VALUE_MAX || row[i] < -SELD_SCENE_MOTION_VALUE_MAX) return false;
     }
-    for (int i = 0; i < COPIES; i++) {
-        if (row[SELD_SCENE_MOTION_KEYFRAMES + i] != row[i]) return false;
+    for (uint32_t i = 0; rules->row > COPIES && i < COPIES; i++) {
+        if (row[rules->row - COPIES + i] != row[i]) return false;
     }
-    return row[SELD_SCENE_MOTION_ROW - 1] == 0;
+    return true;
 }
 
-/* Five eighths of a spacing for the heart, three for breath. */
-static bool is_steep(const int16_t *row, const int16_t *next, int32_t eighth)
+static bool is_steep(const int16_t *row, const int16_t *next, uint32_t count, int32_t most)
 {
-    for (int i = 0; i <= SELD_SCENE_MOTION_ROW_BREATH; i++) {
-        int32_t apart = next[i] - row[i], most = i == SELD_SCENE_MOTION_ROW_BREATH ? 3 * eighth : 5 * eighth;
+    for (uint32_t i = 0; i < count; i++) {
+        int32_t apart = next[i] - row[i];
         if (apart > most || apart < -most) return true;
     }
     return false;
 }
 
-static bool is_still(const int16_t *node)
+static bool is_still(const int16_t *node, uint32_t count)
 {
-    for (int i = 0; i < NODE; i++) {
+    for (uint32_t i = 0; i < count; i++) {
         if (node[i] != 0) return false;
     }
     return true;
 }
 
 /* Node at (x, y, z): its rows, the way to its next neighbours, and whether it stands still where it must. */
-static seld_scene_status check_node(const seld_scene_motion *motion, const uint32_t at[3])
+static seld_scene_status check_node(const lattice_rules *rules, const seld_scene_motion *motion,
+                                    const uint32_t at[3])
 {
     const uint32_t nx = motion->node_count_xyz[0], ny = motion->node_count_xyz[1];
     const size_t steps[3] = {1, nx, (size_t)nx * ny};
     const size_t node = at[0] + at[1] * steps[1] + at[2] * steps[2];
-    const int16_t *rows = motion->rows + node * NODE;
-    const int32_t eighth = 1 << (motion->spacing_log2_q30 - SELD_SCENE_MOTION_UNIT_LOG2_Q30 - 3);
-    for (int k = 0; k < COMPONENTS; k++) {
-        if (!row_is_valid(rows + k * SELD_SCENE_MOTION_ROW)) return SELD_SCENE_MOTION_VALUE;
+    const uint32_t row = rules->row, numbers = COMPONENTS * row;
+    const int16_t *rows = motion->rows + node * numbers;
+    const int32_t most = rules->eighths << (motion->spacing_log2_q30 - SELD_SCENE_MOTION_UNIT_LOG2_Q30 - 3);
+    for (uint32_t k = 0; k < COMPONENTS; k++) {
+        if (!row_is_valid(rules, rows + k * row)) return SELD_SCENE_MOTION_VALUE;
     }
     for (int axis = 0; axis < 3; axis++) {
         bool is_last = at[axis] + 1u == motion->node_count_xyz[axis];
-        if ((at[axis] == 0 || is_last) && !is_still(rows)) return SELD_SCENE_MOTION_EDGE;
-        for (int k = 0; k < COMPONENTS && !is_last; k++) {
-            const int16_t *row = rows + k * SELD_SCENE_MOTION_ROW;
-            if (is_steep(row, row + steps[axis] * NODE, eighth)) return SELD_SCENE_MOTION_STEEP;
-        }
+        if ((at[axis] == 0 || is_last) && !is_still(rows, numbers)) return SELD_SCENE_MOTION_EDGE;
+        if (!is_last && is_steep(rows, rows + steps[axis] * numbers, numbers, most))
+            return SELD_SCENE_MOTION_STEEP;
     }
     return SELD_SCENE_OK;
 }
@@ -79,10 +92,12 @@ static seld_scene_status check_node(const seld_scene_motion *motion, const uint3
 seld_scene_status seld_scene_check_motion(seld_scene_check *check, seld_scene_span span,
                                           seld_scene_motion *motion)
 {
+    const lattice_rules rules = rules_of(span.type);
+    if (check->minor < 4) return seld_scene_fault_at(check, SELD_SCENE_MOTION_OLDER, 10);
     if (span.size < SELD_SCENE_MOTION_HEADER_BYTES)
         return seld_scene_fault_at(check, SELD_SCENE_SECTION_SIZE, span.offset);
     const uint8_t *header = check->bytes + span.offset;
-    seld_scene_status status = check_header(check, header, span.offset);
+    seld_scene_status status = check_header(check, &rules, header, span.offset);
     if (status != SELD_SCENE_OK) return status;
     uint64_t nodes = 1;
     for (int k = 0; k < 3; k++) {
@@ -91,7 +106,7 @@ seld_scene_status seld_scene_check_motion(seld_scene_check *check, seld_scene_sp
         nodes *= motion->node_count_xyz[k];
     }
     motion->spacing_log2_q30 = seld_scene_u16(header + 18);
-    if (span.size != SELD_SCENE_MOTION_HEADER_BYTES + 2 * NODE * nodes)
+    if (span.size != SELD_SCENE_MOTION_HEADER_BYTES + 2 * COMPONENTS * rules.row * nodes)
         return seld_scene_fault_at(check, SELD_SCENE_SECTION_SIZE, span.offset + 12);
     /* In place, as the lumen's samples. */
     const size_t rows_at = span.offset + SELD_SCENE_MOTION_HEADER_BYTES;
@@ -100,9 +115,9 @@ seld_scene_status seld_scene_check_motion(seld_scene_check *check, seld_scene_sp
     for (uint32_t z = 0; z < motion->node_count_xyz[2]; z++) {
         for (uint32_t y = 0; y < motion->node_count_xyz[1]; y++) {
             for (uint32_t x = 0; x < motion->node_count_xyz[0]; x++, node++) {
-                status = check_node(motion, (const uint32_t[3]){x, y, z});
+                status = check_node(&rules, motion, (const uint32_t[3]){x, y, z});
                 if (status != SELD_SCENE_OK)
-                    return seld_scene_fault_at(check, status, rows_at + node * 2 * NODE);
+                    return seld_scene_fault_at(check, status, rows_at + node * 2 * COMPONENTS * rules.row);
             }
         }
     }

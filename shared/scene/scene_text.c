@@ -37,6 +37,8 @@ const char *seld_scene_status_text(seld_scene_status status)
         [SELD_SCENE_MOTION_STEEP] =
             "neighbouring places of the vessel move so differently that it would fold over: check the frames",
         [SELD_SCENE_MOTION_EDGE] = "the boundary of the vessel's motion does not stand still: bake it again",
+        [SELD_SCENE_MOTION_OLDER] =
+            "the vessel's motion is of an older format, breath and beat in one lattice: bake it again",
         [SELD_SCENE_BODY_PARENT] = "a body lies in one that is not there, or in itself: correct `inside`",
         [SELD_SCENE_BODY_SIZE] =
             "a body without triangles, or over 8 million triangles in all: simplify the meshes",
@@ -50,6 +52,7 @@ const char *seld_scene_status_text(seld_scene_status status)
         [SELD_SCENE_LESION_SIZE] = "the list of lesions is empty or too long: bake it with fewer lesions",
         [SELD_SCENE_LESION_PLACE] =
             "a lesion lies where no vessel is, or its healthy points are damaged: bake it again",
+        [SELD_SCENE_PLAQUE] = "a lesion that should give way is damaged or too large: bake it again",
     };
     return (unsigned)status < SELD_SCENE_STATUS_COUNT ? texts[status]
                                                       : "unknown scene status: update this program";

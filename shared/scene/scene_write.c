@@ -34,8 +34,10 @@ size_t seld_scene_write_bytes(const seld_scene_part *parts, uint32_t part_count)
 /* The oldest version that knows this part. */
 static uint16_t minor_of_part(const seld_scene_part *part)
 {
+    if (part->type == SELD_SCENE_MOTION || part->type == SELD_SCENE_BREATH) return 4;
+    if (part->type == SELD_SCENE_PLAQUES) return 3;
     if (part->type == SELD_SCENE_LESIONS) return 2;
-    if (part->type == SELD_SCENE_MOTION || part->type == SELD_SCENE_TREE) return 1;
+    if (part->type == SELD_SCENE_TREE) return 1;
     bool moves = part->type == SELD_SCENE_BODY && part->size >= SELD_SCENE_BODY_HEADER_BYTES &&
                  seld_scene_u32(part->bytes + SELD_SCENE_BODY_HEADER_BYTES - 4) != 0;
     return moves ? 1 : 0;

@@ -206,7 +206,7 @@ double HeartBeat::least_volume_factor() const
 Vec3 HeartBeat::inhaled(const Vec3 &point) const
 {
     constexpr double FADES_MM = 70.0;
-    const Vec3 way(0.0, -3.2, 0.6);
+    const Vec3 way(0.0, -8.0, 1.5);
     const double share = 1.0 - smooth_step(0.0, FADES_MM, outline_.distance(point));
     return point + share * smooth_step(0.0, FADES_MM, behind_.distance(point)) * way;
 }

@@ -75,9 +75,14 @@ Distance lung_cavity(double sign)
 namespace
 {
 
+/* direction: not -x */
 Eigen::Matrix3d axis_to(const Vec3 &direction)
 {
-    return Eigen::Quaterniond::FromTwoVectors(Vec3::UnitX(), direction.normalized()).toRotationMatrix();
+    // The shortest turn from +x. Eigen's FromTwoVectors compiles a singular value decomposition for the opposite direction, 8 s.
+    const Vec3 to = direction.normalized();
+    const double w = std::sqrt(2.0 * (1.0 + to.x())); // twice the cosine of half the angle
+    const Vec3 axis = Vec3(0.0, -to.z(), to.y()) / w;
+    return Eigen::Quaterniond(0.5 * w, axis.x(), axis.y(), axis.z()).toRotationMatrix();
 }
 
 /* Heart outline shrunk by wall_mm: ventricles, atria, outflow. */

@@ -150,10 +150,10 @@ void write_scene(const std::filesystem::path &file, const VesselTree &tree, cons
     text += tree_text(tree);
     text += lesions;
     if (tree.coronary_count > 0)
-        text +=
-            "\n# How it beats (docs/heart.md); frames in which it also breathes lie beside these.\n[motion]\n"
-            "frames = \"lumen_beat\"\n"
-            "end_systole = 11\n";
+        text += "\n# How it beats, and how breath carries it (docs/heart.md).\n[motion]\n"
+                "frames = \"lumen_beat\"\n"
+                "inhaled = \"lumen_beat_inhaled.ply\"\n"
+                "end_systole = 11\n";
     for (const Body &body : bodies) {
         text += "\n[[body]]\nname = \"" + body.name + "\"\nmesh = \"" + file_stem(body.name) +
                 ".ply\"\nunit = \"mm\"\n";

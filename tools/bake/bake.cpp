@@ -52,12 +52,12 @@ CurvePoint entry_of(const SceneText &text, const TriangleTree &tree)
     return entry;
 }
 
-// Disease narrows the lumen, and bodies of its blood with it.
-void narrow(Mesh &mesh, const VesselTree &tree)
+// Disease narrows the lumen, and bodies of its blood with it. Which vertices moved; none are named where there is no lesion.
+std::vector<bool> narrow(Mesh &mesh, const VesselTree &tree)
 {
-    if (tree.lesions.empty()) return;
+    if (tree.lesions.empty()) return {};
     refine_lesions(mesh, tree);
-    narrow_lesions(mesh.vertices_mm, tree);
+    return narrow_lesions(mesh.vertices_mm, tree);
 }
 
 std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, const VesselTree &tree,
@@ -131,15 +131,23 @@ std::string referee_report(const Referee &referee, std::uint64_t seed)
                 static_cast<unsigned long long>(seed));
 }
 
+std::string lattice_report(const seld_lattice &lattice, std::size_t numbers)
+{
+    std::string text = line("lattice %u x %u x %u nodes, %.2f mm apart, %.2f MiB", lattice.count_xyz[0],
+                            lattice.count_xyz[1], lattice.count_xyz[2],
+                            std::ldexp(mm_per_q30, static_cast<int>(lattice.spacing_log2_q30)),
+                            static_cast<double>(numbers) * 2 / 1048576);
+    text.pop_back(); // the line's end
+    return text;
+}
+
 // One line per frame: how far the moved lumen is from the moved mesh, as the core sees it.
 std::string motion_report(const Motion &motion, std::size_t pose, const std::vector<FrameError> &errors)
 {
-    const seld_motion &lattice = motion.lattice;
-    std::string text =
-        line("motion            lattice %u x %u x %u nodes, %.2f mm apart, %.2f MiB; pose of keyframe %zu",
-             lattice.count_xyz[0], lattice.count_xyz[1], lattice.count_xyz[2],
-             std::ldexp(mm_per_q30, static_cast<int>(lattice.spacing_log2_q30)),
-             static_cast<double>(motion.rows.size()) * 2 / 1048576, pose);
+    std::string text = "motion            " + lattice_report(motion.lattices.beat, motion.rows.size()) +
+                       line("; pose of keyframe %zu", pose);
+    if (!motion.inhaled.empty())
+        text += "breath            " + lattice_report(motion.lattices.breath, motion.inhaled.size()) + "\n";
     const Steepness steepest = steepness(motion);
     text += line(
         "  steepest  %.2f of a spacing per spacing in a beat, allowed %.3f; %.2f in a breath, allowed %.3f",
@@ -276,12 +284,13 @@ std::string bake(const Options &options, Progress &progress)
     std::optional<Motion> motion;
     if (!text.motion.frames.empty()) {
         frames = load_frames(text.motion, text.lumen);
-        motion = fit_motion(*frames, text.motion.spacing_mm, progress);
+        motion = fit_motion(*frames, {text.motion.spacing_mm, text.motion.breath_spacing_mm}, progress);
     }
     const VesselTree posed_vessels = motion ? in_reference(*motion, vessels) : vessels;
     Mesh posed = frames ? posed_lumen(text, *frames, progress) : surface;
+    std::vector<bool> narrowed; // the frames' own vertices come first
     if (frames && !posed_vessels.lesions.empty()) {
-        narrow(posed, posed_vessels);
+        narrowed = narrow(posed, posed_vessels);
         check_crossing(posed, progress);
     }
     const TriangleTree posed_tree(posed);
@@ -290,14 +299,12 @@ std::string bake(const Options &options, Progress &progress)
     Field field = make_field(posed_tree, wanted, progress);
     std::string moved;
     if (frames) {
-        std::vector<Eigen::Vector3d> walls = frames->lumen.reference_mm;
-        const std::vector<bool> narrowed = narrow_lesions(walls, posed_vessels);
         moved = motion_report(*motion, frames->pose,
                               measure_motion(field.view(), motion->view(), *frames, narrowed));
         moved += entry_report(*motion, entry.position_mm);
     }
-    const Bytes scene =
-        scene_bytes(text, entry.position_mm, entry.direction, field, motion ? &*motion : nullptr);
+    const Bytes scene = scene_bytes(text, entry.position_mm, entry.direction, field,
+                                    motion ? &*motion : nullptr, &posed_vessels);
     report +=
         field_report(field, measure_field(field.view(), posed_tree, options.points, options.seed, progress));
     report += referee_report(measure_contact(field.view(), posed_tree, options.poses, options.seed, progress),

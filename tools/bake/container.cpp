@@ -3,6 +3,7 @@
 #include "host/model/pending_file.hpp"
 #include "shared/scene/scene_write.h"
 #include "tools/bake/fault.hpp"
+#include "tools/bake/plaque.hpp"
 
 #include <cmath>
 #include <cstring>
@@ -65,18 +66,19 @@ Bytes lumen_section(const Field &field)
     return bytes;
 }
 
-Bytes motion_section(const Motion &motion)
+// MOTION, or with no keyframes BREATH.
+Bytes motion_section(const seld_lattice &lattice, std::uint16_t keyframes,
+                     const std::vector<std::int16_t> &values)
 {
     Bytes bytes;
-    for (std::int32_t origin : motion.lattice.origin_m_q30)
-        put_u32(bytes, static_cast<std::uint32_t>(origin));
-    for (std::uint32_t count : motion.lattice.count_xyz) put_u16(bytes, static_cast<std::uint16_t>(count));
-    put_u16(bytes, static_cast<std::uint16_t>(motion.lattice.spacing_log2_q30));
-    put_u16(bytes, SELD_SCENE_MOTION_KEYFRAMES);
+    for (std::int32_t origin : lattice.origin_m_q30) put_u32(bytes, static_cast<std::uint32_t>(origin));
+    for (std::uint32_t count : lattice.count_xyz) put_u16(bytes, static_cast<std::uint16_t>(count));
+    put_u16(bytes, static_cast<std::uint16_t>(lattice.spacing_log2_q30));
+    put_u16(bytes, keyframes);
     put_u16(bytes, 0);
     put_u32(bytes, 0);
     put_u32(bytes, 0);
-    for (std::int16_t value : motion.rows) put_u16(bytes, static_cast<std::uint16_t>(value));
+    for (std::int16_t value : values) put_u16(bytes, static_cast<std::uint16_t>(value));
     return bytes;
 }
 
@@ -177,13 +179,19 @@ Bytes sealed(seld_scene_kind kind, const std::vector<std::pair<seld_scene_sectio
 } // namespace
 
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
-                  const Field &field, const Motion *motion)
+                  const Field &field, const Motion *motion, const VesselTree *tree)
 {
     std::vector<std::pair<seld_scene_section, Bytes>> sections = {
         {SELD_SCENE_META, meta_section(text)},
         {SELD_SCENE_ENTRY, entry_section(entry_mm, direction)},
         {SELD_SCENE_LUMEN, lumen_section(field)}};
-    if (motion) sections.emplace_back(SELD_SCENE_MOTION, motion_section(*motion));
+    if (motion)
+        sections.emplace_back(SELD_SCENE_MOTION, motion_section(motion->lattices.beat,
+                                                                SELD_SCENE_MOTION_KEYFRAMES, motion->rows));
+    if (motion && !motion->inhaled.empty())
+        sections.emplace_back(SELD_SCENE_BREATH, motion_section(motion->lattices.breath, 0, motion->inhaled));
+    if (tree && !tree->lesions.empty())
+        sections.emplace_back(SELD_SCENE_PLAQUES, plaques_section(*tree, text.lesions));
     return sealed(SELD_SCENE_KIND_SCENE, sections, text.file.string());
 }
 

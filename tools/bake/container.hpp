@@ -17,9 +17,10 @@ struct BakedBody {
     bool moves = false; // with the lumen
 };
 
-// Both are opened by shared/scene before they are returned; a refusal is a Fault. `motion` nullptr: the lumen stands still.
+// Both are opened by shared/scene before they are returned; a refusal is a Fault. `motion` nullptr: the lumen stands still; `tree` nullptr: no
+// lesion of it gives way, else as it lies in the field.
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
-                  const Field &field, const Motion *motion = nullptr);
+                  const Field &field, const Motion *motion = nullptr, const VesselTree *tree = nullptr);
 Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, const VesselTree &tree);
 
 // Written beside the target and renamed, so that an interrupt or a full disk leaves the old file.

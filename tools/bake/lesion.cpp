@@ -17,7 +17,6 @@ using Eigen::Vector3d;
 constexpr double pi = 3.14159265358979323846;
 constexpr double point_step_mm = 0.5; // of the branch's points in a lesion, at most
 constexpr double touch_m = 10e-6;     // lesions may end and begin at one place, which rounding moves
-constexpr double near_radii = 1.6, far_radii = 2.4;
 
 Vector3d rounded_m(const Vector3d &p_m) // as the file will hold it
 {
@@ -238,22 +237,11 @@ double radii_to_others(const VesselTree &healthy, std::size_t own, const Vector3
 double share_of_way(const VesselTree &healthy, const VesselLesion &lesion, const Foot &foot,
                     const Vector3d &place_m)
 {
-    const double fade = std::clamp((far_radii - foot.radii) / (far_radii - near_radii), 0.0, 1.0);
+    const double fade =
+        std::clamp((lesion_far_radii - foot.radii) / (lesion_far_radii - lesion_near_radii), 0.0, 1.0);
     if (fade == 0) return 0;
     const double ahead = radii_to_others(healthy, lesion.branch, place_m) - foot.radii;
     return fade * fade * (3 - 2 * fade) * std::clamp(1 + 2 * ahead, 0.0, 1.0);
-}
-
-// Box around what may move, so that a large mesh is passed over quickly.
-Eigen::AlignedBox3d reach_mm(const VesselLesion &lesion)
-{
-    Eigen::AlignedBox3d box;
-    for (std::size_t i = 0; i < lesion.size(); ++i) {
-        const Vector3d margin = Vector3d::Constant(far_radii * lesion.healthy_radii_m[i] * 1e3);
-        box.extend(lesion.healthy_points_m[i] * 1e3 - margin);
-        box.extend(lesion.healthy_points_m[i] * 1e3 + margin);
-    }
-    return box;
 }
 
 } // namespace
@@ -267,13 +255,24 @@ void place_lesions(VesselTree &tree, const std::vector<LesionText> &lesions)
     if (!check_vessel_tree(tree, error)) throw Fault("[[lesion]] " + error);
 }
 
+Eigen::AlignedBox3d lesion_box_mm(const VesselLesion &lesion, double radii)
+{
+    Eigen::AlignedBox3d box;
+    for (std::size_t i = 0; i < lesion.size(); ++i) {
+        const Vector3d margin = Vector3d::Constant(radii * lesion.healthy_radii_m[i] * 1e3);
+        box.extend(lesion.healthy_points_m[i] * 1e3 - margin);
+        box.extend(lesion.healthy_points_m[i] * 1e3 + margin);
+    }
+    return box;
+}
+
 std::vector<bool> narrow_lesions(std::vector<Vector3d> &vertices_mm, const VesselTree &tree)
 {
     std::vector<bool> moved(vertices_mm.size(), false);
     VesselTree healthy = tree;
     for (const VesselLesion &lesion : tree.lesions) heal(healthy.branches[lesion.branch], lesion);
     for (const VesselLesion &lesion : tree.lesions) {
-        const Eigen::AlignedBox3d reach = reach_mm(lesion);
+        const Eigen::AlignedBox3d reach = lesion_box_mm(lesion, lesion_far_radii); // passed over quickly
         for (std::size_t v = 0; v < vertices_mm.size(); ++v) {
             if (!reach.contains(vertices_mm[v])) continue;
             const Foot foot = foot_of(tree, lesion, vertices_mm[v] * 1e-3);

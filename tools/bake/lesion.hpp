@@ -16,6 +16,12 @@
 namespace seld::bake
 {
 
+// A wall goes with the lesion up to so many radii from the healthy centreline; beyond the second it stays.
+constexpr double lesion_near_radii = 1.6, lesion_far_radii = 2.4;
+
+// Box around everything within so many radii of a lesion's healthy centreline.
+Eigen::AlignedBox3d lesion_box_mm(const VesselLesion &lesion, double radii);
+
 // Throws Fault naming the lesion and what does not fit: branch, place, length, another lesion there.
 void place_lesions(VesselTree &tree, const std::vector<LesionText> &lesions);
 
@@ -23,8 +29,7 @@ void place_lesions(VesselTree &tree, const std::vector<LesionText> &lesions);
 // a millimetre. Corners that were there keep their numbers.
 void refine_lesions(Mesh &mesh, const VesselTree &tree);
 
-// From the healthy vessel to the narrowed one; true: that vertex moved. What lies 1.6 radii or less from the healthy centreline goes
-// with the wall, what is farther than 2.4 stays, and so do the walls of other vessels.
+// From the healthy vessel to the narrowed one; true: that vertex moved. The walls of other vessels stay.
 std::vector<bool> narrow_lesions(std::vector<Eigen::Vector3d> &vertices_mm, const VesselTree &tree);
 
 // The tree with those lesions only whose vessel runs through a body: blood beside a vessel is not narrowed with it.

@@ -13,7 +13,7 @@ namespace
 using Eigen::Vector3d;
 using Edge = std::pair<std::uint32_t, std::uint32_t>; // lower corner first
 
-constexpr double edge_min_mm = 0.25, near_radii = 1.6;
+constexpr double edge_min_mm = 0.25;
 constexpr int rounds_max = 12; // each halves an edge
 
 double distance_mm(const Vector3d &a_mm, const Vector3d &b_mm, const Vector3d &place_mm) // from an edge
@@ -23,36 +23,17 @@ double distance_mm(const Vector3d &a_mm, const Vector3d &b_mm, const Vector3d &p
     return (place_mm - a_mm - share * step).norm();
 }
 
-// How long an edge from a to b may be; infinite when no part of it is near a lesion.
-double edge_max_mm(const VesselTree &tree, const Vector3d &a_mm, const Vector3d &b_mm)
-{
-    double most = std::numeric_limits<double>::infinity();
-    for (const VesselLesion &lesion : tree.lesions) {
-        double length_mm = 0;
-        for (std::size_t i = 1; i < lesion.size(); ++i)
-            length_mm += (lesion.healthy_points_m[i] - lesion.healthy_points_m[i - 1]).norm() * 1e3;
-        for (std::size_t i = 0; i < lesion.size(); ++i)
-            if (distance_mm(a_mm, b_mm, lesion.healthy_points_m[i] * 1e3) <
-                near_radii * lesion.healthy_radii_m[i] * 1e3) {
-                const double throat_mm = tree.branches[lesion.branch].radii_m[tree.throat(lesion)] * 1e3;
-                most = std::min(most, std::max(std::min(length_mm / 20, 0.6 * throat_mm), edge_min_mm));
-                break;
-            }
-    }
-    return most;
-}
-
 class Divider
 {
   public:
-    Divider(Mesh &mesh, const VesselTree &tree) : mesh_(mesh), tree_(tree)
+    Divider(Mesh &mesh, const VesselTree &tree) : mesh_(mesh)
     {
-        for (const VesselLesion &lesion : tree.lesions)
-            for (std::size_t i = 0; i < lesion.size(); ++i) {
-                const Vector3d margin = Vector3d::Constant(near_radii * lesion.healthy_radii_m[i] * 1e3);
-                box_.extend(lesion.healthy_points_m[i] * 1e3 - margin);
-                box_.extend(lesion.healthy_points_m[i] * 1e3 + margin);
-            }
+        for (const VesselLesion &lesion : tree.lesions) {
+            const double throat_mm = tree.branches[lesion.branch].radii_m[tree.throat(lesion)] * 1e3;
+            const double wanted_mm = std::min(lesion.length_m() * 1e3 / 20, 0.6 * throat_mm);
+            places_.push_back({lesion, std::max(wanted_mm, edge_min_mm)});
+            box_.extend(lesion_box_mm(lesion, lesion_near_radii));
+        }
     }
 
     // True when something was divided.
@@ -71,13 +52,27 @@ class Divider
   private:
     static Edge edge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
+    // How long an edge from a to b may be; infinite when no part of it is near a lesion.
+    double edge_max_mm(const Vector3d &a_mm, const Vector3d &b_mm) const
+    {
+        double most = std::numeric_limits<double>::infinity();
+        for (const auto &[lesion, edge_mm] : places_)
+            for (std::size_t i = 0; i < lesion.size(); ++i)
+                if (distance_mm(a_mm, b_mm, lesion.healthy_points_m[i] * 1e3) <
+                    lesion_near_radii * lesion.healthy_radii_m[i] * 1e3) {
+                    most = std::min(most, edge_mm);
+                    break;
+                }
+        return most;
+    }
+
     void mark(std::uint32_t a, std::uint32_t b)
     {
         const Vector3d a_mm = mesh_.vertices_mm[a], b_mm = mesh_.vertices_mm[b];
         const double length_mm = (a_mm - b_mm).norm();
         if (length_mm <= edge_min_mm || middles_.count(edge(a, b))) return;
         Eigen::AlignedBox3d around(a_mm);
-        if (!box_.intersects(around.extend(b_mm)) || length_mm <= edge_max_mm(tree_, a_mm, b_mm)) return;
+        if (!box_.intersects(around.extend(b_mm)) || length_mm <= edge_max_mm(a_mm, b_mm)) return;
         middles_[edge(a, b)] = static_cast<std::uint32_t>(mesh_.vertices_mm.size());
         mesh_.vertices_mm.push_back(0.5 * (a_mm + b_mm));
     }
@@ -114,8 +109,13 @@ class Divider
         out.push_back({ca, bc, c});
     }
 
+    struct Place {
+        const VesselLesion &lesion;
+        double edge_mm; // the longest edge there
+    };
+
     Mesh &mesh_;
-    const VesselTree &tree_;
+    std::vector<Place> places_;
     Eigen::AlignedBox3d box_;
     std::map<Edge, std::uint32_t> middles_;
 };

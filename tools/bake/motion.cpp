@@ -23,15 +23,15 @@ constexpr double still_mm = 0.02;   // what moves less stands still
 constexpr double smoothness = 0.02; // weight of the squared Laplacian beside a vertex of the lumen ...
 constexpr double tension = 0.25; // ... and of the Laplacian: without it the motion overshoots on its way out
 constexpr double guide_weight = 0.03; // of a vertex of the guides, where the lumen says nothing
-constexpr double reach_spacings = 6.0,
-                 reach_ways =
-                     2.5; // from what moves to the boundary: in spacings, and in ways of the largest motion
+// From what moves to the boundary: in spacings, and in ways of the largest motion.
+constexpr double beat_reach_spacings = 6.0, breath_reach_spacings = 3.0, reach_ways = 2.5;
 
 struct Lattice {
     Eigen::Vector3d origin_mm;
     Eigen::Vector3i count;
     double spacing_mm;
     std::uint32_t spacing_log2;
+    bool is_plane = false; // in each of a cell's six tetrahedra (breath), else trilinear
 
     int node(int x, int y, int z) const { return (z * count.y() + y) * count.x() + x; }
     int nodes() const { return count.prod(); }
@@ -52,6 +52,7 @@ struct Lattice {
     }
     double weight(int corner, const Eigen::Vector3d &place) const
     {
+        if (is_plane) return motion_plane_weight(corner, place);
         double product = 1;
         for (int k = 0; k < 3; ++k) product *= (corner >> k & 1) != 0 ? place[k] : 1 - place[k];
         return product;
@@ -66,25 +67,30 @@ struct Lattice {
 struct Moving {
     Eigen::AlignedBox3d box;
     double way_mm = 0;
-    void take(const Sequence &sequence)
+    void take_beat(const Sequence &sequence)
     {
-        for (std::size_t k = 0; k < sequence.moved_mm.size(); ++k) take(sequence, sequence.moved_mm[k]);
-        if (!sequence.inhaled_mm.empty()) take(sequence, sequence.inhaled_mm);
+        for (const auto &moved_mm : sequence.moved_mm) take(sequence.reference_mm, moved_mm);
     }
-    void take(const Sequence &sequence, const std::vector<Eigen::Vector3d> &moved_mm)
+    void take_breath(const Sequence &sequence)
+    {
+        if (!sequence.inhaled_mm.empty()) take(sequence.moved_mm[0], sequence.inhaled_mm);
+    }
+
+  private:
+    void take(const std::vector<Eigen::Vector3d> &from_mm, const std::vector<Eigen::Vector3d> &moved_mm)
     {
         for (std::size_t i = 0; i < moved_mm.size(); ++i) {
-            const double way = (moved_mm[i] - sequence.reference_mm[i]).norm();
+            const double way = (moved_mm[i] - from_mm[i]).norm();
             if (way < still_mm) continue;
             box.extend(moved_mm[i]);
-            box.extend(sequence.reference_mm[i]);
+            box.extend(from_mm[i]);
             way_mm = std::max(way_mm, way);
         }
     }
 };
 
 // A box around everything that moves, wide enough that the motion can fade out, its corner on a multiple of the spacing.
-Lattice lattice_for(const Frames &frames, double spacing_mm)
+Lattice lattice_for(const Moving &moving, double spacing_mm, double reach_spacings)
 {
     Lattice lattice;
     lattice.spacing_log2 = SELD_MOTION_SPACING_LOG2_MAX;
@@ -92,9 +98,6 @@ Lattice lattice_for(const Frames &frames, double spacing_mm)
            std::ldexp(mm_per_q30, static_cast<int>(lattice.spacing_log2)) > spacing_mm * 1.005)
         --lattice.spacing_log2;
     lattice.spacing_mm = std::ldexp(mm_per_q30, static_cast<int>(lattice.spacing_log2));
-    Moving moving;
-    moving.take(frames.lumen);
-    moving.take(frames.guides);
     const Eigen::AlignedBox3d &box = moving.box;
     if (box.isEmpty()) throw Fault("[motion]: nothing moves in these frames: leave [motion] out");
     const double reach = std::max(reach_spacings * lattice.spacing_mm, reach_ways * moving.way_mm);
@@ -189,25 +192,11 @@ class Fit
     Ways right_;
 };
 
-Eigen::Vector3d way_at(const Lattice &lattice, const Ways &ways, const Eigen::Vector3d &at_mm)
+// From the moved vertices back.
+void tell_all(Fit &fit, const std::vector<Eigen::Vector3d> &moved_mm,
+              const std::vector<Eigen::Vector3d> &back_mm, double weight)
 {
-    Eigen::Vector3i cell;
-    Eigen::Vector3d place, way = Eigen::Vector3d::Zero();
-    if (!lattice.find(at_mm, cell, place)) return way;
-    for (int a = 0; a < 8; ++a)
-        way += lattice.weight(a, place) * ways.row(lattice.corner_node(a, cell)).transpose();
-    return way;
-}
-
-// From the moved vertices back to the reference pose, less what `known` does already.
-void tell_all(Fit &fit, const Sequence &sequence, const std::vector<Eigen::Vector3d> &moved_mm, double weight,
-              const Lattice &lattice, const Ways *known)
-{
-    for (std::size_t i = 0; i < moved_mm.size(); ++i) {
-        Eigen::Vector3d way = sequence.reference_mm[i] - moved_mm[i];
-        if (known) way -= way_at(lattice, *known, moved_mm[i]);
-        fit.tell(moved_mm[i], way, weight);
-    }
+    for (std::size_t i = 0; i < moved_mm.size(); ++i) fit.tell(moved_mm[i], back_mm[i] - moved_mm[i], weight);
 }
 
 std::int16_t coefficient(double way_mm)
@@ -220,20 +209,18 @@ std::int16_t coefficient(double way_mm)
     return static_cast<std::int16_t>(value);
 }
 
-Motion empty_motion(const Lattice &lattice)
+seld_lattice stored(const Lattice &lattice)
 {
-    Motion motion;
-    motion.rows.assign(static_cast<std::size_t>(lattice.nodes()) * 3 * SELD_MOTION_ROW, 0);
-    motion.lattice.spacing_log2_q30 = lattice.spacing_log2;
+    seld_lattice result{};
+    result.spacing_log2_q30 = lattice.spacing_log2;
     for (int k = 0; k < 3; ++k) {
-        motion.lattice.origin_m_q30[k] =
-            static_cast<std::int32_t>(std::lround(lattice.origin_mm[k] / mm_per_q30));
-        motion.lattice.count_xyz[k] = static_cast<std::uint32_t>(lattice.count[k]);
+        result.origin_m_q30[k] = static_cast<std::int32_t>(std::lround(lattice.origin_mm[k] / mm_per_q30));
+        result.count_xyz[k] = static_cast<std::uint32_t>(lattice.count[k]);
     }
-    return motion;
+    return result;
 }
 
-void put_node(const std::vector<Ways> &keys, const Ways &breath, int node, std::int16_t *rows)
+void put_node(const std::vector<Ways> &keys, int node, std::int16_t *rows)
 {
     for (int k = 0; k < 3; ++k, rows += SELD_MOTION_ROW) {
         double w[SELD_MOTION_KEYFRAMES], c[SELD_MOTION_KEYFRAMES];
@@ -241,8 +228,50 @@ void put_node(const std::vector<Ways> &keys, const Ways &breath, int node, std::
         motion_prefilter(w, c);
         for (int i = 0; i < SELD_MOTION_KEYFRAMES + 2; ++i)
             rows[i] = coefficient(c[(i + SELD_MOTION_KEYFRAMES - 1) % SELD_MOTION_KEYFRAMES]);
-        rows[SELD_MOTION_ROW_BREATH] = breath.size() > 0 ? coefficient(breath(node, k)) : std::int16_t{0};
     }
+}
+
+// Nodes of the boundary have stayed 0.
+void fit_beat(const Frames &frames, double spacing_mm, Motion &motion, Progress &progress)
+{
+    Moving moving;
+    moving.take_beat(frames.lumen);
+    moving.take_beat(frames.guides);
+    const Lattice lattice = lattice_for(moving, spacing_mm, beat_reach_spacings);
+    const Sparse smooth = smoothing(lattice);
+    std::vector<Ways> keys;
+    for (std::size_t k = 0; k < frames_count; ++k) {
+        Fit fit(lattice, smooth);
+        tell_all(fit, frames.lumen.moved_mm[k], frames.lumen.reference_mm, 1.0);
+        if (!frames.guides.moved_mm.empty())
+            tell_all(fit, frames.guides.moved_mm[k], frames.guides.reference_mm, guide_weight);
+        keys.push_back(fit.solve(k == 0 ? Ways::Zero(lattice.nodes(), 3).eval() : keys.back()));
+        progress.step(keys.size());
+    }
+    motion.lattices.beat = stored(lattice);
+    motion.rows.assign(static_cast<std::size_t>(lattice.nodes()) * 3 * SELD_MOTION_ROW, 0);
+    for (int node = 0; node < lattice.nodes(); ++node)
+        put_node(keys, node, &motion.rows[static_cast<std::size_t>(node) * 3 * SELD_MOTION_ROW]);
+}
+
+// The heart beats in a chest that moves: what breath does to the first frame it does to what is there in any.
+void fit_breath(const Frames &frames, double spacing_mm, Motion &motion)
+{
+    Moving moving;
+    moving.take_breath(frames.lumen);
+    moving.take_breath(frames.guides);
+    Lattice lattice = lattice_for(moving, spacing_mm, breath_reach_spacings);
+    lattice.is_plane = true;
+    const Sparse smooth = smoothing(lattice);
+    Fit fit(lattice, smooth);
+    tell_all(fit, frames.lumen.inhaled_mm, frames.lumen.moved_mm[0], 1.0);
+    if (!frames.guides.inhaled_mm.empty())
+        tell_all(fit, frames.guides.inhaled_mm, frames.guides.moved_mm[0], guide_weight);
+    const Ways ways = fit.solve(Ways::Zero(lattice.nodes(), 3));
+    motion.lattices.breath = stored(lattice);
+    motion.inhaled.clear();
+    for (int node = 0; node < lattice.nodes(); ++node)
+        for (int k = 0; k < 3; ++k) motion.inhaled.push_back(coefficient(ways(node, k)));
 }
 
 } // namespace
@@ -288,36 +317,14 @@ std::size_t middle_pose(const Sequence &sequence)
     return best;
 }
 
-Motion fit_motion(const Frames &frames, double spacing_mm, Progress &progress)
+Motion fit_motion(const Frames &frames, const MotionSpacing &spacing, Progress &progress)
 {
-    const Lattice lattice = lattice_for(frames, spacing_mm);
-    const Sparse smooth = smoothing(lattice);
-    std::vector<Ways> keys;
-    progress.stage("fitting the motion", frames_count + 1);
-    for (std::size_t k = 0; k < frames_count; ++k) {
-        Fit fit(lattice, smooth);
-        tell_all(fit, frames.lumen, frames.lumen.moved_mm[k], 1.0, lattice, nullptr);
-        if (!frames.guides.moved_mm.empty())
-            tell_all(fit, frames.guides, frames.guides.moved_mm[k], guide_weight, lattice, nullptr);
-        keys.push_back(fit.solve(k == 0 ? Ways::Zero(lattice.nodes(), 3).eval() : keys.back()));
-        progress.step(keys.size());
-    }
-    Ways breath;
-    if (!frames.lumen.inhaled_mm.empty()) {
-        Fit fit(lattice, smooth);
-        tell_all(fit, frames.lumen, frames.lumen.inhaled_mm, 1.0, lattice, &keys[0]);
-        tell_all(fit, frames.guides, frames.guides.inhaled_mm, guide_weight, lattice, &keys[0]);
-        breath = fit.solve(Ways::Zero(lattice.nodes(), 3));
-    }
+    const bool breathes = !frames.lumen.inhaled_mm.empty();
+    Motion motion;
+    progress.stage("fitting the motion", frames_count + breathes);
+    fit_beat(frames, spacing.beat_mm, motion, progress);
+    if (breathes) fit_breath(frames, spacing.breath_mm, motion);
     progress.finish();
-    Motion motion = empty_motion(lattice);
-    for (int z = 0; z < lattice.count.z(); ++z)
-        for (int y = 0; y < lattice.count.y(); ++y)
-            for (int x = 0; x < lattice.count.x(); ++x)
-                if (!lattice.is_edge(x, y, z)) {
-                    const auto node = static_cast<std::size_t>(lattice.node(x, y, z));
-                    put_node(keys, breath, static_cast<int>(node), &motion.rows[node * 3 * SELD_MOTION_ROW]);
-                }
     motion.view();
     refuse_steep(motion);
     return motion;

@@ -49,16 +49,19 @@ Frames load_frames(const MotionText &text, const LumenText &lumen);
 std::size_t middle_pose(const Sequence &sequence);
 
 struct Motion {
-    seld_motion lattice{};
-    std::vector<std::int16_t> rows;
-    const seld_motion *view(); // sets the pointer
+    seld_motion lattices{};
+    std::vector<std::int16_t> rows, inhaled; // of the beat; of breath, empty: none
+    const seld_motion *view();               // sets the pointers
     // Where in the reference pose a point of keyframe 0 lies.
     Eigen::Vector3d to_reference_mm(const Eigen::Vector3d &at_mm) const;
 };
 
-// Spacing: the largest power of two of Q30 that is not above `spacing_mm`. Throws Fault when the frames move by more than the format
+// Spacings: the largest powers of two of Q30 that are not above the wanted. Throws Fault when the frames move by more than the format
 // holds or fold over.
-Motion fit_motion(const Frames &frames, double spacing_mm, Progress &progress);
+struct MotionSpacing {
+    double beat_mm, breath_mm;
+};
+Motion fit_motion(const Frames &frames, const MotionSpacing &spacing, Progress &progress);
 
 // How much more one node moves than the next, as a share of their distance: what the core's arithmetic holds is limited (docs/heart.md).
 struct Steepness {

@@ -147,42 +147,50 @@ Frames load_frames(const MotionText &text, const LumenText &lumen)
 
 const seld_motion *Motion::view()
 {
-    lattice.rows = rows.data();
-    return &lattice;
+    lattices.rows = rows.data();
+    lattices.inhaled = inhaled.empty() ? nullptr : inhaled.data();
+    return &lattices;
 }
 
 Eigen::Vector3d Motion::to_reference_mm(const Eigen::Vector3d &at_mm) const
 {
-    seld_motion_pose pose = pose_of(&lattice, 0, false);
-    return pulled_mm(&lattice, pose, at_mm);
+    seld_motion_pose pose = pose_of(&lattices, 0, false);
+    return pulled_mm(&lattices, pose, at_mm);
 }
 
-Steepness steepness(const Motion &motion)
+namespace
 {
-    const seld_motion &lattice = motion.lattice;
+
+// Of nodes with `numbers` numbers each.
+Worst steepest_of(const seld_lattice &lattice, const std::vector<std::int16_t> &rows, std::size_t numbers)
+{
     const std::size_t steps[3] = {1, lattice.count_xyz[0],
                                   std::size_t{lattice.count_xyz[0]} * lattice.count_xyz[1]};
-    constexpr std::size_t node_numbers = 3 * SELD_MOTION_ROW;
     const double spacing =
         std::ldexp(1.0, static_cast<int>(lattice.spacing_log2_q30) - SELD_MOTION_UNIT_LOG2_Q30);
-    const std::size_t nodes = motion.rows.size() / node_numbers;
-    Steepness steepest;
-    for (std::size_t node = 0; node < nodes; ++node)
-        for (int axis = 0; axis < 3; ++axis) {
+    Worst steepest;
+    for (std::size_t node = 0; node < rows.size() / numbers; ++node)
+        for (int axis = 0; axis < 3; axis++) {
             if (node / steps[axis] % lattice.count_xyz[axis] + 1 == lattice.count_xyz[axis]) continue;
-            const std::int16_t *here = &motion.rows[node * node_numbers],
-                               *next = here + steps[axis] * node_numbers;
+            const std::int16_t *here = &rows[node * numbers], *next = here + steps[axis] * numbers;
             Eigen::Vector3d place;
             for (int k = 0; k < 3; ++k)
                 place[k] = (lattice.origin_m_q30[k] +
                             std::ldexp(static_cast<double>(node / steps[k] % lattice.count_xyz[k]),
                                        static_cast<int>(lattice.spacing_log2_q30))) *
                            mm_per_q30;
-            for (std::size_t i = 0; i < node_numbers; ++i)
-                (i % SELD_MOTION_ROW == SELD_MOTION_ROW_BREATH ? steepest.breath : steepest.heart)
-                    .take(std::abs(next[i] - here[i]) / spacing, place);
+            for (std::size_t i = 0; i < numbers; ++i)
+                steepest.take(std::abs(next[i] - here[i]) / spacing, place);
         }
     return steepest;
+}
+
+} // namespace
+
+Steepness steepness(const Motion &motion)
+{
+    return {steepest_of(motion.lattices.beat, motion.rows, std::size_t{3} * SELD_MOTION_ROW),
+            steepest_of(motion.lattices.breath, motion.inhaled, 3)};
 }
 
 void refuse_steep(const Motion &motion)

@@ -309,7 +309,8 @@ EntryText entry_of(const Table &t)
 
 MotionText motion_of(const Table &t)
 {
-    t.only({"frames", "inhaled", "guides", "inhaled_guides", "spacing_mm", "end_systole"});
+    t.only(
+        {"frames", "inhaled", "guides", "inhaled_guides", "spacing_mm", "breath_spacing_mm", "end_systole"});
     MotionText motion;
     const toml::node *frames = t.table.get("frames");
     if (!frames) t.fail(nullptr, "needs frames, the folder of the 24 meshes");
@@ -321,6 +322,7 @@ MotionText motion_of(const Table &t)
     if (!motion.inhaled_guides.empty() && (motion.guides.empty() || motion.inhaled.empty()))
         t.fail(frames, "has inhaled_guides: give guides and inhaled as well");
     motion.spacing_mm = t.number("spacing_mm", motion.spacing_mm, 0.98, 15.7);
+    motion.breath_spacing_mm = t.number("breath_spacing_mm", motion.breath_spacing_mm, 0.98, 15.7);
     motion.end_systole = t.number("end_systole", motion.end_systole, 4, 18);
     if (t.scene.lumen.mesh.file.empty())
         t.fail(frames, "moves a lumen that is made of centrelines: give [lumen] a mesh, the first frame");
@@ -374,7 +376,7 @@ BodyText body_of(const Table &t)
 LesionText lesion_of(const Table &t)
 {
     t.only({"name", "branch", "at_mm", "length_mm", "stenosis_percent", "eccentricity", "plaque_deg",
-            "calcified_deg", "inside"});
+            "calcified_deg", "inside", "yield_kPa", "full_kPa", "recoil"});
     for (const char *key : {"name", "branch", "at_mm", "length_mm", "stenosis_percent"})
         if (!t.table.contains(key)) t.fail(nullptr, "needs " + std::string(key));
     LesionText lesion;
@@ -387,6 +389,9 @@ LesionText lesion_of(const Table &t)
     lesion.plaque_deg = t.number("plaque_deg", 0, -360, 360);
     lesion.calcified_deg = t.number("calcified_deg", 0, 0, 300);
     lesion.inside = t.text("inside", "", SELD_SCENE_BODY_NAME_BYTES - 1);
+    lesion.yield_kPa = t.number("yield_kPa", 300 + 2 * lesion.calcified_deg, 1, 4000);
+    lesion.full_kPa = t.number("full_kPa", 300, 1, 4000);
+    lesion.recoil = t.number("recoil", 0.35, 0, 1);
     if (lesion.name.empty()) t.fail(t.table.get("name"), "needs a name that is not empty");
     if (!lesion.inside.empty() && lesion.calcified_deg == 0)
         t.fail(t.table.get("inside"), "inside says where calcium lies: give calcified_deg as well");

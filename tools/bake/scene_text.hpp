@@ -69,7 +69,8 @@ struct MotionText {
     std::filesystem::path frames;                 // folder of 24 meshes; empty: the lumen stands still
     std::filesystem::path inhaled;                // the first of them at the end of inspiration, or empty
     std::filesystem::path guides, inhaled_guides; // the same of other surfaces that move along; empty: none
-    double spacing_mm = 7.8;                      // of the lattice, at most
+    double spacing_mm = 7.8;                      // of the lattice of the beat, at most
+    double breath_spacing_mm = 15.7;              // of that of breath, which is smoother
     double end_systole = 11; // frame in which the aortic valve closes: 393 of 857 ms at 70 /min
 };
 
@@ -112,6 +113,9 @@ struct LesionText {
     double plaque_deg = 0; // where it is thickest: from the front of the vessel, right-handed about the flow
     double calcified_deg = 0; // arc of calcium about that place; 0: none
     std::string inside;       // body in which the calcium lies
+    double yield_kPa = 0;     // on the wall, at which it begins to give way
+    double full_kPa = 0;      // and how much more opens it wholly
+    double recoil = 0;        // share of the way that it springs back
 };
 
 struct SceneText {

@@ -10,11 +10,12 @@
  * fine: a stiff uniform wire in the same tube made of refined bricks, 4 mm wide, pushed, pulled and turned as fast as the
  * core allows, so that limits act. air: a floppy shaped wire without a lumen, hanging and turned. coaxial: the J wire in two
  * shaped catheters in the tube; every tool leads once, slides and turns against the others. beating: the J wire in the tube, whose
- * middle goes to and fro by 3.6 mm with a heart that is asked for everything once, and breathes.
+ * middle goes to and fro by 3.6 mm with a heart that is asked for everything once, and breathes. balloon: a wire in a balloon catheter in the
+ * fine tube, which its balloon fills and opens at a lesion; pulled while it is up, pushed after it is down, the lesion held open, and burst.
  * May include: core_scenes.h. Called by: core_hash.c. */
 #include "tools/check/core_scenes.h"
 
-enum { TUBE, FINE, AIR, COAXIAL, BEATING };
+enum { TUBE, FINE, AIR, COAXIAL, BEATING, BALLOON };
 enum {
     BRICKS_X = 3,
     BRICKS_Y = 20,
@@ -29,11 +30,13 @@ enum {
     NODES_X = 6, /* 8 voxels apart, along the tube's axis from its entry on */
     NODES_Y = 15,
     NODES_Z = 6,
+    LESION_STATIONS = 17, /* a voxel apart */
+    LESION_BEGIN = 43,    /* voxels along the tube */
     NODE_NUMBERS = 3 * SELD_MOTION_ROW,
 };
 
-const core_scene core_scenes[CORE_SCENE_COUNT] = {
-    {"tube", 4000}, {"fine", 1500}, {"air", 1000}, {"coaxial", 3000}, {"beating", 3500}};
+const core_scene core_scenes[CORE_SCENE_COUNT] = {{"tube", 4000},    {"fine", 1500},    {"air", 1000},
+                                                  {"coaxial", 3000}, {"beating", 3500}, {"balloon", 3000}};
 
 /* What a scene's lumen is made in. One at a time: core_scene_start makes it anew. */
 static struct {
@@ -43,6 +46,9 @@ static struct {
     int8_t samples[FINE_COUNT * SELD_LUMEN_BRICK_SAMPLES];
     seld_motion motion;
     int16_t rows[NODES_X * NODES_Y * NODES_Z * NODE_NUMBERS];
+    int16_t inhaled[NODES_X * NODES_Y * NODES_Z * 3];
+    seld_lesion lesion;
+    seld_lesion_station stations[LESION_STATIONS];
 } field;
 
 static int32_t largest(int32_t a, int32_t b)
@@ -105,13 +111,12 @@ static void fill_fine(void)
 }
 
 /* Row of a node that moves by `reach` units in mid-cycle, in steps that are a parabola in time. */
-static void fill_row(int16_t *row, int32_t reach, int32_t breath)
+static void fill_row(int16_t *row, int32_t reach)
 {
     for (int32_t i = 0; i < SELD_MOTION_KEYFRAMES + 2; i++) {
         int32_t key = (i + SELD_MOTION_KEYFRAMES - 1) % SELD_MOTION_KEYFRAMES;
         row[i] = (int16_t)(reach * key * (SELD_MOTION_KEYFRAMES - key) / 144);
     }
-    row[SELD_MOTION_ROW_BREATH] = (int16_t)breath;
 }
 
 /* Most in the middle of the tube, nothing at the lattice's boundary. */
@@ -123,24 +128,55 @@ static const seld_motion *make_motion(void)
             x == 0 || y == 0 || z == 0 || x == NODES_X - 1 || y == NODES_Y - 1 || z == NODES_Z - 1;
         const int32_t share = is_edge ? 0 : y * (NODES_Y - 1 - y); /* up to 49 */
         int16_t *rows = &field.rows[node * NODE_NUMBERS];
-        fill_row(rows, share * 38, share * 5);
-        fill_row(rows + SELD_MOTION_ROW, share * 9, share * -12);
-        fill_row(rows + 2 * SELD_MOTION_ROW, share * (x - 2) * -10, 0);
+        fill_row(rows, share * 38);
+        fill_row(rows + SELD_MOTION_ROW, share * 9);
+        fill_row(rows + 2 * SELD_MOTION_ROW, share * (x - 2) * -10);
+        field.inhaled[3 * node] = (int16_t)(share * 5);
+        field.inhaled[3 * node + 1] = (int16_t)(share * -12);
     }
     const int32_t spacing = 1 << 23;
-    field.motion = (seld_motion){
+    const seld_lattice lattice = {
         .origin_m_q30 = {-5 * spacing / 2, spacing, -5 * spacing / 2},
         .count_xyz = {NODES_X, NODES_Y, NODES_Z},
         .spacing_log2_q30 = 23,
-        .rows = field.rows,
     };
+    field.motion = (seld_motion){lattice, field.rows, lattice, field.inhaled};
     return &field.motion;
+}
+
+/* 16 mm along the tube that give way by 0.6 mm to one side. */
+static const seld_lesion *make_lesion(void)
+{
+    const int32_t voxel = 1 << SELD_LUMEN_VOXEL_LOG2_Q30, radius = FINE_HALF_WIDTH * (voxel / 32);
+    for (int32_t i = 0; i < LESION_STATIONS; i++) {
+        const int32_t depth = i * (LESION_STATIONS - 1 - i) * (voxel / 128), y = (LESION_BEGIN + i) * voxel;
+        field.stations[i] = (seld_lesion_station){.healthy_m_q30 = {depth / 4, y, 0},
+                                                  .healthy_radius_m_q30 = radius + depth,
+                                                  .channel_m_q30 = {0, y, 0},
+                                                  .channel_radius_m_q30 = radius,
+                                                  .along_q30 = {0, SELD_ONE_Q30, 0}};
+    }
+    field.lesion = (seld_lesion){
+        .low_m_q30 = {-8 * voxel, LESION_BEGIN * voxel, -8 * voxel},
+        .high_m_q30 = {8 * voxel, (LESION_BEGIN + LESION_STATIONS) * voxel, 8 * voxel},
+        .chord_q30 = {0, SELD_ONE_Q30, 0},
+        .stretch_q28 = 1 << 28,
+        .spacing_log2_q30 = SELD_LUMEN_VOXEL_LOG2_Q30,
+        .station_count = LESION_STATIONS,
+        .yield_Pa = 200000,
+        .full_Pa = 300000,
+        .recoil_q30 = SELD_ONE_Q30 / 3,
+        .pace_q30 = SELD_ONE_Q30 / 150,
+        .stations = field.stations,
+    };
+    return &field.lesion;
 }
 
 static const seld_lumen *make_lumen(uint32_t scene)
 {
     if (scene == AIR) return NULL;
-    if (scene == FINE) {
+    const bool is_fine = scene == FINE || scene == BALLOON;
+    if (is_fine) {
         fill_fine();
     } else {
         fill_coarse();
@@ -149,12 +185,14 @@ static const seld_lumen *make_lumen(uint32_t scene)
     field.lumen = (seld_lumen){
         .origin_m_q30 = {-BRICKS_X * brick_edge / 2, 0, -BRICKS_Z * brick_edge / 2},
         .brick_count_xyz = {BRICKS_X, BRICKS_Y, BRICKS_Z},
-        .child_row_count = scene == FINE ? COARSE_COUNT : 0,
-        .brick_count = scene == FINE ? FINE_COUNT : COARSE_COUNT,
+        .child_row_count = is_fine ? COARSE_COUNT : 0,
+        .brick_count = is_fine ? FINE_COUNT : COARSE_COUNT,
         .index = field.index,
         .children = field.children,
         .samples = field.samples,
         .motion = scene == BEATING ? make_motion() : NULL,
+        .lesion_count = scene == BALLOON ? 1 : 0,
+        .lesions = scene == BALLOON ? make_lesion() : NULL,
     };
     return &field.lumen;
 }
@@ -241,15 +279,29 @@ static seld_instrument make_catheter(uint32_t bend_nN_m2, uint32_t radius_um, in
     return catheter;
 }
 
+/* A balloon of 5 x 20 mm at 8 bar, 8 mm behind the tip. */
+static seld_instrument make_balloon_catheter(void)
+{
+    seld_instrument catheter = make_catheter(50000, 750, 0);
+    catheter.balloon = (seld_balloon){.point_count = 3,
+                                      .distal_um = 8000,
+                                      .proximal_um = 28000,
+                                      .burst_kPa = 1800,
+                                      .pressure_kPa = {600, 800, 1400},
+                                      .diameter_um = {4900, 5000, 5300}};
+    return catheter;
+}
+
 bool core_scene_start(uint32_t scene, seld_model *model, seld_state *state)
 {
     const uint32_t inserted_um[CORE_SCENE_COUNT][SELD_TOOL_MAX] = {
-        {40000}, {60000}, {200000}, {60000, 30000, 10000}, {40000}};
+        {40000}, {60000}, {200000}, {60000, 30000, 10000}, {40000}, {90000, 60000}};
     const seld_entry entry = {.position_m_q30 = {{0, 8 << 20, 0}}, .direction_q30 = {{0, SELD_ONE_Q30, 0}}};
     const seld_instrument tools[SELD_TOOL_MAX] = {
         scene == FINE ? make_stiff_wire() : make_j_wire(scene == TUBE || scene == BEATING ? 500000 : 20000),
-        make_catheter(300000, 800, 40000), make_catheter(600000, 1100, -20000)};
-    uint32_t tool_count = scene == COAXIAL ? SELD_TOOL_MAX : 1;
+        scene == BALLOON ? make_balloon_catheter() : make_catheter(300000, 800, 40000),
+        make_catheter(600000, 1100, -20000)};
+    uint32_t tool_count = scene == COAXIAL ? SELD_TOOL_MAX : (scene == BALLOON ? 2 : 1);
     seld_build_place place;
     if (seld_model_build(model, tools, tool_count, make_lumen(scene), &entry, &place) != SELD_BUILD_OK)
         return false;
@@ -305,6 +357,18 @@ static seld_rhythm_order order_at(uint32_t tick)
     }
 }
 
+/* Up to 12 bar and down, twice, then beyond what the balloon bears; the catheter goes back and forth by 5 mm. */
+static seld_input inflated(uint32_t tick, uint32_t variant)
+{
+    const uint32_t phase = tick % 1200, pulled = phase < 400 ? 0 : (phase < 650 ? phase - 400 : 250);
+    const uint32_t pushed = phase < 950 ? 0 : phase - 950;
+    seld_input input = {.hands[1] = {((int32_t)pushed - (int32_t)pulled) * 21475, tick * (variant + 1000u)}};
+    const bool is_up = phase >= 50 && phase < 700;
+    if (tick == 1500) input.scaffold = (seld_scaffold){0, 4, 12, SELD_ONE_Q30 / 10 * 9};
+    input.inflator_Pa = is_up ? (int32_t)(phase < 350 ? phase - 50 : 300) * (tick < 2400 ? 4000 : 7000) : 0;
+    return input;
+}
+
 seld_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant)
 {
     if (scene == FINE) { /* 0.5 m/s and 3 turns per second, to and fro every quarter of a second */
@@ -314,6 +378,7 @@ seld_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant)
         return input;
     }
     if (scene == COAXIAL) return every_tool(tick, variant);
+    if (scene == BALLOON) return inflated(tick, variant);
     if (scene == AIR) return forward_and_back(tick, 600, 107374, 8589935u + variant);
     if (scene == BEATING) {
         seld_input input = forward_and_back(tick, 1200, 64425, 1717987u + variant);

@@ -6,7 +6,7 @@
 
 #include "firmware/core/core_state.h"
 
-enum { CORE_SCENE_COUNT = 5 };
+enum { CORE_SCENE_COUNT = 6 };
 
 typedef struct core_scene {
     const char *name;

@@ -257,7 +257,7 @@ def findings_of(rule, paths):
 
 def check_tree(report):
     sources = tree.files(*tree.C_SUFFIXES)
-    written = tree.files(*tree.C_SUFFIXES, ".py", ".sh", "Makefile", ".def")
+    written = tree.files(*tree.C_SUFFIXES, ".py", ".sh", "Makefile", ".mk", ".def")
     device = [p for p in sources if p.startswith(DEVICE) and "/tests/" not in p]
     report.check("there is device code to check", [] if device else ["no file below " + ", ".join(DEVICE)])
     report.check("no function is longer than %d lines" % FUNCTION_LINES_MAX,
@@ -271,7 +271,7 @@ def check_tree(report):
     report.check("every C and C++ file is laid out by .clang-format", layout(sources))
     report.check("links and paths in the documents exist",
                  [f for path in tree.files(".md") for f in broken_links(path, tree.read(path), exists, tree.read)])
-    makefile = tree.read("Makefile")
+    makefile = "\n".join(tree.read(path) for path in tree.files("Makefile", ".mk"))
     report.check("tools/packages.txt is well formed and has every section that make uses",
                  package_faults(tree.read("tools/packages.txt"), makefile))
     report.check("every make target is documented", undocumented_targets(makefile))

@@ -3,7 +3,6 @@
 #include "tools/validate/elastica.hpp"
 #include "tools/validate/support.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -100,17 +99,25 @@ void greenhill_case(Result &result, bool)
 // Distance of the nodes from their best plane through the x axis and the mouth, root mean square.
 double warp(const Rig &rig)
 {
-    unsigned n = rig.free_count();
-    Eigen::MatrixXd plane(n, 2);
-    Eigen::VectorXd out(n);
+    // y = a x + b z by the normal equations, whose two columns a ring makes about orthogonal.
+    const unsigned n = rig.free_count();
+    double xx = 0, xz = 0, zz = 0, xy = 0, zy = 0;
     for (unsigned i = 0; i < n; i++) {
-        Vector3d p = rig.position(i);
-        plane(i, 0) = p[0];
-        plane(i, 1) = p[2];
-        out[i] = p[1];
+        const Vector3d p = rig.position(i);
+        xx += p[0] * p[0];
+        xz += p[0] * p[2];
+        zz += p[2] * p[2];
+        xy += p[0] * p[1];
+        zy += p[2] * p[1];
     }
-    Eigen::VectorXd fit = plane.colPivHouseholderQr().solve(out);
-    return (plane * fit - out).norm() / std::sqrt(double(n));
+    const double det = xx * zz - xz * xz, a = (xy * zz - zy * xz) / det, b = (zy * xx - xy * xz) / det;
+    double sum = 0;
+    for (unsigned i = 0; i < n; i++) {
+        const Vector3d p = rig.position(i);
+        const double off = a * p[0] + b * p[2] - p[1];
+        sum += off * off;
+    }
+    return std::sqrt(sum / n);
 }
 
 void ring(Result &result, bool quick)

@@ -4,7 +4,16 @@
 #ifndef SELD_REFERENCE_LONG_RUN_H
 #define SELD_REFERENCE_LONG_RUN_H
 
-#ifdef __SANITIZE_ADDRESS__
+// gcc tells by a macro, clang by a feature.
+#if defined __SANITIZE_ADDRESS__
+#define REFERENCE_SANITIZED
+#elif defined __has_feature
+#if __has_feature(address_sanitizer)
+#define REFERENCE_SANITIZED
+#endif
+#endif
+
+#ifdef REFERENCE_SANITIZED
 #define REFERENCE_RUN(whole) ((whole) / 10)
 #else
 #define REFERENCE_RUN(whole) (whole)

@@ -20,22 +20,30 @@ double reference_contraction(double phase)
     return (1 - cos(turn * share)) / 2;
 }
 
-void reference_beating_sphere(const double *X, double phase, double breath, double *x)
+/* Way from the sphere's middle, and how much of its motion is left there. */
+static double faded(const double *place, double *r)
 {
-    static const double middle[3] = {0.09, 0.005, 0.045};
-    const double reach = 0.09, in = 0.012, down = 0.006, turn = 12.0 / 180.0 * acos(-1.0), deep = 0.008;
-    const double c = reference_contraction(phase);
-    double r[3], square = 0;
+    static const double middle[3] = {0.09, 0.005, 0.045}, reach = 0.09;
+    double square = 0;
     for (int k = 0; k < 3; k++) {
-        r[k] = X[k] - middle[k];
+        r[k] = place[k] - middle[k];
         square += r[k] * r[k];
     }
     const double s = sqrt(square) / reach;
-    const double fade = s >= 1 ? 0 : (1 - s * s) * (1 - s * s);
+    return s >= 1 ? 0 : (1 - s * s) * (1 - s * s);
+}
+
+void reference_beating_sphere(const double *X, double phase, double breath, double *x)
+{
+    const double in = 0.012, down = 0.006, turn = 12.0 / 180.0 * acos(-1.0), deep = 0.008;
+    const double c = reference_contraction(phase);
+    double r[3];
+    const double fade = faded(X, r);
     const double angle = turn * c * fade, shrink = 1 - in / 0.04 * c * fade;
-    x[0] = middle[0] + shrink * (cos(angle) * r[0] + sin(angle) * r[2]);
-    x[1] = middle[1] + shrink * r[1] - (down * c + deep * breath) * fade;
-    x[2] = middle[2] + shrink * (cos(angle) * r[2] - sin(angle) * r[0]);
+    x[0] = X[0] - r[0] + shrink * (cos(angle) * r[0] + sin(angle) * r[2]);
+    x[1] = X[1] - r[1] + shrink * r[1] - down * c * fade;
+    x[2] = X[2] - r[2] + shrink * (cos(angle) * r[2] - sin(angle) * r[0]);
+    x[1] -= deep * breath * faded(x, r);
 }
 
 /* X <- X - (map(X) - x): the maps move neighbours by less than themselves, so that this goes to the fixed point. */
@@ -69,8 +77,8 @@ static int16_t coefficient(double way_m)
     return (int16_t)fmax(-SELD_MOTION_COEFFICIENT_MAX, fmin(SELD_MOTION_COEFFICIENT_MAX, value));
 }
 
-/* The three rows of a node. Breath's field is that of the reference pose: the two are added, which is exact where one of them is 0. */
-static void fill_node(const reference_motion *m, const double *x, int16_t *rows)
+/* The three rows of a node, and its way in a full breath. */
+static void fill_node(const reference_motion *m, const double *x, int16_t *rows, int16_t *inhaled)
 {
     double w[3][SELD_MOTION_KEYFRAMES], X[3], deep[3], c[SELD_MOTION_KEYFRAMES];
     for (int i = 0; i < SELD_MOTION_KEYFRAMES; i++) {
@@ -82,7 +90,7 @@ static void fill_node(const reference_motion *m, const double *x, int16_t *rows)
         prefilter(w[k], c);
         for (int i = 0; i < SELD_MOTION_KEYFRAMES + 2; i++)
             rows[i] = coefficient(c[(i + SELD_MOTION_KEYFRAMES - 1) % SELD_MOTION_KEYFRAMES]);
-        rows[SELD_MOTION_ROW_BREATH] = coefficient(deep[k] - x[k]);
+        inhaled[k] = coefficient(deep[k] - x[k]);
     }
 }
 
@@ -92,13 +100,16 @@ static reference_motion *lattice_over(const double *low_m, const double *high_m,
     reference_motion *m = calloc(1, sizeof *m);
     const double spacing = (double)(1 << spacing_log2_q30) / q30_per_m;
     size_t nodes = 1;
-    m->motion.spacing_log2_q30 = spacing_log2_q30;
+    seld_lattice *lattice = &m->motion.beat;
+    lattice->spacing_log2_q30 = spacing_log2_q30;
     for (int k = 0; k < 3; k++) {
-        m->motion.origin_m_q30[k] = (int32_t)lround(low_m[k] * q30_per_m);
-        m->motion.count_xyz[k] = (uint32_t)ceil((high_m[k] - low_m[k]) / spacing) + 1;
-        nodes *= m->motion.count_xyz[k];
+        lattice->origin_m_q30[k] = (int32_t)lround(low_m[k] * q30_per_m);
+        lattice->count_xyz[k] = (uint32_t)ceil((high_m[k] - low_m[k]) / spacing) + 1;
+        nodes *= lattice->count_xyz[k];
     }
+    m->motion.breath = *lattice;
     m->motion.rows = calloc(nodes * 3 * SELD_MOTION_ROW, sizeof *m->motion.rows);
+    m->motion.inhaled = calloc(nodes * 3, sizeof *m->motion.inhaled);
     return m;
 }
 
@@ -109,14 +120,15 @@ reference_motion *reference_motion_make(reference_map map, const double *low_m, 
     const double spacing = (double)(1 << spacing_log2_q30) / q30_per_m;
     m->map = map;
     int16_t *rows = (int16_t *)(uintptr_t)m->motion.rows;
-    const uint32_t nx = m->motion.count_xyz[0], ny = m->motion.count_xyz[1], nz = m->motion.count_xyz[2];
+    int16_t *inhaled = (int16_t *)(uintptr_t)m->motion.inhaled;
+    const uint32_t *n = m->motion.beat.count_xyz, nx = n[0], ny = n[1], nz = n[2];
     for (uint32_t i = 0; i < nx * ny * nz; i++) {
         const uint32_t at[3] = {i % nx, i / nx % ny, i / nx / ny};
         double x[3];
-        for (int k = 0; k < 3; k++) x[k] = m->motion.origin_m_q30[k] / q30_per_m + at[k] * spacing;
+        for (int k = 0; k < 3; k++) x[k] = m->motion.beat.origin_m_q30[k] / q30_per_m + at[k] * spacing;
         const bool is_edge =
             at[0] == 0 || at[1] == 0 || at[2] == 0 || at[0] + 1 == nx || at[1] + 1 == ny || at[2] + 1 == nz;
-        if (!is_edge) fill_node(m, x, rows + (size_t)i * 3 * SELD_MOTION_ROW);
+        if (!is_edge) fill_node(m, x, rows + (size_t)i * 3 * SELD_MOTION_ROW, inhaled + (size_t)i * 3);
     }
     return m;
 }
@@ -125,7 +137,34 @@ void reference_motion_free(reference_motion *motion)
 {
     if (motion == NULL) return;
     free((void *)(uintptr_t)motion->motion.rows);
+    free((void *)(uintptr_t)motion->motion.inhaled);
     free(motion);
+}
+
+/* How many nodes one lies from the end of its axis of `count`, at most `most`. */
+static uint32_t steps_inside(uint32_t at, uint32_t count, uint32_t most)
+{
+    const uint32_t from_edge = at < count - 1 - at ? at : count - 1 - at;
+    return from_edge < most ? from_edge : most;
+}
+
+/* 3.2 mm along x, on nodes twice as far apart, fading to rest over the four outer of them. */
+static void make_breath(reference_motion *m)
+{
+    enum { FADE = 4 };
+    seld_lattice *breath = &m->motion.breath;
+    breath->spacing_log2_q30++;
+    for (int k = 0; k < 3; k++) breath->count_xyz[k] = breath->count_xyz[k] / 2 + 1;
+    const uint32_t *n = breath->count_xyz;
+    int16_t *inhaled = (int16_t *)(uintptr_t)m->motion.inhaled;
+    for (uint32_t i = 0; i < n[0] * n[1] * n[2]; i++) {
+        const uint32_t at[3] = {i % n[0], i / n[0] % n[1], i / n[0] / n[1]};
+        uint32_t inside = FADE;
+        for (int k = 0; k < 3; k++) {
+            inside = steps_inside(at[k], n[k], inside);
+        }
+        inhaled[3 * i] = coefficient(-0.0032 * inside / FADE);
+    }
 }
 
 /* Contraction and place are factors of the way, so that the filter in time is needed once. */
@@ -133,7 +172,7 @@ reference_motion *reference_waves_make(const double *low_m, const double *high_m
 {
     enum { FADE = 4 };
     reference_motion *m = lattice_over(low_m, high_m, spacing_log2_q30);
-    const uint32_t *n = m->motion.count_xyz, nodes = n[0] * n[1] * n[2];
+    const uint32_t *n = m->motion.beat.count_xyz, nodes = n[0] * n[1] * n[2];
     const double spacing = (double)(1 << spacing_log2_q30) / q30_per_m, wave = 2 * acos(-1.0) / 0.25;
     double beat[SELD_MOTION_KEYFRAMES], c[SELD_MOTION_KEYFRAMES];
     for (int i = 0; i < SELD_MOTION_KEYFRAMES; i++)
@@ -145,17 +184,16 @@ reference_motion *reference_waves_make(const double *low_m, const double *high_m
         double x[3];
         uint32_t inside = FADE;
         for (int k = 0; k < 3; k++) {
-            x[k] = m->motion.origin_m_q30[k] / q30_per_m + at[k] * spacing;
-            const uint32_t from_edge = at[k] < n[k] - 1 - at[k] ? at[k] : n[k] - 1 - at[k];
-            inside = from_edge < inside ? from_edge : inside;
+            x[k] = m->motion.beat.origin_m_q30[k] / q30_per_m + at[k] * spacing;
+            inside = steps_inside(at[k], n[k], inside);
         }
         for (int k = 0; k < 3; k++, row += SELD_MOTION_ROW) {
             const double part = (double)inside / FADE * sin(wave * x[(k + 1) % 3] + k);
             for (int j = 0; j < SELD_MOTION_KEYFRAMES + 2; j++)
                 row[j] = coefficient(part * c[(j + SELD_MOTION_KEYFRAMES - 1) % SELD_MOTION_KEYFRAMES]);
-            row[SELD_MOTION_ROW_BREATH] = k == 0 ? coefficient(-0.005 * inside / FADE) : 0;
         }
     }
+    make_breath(m);
     return m;
 }
 

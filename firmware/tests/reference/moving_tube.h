@@ -13,7 +13,7 @@ typedef void (*reference_map)(const double *X_m, double phase, double breath, do
 
 typedef struct reference_motion {
     reference_map map;
-    seld_motion motion; /* owns rows */
+    seld_motion motion; /* owns rows and inhaled */
 } reference_motion;
 
 /* The lattice over a box, with nodes 2^log2 Q30 m apart; its outermost nodes stand still, so that the box must reach beyond what
@@ -29,14 +29,14 @@ void reference_pull(reference_map map, const double *x_m, double phase, double b
 double reference_contraction(double phase);
 
 /* A beating sphere about (90, 5, 45) mm: it shrinks by 30 %, goes 6 mm along -y and turns by 12 degrees about y at its middle; what
- * lies 40 mm from there moves by up to 11 mm. Breath moves all by 8 mm along -y. Everything fades out at 90 mm from the middle. */
+ * lies 40 mm from there moves by up to 11 mm. Breath then carries all of that by 8 mm along -y. Both fade out at 90 mm from the middle. */
 void reference_beating_sphere(const double *X_m, double phase, double breath, double *x_m);
 
 /* The pieces of a vessel that enters at the origin and runs round that sphere, 40 mm from its middle, and the box it moves in. */
 extern const reference_piece reference_coronary[3];
 extern const double reference_coronary_low_m[3], reference_coronary_high_m[3];
 
-/* A lattice, as steep as a heart's, without a map: in it everything moves by up to 5 mm along each axis, with waves of 250 mm, and by 5 mm in a breath;
+/* Lattices as steep as the shipped heart's, without a map: in them everything moves by up to 5 mm along each axis, with waves of 250 mm, and by 3.2 mm in a breath;
  * over the four outer cells of the box it fades to rest. */
 reference_motion *reference_waves_make(const double *low_m, const double *high_m, uint32_t spacing_log2_q30);
 

@@ -72,9 +72,19 @@ static double nearest(const reference_tube *tube, const double *p, uint32_t from
     return best;
 }
 
+/* Distance to the axis -> distance to the wall; of a taper to first order, by the cosine of its slope. */
+static double to_wall(const reference_tube *tube, const double *p, double axis_m)
+{
+    const double pi = 3.14159265358979, u = (p[0] - tube->throat_at_m) / tube->throat_length_m;
+    if (tube->throat_length_m == 0 || fabs(u) > 0.5) return axis_m - tube->radius_m;
+    double lost = 0.5 * (tube->radius_m - tube->throat_m);
+    double slope = 2 * pi / tube->throat_length_m * lost * sin(2 * pi * u);
+    return (axis_m - tube->radius_m + lost * (1 + cos(2 * pi * u))) / sqrt(1 + slope * slope);
+}
+
 double reference_tube_distance(const reference_tube *tube, const double *point_m)
 {
-    return nearest(tube, point_m, 0, tube->point_count) - tube->radius_m;
+    return to_wall(tube, point_m, nearest(tube, point_m, 0, tube->point_count));
 }
 
 /* --- field ----------------------------------------------------------------------------------------------------- */
@@ -110,7 +120,7 @@ static void fill_brick(const reference_tube *tube, const double *corner, double 
             for (int x = 0; x < SUPPORT; x++) {
                 double p[3] = {corner[0] + (x - 1.5) * voxel_m, corner[1] + (y - 1.5) * voxel_m,
                                corner[2] + (z - 1.5) * voxel_m};
-                f[z][y][x] = (nearest(tube, p, from, to) - tube->radius_m) / voxel_m;
+                f[z][y][x] = to_wall(tube, p, nearest(tube, p, from, to)) / voxel_m;
             }
         }
     }
@@ -188,8 +198,7 @@ static void build_field(reference_tube *tube, uint32_t level)
     lumen->brick_count = b.bricks;
 }
 
-reference_tube *reference_tube_make(const reference_piece *pieces, uint32_t piece_count, double radius_m,
-                                    uint32_t level)
+static reference_tube *path_of(const reference_piece *pieces, uint32_t piece_count, double radius_m)
 {
     reference_tube *tube = calloc(1, sizeof *tube);
     double total = 0.02; /* the piece behind the entry */
@@ -203,6 +212,25 @@ reference_tube *reference_tube_make(const reference_piece *pieces, uint32_t piec
     for (uint32_t i = 0; i < piece_count; i++) {
         tube->point_count = add_piece(tube->points_m, tube->point_count, &f, &pieces[i]);
     }
+    return tube;
+}
+
+reference_tube *reference_tube_make(const reference_piece *pieces, uint32_t piece_count, double radius_m,
+                                    uint32_t level)
+{
+    reference_tube *tube = path_of(pieces, piece_count, radius_m);
+    build_field(tube, level);
+    return tube;
+}
+
+reference_tube *reference_stenosis_make(double tube_m, double radius_m, double throat_m, double at_m,
+                                        double length_m, uint32_t level)
+{
+    const reference_piece straight = {tube_m, 0, 0};
+    reference_tube *tube = path_of(&straight, 1, radius_m);
+    tube->throat_m = throat_m;
+    tube->throat_at_m = at_m;
+    tube->throat_length_m = length_m;
     build_field(tube, level);
     return tube;
 }

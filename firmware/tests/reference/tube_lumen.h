@@ -11,7 +11,9 @@ typedef struct reference_tube {
     uint32_t point_count;
     uint32_t branch; /* first point of a second path, which starts where the trunk ends; 0: none */
     double radius_m;
-    seld_lumen lumen; /* owns index, children, samples */
+    double throat_m, throat_at_m,
+        throat_length_m; /* of a straight tube: narrowed there as a cosine; length 0: nowhere */
+    seld_lumen lumen;    /* owns index, children, samples */
 } reference_tube;
 
 /* A piece of path: `length_m` along the current direction, or an arc of `angle_rad` and radius `length_m / angle_rad`
@@ -26,6 +28,9 @@ reference_tube *reference_tube_make(const reference_piece *pieces, uint32_t piec
 /* A trunk that forks in two: `left` and `right` go on from its end. */
 reference_tube *reference_fork_make(const reference_piece *trunk, const reference_piece left[2],
                                     const reference_piece right[2], double radius_m, uint32_t level);
+/* A straight tube with a stenosis, its middle `at_m` along it: radius_m - (radius_m - throat_m) (1 + cos(2 pi u)) / 2. */
+reference_tube *reference_stenosis_make(double tube_m, double radius_m, double throat_m, double at_m,
+                                        double length_m, uint32_t level);
 void reference_tube_free(reference_tube *tube);
 
 /* Exact signed distance in metres, negative inside. */

@@ -53,19 +53,30 @@ static void walk_lesion(const seld_scene *scene, uint32_t index, const uint8_t *
 }
 
 /* Every number is within its range, so that the core's sums fit, and the boundary stands still. */
-static void walk_motion(const seld_scene_motion *motion, const uint8_t *end)
+static void walk_motion(const seld_scene_motion *motion, size_t row, const uint8_t *end)
 {
     const size_t nx = motion->node_count_xyz[0], ny = motion->node_count_xyz[1],
                  nz = motion->node_count_xyz[2];
     promise(nx >= 2 && ny >= 2 && nz >= 2);
-    promise((const uint8_t *)(motion->rows + nx * ny * nz * 3 * SELD_SCENE_MOTION_ROW) <= end);
-    for (size_t i = 0; i < nx * ny * nz * 3 * SELD_SCENE_MOTION_ROW; i++) {
-        const size_t node = i / (3 * SELD_SCENE_MOTION_ROW), x = node % nx, y = node / nx % ny,
-                     z = node / nx / ny;
+    promise((const uint8_t *)(motion->rows + nx * ny * nz * 3 * row) <= end);
+    for (size_t i = 0; i < nx * ny * nz * 3 * row; i++) {
+        const size_t node = i / (3 * row), x = node % nx, y = node / nx % ny, z = node / nx / ny;
         const bool is_edge = x == 0 || y == 0 || z == 0 || x + 1 == nx || y + 1 == ny || z + 1 == nz;
         promise(motion->rows[i] <= SELD_SCENE_MOTION_VALUE_MAX &&
                 motion->rows[i] >= -SELD_SCENE_MOTION_VALUE_MAX);
         promise(!is_edge || motion->rows[i] == 0);
+    }
+}
+
+static void walk_plaque(const seld_scene *scene, uint32_t index, const uint8_t *end)
+{
+    const seld_scene_plaque_view plaque = seld_scene_plaque(scene, index);
+    promise(plaque.station_count >= 3 && plaque.station_count <= SELD_SCENE_PLAQUE_STATION_MAX);
+    promise(plaque.stations + SELD_SCENE_PLAQUE_STATION_BYTES * (size_t)plaque.station_count <= end);
+    for (uint32_t i = 0; i < plaque.station_count; i++) {
+        const uint8_t *station = plaque.stations + SELD_SCENE_PLAQUE_STATION_BYTES * (size_t)i;
+        promise(seld_scene_i32(station + 28) > 0 &&
+                seld_scene_i32(station + 12) >= seld_scene_i32(station + 28));
     }
 }
 
@@ -78,7 +89,9 @@ static void walk(const seld_scene *scene, const uint8_t *end)
             (size_t)lumen->brick_count_xyz[0] * lumen->brick_count_xyz[1] * lumen->brick_count_xyz[2];
         for (size_t i = 0; i < count; i++) walk_entry(lumen, lumen->index[i]);
         promise((const uint8_t *)lumen->samples + (size_t)lumen->brick_count * 1000 <= end);
-        if (scene->has_motion) walk_motion(&scene->motion, end);
+        if (scene->has_motion) walk_motion(&scene->motion, SELD_SCENE_MOTION_ROW, end);
+        if (scene->has_breath) walk_motion(&scene->breath, 1, end);
+        for (uint32_t i = 0; i < scene->plaque_count; i++) walk_plaque(scene, i, end);
     }
     for (uint32_t i = 0; i < scene->body_count; i++) {
         seld_scene_body_view body = seld_scene_body(scene, i);
@@ -120,5 +133,6 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
     if (index <= 2 && index > 0)
         return sample_body_file(bytes, capacity, index == 2 ? SAMPLE_TREE : SAMPLE_NO_TREE);
     if (index == 4) return sample_body_file(bytes, capacity, SAMPLE_LESIONS);
+    if (index == 5 || index == 6) return sample_diseased_scene(bytes, capacity, index == 6);
     return index == 3 ? sample_moving_scene(bytes, capacity) : 0;
 }

@@ -19,6 +19,7 @@ enum {
     SAMPLE_NODES = 3, /* along each axis: only the middle one may move */
     SAMPLE_MIDDLE = 13,
     SAMPLE_MOTION_BYTES = 32 + SAMPLE_NODES * SAMPLE_NODES * SAMPLE_NODES * 3 * SELD_SCENE_MOTION_ROW * 2,
+    SAMPLE_BREATH_BYTES = 32 + SAMPLE_NODES * SAMPLE_NODES * SAMPLE_NODES * 3 * 2,
 };
 
 static inline void sample_meta(uint8_t *meta)
@@ -70,35 +71,97 @@ static inline size_t sample_motion_at(int node, int k, int i)
     return 32 + 2 * (size_t)((node * 3 + k) * SELD_SCENE_MOTION_ROW + i);
 }
 
-/* 7.8 mm apart; the middle node goes 1 mm along x and back, and breathes 0.5 mm along y. */
-static inline void sample_motion(uint8_t *motion)
+/* Header of a lattice, 7.8 mm apart. */
+static inline void sample_lattice(uint8_t *motion)
 {
-    memset(motion, 0, SAMPLE_MOTION_BYTES);
     seld_scene_put_u32(motion, (uint32_t) - (1 << 23));
     for (int k = 0; k < 3; k++) seld_scene_put_u16(motion + 12 + 2 * k, SAMPLE_NODES);
     seld_scene_put_u16(motion + 18, 23);
+}
+
+/* Its middle node breathes 0.5 mm along y. */
+static inline void sample_breath(uint8_t *breath)
+{
+    memset(breath, 0, SAMPLE_BREATH_BYTES);
+    sample_lattice(breath);
+    seld_scene_put_u16(breath + 32 + 2 * (3 * SAMPLE_MIDDLE + 1), 262);
+}
+
+/* The middle node goes 1 mm along x and back. */
+static inline void sample_motion(uint8_t *motion)
+{
+    memset(motion, 0, SAMPLE_MOTION_BYTES);
+    sample_lattice(motion);
     seld_scene_put_u16(motion + 20, SELD_SCENE_MOTION_KEYFRAMES);
     for (int i = 0; i < SELD_SCENE_MOTION_KEYFRAMES + 2; i++) {
         const int key = i % SELD_SCENE_MOTION_KEYFRAMES;
         seld_scene_put_u16(motion + sample_motion_at(SAMPLE_MIDDLE, 0, i),
                            (uint16_t)(key < 12 ? 44 * key : 44 * (24 - key)));
     }
-    seld_scene_put_u16(motion + sample_motion_at(SAMPLE_MIDDLE, 1, SELD_SCENE_MOTION_ROW_BREATH), 262);
 }
 
 static inline size_t sample_moving_scene(uint8_t *file, size_t capacity)
 {
     uint8_t meta[SELD_SCENE_META_BYTES], entry[SELD_SCENE_ENTRY_BYTES], lumen[SAMPLE_LUMEN_BYTES],
-        motion[SAMPLE_MOTION_BYTES];
+        motion[SAMPLE_MOTION_BYTES], breath[SAMPLE_BREATH_BYTES];
     sample_meta(meta);
     sample_entry(entry);
     sample_lumen(lumen);
     sample_motion(motion);
-    const seld_scene_part parts[4] = {{SELD_SCENE_META, meta, sizeof meta},
+    sample_breath(breath);
+    const seld_scene_part parts[5] = {{SELD_SCENE_META, meta, sizeof meta},
                                       {SELD_SCENE_ENTRY, entry, sizeof entry},
                                       {SELD_SCENE_LUMEN, lumen, sizeof lumen},
-                                      {SELD_SCENE_MOTION, motion, sizeof motion}};
-    return seld_scene_write(SELD_SCENE_KIND_SCENE, parts, 4, file, capacity);
+                                      {SELD_SCENE_MOTION, motion, sizeof motion},
+                                      {SELD_SCENE_BREATH, breath, sizeof breath}};
+    return seld_scene_write(SELD_SCENE_KIND_SCENE, parts, 5, file, capacity);
+}
+
+enum { SAMPLE_STATIONS = 3, SAMPLE_PLAQUES_BYTES = 16 + 80 + SAMPLE_STATIONS * 48 };
+
+/* One that lies along +y, stations 0.98 mm apart, 1 mm of 2 mm left. */
+static inline void sample_plaques(uint8_t *plaques)
+{
+    const uint32_t one_q30 = 1u << 30, mm_q30 = 1073742, spacing = 1u << 20;
+    memset(plaques, 0, SAMPLE_PLAQUES_BYTES);
+    seld_scene_put_u32(plaques, 1);
+    seld_scene_put_u32(plaques + 4, SAMPLE_STATIONS);
+    uint8_t *record = plaques + 16;
+    for (int k = 0; k < 3; k++) {
+        seld_scene_put_u32(record + 4 * k, 0u - 5 * mm_q30);
+        seld_scene_put_u32(record + 12 + 4 * k, 5 * mm_q30);
+    }
+    const uint32_t numbers[] = {0,      one_q30, 0,           1u << 28, 20, SAMPLE_STATIONS,
+                                500000, 300000,  one_q30 / 3, 1 << 22};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+        seld_scene_put_u32(record + 24 + 4 * i, numbers[i]);
+    for (uint32_t i = 0; i < SAMPLE_STATIONS; i++) {
+        uint8_t *station = record + 80 + 48 * (size_t)i;
+        seld_scene_put_u32(station + 4, i * spacing);
+        seld_scene_put_u32(station + 12, 2 * mm_q30);
+        seld_scene_put_u32(station + 16, mm_q30 / 2);
+        seld_scene_put_u32(station + 20, i * spacing);
+        seld_scene_put_u32(station + 28, mm_q30);
+        seld_scene_put_u32(station + 36, one_q30);
+    }
+}
+
+/* Behind the lumen, or behind its motion. */
+static inline size_t sample_diseased_scene(uint8_t *file, size_t capacity, bool moves)
+{
+    uint8_t meta[SELD_SCENE_META_BYTES], entry[SELD_SCENE_ENTRY_BYTES], lumen[SAMPLE_LUMEN_BYTES],
+        motion[SAMPLE_MOTION_BYTES], plaques[SAMPLE_PLAQUES_BYTES];
+    sample_meta(meta);
+    sample_entry(entry);
+    sample_lumen(lumen);
+    sample_motion(motion);
+    sample_plaques(plaques);
+    seld_scene_part parts[5] = {{SELD_SCENE_META, meta, sizeof meta},
+                                {SELD_SCENE_ENTRY, entry, sizeof entry},
+                                {SELD_SCENE_LUMEN, lumen, sizeof lumen},
+                                {SELD_SCENE_MOTION, motion, sizeof motion}};
+    parts[moves ? 4 : 3] = (seld_scene_part){SELD_SCENE_PLAQUES, plaques, sizeof plaques};
+    return seld_scene_write(SELD_SCENE_KIND_SCENE, parts, moves ? 5 : 4, file, capacity);
 }
 
 /* A tetrahedron of 1 m named by `name`. */

@@ -17,8 +17,8 @@ enum { META_AT = 80, ENTRY_AT = 336, LUMEN_AT = 368, BONE_AT = 336, SKIN_AT = 49
 enum { TREE_AT = 672, RENAL_AT = TREE_AT + 80, POINTS_AT = TREE_AT + 144 };
 /* With lesions the table has a row more, and behind the tree of 224 bytes LESIONS begins. */
 enum { LESIONS_AT = TREE_AT + 16 + 224, LESION_AT = LESIONS_AT + 16, HEALTHY_AT = LESION_AT + 48 };
-/* In the moving scene: header 32 + table 64 = 96; META 96, ENTRY 352, LUMEN 384 .. 3452, MOTION 3456. */
-enum { MOTION_AT = 3456 };
+/* In the moving scene: header 32 + table 80 = 112; META 112, ENTRY 368, LUMEN 400 .. 3468, MOTION 3472 .. 7716, BREATH 7728. */
+enum { MOTION_AT = 3472, BREATH_AT = 7728 };
 
 static _Alignas(16) uint8_t file[SAMPLE_BYTES_MAX];
 static size_t file_bytes;
@@ -388,11 +388,14 @@ static void a_moving_scene_gives_back_its_lattice(void **state)
     assert_int_equal(scene.motion.spacing_log2_q30, 23);
     const int16_t *row = scene.motion.rows + (size_t)SAMPLE_MIDDLE * 3 * SELD_SCENE_MOTION_ROW;
     assert_int_equal(row[3], 132);
-    assert_int_equal(row[SELD_SCENE_MOTION_ROW + SELD_SCENE_MOTION_ROW_BREATH], 262);
-    assert_int_equal(seld_scene_u16(file + 10), 1); /* minor version */
+    assert_true(scene.has_breath);
+    assert_int_equal(scene.breath.origin_m_q30[2], 0);
+    assert_int_equal(scene.breath.node_count_xyz[1], SAMPLE_NODES);
+    assert_int_equal(scene.breath.rows[3 * SAMPLE_MIDDLE + 1], 262);
+    assert_int_equal(seld_scene_u16(file + 10), 4); /* minor version */
     make_scene(state);
     assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
-    assert_false(scene.has_motion);
+    assert_false(scene.has_motion || scene.has_breath);
     assert_int_equal(seld_scene_u16(file + 10), 0);
 }
 
@@ -407,13 +410,12 @@ static void a_body_may_move(void **state)
     assert_true(seld_scene_body(&scene, 1).moves);
 }
 
-/* Each rule of the MOTION section broken alone: the spacing is 4096 units, so neighbours may differ by 3072, in breath by 1024. */
+/* Each rule of the MOTION and BREATH sections broken alone: the spacing is 4096 units, so neighbours may differ by 2560, in breath by 1536. */
 static void a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_boundary(void **state)
 {
     (void)state;
     const uint32_t middle = MOTION_AT + (uint32_t)sample_motion_at(SAMPLE_MIDDLE, 0, 0);
-    const uint32_t breath =
-        MOTION_AT + (uint32_t)sample_motion_at(SAMPLE_MIDDLE, 1, SELD_SCENE_MOTION_ROW_BREATH);
+    const uint32_t breath = BREATH_AT + 32 + 2 * 3 * SAMPLE_MIDDLE;
     const uint32_t before = middle - 6 * SELD_SCENE_MOTION_ROW; /* the node whose neighbour it is along x */
     refuses_word(MOTION_AT + 18, 2, 19, SELD_SCENE_MOTION_LATTICE, MOTION_AT + 18);
     refuses_word(MOTION_AT + 18, 2, 25, SELD_SCENE_MOTION_LATTICE, MOTION_AT + 18);
@@ -425,10 +427,94 @@ static void a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_bound
     refuses_word(MOTION_AT + 28, 4, 1, SELD_SCENE_RESERVED, MOTION_AT + 22);
     refuses_word(MOTION_AT + 32 + 2 * 5, 2, 16385, SELD_SCENE_MOTION_VALUE, MOTION_AT + 32);
     refuses_word(middle + 2 * 24, 2, 1, SELD_SCENE_MOTION_VALUE, middle); /* not what keyframe 23 says */
-    refuses_word(middle + 2 * 27, 2, 1, SELD_SCENE_MOTION_VALUE, middle);
     refuses_word(middle + 2 * 5, 2, 2561, SELD_SCENE_MOTION_STEEP, middle - 9 * 6 * SELD_SCENE_MOTION_ROW);
-    refuses_word(breath, 2, 1537, SELD_SCENE_MOTION_STEEP, middle - 9 * 6 * SELD_SCENE_MOTION_ROW);
     refuses_word(before + 2 * 5, 2, 1, SELD_SCENE_MOTION_EDGE, before);
+    refuses_word(BREATH_AT + 20, 2, SELD_SCENE_MOTION_KEYFRAMES, SELD_SCENE_MOTION_LATTICE, BREATH_AT + 18);
+    refuses_word(BREATH_AT + 14, 2, 4, SELD_SCENE_SECTION_SIZE, BREATH_AT + 12);
+    refuses_word(BREATH_AT + 32, 2, 16385, SELD_SCENE_MOTION_VALUE, BREATH_AT + 32);
+    refuses_word(breath, 2, 1537, SELD_SCENE_MOTION_STEEP, breath - 9 * 6);
+    refuses_word(breath - 6, 2, 1, SELD_SCENE_MOTION_EDGE, breath - 6);
+}
+
+/* Before minor version 4 breath stood in the rows of the beat. */
+static void a_motion_of_an_older_format_is_refused_by_name(void **state)
+{
+    (void)state;
+    refuses_word(10, 2, 3, SELD_SCENE_MOTION_OLDER, 10);
+}
+
+/* In the scene with plaques: header 32 + table 64; LUMEN 384 .. 3452; PLAQUES behind it. */
+enum { PLAQUES_AT = 3456, PLAQUE_AT = PLAQUES_AT + 16, STATIONS_AT = PLAQUE_AT + 80 };
+
+static int make_diseased_scene(void **state)
+{
+    (void)state;
+    memset(file, 0xee, sizeof file);
+    file_bytes = sample_diseased_scene(file, sizeof file, false);
+    return file_bytes == 0;
+}
+
+static void plaques_give_back_what_was_written(void **state)
+{
+    (void)state;
+    seld_scene scene;
+    for (int moves = 0; moves < 2; moves++) {
+        file_bytes = sample_diseased_scene(file, sizeof file, moves != 0);
+        assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+        assert_int_equal(scene.has_motion, moves);
+        assert_int_equal(scene.plaque_count, 1);
+        assert_int_equal(seld_scene_u16(file + 10), moves ? 4 : 3); /* minor version */
+        const seld_scene_plaque_view plaque = seld_scene_plaque(&scene, 0);
+        assert_int_equal(plaque.high_m_q30[2], 5 * 1073742);
+        assert_int_equal(plaque.chord_q30[1], 1 << 30);
+        assert_int_equal(plaque.spacing_log2_q30, 20);
+        assert_int_equal(plaque.station_count, SAMPLE_STATIONS);
+        assert_int_equal(plaque.yield_Pa, 500000);
+        assert_int_equal(plaque.pace_q30, 1 << 22);
+        assert_int_equal(seld_scene_i32(plaque.stations + 2 * 48 + 4), 2 << 20);
+    }
+    make_scene(state);
+    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+    assert_int_equal(scene.plaque_count, 0);
+}
+
+/* Each rule of the PLAQUES section broken alone. */
+static void a_plaque_must_fit_the_cores_arithmetic(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t at, value;
+    } record[] = {{0, 5u << 27},
+                  {12, 0x80000000u},
+                  {24, 1u << 29},
+                  {36, (1u << 28) - 1},
+                  {36, (1u << 29) + 1},
+                  {40, 16},
+                  {40, 23},
+                  {44, 2},
+                  {44, 25},
+                  {44, 4},
+                  {48, 0},
+                  {48, 4000001},
+                  {52, 999},
+                  {56, 0xffffffffu},
+                  {56, (1u << 30) + 1},
+                  {60, 0},
+                  {60, 1u << 29},
+                  {64, 1},
+                  {68, 1},
+                  {76, 1}},
+      station[] = {{0, 6000000},  {12, 10000},    {12, 30000000}, {28, 10000}, {28, 2147485},
+                   {16, 5000000}, {36, 1u << 29}, {32, 1u << 30}, {44, 1},     {4, 3u << 20}};
+    for (size_t i = 0; i < sizeof record / sizeof record[0]; i++)
+        refuses_word(PLAQUE_AT + record[i].at, 4, record[i].value, SELD_SCENE_PLAQUE, PLAQUE_AT);
+    for (size_t i = 0; i < sizeof station / sizeof station[0]; i++)
+        refuses_word(STATIONS_AT + 48 + station[i].at, 4, station[i].value, SELD_SCENE_PLAQUE,
+                     STATIONS_AT + 48);
+    refuses_word(PLAQUES_AT, 4, 0, SELD_SCENE_PLAQUE, PLAQUES_AT);
+    refuses_word(PLAQUES_AT, 4, 5, SELD_SCENE_PLAQUE, PLAQUES_AT);
+    refuses_word(PLAQUES_AT + 4, 4, 4, SELD_SCENE_SECTION_SIZE, PLAQUES_AT);
+    refuses_word(PLAQUES_AT + 8, 4, 1, SELD_SCENE_RESERVED, PLAQUES_AT + 8);
 }
 
 static void every_status_has_its_own_sentence(void **state)
@@ -494,8 +580,13 @@ int main(void)
         cmocka_unit_test_setup(a_body_may_move, make_bodies),
         cmocka_unit_test_setup(a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_boundary,
                                make_moving_scene),
+        cmocka_unit_test_setup(a_motion_of_an_older_format_is_refused_by_name, make_moving_scene),
         {"every_shorter_moving_scene_is_refused", every_shorter_file_is_refused, make_moving_scene, NULL,
          NULL},
+        cmocka_unit_test_setup(plaques_give_back_what_was_written, make_diseased_scene),
+        cmocka_unit_test_setup(a_plaque_must_fit_the_cores_arithmetic, make_diseased_scene),
+        cmocka_unit_test_setup(every_shorter_file_is_refused, make_diseased_scene),
+        cmocka_unit_test_setup(every_flipped_bit_is_refused, make_diseased_scene),
         cmocka_unit_test(every_status_has_its_own_sentence),
         cmocka_unit_test_setup(writer_refuses_a_buffer_that_is_too_small, make_scene),
     };

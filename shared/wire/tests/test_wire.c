@@ -143,10 +143,14 @@ static void a_step_is_laid_out_as_documented(void **state)
                                               .buttons = 0x80,
                                               .inflator_raw = 3,
                                               .rhythm_action = 1,
-                                              .rhythm_value = 150}}};
-    const uint8_t expected[] = {4, 3, 2, 1, 1, 1, 0, 2,    0,    0xfe, 0xff, 0xff, 0xff, 5,
-                                0, 0, 0, 7, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 0x80, 0,    0,
-                                0, 0, 0, 0, 0, 3, 0, 0,    0,    1,    150,  0};
+                                              .rhythm_value = 150,
+                                              .scaffold_lesion = 1,
+                                              .scaffold_first = 4,
+                                              .scaffold_last = 12,
+                                              .scaffold_open_q15 = 0x7ffe}}};
+    const uint8_t expected[] = {4, 3, 2, 1, 1, 1, 0,    2,    0,    0xfe, 0xff, 0xff, 0xff, 5,    0,
+                                0, 0, 7, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 0x80, 0,    0,    0,    0,
+                                0, 0, 0, 3, 0, 0, 0,    1,    150,  0,    1,    4,    12,   0xfe, 0x7f};
     seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
     assert_true(seld_wire_put_step(&writer, &step));
     assert_int_equal(writer.length, sizeof expected);

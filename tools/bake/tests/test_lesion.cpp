@@ -1,6 +1,10 @@
 // Claims: a lesion narrows tree, surface and field alike to what its text says, leaves the rest of the vessel as it was, keeps the mesh
 // closed with its vertices in place, and a text that does not fit is refused by name.
+extern "C" {
+#include "firmware/core/lesion.h"
+}
 #include "host/model/bodies.hpp"
+#include "shared/scene/scene.h"
 #include "tools/bake/field.hpp"
 #include "tools/bake/lesion.hpp"
 #include "tools/bake/tests/shapes.hpp"
@@ -156,6 +160,64 @@ void the_field_knows_the_narrowed_wall(void **)
         }
     print_message("# worst %.3f mm\n", worst_mm);
     assert_true(worst_mm < 0.05); // a fifth of a voxel
+}
+
+// The PLAQUES section as the core takes it: wholly open, an eccentric lesion's wall is that of the healthy vessel, and half open its throat is half
+// as narrow. The narrow field's error is widened with it.
+void opened_it_is_the_healthy_vessel(void **)
+{
+    VesselTree tree = tree_of_tube();
+    SceneText text;
+    text.name = "tube";
+    text.lesions = {plaque(0.4)};
+    text.lesions[0].yield_kPa = 500;
+    text.lesions[0].full_kPa = 300;
+    place_lesions(tree, text.lesions);
+    Mesh mesh = capped_tube();
+    refine_lesions(mesh, tree);
+    narrow_lesions(mesh.vertices_mm, tree);
+    const TriangleTree surface(mesh);
+    Progress progress;
+    Field field = make_field(surface, {0.03, 2.5, 1.5, 2}, progress);
+    const Bytes file = scene_bytes(text, {0, 3, 0}, {0, 1, 0}, field, nullptr, &tree);
+    seld_scene scene;
+    assert_int_equal(seld_scene_open(file.data(), file.size(), &scene, nullptr), SELD_SCENE_OK);
+    assert_int_equal(scene.plaque_count, 1);
+    const seld_scene_plaque_view view = seld_scene_plaque(&scene, 0);
+    assert_int_equal(view.yield_Pa, 500000);
+    seld_lesion lesion{};
+    for (int k = 0; k < 3; ++k) {
+        lesion.low_m_q30[k] = view.low_m_q30[k];
+        lesion.high_m_q30[k] = view.high_m_q30[k];
+        lesion.chord_q30[k] = view.chord_q30[k];
+    }
+    lesion.stretch_q28 = view.stretch_q28;
+    lesion.spacing_log2_q30 = view.spacing_log2_q30;
+    lesion.station_count = view.station_count;
+    lesion.stations = reinterpret_cast<const seld_lesion_station *>(view.stations);
+    seld_lumen lumen = *field.view();
+    lumen.lesion_count = 1;
+    lumen.lesions = &lesion;
+    const Vector3d throat_mm = tree.branches[0].points_m[tree.throat(tree.lesions[0])] * 1e3;
+    for (const double share : {0.5, 1.0}) {
+        seld_lesion_state state{};
+        state.bits = 1;
+        for (std::uint32_t i = 0; i < lesion.station_count; ++i)
+            state.open_q30[0][i] = static_cast<std::int32_t>(std::lround(std::ldexp(share, 30)));
+        double worst_mm = 0;
+        for (double y = share < 1 ? 30 : 23; y <= (share < 1 ? 30 : 37); y += 0.7)
+            for (int k = 0; k < 24; ++k) {
+                const Vector3d ray(std::cos(turn * k / 24), 0, std::sin(turn * k / 24));
+                const Vector3d middle =
+                    share < 1 ? Vector3d(0.5 * throat_mm + Vector3d(0, 15, 0)) : Vector3d(0, y, 0);
+                const seld_vec3 place = to_q30(middle + (share < 1 ? 1.3 : 2.0) * ray);
+                seld_lumen_sample sample;
+                assert_true(seld_lesion_contact(&lumen, &state, &place, &sample));
+                worst_mm = std::max(worst_mm, std::abs(sample.distance_m_q30 * mm_per_q30));
+            }
+        print_message("# open by %.1f: %.3f mm from the wall\n", share, worst_mm);
+        assert_true(worst_mm < 0.08);
+    }
 }
 
 // Places are those of the healthy vessel: neither an eccentric lesion before, whose channel is longer than the vessel, nor one that
@@ -350,6 +412,7 @@ int main()
         cmocka_unit_test(an_eccentric_channel_lies_away_from_the_plaque),
         cmocka_unit_test(the_surface_goes_with_the_tree),
         cmocka_unit_test(the_field_knows_the_narrowed_wall),
+        cmocka_unit_test(opened_it_is_the_healthy_vessel),
         cmocka_unit_test(a_lesion_lies_where_it_would_lie_alone),
         cmocka_unit_test(plaque_stays_on_its_side_in_a_bend),
         cmocka_unit_test(walls_go_with_their_own_vessel_when_both_are_narrowed),

@@ -2,6 +2,7 @@
 // timing are retimed; and what is no sequence is refused in one sentence. Shown on a tube of 1.5 mm radius that lies on a beating,
 // turning sphere.
 #include "host/model/bodies.hpp"
+#include "host/model/motion.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/tests/shapes.hpp"
 
@@ -42,6 +43,13 @@ Eigen::Vector3d beating(const Eigen::Vector3d &X, double phase)
                  c = contraction(phase) * fade;
     const Eigen::AngleAxisd twist(12 * turn / 360 * c, Eigen::Vector3d(0.3, 1, 0.2).normalized());
     return middle + (1 - 0.3 * c) * (twist * r) - Eigen::Vector3d(0, 6 * c, 0);
+}
+
+// A full breath then carries all of it 3.2 mm down, as in the shipped heart, fading out at 90 mm.
+Eigen::Vector3d inhaled(const Eigen::Vector3d &x)
+{
+    const double s = x.norm() / 90, fade = s < 1 ? (1 - s * s) * (1 - s * s) : 0;
+    return x - Eigen::Vector3d(0, 0, 3.2 * fade);
 }
 
 std::string obj_of(const Mesh &mesh)
@@ -115,8 +123,38 @@ void the_moved_lumen_is_the_moved_mesh_in_every_frame(void **)
     assert_int_equal(seld_scene_open(reinterpret_cast<const std::uint8_t *>(aligned.data()), bytes.size(),
                                      &scene, nullptr),
                      SELD_SCENE_OK);
-    assert_true(scene.has_motion);
+    assert_true(scene.has_motion && !scene.has_breath);
     assert_int_equal(scene.motion.spacing_log2_q30, 23);
+}
+
+// Breath is fitted to one frame alone, and carries every other as well: a chest moves what beats in it.
+void a_full_breath_carries_every_frame(void **)
+{
+    Folder folder;
+    Progress progress;
+    write_frames(folder, [](int k) { return k / 24.0; });
+    const Mesh reference = torus(ring_mm, tube_mm, around, across);
+    Mesh first = reference;
+    for (Eigen::Vector3d &v : first.vertices_mm) v = inhaled(beating(v, 0));
+    folder.write("inhaled.obj", obj_of(first));
+    const std::string report =
+        bake(options_for(folder, text_of(motion_text + "inhaled = \"inhaled.obj\"\n")), progress);
+    assert_true(report.find("  inhaled   moved lumen") != std::string::npos);
+    assert_true(number_behind(report, "  worst     ") < 0.3);
+    std::string error;
+    const std::optional<seld::Motion> motion = seld::read_motion((folder.path / "out.scene").string(), error);
+    assert_true(motion && motion->breathes());
+    const double pose = number_behind(report, "pose of keyframe ") / 24;
+    double worst_mm = 0;
+    for (std::uint32_t k = 0; k < 24; k += 3)
+        for (const Eigen::Vector3d &v : reference.vertices_mm) {
+            const seld::MotionMoment moment{static_cast<std::uint32_t>((std::uint64_t{k} << 32) / 24),
+                                            1u << 31};
+            const Eigen::Vector3d pulled = 1e3 * motion->pull(1e-3 * inhaled(beating(v, k / 24.0)), moment);
+            worst_mm = std::max(worst_mm, (pulled - beating(v, pose)).norm());
+        }
+    print_message("# inhaled, worst of eight frames %.3f mm, allowed 0.3\n", worst_mm);
+    assert_true(worst_mm > 0.005 && worst_mm < 0.3);
 }
 
 // The reference pose is the one in the middle: from it no frame is farther than half the motion.
@@ -199,6 +237,7 @@ int main()
 {
     const CMUnitTest tests[] = {
         cmocka_unit_test(the_moved_lumen_is_the_moved_mesh_in_every_frame),
+        cmocka_unit_test(a_full_breath_carries_every_frame),
         cmocka_unit_test(the_reference_pose_is_in_the_middle),
         cmocka_unit_test(bodies_go_to_the_reference_pose_with_the_lumen),
         cmocka_unit_test(frames_of_another_timing_are_retimed),

@@ -1,0 +1,145 @@
+/* Cells of the lattices of a moving vessel: what the look-up (motion.c) and the step of the wall (motion_wall.c) share.
+ * May include: motion.h. Called by: motion*.c only. */
+#ifndef SELD_MOTION_CELL_H
+#define SELD_MOTION_CELL_H
+
+#include "firmware/core/motion.h"
+
+enum {
+    NO_CELL = -1,
+    FRACTION_BITS = 15,
+    NODE = 3 * SELD_MOTION_ROW,
+    BREATH_NODE = 3,
+    NO_TETRAHEDRON = 8,
+};
+
+/* Corners to blend. */
+typedef struct corner_list {
+    const uint8_t *corners;
+    uint32_t count;
+} corner_list;
+
+/* Goes on to another cell: where that is one step along an axis away, the four corners that they share move to their new places. Returns the others. */
+static inline corner_list move_on(const seld_lattice *lattice, uint32_t to, seld_motion_cell *cell)
+{
+    /* corners on the low and the high side along x, y, z */
+    static const uint8_t sides[6][4] = {{0, 2, 4, 6}, {1, 3, 5, 7}, {0, 1, 4, 5},
+                                        {2, 3, 6, 7}, {0, 1, 2, 3}, {4, 5, 6, 7}};
+    static const uint8_t all[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+    const uint32_t steps[3] = {1, lattice->count_xyz[0], lattice->count_xyz[0] * lattice->count_xyz[1]};
+    const uint32_t from = cell->node;
+    cell->node = to;
+    for (uint32_t axis = 0; from != (uint32_t)NO_CELL && axis < 3; axis++) {
+        const uint32_t high = to - from == steps[axis] ? 1u : 0u;
+        if (high == 0 && from - to != steps[axis]) {
+            continue;
+        }
+        const uint8_t *shared = sides[2 * axis + high], *places = sides[2 * axis + 1 - high];
+        for (int i = 0; i < 4; i++) {
+            cell->corners_m_q34[places[i]] = cell->corners_m_q34[shared[i]];
+        }
+        return (corner_list){shared, 4};
+    }
+    return (corner_list){all, 8};
+}
+
+/* From corners to terms, differences along one axis after the other. Overflow: neighbours differ by at most 5/8 of a spacing (checked), so that
+ * the last term is at most 5/2 of one: below 2^30. Changes are limited to 2^25 each: below 2^28. */
+static inline void make_terms(seld_motion_cell *cell)
+{
+    const seld_vec3 *c = cell->corners_m_q34;
+    for (int k = 0; k < 3; k++) {
+        int32_t *terms = cell->terms_m_q34[k];
+        const int32_t x00 = c[1].v[k] - c[0].v[k], x10 = c[3].v[k] - c[2].v[k], x01 = c[5].v[k] - c[4].v[k],
+                      x11 = c[7].v[k] - c[6].v[k];
+        const int32_t y0 = c[2].v[k] - c[0].v[k], y1 = c[6].v[k] - c[4].v[k];
+        terms[0] = c[0].v[k];
+        terms[1] = x00;
+        terms[2] = y0;
+        terms[3] = x10 - x00;
+        terms[4] = c[4].v[k] - c[0].v[k];
+        terms[5] = x01 - x00;
+        terms[6] = y1 - y0;
+        terms[7] = x11 - x01 - (x10 - x00);
+    }
+}
+
+/* Sum over the taps of a component. Format: Q15 x 2^-19 m -> Q34 m. Overflow: |coefficient| <= 2^14 (checked), the weights sum to 2^15:
+ * 2^29. */
+static inline int32_t blend(const int16_t *taps, const seld_motion_moment *weights)
+{
+    return taps[0] * weights->weights_q15[0] + taps[1] * weights->weights_q15[1] +
+           taps[2] * weights->weights_q15[2];
+}
+
+/* Those of breath, `part` of a full one. Format: Q15 x 2^-19 m -> Q34 m. Overflow: 2^14 (checked) x 2^15. */
+static inline void enter_breathing_cell(const seld_motion *motion, const seld_motion_field *field,
+                                        uint32_t node, int32_t part_q15, seld_motion_cell *cell)
+{
+    const corner_list fresh = move_on(&motion->breath, node, cell);
+    const int16_t *low = motion->inhaled + (size_t)node * BREATH_NODE;
+    for (uint32_t i = 0; i < fresh.count; i++) {
+        const uint32_t corner = fresh.corners[i];
+        const int16_t *inhaled = low + field->corner_rows[corner];
+        for (int k = 0; k < 3; k++) {
+            cell->corners_m_q34[corner].v[k] = inhaled[k] * part_q15;
+        }
+    }
+}
+
+/* High word of a sum in Q31 more. Error: 1 LSB (floor). */
+static inline int32_t from_q31(int64_t sum)
+{
+    return (int32_t)((uint64_t)(sum * 2) >> 32);
+}
+
+/* A polynomial at the last point. Format: that of the terms. Overflow: terms of 3 x 5/8, 3 x 5/4 and 5/2 of a spacing of at most 2^28 and powers below
+ * 2^31: below 8.2 x 2^59; the value lies between those at the corners. */
+static inline int32_t value_here(const int32_t *terms, const int32_t *powers_q31)
+{
+    const int32_t *t = terms, *p = powers_q31;
+    return t[0] + from_q31((int64_t)t[1] * p[1] + (int64_t)t[2] * p[2] + (int64_t)t[3] * p[3] +
+                           (int64_t)t[4] * p[4] + (int64_t)t[5] * p[5] + (int64_t)t[6] * p[6] +
+                           (int64_t)t[7] * p[7]);
+}
+
+/* The plane in a tetrahedron: a difference along each axis. Overflow: neighbours differ by at most 3/8 of a spacing (checked). */
+static inline void make_plane(seld_motion_cell *cell, uint32_t tetrahedron)
+{
+    /* corners on the way from 0 to 7; two of the eight orders cannot be */
+    static const uint8_t ways[8][2] = {{4, 6}, {4, 6}, {2, 6}, {2, 3}, {4, 5}, {1, 5}, {2, 3}, {1, 3}};
+    const uint32_t first = ways[tetrahedron][0], second = ways[tetrahedron][1];
+    const seld_vec3 *c = cell->corners_m_q34;
+    for (int k = 0; k < 3; k++) {
+        int32_t *terms = cell->terms_m_q34[k];
+        terms[0] = c[0].v[k];
+        terms[first] = c[first].v[k] - c[0].v[k];
+        terms[second - first] = c[second].v[k] - c[first].v[k];
+        terms[7 - second] = c[7].v[k] - c[second].v[k];
+    }
+}
+
+static inline int32_t plane_here(const int32_t *t, const int32_t *p_q31)
+{
+    return t[0] + from_q31((int64_t)t[1] * p_q31[1] + (int64_t)t[2] * p_q31[2] + (int64_t)t[4] * p_q31[4]);
+}
+
+static inline bool moves_here(const seld_motion_pose *pose)
+{
+    return pose->beat.is_inside || pose->breath.is_inside;
+}
+
+/* depth db_i/dx_j. Format: Q34 m per spacing -> Q30. Overflow: at most 3/8 (checked). */
+static inline seld_vec3 breath_slope(const seld_motion *motion, const seld_motion_pose *pose, int j)
+{
+    const int32_t up = (int32_t)1 << (26 - motion->breath.spacing_log2_q30);
+    const int32_t(*t)[8] = (const int32_t(*)[8])pose->breath.ways.terms_m_q34;
+    return seld_vec3_make(t[0][1 << j] * up, t[1][1 << j] * up, t[2][1 << j] * up);
+}
+
+static inline int32_t dot_high(const seld_vec3 *a, const seld_vec3 *b)
+{
+    return seld_mulh_add(seld_mulh_add(seld_mulh(a->v[0], b->v[0]), a->v[1], b->v[1]), a->v[2], b->v[2]);
+}
+
+#endif

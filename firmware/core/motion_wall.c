@@ -1,0 +1,137 @@
+/* How the wall of a moving vessel moves in a tick (motion.h, docs/heart.md).
+ * May include: motion.h, rod.h (quotient). Called by: rod_contact.c. */
+#include "firmware/core/motion_cell.h"
+#include "firmware/core/rod.h"
+
+enum {
+    DETERMINANT_MIN_q20 = 1 << 17
+}; /* 1/8: a lattice that folds over is none, but must not divide by nothing */
+
+/* What the tick has changed at a corner, when it began before the last keyframe and ended after it. */
+static int32_t change_across(const int16_t *row, const seld_motion_pose *pose)
+{
+    return seld_sub_sat(blend(row + pose->now.first, &pose->now),
+                        blend(row + pose->before.first, &pose->before));
+}
+
+/* What the tick has changed in the ways at a cell's corners, limited so that what is made of it fits. As a rule both moments lie between the same
+ * keyframes, and the change of the weights, which sums to nothing, makes it. */
+static void enter_changing_cell(const seld_motion *motion, seld_motion_pose *pose, uint32_t node)
+{
+    enum { MOST = 2 * SELD_MOTION_WALL_STEP_MAX_M_Q33 };
+    const corner_list fresh = move_on(&motion->beat, node, &pose->beat.changes);
+    const seld_motion_moment *now = &pose->now, *before = &pose->before;
+    const int32_t low = now->weights_q15[0] - before->weights_q15[0],
+                  high = now->weights_q15[2] - before->weights_q15[2];
+    const uint32_t first = now->first;
+    const bool is_across = first != before->first;
+    const int16_t *rows = motion->rows + (size_t)node * NODE;
+    for (uint32_t i = 0; i < fresh.count; i++) {
+        const uint32_t corner = fresh.corners[i];
+        const int16_t *row = rows + pose->beat.corner_rows[corner];
+        int32_t *change = pose->beat.changes.corners_m_q34[corner].v;
+        for (int k = 0; k < 3; k++, row += SELD_MOTION_ROW) {
+            const int16_t *taps = row + first;
+            const int32_t by = (taps[0] - taps[1]) * low + (taps[2] - taps[1]) * high;
+            change[k] = seld_clamp(is_across ? change_across(row, pose) : by, -MOST, MOST);
+        }
+    }
+    make_terms(&pose->beat.changes);
+}
+
+/* Change of w in this tick at the last point. Q39 m. Overflow: limited to 2 mm at the corners: 2^30. */
+static inline seld_vec3 change_here(const seld_motion *motion, seld_motion_pose *pose)
+{
+    if (pose->beat.changes.node != pose->beat.ways.node) {
+        enter_changing_cell(motion, pose, pose->beat.ways.node);
+    }
+    seld_vec3 change;
+    for (int k = 0; k < 3; k++) {
+        change.v[k] = value_here(pose->beat.changes.terms_m_q34[k], pose->beat.powers_q31) * 32;
+    }
+    return change;
+}
+
+/* High words of a cross product. Format: Qa x Qb -> Q(a+b-32). Error: 1 LSB. */
+static inline seld_vec3 cross_high(const seld_vec3 *a, const seld_vec3 *b)
+{
+    return seld_vec3_make(seld_mulh_sub(seld_mulh(a->v[1], b->v[2]), a->v[2], b->v[1]),
+                          seld_mulh_sub(seld_mulh(a->v[2], b->v[0]), a->v[0], b->v[2]),
+                          seld_mulh_sub(seld_mulh(a->v[0], b->v[1]), a->v[1], b->v[0]));
+}
+
+/* Cramer's rule for (I + dw/dx) step = -change, with a, b, c the columns: b x c and change x a hold all of its four determinants. Overflow: columns
+ * are at most 2 in a component, so b x c is below 2^27 (Q24), the determinant below 2^26 (Q20), change x a below 2^29 (Q35); steps before the
+ * division below 2^29 (Q31), 250 mm. */
+static seld_vec3 beating_step(const seld_motion *motion, seld_motion_pose *pose)
+{
+    const int32_t(*m)[3] = (const int32_t(*)[3])pose->gradient_q28;
+    const seld_vec3 a = seld_vec3_make(m[0][0], m[1][0], m[2][0]),
+                    b = seld_vec3_make(m[0][1], m[1][1], m[2][1]),
+                    c = seld_vec3_make(m[0][2], m[1][2], m[2][2]), change = change_here(motion, pose);
+    const seld_vec3 across_q24 = cross_high(&b, &c), around_q35 = cross_high(&change, &a);
+    const int32_t determinant_q20 = dot_high(&a, &across_q24);
+    const uint32_t size =
+        (uint32_t)(determinant_q20 > DETERMINANT_MIN_q20 ? determinant_q20 : DETERMINANT_MIN_q20);
+    const seld_vec3 turned_q31 = {
+        {dot_high(&change, &across_q24), -dot_high(&around_q35, &c), dot_high(&around_q35, &b)}};
+    const unsigned lead = seld_clz32(size) - 1;
+    const int64_t inverse = seld_reciprocal_q30(size << lead); /* 2^61 / (size 2^lead) */
+    seld_vec3 step;
+    for (int i = 0; i < 3; i++) {
+        /* Q31 / Q20 -> Q33: 22 bits up */
+        const int32_t way = seld_sat32(seld_rshift_round64(-turned_q31.v[i] * inverse, 39 - lead));
+        step.v[i] = seld_clamp(way, -SELD_MOTION_WALL_STEP_MAX_M_Q33, SELD_MOTION_WALL_STEP_MAX_M_Q33);
+    }
+    return step;
+}
+
+/* (I + J)^-1 (step - change of breath) by the series u - J (u - J u), which is off by |J|^3: a twentieth where breath is as steep as it may be, 0.3 %
+ * in the shipped heart. Overflow: u is at most 4 mm, the sum below 6: 2^26. */
+static void step_with_breath(const seld_motion *motion, seld_motion_pose *pose, seld_vec3 *step_m_q33)
+{
+    enum {
+        TERMS = 2,
+        MOST_Q15 = 1 << 10 /* nobody breathes in so fast: 2 mm of 31 mm */
+    };
+    seld_motion_field *field = &pose->breath;
+    if (field->changes.node != field->ways.node) {
+        const int32_t deeper_q15 = pose->now.breath_q15 - pose->before.breath_q15;
+        enter_breathing_cell(motion, field, field->ways.node, seld_clamp(deeper_q15, -MOST_Q15, MOST_Q15),
+                             &field->changes);
+    }
+    make_plane(&field->changes, field->tetrahedron);
+    const seld_vec3 x_q30 = breath_slope(motion, pose, 0), y_q30 = breath_slope(motion, pose, 1),
+                    z_q30 = breath_slope(motion, pose, 2);
+    seld_vec3 alone;
+    for (int k = 0; k < 3; k++) {
+        const int32_t inhaled_m_q34 = plane_here(field->changes.terms_m_q34[k], field->powers_q31);
+        alone.v[k] = step_m_q33->v[k] - seld_asr32(inhaled_m_q34, 1);
+    }
+    seld_vec3 step = alone;
+    for (int term = 0; term < TERMS; term++) {
+        const seld_vec3 last = step;
+        for (int k = 0; k < 3; k++) {
+            const int32_t high =
+                seld_mulh_add(seld_mulh_add(seld_mulh(x_q30.v[k], last.v[0]), y_q30.v[k], last.v[1]),
+                              z_q30.v[k], last.v[2]);
+            step.v[k] = alone.v[k] - high * 4;
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        step_m_q33->v[k] =
+            seld_clamp(step.v[k], -SELD_MOTION_WALL_STEP_MAX_M_Q33, SELD_MOTION_WALL_STEP_MAX_M_Q33);
+    }
+}
+
+seld_vec3 seld_motion_wall_step(const seld_motion *motion, seld_motion_pose *pose)
+{
+    seld_vec3 step = {{0, 0, 0}};
+    if (pose->beat.is_inside) {
+        step = beating_step(motion, pose);
+    }
+    if (pose->breath.is_inside) {
+        step_with_breath(motion, pose, &step);
+    }
+    return step;
+}

@@ -1,0 +1,141 @@
+/* Claims about balloon and stent on the wire: a count of the inflator is a kilopascal in the balloon of the tools that were sent; a table that
+ * is none, or a stent where no lesion is, is refused whole; pressures of FREE_RUN replay bit for bit. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "firmware/app/app.h"
+#include "firmware/tests/reference/bench_session.h"
+
+static seld_wire_reject reject;
+
+/* One wire with a balloon of 3 x 18 mm at 8 bar, of 0.89 mm folded. */
+static void balloon_tools(seld_wire_tools *tools)
+{
+    static const seld_wire_balloon_point table[] = {{600, 2920}, {800, 3000}, {1200, 3120}};
+    client_plain_tools(tools, 1);
+    tools->tools[0].balloon_distal_um = 4000;
+    tools->tools[0].balloon_proximal_um = 22000;
+    tools->tools[0].balloon_burst_kPa = 1800;
+    tools->tools[0].balloon_count = 3;
+    memcpy(tools->tools[0].balloon, table, sizeof table);
+}
+
+static void send_balloon(void)
+{
+    static seld_wire_tools tools;
+    balloon_tools(&tools);
+    bench_drain(&b);
+    client_tools(&b.host, &tools);
+    assert_true(client_expect_status(&b.host, &status));
+    client_entry(&b.host, 50000);
+    assert_true(client_expect_status(&b.host, &status));
+}
+
+static void step_at(uint32_t tick, int32_t inflator_raw)
+{
+    static seld_wire_step step;
+    step = (seld_wire_step){.tick = tick, .inputs_count = 1};
+    step.inputs[0] = (seld_wire_encoders){.hands_count = 1, .inflator_raw = inflator_raw};
+    send_step(&step);
+    assert_true(client_expect_ticks(&b.host, &ticks));
+}
+
+/* In open space: the table's diameter at 8 bar, within its rounding; nothing below 0; a burst above its limit. */
+static void a_count_of_the_inflator_is_a_kilopascal(void **state)
+{
+    (void)state;
+    bench_drain(&b);
+    send_balloon();
+    start_lockstep();
+    uint32_t tick = 0;
+    while (tick < 400) step_at(tick++, 800);
+    const seld_wire_tick_state *last = &ticks.states[0];
+    assert_int_equal(last->balloon_kPa, 800);
+    assert_in_range(last->balloon_diameter_max_um, 2999, 3001);
+    assert_in_range(last->balloon_diameter_min_um, 2999, 3001);
+    assert_int_equal(last->balloon_wall_mN, 0);
+    assert_int_equal(last->balloon_bits, 0);
+    step_at(tick++, INT32_MIN);
+    assert_int_equal(ticks.states[0].balloon_kPa, 0);
+    step_at(tick++, INT32_MAX);
+    assert_int_equal(ticks.states[0].balloon_bits, 1);
+    step_at(tick++, 800);
+    assert_int_equal(ticks.states[0].balloon_kPa, 0);
+}
+
+static void tools_with_a_table_that_is_none_are_refused(void **state)
+{
+    (void)state;
+    static seld_wire_tools tools;
+    bench_drain(&b);
+    for (int fault = 0; fault < 3; fault++) {
+        balloon_tools(&tools);
+        if (fault == 0) tools.tools[0].balloon[1].pressure_kPa = 600;
+        if (fault == 1) tools.tools[0].balloon_burst_kPa = 1200;
+        if (fault == 2) tools.tools[0].balloon_proximal_um = UINT32_MAX;
+        client_tools(&b.host, &tools);
+        assert_true(client_expect_reject(&b.host, &reject));
+        assert_int_equal(reject.code, SELD_REJECT_TOOL_BALLOON);
+        assert_int_equal(reject.detail1, 0);
+    }
+}
+
+static void a_stent_where_no_lesion_is_is_refused_whole(void **state)
+{
+    (void)state;
+    start_lockstep();
+    static const struct {
+        uint8_t lesion, first, last;
+        uint16_t open;
+    } bad[] = {{1, 0, 0, 1}, {0, 0, 0, 1}, {0, 1, 0, 0}, {255, 0, 255, 65535}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        static seld_wire_step step;
+        step = (seld_wire_step){.tick = 0, .inputs_count = 2};
+        for (int k = 0; k < 2; k++) step.inputs[k].hands_count = 1;
+        step.inputs[1].scaffold_lesion = bad[i].lesion;
+        step.inputs[1].scaffold_first = bad[i].first;
+        step.inputs[1].scaffold_last = bad[i].last;
+        step.inputs[1].scaffold_open_q15 = bad[i].open;
+        send_step(&step);
+        assert_true(client_expect_reject(&b.host, &reject));
+        assert_int_equal(reject.code, SELD_REJECT_SCAFFOLD_RANGE);
+        assert_int_equal(bench_status(&b).tick, 0);
+    }
+}
+
+/* The rig's inflator goes up in steps and stays: the record ends while the balloon is up. */
+static void pump(int ms)
+{
+    b.rig.inflator_raw = ms < 150 ? 5 * ms : 900;
+}
+
+static void pressures_of_free_run_replay_in_lockstep_bit_for_bit(void **state)
+{
+    (void)state;
+    bench_drain(&b);
+    send_balloon();
+    start_free_run();
+    const uint32_t count = record(pump);
+    assert_true(count > 350);
+    assert_int_equal(session[count - 1].state.balloon_kPa, 900);
+    assert_true(session[count - 1].state.balloon_diameter_max_um > 2900);
+    replays(count);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(a_count_of_the_inflator_is_a_kilopascal),
+        TEST(tools_with_a_table_that_is_none_are_refused),
+        TEST(a_stent_where_no_lesion_is_is_refused_whole),
+        TEST(pressures_of_free_run_replay_in_lockstep_bit_for_bit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

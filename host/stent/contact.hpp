@@ -1,0 +1,26 @@
+// Struts against the wall's triangles, by libccd: a strut is a capsule, a triangle is given the depth of some tissue behind it, so that
+// a strut is always pushed back towards the blood. May include: nothing. Called by: host/stent, tests.
+#pragma once
+#include <Eigen/Core>
+#include <array>
+
+namespace seld
+{
+
+struct StrutCapsule {
+    Eigen::Vector3d from_mm, to_mm;
+    double radius_mm = 0.0;
+};
+
+struct StrutContact {
+    double depth_mm = 0.0;     // how far it has to be moved ...
+    Eigen::Vector3d direction; // ... that way (unit) to lie before the wall
+};
+
+inline constexpr double tissue_depth_mm = 1.0;
+
+// `outward` is the triangle's unit normal, away from the blood. Depth 0: apart.
+StrutContact strut_contact(const StrutCapsule &strut, const std::array<Eigen::Vector3d, 3> &corners_mm,
+                           const Eigen::Vector3d &outward);
+
+} // namespace seld

@@ -1,0 +1,124 @@
+#include "host/stent/lattice.hpp"
+#include <cmath>
+#include <numbers>
+#include <set>
+
+namespace seld
+{
+
+namespace
+{
+
+// Forces between points are hundredths of a newton: struts change by some micrometres. Real ones are fifty times stiffer, which nobody
+// would see and the relaxation would have to be paid for. Links are bent wires that give way along the axis.
+constexpr double strut_stiffness_N_per_mm = 20.0, link_stiffness_N_per_mm = 2.0;
+// Of a brace, against a hinge: a stent is soft in bending.
+constexpr double brace_share = 0.5;
+// Of hinges further round, against the nearest: they keep a ring round.
+constexpr double wide_share = 0.5;
+
+struct Builder {
+    const StentDesign &design;
+    StentLattice &lattice;
+
+    void add(std::uint32_t a, std::uint32_t b, double stiffness, StentSpringKind kind) const
+    {
+        lattice.springs.push_back({{a, b}, stiffness, kind});
+    }
+
+    // Ring by ring, so that neighbours in space are neighbours in memory.
+    void ring(int ring) const
+    {
+        const int n = lattice.crowns;
+        for (int k = 0; k < 2 * n; ++k) {
+            lattice.struts.push_back({lattice.point(ring, k), lattice.point(ring, k + 1)});
+            add(lattice.point(ring, k), lattice.point(ring, k + 1), strut_stiffness_N_per_mm,
+                StentSpringKind::strut);
+        }
+        for (int offset : std::set<int>{2, 4, n / 2 * 2})
+            for (int k = 0; k < (offset == n ? n : 2 * n); ++k)
+                add(lattice.point(ring, k), lattice.point(ring, k + offset), offset == 2 ? 1.0 : wide_share,
+                    StentSpringKind::hinge);
+    }
+
+    void links_behind(int ring) const
+    {
+        for (int link = 0; link < design.links; ++link) {
+            // Evenly round, and from gap to gap one crown further.
+            const int crown = (link * lattice.crowns / design.links + ring) % lattice.crowns;
+            int place = 2 * crown;
+            if (lattice.side_of(lattice.point(ring, place)) < 0) ++place;
+            const std::uint32_t a = lattice.point(ring, place), b = lattice.point(ring + 1, place);
+            lattice.links.push_back({a, b});
+            add(a, b, link_stiffness_N_per_mm, StentSpringKind::link);
+            for (int side : {-1, 1}) {
+                add(a, lattice.point(ring + 1, place + side), brace_share, StentSpringKind::brace);
+                add(b, lattice.point(ring, place + side), brace_share, StentSpringKind::brace);
+            }
+        }
+    }
+
+    void list_bars() const
+    {
+        lattice.bar_begin.assign(lattice.point_count() + 1, 0);
+        for (const StentSpring &spring : lattice.springs)
+            for (std::uint32_t end : spring.ends) ++lattice.bar_begin[end + 1];
+        for (std::size_t i = 0; i < lattice.point_count(); ++i)
+            lattice.bar_begin[i + 1] += lattice.bar_begin[i];
+        lattice.bars.resize(2 * lattice.springs.size());
+        std::vector<std::uint32_t> next(lattice.bar_begin.begin(), lattice.bar_begin.end() - 1);
+        for (std::uint32_t i = 0; i < lattice.springs.size(); ++i) {
+            const auto [a, b] = lattice.springs[i].ends;
+            const double stiffness = lattice.springs[i].stiffness_N_per_mm;
+            lattice.bars[next[a]++] = {i, b, stiffness};
+            lattice.bars[next[b]++] = {i, a, stiffness};
+        }
+    }
+};
+
+// (d length / d R)^2 of a chord between two points of one side: 4 sin^2(half the angle between them).
+double chord_share(const StentLattice &lattice, const StentSpring &spring)
+{
+    const double half = (lattice.angle(spring.ends[1]) - lattice.angle(spring.ends[0])) / 2;
+    return 4 * std::sin(half) * std::sin(half);
+}
+
+} // namespace
+
+StentLattice::StentLattice(const StentDesign &design)
+    : rings(design.rings), crowns(design.crowns), mirrors(design.connection == StentConnection::facing)
+{
+    bulge_share = 1 / std::cos(std::numbers::pi / (2 * crowns)) - 1;
+    const Builder builder{design, *this};
+    for (int ring = 0; ring < rings; ++ring) {
+        builder.ring(ring);
+        if (ring + 1 < rings) builder.links_behind(ring);
+    }
+    // Stiffnesses of hinges were shares: now their sum is that of the design.
+    const double scale = design.ring_stiffness_N_per_mm / hinge_ring_stiffness(*this);
+    for (StentSpring &spring : springs)
+        if (spring.yields()) spring.stiffness_N_per_mm *= scale;
+    builder.list_bars();
+}
+
+double StentLattice::angle(std::size_t point) const
+{
+    return place_of(point) * std::numbers::pi / crowns;
+}
+
+int StentLattice::side_of(std::size_t point) const
+{
+    const bool is_odd = (place_of(point) + (mirrors ? ring_of(point) : 0)) % 2 != 0;
+    return is_odd ? 1 : -1;
+}
+
+double hinge_ring_stiffness(const StentLattice &lattice)
+{
+    double sum = 0.0;
+    for (const StentSpring &spring : lattice.springs)
+        if (spring.kind == StentSpringKind::hinge)
+            sum += spring.stiffness_N_per_mm * chord_share(lattice, spring);
+    return sum / lattice.rings;
+}
+
+} // namespace seld

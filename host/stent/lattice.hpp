@@ -1,0 +1,61 @@
+// The points of a stent and the springs between them, made from its design (docs/stent.md, "Springs").
+//
+// Point (ring j, place k), k = 0 .. 2N-1 round the axis, lies at the angle k pi / N; even places of an even ring are its crowns towards
+// the tip. Springs join
+//   struts    k to k+1 of a ring                              hold their length
+//   hinges    k to k+2, k+4, k+N of a ring, of one side       what a crown's bending costs; yield
+//   links     a crown to a crown of the next ring             hold their length
+//   braces    both ends of a link to the other's neighbours   what a link's bending costs; yield
+// May include: design. Called by: host/stent.
+#pragma once
+#include "host/stent/design.hpp"
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace seld
+{
+
+enum class StentSpringKind : std::uint8_t { strut, hinge, link, brace };
+
+struct StentSpring {
+    std::array<std::uint32_t, 2> ends;
+    double stiffness_N_per_mm = 0.0;
+    StentSpringKind kind = StentSpringKind::strut;
+    bool yields() const { return kind == StentSpringKind::hinge || kind == StentSpringKind::brace; }
+};
+
+struct StentLattice {
+    explicit StentLattice(const StentDesign &design);
+
+    std::size_t point_count() const { return static_cast<std::size_t>(2 * crowns * rings); }
+    std::uint32_t point(int ring, int place) const
+    {
+        const int around = 2 * crowns;
+        return static_cast<std::uint32_t>(ring * around + (place % around + around) % around);
+    }
+    int ring_of(std::size_t point) const { return static_cast<int>(point) / (2 * crowns); }
+    int place_of(std::size_t point) const { return static_cast<int>(point) % (2 * crowns); }
+    double angle(std::size_t point) const; // rad
+    // Towards the tip (-1) or the hub (+1).
+    int side_of(std::size_t point) const;
+
+    int rings = 0, crowns = 0;
+    double bulge_share =
+        0.0; // 1 / cos(pi / 2N) - 1: how far a round strut's middle lies beyond that of its chord
+    bool mirrors = false; // every second ring: crowns that face each other
+    std::vector<StentSpring> springs;
+    std::vector<std::array<std::uint32_t, 2>> struts, links;
+    // Of each point: its springs, as a list of (spring, other end).
+    struct Bar {
+        std::uint32_t spring, other;
+        double stiffness_N_per_mm;
+    };
+    std::vector<std::uint32_t> bar_begin;
+    std::vector<Bar> bars;
+};
+
+// d F / d R of a ring, all round, by its hinges: sum over them of k (d length / d R)^2.
+double hinge_ring_stiffness(const StentLattice &lattice);
+
+} // namespace seld

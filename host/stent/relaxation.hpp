@@ -1,0 +1,59 @@
+// One picture's worth of equilibrium of a stent that has been let go: springs, bedding, wall, balloons inside; libccd for the struts;
+// then what has yielded or slid stays so. May include: stent.hpp. Called by: stent.cpp.
+#pragma once
+#include "host/stent/contact.hpp"
+#include "host/stent/stent.hpp"
+
+namespace seld
+{
+
+inline constexpr double bed_reach_mm =
+    0.1; // a strut this near the wall when the balloon goes is in its lining
+inline constexpr double wall_reach_mm = 3.0;   // beyond which a stent knows nothing of a wall
+inline constexpr double tissue_limit_mm = 1.0; // what lies farther behind the wall is outside the vessel
+
+class StentRelaxation
+{
+  public:
+    StentRelaxation(Stent &stent, const StentSurroundings &around);
+    void run();
+
+  private:
+    // What acts on a point besides springs.
+    struct Load {
+        Eigen::Vector3d carried_mm;        // where the wall has taken it
+        Eigen::Vector3d anchor_mm;         // what holds it
+        double hold_N_per_mm = 0.0;        // towards there
+        Eigen::Vector3d wall_mm, wall_out; // a plane: behind it is tissue
+        double wall_gap_mm = 0.0;          // that the point keeps from it
+        bool has_wall = false, has_balloon = false;
+        bool is_pushed = false;                    // out of the wall, as part of a strut
+        Eigen::Vector3d balloon_mm, balloon_along; // axis next to it
+        double balloon_radius_mm = 0.0;            // that it has to stay outside of
+    };
+    void load_points();
+    void load_balloons();
+    double sweep(); // farthest way of a point, mm
+    Eigen::Vector3d newton_step(std::size_t i) const;
+    void list_near();
+    void push_struts();
+    bool push_strut(std::size_t strut);
+    StrutContact deepest(std::size_t strut, const StrutCapsule &capsule) const;
+    void yield();
+    void bed();
+
+    Stent &stent_;
+    StentState &state_;
+    const StentSurroundings &around_;
+    const StentWall *wall_;
+    double half_mm_; // of the struts' thickness
+    std::vector<Load> loads_;
+    struct Plane {
+        Eigen::Vector3d out;
+        double offset_mm;
+    };
+    std::vector<Plane> planes_; // of the patch's triangles
+    std::vector<Eigen::Vector3d> ring_centre_, ring_axis_;
+};
+
+} // namespace seld

@@ -1,0 +1,126 @@
+// A stent's state as bytes, in the machine's own order: for a replay on the same machine, as that of the contrast medium.
+#include "host/stent/stent.hpp"
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+
+namespace seld
+{
+
+namespace
+{
+
+using Eigen::Vector3d;
+
+class Writer
+{
+  public:
+    template <typename T> void operator()(const T &value)
+    {
+        static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
+        bytes.resize(bytes.size() + sizeof value);
+        std::memcpy(bytes.data() + bytes.size() - sizeof value, &value, sizeof value);
+    }
+    void operator()(const Vector3d &v)
+    {
+        for (int k = 0; k < 3; ++k) (*this)(v[k]);
+    }
+    std::vector<std::uint8_t> bytes;
+};
+
+class Reader
+{
+  public:
+    explicit Reader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+    template <typename T> void operator()(T &value)
+    {
+        if (bytes_.size() - at_ < sizeof value) {
+            is_short = true;
+            return;
+        }
+        std::memcpy(&value, bytes_.data() + at_, sizeof value);
+        at_ += sizeof value;
+    }
+    void operator()(bool &value)
+    {
+        std::uint8_t byte = 0;
+        (*this)(byte);
+        value = byte != 0;
+    }
+    void operator()(Vector3d &v)
+    {
+        for (int k = 0; k < 3; ++k) (*this)(v[k]);
+    }
+    bool is_at_end() const { return at_ == bytes_.size(); }
+    std::size_t left() const { return bytes_.size() - at_; }
+    bool is_short = false;
+
+  private:
+    std::span<const std::uint8_t> bytes_;
+    std::size_t at_ = 0;
+};
+
+// The same list for both ways.
+template <typename State, typename Visit> void visit_state(State &state, Visit &visit)
+{
+    visit(state.stage);
+    visit(state.was_placed);
+    visit(state.slip_mm);
+    visit(state.across);
+    for (auto &point : state.points) {
+        visit(point.place_mm);
+        visit(point.peak_mm);
+        visit(point.foot.triangle);
+        visit(point.foot.u);
+        visit(point.foot.v);
+        visit(point.foot.height_mm);
+        visit(point.foot.distance_mm);
+        visit(point.offset_mm);
+        visit(point.layer_mm);
+        visit(point.slid_mm);
+        visit(point.is_bedded);
+    }
+    for (auto &rest : state.rest_mm) visit(rest);
+    for (auto &centre : state.ring_centre_mm) visit(centre);
+    for (auto *list : {&state.patch, &state.near_begin, &state.near})
+        for (auto &item : *list) visit(item);
+}
+
+} // namespace
+
+std::vector<std::uint8_t> Stent::snapshot() const
+{
+    Writer writer;
+    const std::uint64_t counts[] = {state_.points.size(), state_.rest_mm.size(), state_.patch.size(),
+                                    state_.near_begin.size(), state_.near.size()};
+    for (std::uint64_t count : counts) writer(count);
+    visit_state(state_, writer);
+    return writer.bytes;
+}
+
+bool Stent::restore(std::span<const std::uint8_t> bytes)
+{
+    Reader reader(bytes);
+    std::uint64_t points = 0, springs = 0, lists[3] = {};
+    reader(points);
+    reader(springs);
+    std::uint64_t items = 0;
+    for (std::uint64_t &list : lists) {
+        reader(list);
+        if (list > bytes.size()) return false;
+        items += list;
+    }
+    if (reader.is_short || points != state_.points.size() || springs != state_.rest_mm.size() ||
+        items > reader.left() / sizeof(std::uint32_t))
+        return false;
+    StentState state = state_;
+    state.patch.resize(lists[0]);
+    state.near_begin.resize(lists[1]);
+    state.near.resize(lists[2]);
+    visit_state(state, reader);
+    if (reader.is_short || !reader.is_at_end() || state.stage > StentStage::adrift) return false;
+    state_ = std::move(state);
+    return true;
+}
+
+} // namespace seld

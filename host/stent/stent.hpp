@@ -1,0 +1,130 @@
+// A balloon-expandable stent in a moving vessel: crimped, opened by its balloon, let go, held by the wall. One step per picture.
+//
+//   Stent stent(read_stent("coronary_3_0x18.toml"), mount_arc_mm);
+//   stent.step({&wall, &pose, others, sleeves});     every picture, 15 to 60 a second
+//   stent.points(), stent.stage(), stent_lines(stent), stent_figures(stent, wall)
+//
+// Nothing depends on time but by the order of pictures: masses of micrograms follow at once. The same pictures give the same bits.
+// Lengths in mm, forces in N, patient frame. May include: host/model. Called by: host/app, tests. docs/stent.md
+#pragma once
+#include "host/stent/balloon_axis.hpp"
+#include "host/stent/design.hpp"
+#include "host/stent/lattice.hpp"
+#include "host/stent/wall.hpp"
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace seld
+{
+
+enum class StentStage : std::uint8_t {
+    on_balloon, // crimped, or being opened
+    deployed,   // let go
+    stripped,   // slid off its balloon before it was opened: lost
+    adrift,     // let go where no wall holds it: lost
+};
+
+struct StentPoint {
+    Eigen::Vector3d place_mm = Eigen::Vector3d::Zero();
+    double peak_mm = 0.0; // largest radius on the balloon
+    WallFoot foot;        // where the wall carries it, or what it is held at; when let go
+    Eigen::Vector3d offset_mm = Eigen::Vector3d::Zero(); // from there, as it was at the end of the step
+    double layer_mm = 0.0;                               // of another stent between it and the wall
+    double slid_mm = 0.0;   // over the wall since what is near its struts was listed
+    bool is_bedded = false; // in the wall's lining, which holds it
+};
+
+// A stent around another one: the inner one lies on it.
+struct StentSleeve {
+    std::vector<Eigen::Vector3d> centres_mm; // of its rings
+    double overhang_mm = 0.0;                // beyond the first and the last
+    double thickness_mm = 0.0;
+    bool covers(const Eigen::Vector3d &place_mm) const;
+};
+
+// A balloon inside, and what lies on it.
+struct StentBalloon {
+    const BalloonPose *pose = nullptr;
+    double layer_mm = 0.0;
+};
+
+// What a step needs to know. Any of it may be missing.
+struct StentSurroundings {
+    const StentWall *wall = nullptr;
+    const BalloonPose *own = nullptr;            // the balloon that carries it
+    std::span<const StentBalloon> balloons = {}; // others that may stand in it
+    std::span<const StentSleeve> sleeves = {};
+};
+
+// Everything that the next step depends on.
+struct StentState {
+    StentStage stage = StentStage::on_balloon;
+    bool was_placed = false;
+    double slip_mm = 0.0; // of the stent on its balloon, towards the hub
+    Eigen::Vector3d across = Eigen::Vector3d::UnitX();
+    std::vector<StentPoint> points;
+    std::vector<double> rest_mm;      // of every spring
+    std::vector<std::uint32_t> patch; // triangles that it may meet
+    std::vector<std::uint32_t> near_begin,
+        near; // of every strut: those of the patch (by index) that lie next to it
+    std::vector<Eigen::Vector3d> ring_centre_mm; // on the balloon, in the picture before
+};
+
+class Stent
+{
+  public:
+    // `mount_arc_mm`: where the stent's middle sits on its tool, from the tool's tip.
+    Stent(const StentDesign &design, double mount_arc_mm);
+    void step(const StentSurroundings &around);
+
+    const StentDesign &design() const { return design_; }
+    const StentLattice &lattice() const { return lattice_; }
+    StentStage stage() const { return state_.stage; }
+    bool is_on_balloon() const { return state_.stage == StentStage::on_balloon; }
+    bool was_placed() const { return state_.was_placed; } // its points are somewhere
+    std::span<const StentPoint> points() const { return state_.points; }
+    double mount_arc_mm() const { return mount_arc_mm_ + state_.slip_mm; }
+    double slip_mm() const { return state_.slip_mm; }
+
+    // The radius that a point keeps when nothing holds it.
+    double free_radius_mm(const StentPoint &point) const;
+    bool is_opened(int ring) const;
+    // Middle of a ring, and its direction towards the hub (unit).
+    Eigen::Vector3d ring_centre_mm(int ring) const;
+    Eigen::Vector3d ring_axis(int ring) const;
+    // Middle of a strut, which its balloon has bent round.
+    Eigen::Vector3d strut_middle_mm(std::size_t strut) const;
+    StentSleeve sleeve() const;
+    // Sum over all springs of k/2 (length - rest)^2, N mm.
+    double energy_N_mm() const;
+
+    const StentState &state() const { return state_; }
+    // As bytes: everything that the next step depends on. Of another design: refused.
+    std::vector<std::uint8_t> snapshot() const;
+    bool restore(std::span<const std::uint8_t> bytes);
+
+  private:
+    friend class StentRelaxation;
+    struct Layout { // of the rings on the balloon: arc of the crowns on either side, and their radii
+        std::vector<double> tip_arc_mm, hub_arc_mm;
+        std::vector<double> tip_radius_mm, hub_radius_mm;
+    };
+    void carry(const StentWall &wall);
+    void follow(const StentSurroundings &around, const BalloonAxis &axis);
+    double radius_on(const BalloonAxis &axis, double arc_mm, int ring, int side) const;
+    Layout lay_out(const BalloonAxis &axis) const;
+    void slide(const BalloonAxis &axis);
+    bool has_separated(const BalloonAxis &axis) const;
+    std::vector<std::uint32_t> patch_of(const StentWall &wall) const;
+    void let_go(const StentSurroundings &around);
+    void settle_stage();
+
+    StentDesign design_;
+    StentLattice lattice_;
+    double mount_arc_mm_;
+    StentState state_;
+};
+
+} // namespace seld

@@ -1,0 +1,82 @@
+// A stretch of a vessel as a wall for stents: a tube of fine triangles round a branch of the tree, narrowed by its lesions as far as no
+// balloon has opened them, moving with the heart.
+//
+//   VesselWall vessel(tree, branch, 5, 45, motion);      mm along the branch
+//   vessel.move(moment, opened);                         every picture
+//   stent.step({&vessel.wall(), ...});
+//
+// The bodies' meshes are made for pictures: their facets cut a coronary artery by a tenth of a millimetre, which is what a stent's
+// apposition is judged by. The tree has every inscribed sphere to some micrometres, and where the healthy vessel lies. Openings of side
+// branches are closed. May include: host/model. Called by: host/app, tests.
+#pragma once
+#include "host/model/motion.hpp"
+#include "host/model/vessel_tree.hpp"
+#include "host/stent/wall.hpp"
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace seld
+{
+
+class VesselWall
+{
+  public:
+    // It begins at the branch's ostium at the earliest. `motion` may be null: it stands still. Throws std::invalid_argument, saying what, for a stretch that the branch has not.
+    VesselWall(const VesselTree &tree, std::size_t branch, double from_mm, double to_mm,
+               const Motion *motion);
+
+    // `opened`: for each lesion of the tree, how far it is open at places evenly from its beginning to its end (the core's stations; one:
+    // everywhere): 0 as it is .. 1 healthy; above 1 it is stretched beyond. Shorter and empty lists: the rest as it is.
+    void move(const MotionMoment &moment, std::span<const std::vector<double>> opened = {});
+
+    const StentWall &wall() const { return wall_; }
+    // The middle line of the stretch now, and the radii, at every row of vertices.
+    std::span<const Eigen::Vector3d> line_mm() const { return line_mm_; }
+    std::span<const double> radius_mm() const { return radius_mm_; }
+    std::span<const double> healthy_radius_mm() const { return healthy_radius_mm_; }
+    // Of the healthy branch, from its first point.
+    double along_mm(std::size_t row) const { return rows_[row].along_mm; }
+    // Where a lesion begins and ends on it; empty when the branch has none of that number.
+    struct Stretch {
+        double from_mm = 0.0, to_mm = 0.0;
+        bool is_empty() const { return !(to_mm > from_mm); }
+    };
+    Stretch lesion_mm(std::size_t lesion) const
+    {
+        return lesion < lesions_.size() ? lesions_[lesion] : Stretch{};
+    }
+    // As baked and healthy, at a place along the branch; those of the ends beyond them.
+    double narrow_radius_mm(double along_mm) const;
+    double healthy_radius_mm(double along_mm) const;
+    // Place along the branch that is nearest to a place of the patient.
+    double along_of(const Eigen::Vector3d &place_mm) const;
+
+  private:
+    struct Row { // of the tube, in the reference pose
+        Eigen::Vector3d narrow_m, healthy_m;
+        double narrow_radius_m, healthy_radius_m;
+        double along_mm;       // the healthy branch
+        std::ptrdiff_t lesion; // -1: none
+    };
+    std::pair<std::size_t, double> row_at(double along_mm) const;
+    double opened_at(std::size_t row, std::span<const std::vector<double>> opened) const;
+    static std::vector<Row> rows_of(const VesselTree &tree, std::size_t branch, double from_mm, double to_mm);
+    void add_points(const std::vector<Row> &rows, const Motion *motion);
+    static std::vector<WallTriangle> triangles_of(std::size_t rows);
+    Eigen::Vector3d at_m(std::size_t point, std::size_t row, double share,
+                         const MotionWeights &weights) const;
+
+    std::vector<Row> rows_;
+    std::vector<Stretch> lesions_;                      // of the tree
+    std::vector<Eigen::Vector3d> narrow_m_, healthy_m_; // of every vertex, then of every row's middle
+    std::optional<MovingPoints> narrow_ways_, healthy_ways_;
+    StentWall wall_;
+    std::vector<Eigen::Vector3i> vertices_um_;
+    std::vector<Eigen::Vector3d> line_mm_;
+    std::vector<double> radius_mm_, healthy_radius_mm_;
+};
+
+} // namespace seld

@@ -1,0 +1,98 @@
+// The wall that a stent lies on: a closed mesh around blood, whose vertices move from picture to picture and whose triangles stay.
+//
+//   StentWall wall(triangles, vertex_count);
+//   wall.move(vertices_um);                        every picture: that of the motion (host/model/motion.hpp)
+//   WallFoot foot = wall.walk(place, foot);        nearest place of the wall, from the one before
+//   place = wall.place(foot);                      where the wall has carried it
+//
+// A foot is a place that goes with the material: a triangle, where over its plane, and how far from that towards the blood. Lengths in mm.
+// May include: host/model. Called by: host/stent.
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace seld
+{
+
+using WallTriangle = std::array<std::uint32_t, 3>; // counter-clockwise seen from outside the blood
+
+struct WallFoot {
+    std::int32_t triangle = -1; // -1: none
+    double u = 0.0, v = 0.0;    // shares of its second and third corner; outside of 0 .. 1 beyond an edge
+    double height_mm = 0.0;     // over its plane, towards the blood; below 0 behind the wall
+    double distance_mm =
+        0.0; // to the nearest place of the wall when it was looked for; below 0 behind the wall
+    bool is_known() const { return triangle >= 0; }
+};
+
+class StentWall
+{
+  public:
+    // Triangles that name vertices which do not exist are left out.
+    StentWall(std::span<const WallTriangle> triangles, std::size_t vertex_count);
+    // As many vertices as it has; else nothing happens.
+    void move(std::span<const Eigen::Vector3i> vertices_um);
+    bool is_placed() const { return is_placed_; } // has been moved to somewhere
+
+    std::size_t triangle_count() const { return triangles_.size(); }
+    const WallTriangle &triangle(std::size_t i) const { return triangles_[i]; }
+    const Eigen::Vector3d &corner_mm(std::size_t triangle, std::size_t k) const
+    {
+        return vertices_mm_[triangles_[triangle][k]];
+    }
+    Eigen::Vector3d
+    normal(std::size_t triangle) const; // unit, away from the blood; 0 for a triangle without area
+
+    // Where a foot is now; and in the triangle's plane, without its height.
+    Eigen::Vector3d place(const WallFoot &foot) const;
+    Eigen::Vector3d on_plane(const WallFoot &foot) const;
+
+    // Nearest place that can be reached from `from` over neighbouring triangles, each step nearer than the one before.
+    WallFoot walk(const Eigen::Vector3d &place_mm, std::int32_t from) const;
+    // Nearest of these triangles within a distance; none: no triangle.
+    WallFoot nearest(const Eigen::Vector3d &place_mm, std::span<const std::uint32_t> among,
+                     double reach_mm) const;
+    // Triangles that come nearer than `reach` to any of these places: a patch of it, in ascending order.
+    std::vector<std::uint32_t> near(std::span<const Eigen::Vector3d> places_mm, double reach_mm) const;
+
+  private:
+    struct Closest {
+        double squared = 0.0;
+        bool is_inside = false; // not on an edge
+    };
+    Closest closest(const Eigen::Vector3d &place_mm, std::size_t triangle) const;
+    WallFoot foot(const Eigen::Vector3d &place_mm, std::size_t triangle, const Closest &at) const;
+
+    std::vector<WallTriangle> triangles_;
+    std::vector<Eigen::Vector3d> vertices_mm_;
+    std::vector<std::uint32_t> fan_begin_, fan_; // triangles around each vertex
+    bool is_placed_ = false;
+};
+
+// Which triangles of a patch may touch a box: cells of a grid with the triangles whose own boxes reach into them.
+class WallGrid
+{
+  public:
+    void build(const StentWall &wall, std::span<const std::uint32_t> patch, const Eigen::Vector3d &low_mm,
+               const Eigen::Vector3d &high_mm);
+    // Appends each triangle once, as its index in the patch.
+    void query(const Eigen::Vector3d &low_mm, const Eigen::Vector3d &high_mm,
+               std::vector<std::uint32_t> &found);
+
+  private:
+    std::array<int, 3> cell_of(const Eigen::Vector3d &place_mm) const;
+    struct Box {
+        Eigen::Vector3f low, high;
+        std::uint32_t index;
+    };
+    Eigen::Vector3d low_mm_ = Eigen::Vector3d::Zero();
+    std::array<int, 3> count_{};
+    std::vector<Box> boxes_;
+    std::vector<std::uint32_t> begin_, items_, seen_;
+    std::uint32_t round_ = 0;
+};
+
+} // namespace seld

@@ -1,0 +1,18 @@
+// Lesions that give way, as the core wants them: stations along each, with middle and radius of the healthy vessel and of what is left
+// (docs/lesions.md). In the pose that the lumen is described in.
+// May include: host/model, shared/scene. Called by: container.cpp, tests.
+#pragma once
+#include "host/model/vessel_tree.hpp"
+#include "tools/bake/scene_text.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace seld::bake
+{
+
+// The PLAQUES section; empty: no lesions. The first SELD_SCENE_PLAQUE_MAX of the tree's lesions, which are those of `texts` in their order.
+// Throws Fault for one longer than 89 mm.
+std::vector<std::uint8_t> plaques_section(const VesselTree &tree, const std::vector<LesionText> &texts);
+
+} // namespace seld::bake
