@@ -114,6 +114,7 @@ class Window
             for (const RoomCommand &command : keys_.take_commands()) session_->command(command);
             for (const RhythmOrder &order : keys_.take_orders()) session_->order(order);
             session_->advance(pace.ticks_due());
+            tell_fault();
             annotate();
             screen_.show(session_->image());
             pace.wait();
@@ -124,14 +125,21 @@ class Window
         end_session();
         if (is_interrupted() || session_->was_stopped())
             std::fprintf(stderr, "seldinger: interrupted; what was written up to here is complete\n");
-        else if (!session_->fault().empty())
-            std::fprintf(stderr, "seldinger: the session ended by a fault: %s\n", session_->fault().c_str());
         else
-            return true;
+            return !tell_fault();
         return false;
     }
 
   private:
+    // True when the session stands in a fault; said once, when it comes.
+    bool tell_fault()
+    {
+        if (session_->fault().empty()) return false;
+        if (!is_fault_told_)
+            std::fprintf(stderr, "seldinger: the session ended by a fault: %s\n", session_->fault().c_str());
+        return is_fault_told_ = true;
+    }
+
     void start()
     {
         PictureSettings pictures = options_.pictures;
@@ -142,7 +150,7 @@ class Window
         session_ = std::make_unique<LiveSession>(scene_, tools_, entry_,
                                                  recording_name(options_.record, session_number_), pictures,
                                                  entry_commands(scene_), choice_);
-        is_annotated_ = false;
+        is_annotated_ = is_fault_told_ = false;
     }
 
     void end_session()
@@ -181,7 +189,7 @@ class Window
     Screen screen_;
     std::unique_ptr<LiveSession> session_;
     int session_number_ = 0;
-    bool is_annotated_ = false, shows_help_ = false, moves_all_ = false;
+    bool is_annotated_ = false, is_fault_told_ = false, shows_help_ = false, moves_all_ = false;
     std::size_t chosen_tool_ = 0;
     std::string notice_;
 };

@@ -11,3 +11,20 @@ if ! read -r -t 30 -u "$display_number" DISPLAY; then
     exit 1
 fi
 export DISPLAY=":$DISPLAY"
+
+# A test that acts as a person does waits for what the program has done, never for the clock: a machine may be slow for seconds.
+# Until $2 more pieces of 500 ticks are in the recording $1 of a window (the piece that fills just now counts): the window hears keys
+# then, and a key that is down through N pieces is held for more than 500 (N - 1) ticks. Everything else in there is smaller.
+recorded() { cat "$1".part* "$1" 2>/dev/null | wc -c; }
+ticks_pass() {
+    local until patience=600
+    for _ in $(seq "$2"); do
+        until=$(($(recorded "$1") + 10000))
+        while [ "$(recorded "$1")" -lt "$until" ]; do
+            patience=$((patience - 1))
+            [ $patience -gt 0 ] || return 1
+            sleep 0.05
+        done
+    done
+}
+export -f recorded ticks_pass

@@ -35,15 +35,14 @@ result $? "the same screens again are the same pixels, and the help panel shows"
     "$program" replay "$work/led.rec" --verify >>"$work/log" 2>&1 && grep -q "^verified" "$work/log"
 result $? "a session that the rig leads is shown, recorded and replays bit for bit"
 
-# A person: push for a second, turn the C-arm, end.
+# A person: push for a second or less, turn the C-arm, end.
 cat >"$work/keys.sh" <<'EOF'
 "$program" view --instrument "$wire" --record "$work/live.rec" >"$work/live" 2>&1 &
 window=$!
-for _ in $(seq 100); do xdotool search --name Seldinger >/dev/null 2>&1 && break; sleep 0.1; done
-sleep 0.5
+ticks_pass "$work/live.rec" 1
 xdotool search --name Seldinger windowfocus >/dev/null 2>&1
-xdotool keydown Up keydown space; sleep 1; xdotool keyup Up keyup space key d key h
-sleep 0.3
+xdotool keydown Up keydown space; ticks_pass "$work/live.rec" 2; xdotool keyup Up keyup space key d key h
+ticks_pass "$work/live.rec" 1
 xdotool key Escape
 wait "$window"
 EOF
@@ -62,12 +61,12 @@ cat >"$work/gone.sh" <<'EOF'
 window=$!
 for _ in $(seq 200); do
     emulator=$(pgrep -P "$window" qemu)
-    [ -n "$emulator" ] && xdotool search --name Seldinger >/dev/null 2>&1 && break
+    [ -n "$emulator" ] && break
     sleep 0.1
 done
-sleep 0.5
+ticks_pass "$work/gone.rec" 1
 kill -9 $emulator
-sleep 0.5
+for _ in $(seq 100); do grep -q "the emulator ended" "$work/gone" && break; sleep 0.1; done
 xdotool search --name Seldinger windowfocus key Escape >/dev/null 2>&1
 wait "$window"
 EOF
@@ -77,16 +76,15 @@ result $? "a device that goes away is told, and the exit code is 1"
 "$program" replay "$work/gone.rec" --verify >"$work/log" 2>&1
 result $? "what was recorded until then replays bit for bit"
 
-# Two tools: the catheter is chosen, pushed for a second, then the wire and the catheter together.
+# Two tools: the catheter is chosen, pushed for a second or more, then the wire and the catheter together.
 cat >"$work/two.sh" <<'EOF'
 "$program" view --tool "$wire" --tool "$catheter" --inserted 60 --inserted 40 --record "$work/two.rec" \
     --screenshot "$work/two.png" >"$work/two" 2>&1 &
 window=$!
-for _ in $(seq 100); do xdotool search --name Seldinger >/dev/null 2>&1 && break; sleep 0.1; done
-sleep 0.5
+ticks_pass "$work/two.rec" 1
 xdotool search --name Seldinger windowfocus >/dev/null 2>&1
-xdotool key 2; xdotool keydown Up; sleep 1; xdotool keyup Up; sleep 0.3
-xdotool key g; xdotool keydown Up; sleep 0.5; xdotool keyup Up; sleep 0.5
+xdotool key 2; xdotool keydown Up; ticks_pass "$work/two.rec" 3; xdotool keyup Up; ticks_pass "$work/two.rec" 1
+xdotool key g; xdotool keydown Up; ticks_pass "$work/two.rec" 2; xdotool keyup Up; ticks_pass "$work/two.rec" 1
 xdotool key Escape
 wait "$window"
 EOF
@@ -107,8 +105,7 @@ result $? "more lengths than tools are wrong usage"
 cat >"$work/stop.sh" <<'EOF'
 env --default-signal=INT "$program" view --instrument "$wire" --record "$work/stop.rec" >"$work/stop" 2>&1 &
 window=$!
-for _ in $(seq 100); do [ -s "$work/stop.rec" ] && break; sleep 0.1; done
-sleep 0.7
+ticks_pass "$work/stop.rec" 1
 kill -INT "$window"
 wait "$window"
 EOF

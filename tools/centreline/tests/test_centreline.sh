@@ -101,15 +101,22 @@ result $? "without a display the editor says so"
 cat >"$work/person.sh" <<'EOF2'
 "$program" edit "$tube" --project "$work/p.toml" -o "$work/edited.csv" --screenshot "$work/edit.png" >"$work/log" 2>&1 &
 editor=$!
-for _ in $(seq 200); do window=$(xdotool search --name "Seldinger centreline" 2>/dev/null) && break; sleep 0.05; done
-sleep 0.4
+for _ in $(seq 600); do window=$(xdotool search --name "Seldinger centreline" 2>/dev/null) && break; sleep 0.05; done
 xdotool windowfocus "$window"
-at() { xdotool mousemove --window "$window" "$1" "$2"; sleep 0.1; xdotool click 1; sleep 0.15; }
-at 384 700; at 384 80; at 384 400
-xdotool key ctrl+z; sleep 0.1
-xdotool key ctrl+z; sleep 0.1
-xdotool key ctrl+y; sleep 0.1
-xdotool key f; sleep 0.6
+# Saves until the project has so many points: the editor has heard everything before, on a machine of any speed.
+saved() {
+    for _ in $(seq 200); do
+        xdotool key ctrl+s
+        sleep 0.1
+        [ "$(grep -c kind "$work/p.toml" 2>/dev/null)" = "$1" ] && return
+    done
+}
+at() { xdotool mousemove --window "$window" "$1" "$2"; sleep 0.1; xdotool click 1; saved "$3"; }
+saved 0; at 384 700 1; at 384 80 2; at 384 400 3
+xdotool key ctrl+z; saved 2
+xdotool key ctrl+z; saved 1
+xdotool key ctrl+y; saved 2
+xdotool key f
 xdotool key Escape
 wait "$editor"
 EOF2
