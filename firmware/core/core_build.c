@@ -380,7 +380,7 @@ seld_build_status seld_model_build(seld_model *model, const seld_instrument *too
     model->contact_deep = SELD_CONTACT_STIFFNESS_DEEP_N_m << model->stiffness_exponent;
     model->friction = SELD_FRICTION_STIFFNESS_N_m << model->stiffness_exponent;
     if (lumen != NULL && lumen->motion != NULL) {
-        model->wall_shrink_q30 = seld_motion_shrink_q30(lumen->motion);
+        seld_motion_steepness_make(lumen->motion, &model->steepness);
     }
     build_base_axes(model);
     seld_balloon_build(&model->balloon, tools, tool_count);

@@ -10,12 +10,13 @@
  * in Q(a) N/m with one exponent a for the whole line (`stiffness_exponent`), chosen so that no assembled diagonal can
  * reach 2^29 wherever the tools stand.
  *
- * May include: core.h. Called by: this folder, and owners of model memory.
+ * May include: core.h, motion.h. Called by: this folder, and owners of model memory.
  */
 #ifndef SELD_CORE_MODEL_H
 #define SELD_CORE_MODEL_H
 
 #include "firmware/core/core.h"
+#include "firmware/core/motion.h"
 
 enum { SELD_ARRAY_NODES = SELD_NODE_MAX + 4 };
 
@@ -115,7 +116,7 @@ typedef struct seld_balloon_model {
 
 struct seld_model {
     const seld_lumen *lumen;
-    int32_t wall_shrink_q30; /* of a lumen that moves: seld_motion_shrink_q30 */
+    seld_motion_steepness steepness; /* of a lumen that moves */
     seld_entry entry;
     uint32_t tool_count;
     uint32_t node_count;

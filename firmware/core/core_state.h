@@ -172,6 +172,7 @@ typedef struct seld_scratch {
     int32_t axial_N_q22[SELD_TOOL_MAX];      /* on each handle of a tool that does not lead */
     int32_t grip_limit_N_q22[SELD_PAIR_MAX]; /* sum of mu N between tool k and k + 1 */
     int32_t press_Pa[SELD_BALLOON_BALL_MAX]; /* of a ball on the wall that confines it */
+    int32_t wall_shrink_q30;                 /* of a lumen that moves: seld_motion_shrink_q30 in this tick */
     int32_t outside_m_q30;                   /* depth of a node beyond the field's band, 0: none */
 } seld_scratch;
 

@@ -83,6 +83,7 @@ static void beat(const seld_model *model, seld_state *state, const seld_input *i
     seld_rhythm_step(&state->words.rhythm, &input->rhythm);
     if (model->lumen != NULL && model->lumen->motion != NULL) {
         seld_motion_pose_begin(model->lumen->motion, &state->scratch.pose, &before, &state->words.rhythm);
+        state->scratch.wall_shrink_q30 = seld_motion_shrink_q30(&model->steepness, &state->scratch.pose.now);
     }
 }
 

@@ -24,7 +24,7 @@ static void field_begin(const seld_lattice *lattice, uint32_t node_numbers, seld
         field->corner_rows[corner] =
             node_numbers * ((corner & 1u) + (corner >> 1 & 1u) * row + (corner >> 2) * slice);
     }
-    field->ways.node = field->changes.node = (uint32_t)NO_CELL;
+    field->ways.node = (uint32_t)NO_CELL;
     field->tetrahedron = NO_TETRAHEDRON;
     field->is_inside = false;
 }
@@ -55,6 +55,7 @@ void seld_motion_pose_begin(const seld_motion *motion, seld_motion_pose *pose, c
 {
     field_begin(&motion->beat, NODE, &pose->beat);
     field_begin(&motion->breath, BREATH_NODE, &pose->breath);
+    pose->changes.node = (uint32_t)NO_CELL;
     box_about(motion, pose);
     pose->now = seld_motion_moment_at(now->heart_phase32, now->breath_phase32);
     pose->before = seld_motion_moment_at(before->heart_phase32, before->breath_phase32);
@@ -74,7 +75,7 @@ static void enter_cell(const seld_motion *motion, seld_motion_pose *pose, uint32
             way[k] = blend(taps, &now);
         }
     }
-    make_terms(&pose->beat.ways);
+    make_terms(&pose->beat);
 }
 
 /* Products of fractions. Format: Q31. Error: 1 LSB (floor). */
@@ -148,18 +149,23 @@ static inline seld_vec3 exhale(const seld_motion *motion, seld_motion_pose *pose
         return *world_m_q30;
     }
     if (cell == OTHER_CELL) {
-        enter_breathing_cell(motion, field, node, pose->now.breath_q15, &field->ways);
+        enter_breathing_cell(motion, field, node);
     }
     const uint32_t tetrahedron = tetrahedron_at(field->powers_q31);
     if (cell == OTHER_CELL || tetrahedron != field->tetrahedron) {
         field->tetrahedron = tetrahedron;
         field->shrink_q30 = 0;
-        make_plane(&field->ways, tetrahedron);
+        make_plane(field, tetrahedron);
     }
+    const int32_t depth_q15 = pose->now.breath_q15;
     seld_vec3 rest;
     for (int k = 0; k < 3; k++) {
-        const int32_t way_m_q34 = plane_here(field->ways.terms_m_q34[k], field->powers_q31);
-        rest.v[k] = seld_add_sat(world_m_q30->v[k], seld_asr32(way_m_q34 + 8, 4));
+        const int32_t inhaled_m_q34 = plane_here(field->terms_m_q34[k], field->powers_q31);
+        pose->inhaled_m_q34.v[k] = inhaled_m_q34;
+        /* Q34 x Q15 -> Q30 */
+        const int32_t way =
+            (int32_t)seld_rshift_round64(seld_product(inhaled_m_q34, depth_q15), FRACTION_BITS + 4);
+        rest.v[k] = seld_add_sat(world_m_q30->v[k], way);
     }
     return rest;
 }
@@ -196,7 +202,7 @@ static seld_vec3 pull_inside(const seld_motion *motion, seld_motion_pose *pose, 
     p_q31[7] = product(p_q31[3], p_q31[4]);
     seld_vec3 reference;
     for (int k = 0; k < 3; k++) {
-        const int32_t way_m_q34 = value_here(field->ways.terms_m_q34[k], p_q31);
+        const int32_t way_m_q34 = value_here(field->terms_m_q34[k], p_q31);
         reference.v[k] = seld_add_sat(rest_m_q30.v[k], seld_asr32(way_m_q34 + 8, 4));
     }
     return reference;
@@ -207,14 +213,14 @@ seld_vec3 seld_motion_pull(const seld_motion *motion, seld_motion_pose *pose, co
     return stands_still(pose, world_m_q30) ? *world_m_q30 : pull_inside(motion, pose, world_m_q30);
 }
 
-/* Largest |difference|^2 of neighbours along an axis, of vectors that `row` numbers of each node's three components hold. Format: coefficients.
- * Overflow: neighbours differ by at most 2^13 (checked): 3 x 2^26. */
-static uint32_t longest_difference(const seld_lattice *lattice, const int16_t *numbers, uint32_t row,
-                                   uint32_t axis)
+/* Largest |difference|^2 of neighbours along an axis, added up for each of the `row` numbers that a node's three components hold. Format: coefficients.
+ * Overflow: neighbours differ by at most 2^13 (checked): 3 x 2^26, of three axes below 2^30. */
+static void add_longest(const seld_lattice *lattice, const int16_t *numbers, uint32_t row, uint32_t axis,
+                        uint32_t *squares)
 {
     const uint32_t *n = lattice->count_xyz;
     const uint32_t steps[3] = {1, n[0], n[0] * n[1]}, nodes = n[0] * n[1] * n[2];
-    uint32_t longest = 0;
+    uint32_t longest[SELD_MOTION_ROW] = {0};
     for (uint32_t node = 0; node + steps[axis] < nodes; node++) {
         /* past the end of a line comes the next line's boundary, which is 0 as the end's: no difference */
         const int16_t *here = numbers + (size_t)node * 3 * row, *next = here + (size_t)steps[axis] * 3 * row;
@@ -224,28 +230,49 @@ static uint32_t longest_difference(const seld_lattice *lattice, const int16_t *n
                 const int32_t apart = next[k * row + i] - here[k * row + i];
                 square += (uint32_t)(apart * apart);
             }
-            longest = square > longest ? square : longest;
+            longest[i] = square > longest[i] ? square : longest[i];
         }
     }
-    return longest;
-}
-
-/* 1 / (1 + |J|) at least, for one lattice. */
-static int32_t shrink_of(const seld_lattice *lattice, const int16_t *numbers, uint32_t row)
-{
-    uint64_t square = 0;
-    for (uint32_t axis = 0; axis < 3; axis++) {
-        square += longest_difference(lattice, numbers, row, axis);
+    for (uint32_t i = 0; i < row; i++) {
+        squares[i] += longest[i];
     }
-    const uint64_t spacing = (uint64_t)1 << (lattice->spacing_log2_q30 - SELD_MOTION_UNIT_LOG2_Q30);
-    return (int32_t)seld_divide_u64(spacing << 30, spacing + (uint64_t)seld_sqrt64(square) + 1);
 }
 
-int32_t seld_motion_shrink_q30(const seld_motion *motion)
+/* |J| at most of each of a row's numbers, for one lattice. Format: Q28. Overflow: 5/8 sqrt(3). */
+static void steepness_of(const seld_lattice *lattice, const int16_t *numbers, uint32_t row,
+                         int32_t *steepness_q28)
 {
-    const int32_t beat_q30 = shrink_of(&motion->beat, motion->rows, SELD_MOTION_ROW);
-    return motion->inhaled == NULL ? beat_q30
-                                   : seld_scale_q30(beat_q30, shrink_of(&motion->breath, motion->inhaled, 1));
+    enum { MORE = 10 }; /* bits of the root */
+    uint32_t squares[SELD_MOTION_ROW] = {0};
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        add_longest(lattice, numbers, row, axis, squares);
+    }
+    const uint32_t spacing_log2 = lattice->spacing_log2_q30 - SELD_MOTION_UNIT_LOG2_Q30;
+    for (uint32_t i = 0; i < row; i++) {
+        const uint64_t root = seld_sqrt64((uint64_t)squares[i] << 2 * MORE) + 1;
+        steepness_q28[i] = (int32_t)(root << (28 - MORE - spacing_log2)) + 1;
+    }
+}
+
+void seld_motion_steepness_make(const seld_motion *motion, seld_motion_steepness *steepness)
+{
+    steepness->breath_q28 = 0;
+    steepness_of(&motion->beat, motion->rows, SELD_MOTION_ROW, steepness->beat_q28);
+    if (motion->inhaled != NULL) {
+        steepness_of(&motion->breath, motion->inhaled, 1, &steepness->breath_q28);
+    }
+}
+
+int32_t seld_motion_shrink_q30(const seld_motion_steepness *steepness, const seld_motion_moment *now)
+{
+    const int32_t one = 1 << 28, *taps_q28 = steepness->beat_q28 + now->first;
+    int64_t sum_q43 = 0;
+    for (int i = 0; i < 3; i++) {
+        sum_q43 += (int64_t)taps_q28[i] * now->weights_q15[i];
+    }
+    const int32_t beat_q28 = (int32_t)seld_asr64(sum_q43, FRACTION_BITS) + 1,
+                  breath_q28 = breathed(steepness->breath_q28, now->breath_q15) + 1;
+    return seld_scale_q30(seld_quotient(one, one + beat_q28, 30), seld_quotient(one, one + breath_q28, 30));
 }
 
 /* A derivative: the term of one axis, those of it and another, and that of all three. Overflow: as value_here's. */
@@ -263,7 +290,7 @@ static void gradient_here(const seld_motion *motion, seld_motion_pose *pose)
     const int32_t up = (int32_t)1 << (24 - motion->beat.spacing_log2_q30);
     pose->has_gradient = true;
     for (int k = 0; k < 3; k++) {
-        const int32_t *t = pose->beat.ways.terms_m_q34[k];
+        const int32_t *t = pose->beat.terms_m_q34[k];
         int32_t *row = pose->gradient_q28[k];
         row[0] = row[1] = row[2] = 0;
         if (pose->beat.is_inside) {
@@ -275,66 +302,66 @@ static void gradient_here(const seld_motion *motion, seld_motion_pose *pose)
     }
 }
 
-/* A bound of |J|: |J|^2 is at most the largest sum of magnitudes of a column times that of a row. */
-static inline int32_t norm_at_most(int32_t m[3][3])
+static inline int32_t size_of(int32_t a)
 {
-    int32_t most = 0, columns[3] = {0, 0, 0};
+    return a < 0 ? -a : a;
+}
+
+/* A bound of a matrix' norm: its square is at most the largest sum of magnitudes of a column times that of a row. */
+static inline int32_t norm_at_most(const int32_t m[3][3])
+{
+    int32_t most = 0;
     for (int i = 0; i < 3; i++) {
-        int32_t sum = 0;
-        for (int j = 0; j < 3; j++) {
-            const int32_t size = m[i][j] < 0 ? -m[i][j] : m[i][j];
-            sum += size;
-            columns[j] += size;
-        }
+        const int j = i == 2 ? 0 : i + 1, k = i == 0 ? 2 : i - 1;
+        const int32_t middle = size_of(m[i][i]), row = size_of(m[i][j]) + size_of(m[i][k]),
+                      column = size_of(m[j][i]) + size_of(m[k][i]),
+                      sum = middle + (row > column ? row : column);
         most = sum > most ? sum : most;
-    }
-    for (int j = 0; j < 3; j++) {
-        most = columns[j] > most ? columns[j] : most;
     }
     return most;
 }
 
-/* 1 / (1 + |J|) of breath, made once for the points of a tetrahedron. Format: Q30. */
-static int32_t shrink_of_breath(const seld_motion *motion, seld_motion_field *field)
+/* 1 / |I + J| at least, at most 1. Format: Q28 -> Q30. Overflow: norms are at most 1 + 3 x 5/8 (checked), 2.9 in Q28. */
+static inline int32_t shrink_of_gradient(const int32_t gradient_q28[3][3])
 {
+    const int32_t one = 1 << 28, norm = norm_at_most(gradient_q28);
+    return norm > one ? seld_quotient(one, norm, 30) : 1 << 30;
+}
+
+/* 1 / (1 + |J|) of breath, made once for the points of a tetrahedron. Format: Q30. */
+static int32_t shrink_of_breath(const seld_motion *motion, seld_motion_pose *pose)
+{
+    seld_motion_field *field = &pose->breath;
     if (field->shrink_q30 == 0) {
         const int32_t up = (int32_t)1 << (24 - motion->breath.spacing_log2_q30), one = 1 << 28;
         int32_t slopes_q28[3][3];
         for (int k = 0; k < 3; k++) {
             for (int j = 0; j < 3; j++) {
-                slopes_q28[k][j] = field->ways.terms_m_q34[k][1 << j] * up;
+                slopes_q28[k][j] = field->terms_m_q34[k][1 << j] * up;
             }
         }
-        field->shrink_q30 = seld_quotient(one, one + norm_at_most(slopes_q28), 30);
+        const int32_t most = norm_at_most((const int32_t(*)[3])slopes_q28);
+        field->shrink_q30 = seld_quotient(one, one + breathed(most, pose->now.breath_q15) + 1, 30);
     }
     return field->shrink_q30;
 }
 
-/* 1 / (1 + |J|) here, of both factors. Format: Q30. */
+/* 1 / |I + J| here, of both factors. Format: Q30. */
 static int32_t shrink_here(const seld_motion *motion, seld_motion_pose *pose)
 {
-    const int32_t one = 1 << 28;
-    int32_t slopes_q28[3][3];
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) {
-            slopes_q28[i][j] = pose->gradient_q28[i][j] - (i == j ? one : 0);
-        }
-    }
-    const int32_t beat_q30 = seld_quotient(one, one + norm_at_most(slopes_q28), 30);
-    return pose->breath.is_inside ? seld_scale_q30(beat_q30, shrink_of_breath(motion, &pose->breath))
-                                  : beat_q30;
+    const int32_t beat_q30 = shrink_of_gradient((const int32_t(*)[3])pose->gradient_q28);
+    return pose->breath.is_inside ? seld_scale_q30(beat_q30, shrink_of_breath(motion, pose)) : beat_q30;
 }
 
-int32_t seld_motion_distance(const seld_lumen *lumen, const seld_motion *motion, seld_motion_pose *pose,
-                             const seld_vec3 *world_m_q30, int32_t shrink_q30, int32_t far_m_q30)
+enum {
+    ROUNDING_M_Q30 = 32
+}; /* of the quotients here and in seld_motion_contact, of distances up to 15.6 mm */
+
+/* Within a lattice; apart from the rest, so that a node beyond both pays for nothing. */
+SELD_APART static int32_t distance_inside(const seld_lumen *lumen, const seld_motion *motion,
+                                          seld_motion_pose *pose, const seld_vec3 *world_m_q30,
+                                          int32_t shrink_q30, int32_t far_m_q30)
 {
-    enum {
-        ROUNDING_M_Q30 = 32
-    }; /* of the quotients here and in seld_motion_contact, of distances up to 15.6 mm */
-    if (stands_still(pose, world_m_q30)) {
-        pose->reference_m_q30 = *world_m_q30;
-        return seld_lumen_distance(lumen, world_m_q30);
-    }
     pose->reference_m_q30 = pull_inside(motion, pose, world_m_q30);
     const int32_t reference = seld_lumen_distance(lumen, &pose->reference_m_q30);
     if (reference >= 0 || !moves_here(pose)) {
@@ -346,6 +373,16 @@ int32_t seld_motion_distance(const seld_lumen *lumen, const seld_motion *motion,
     }
     gradient_here(motion, pose);
     return seld_scale_q30(reference, shrink_here(motion, pose)) + ROUNDING_M_Q30;
+}
+
+int32_t seld_motion_distance(const seld_lumen *lumen, const seld_motion *motion, seld_motion_pose *pose,
+                             const seld_vec3 *world_m_q30, int32_t shrink_q30, int32_t far_m_q30)
+{
+    if (stands_still(pose, world_m_q30)) {
+        pose->reference_m_q30 = *world_m_q30;
+        return seld_lumen_distance(lumen, world_m_q30);
+    }
+    return distance_inside(lumen, motion, pose, world_m_q30, shrink_q30, far_m_q30);
 }
 
 /* (I + dw/dx)^T n of a unit normal. Format: Q30 -> Q26. Overflow: at most 1 + 5/8 sqrt(3) in a component, below 8. Error: 2 LSB. */
@@ -365,9 +402,12 @@ static inline void map_by_breath(const seld_motion *motion, const seld_motion_po
                                  seld_vec3 *mapped_q26)
 {
     const seld_vec3 beaten_q26 = *mapped_q26;
+    const seld_vec3 breathing_q26 = {{breathed(beaten_q26.v[0], pose->now.breath_q15),
+                                      breathed(beaten_q26.v[1], pose->now.breath_q15),
+                                      breathed(beaten_q26.v[2], pose->now.breath_q15)}};
     for (int j = 0; j < 3; j++) {
         const seld_vec3 slope_q30 = breath_slope(motion, pose, j);
-        mapped_q26->v[j] += dot_high(&slope_q30, &beaten_q26) * 4;
+        mapped_q26->v[j] += dot_high(&slope_q30, &breathing_q26) * 4;
     }
 }
 
@@ -400,9 +440,19 @@ seld_lumen_sample seld_motion_contact_here(const seld_lumen *lumen, const seld_m
     return seld_motion_carry(motion, pose, seld_lumen_contact(lumen, &pose->reference_m_q30));
 }
 
+SELD_APART static seld_lumen_sample contact_inside(const seld_lumen *lumen, const seld_motion *motion,
+                                                   seld_motion_pose *pose, const seld_vec3 *world_m_q30)
+{
+    pose->reference_m_q30 = pull_inside(motion, pose, world_m_q30);
+    return seld_motion_contact_here(lumen, motion, pose);
+}
+
 seld_lumen_sample seld_motion_contact(const seld_lumen *lumen, const seld_motion *motion,
                                       seld_motion_pose *pose, const seld_vec3 *world_m_q30)
 {
-    pose->reference_m_q30 = seld_motion_pull(motion, pose, world_m_q30);
-    return seld_motion_contact_here(lumen, motion, pose);
+    if (stands_still(pose, world_m_q30)) {
+        pose->reference_m_q30 = *world_m_q30;
+        return seld_lumen_contact(lumen, world_m_q30);
+    }
+    return contact_inside(lumen, motion, pose, world_m_q30);
 }

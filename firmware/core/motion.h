@@ -53,31 +53,32 @@ typedef struct seld_motion_moment {
     int32_t breath_q15;
 } seld_motion_moment;
 
-/* What was blended of a cell, kept for the next point in it or in a neighbour. Of breath: at the depth now. */
+/* What was blended of a cell's corners, kept for the next point in it or in a neighbour. */
 typedef struct seld_motion_cell {
     uint32_t node; /* its low node; UINT32_MAX: none */
     seld_vec3 corners_m_q34[8];
-    /* The same as polynomials: of the beat of 1, x, y, xy, z, xz, yz, xyz; of breath of 1, x, y, -, z, in the tetrahedron of the last point. */
-    int32_t terms_m_q34[3][8];
 } seld_motion_cell;
 
 /* What of one lattice was made for the last point. */
 typedef struct seld_motion_field {
-    uint32_t corner_rows[8];  /* numbers from a cell's low node to its corners */
-    seld_motion_cell ways;    /* from the corners back */
-    seld_motion_cell changes; /* of these in the tick */
-    int32_t low_m_q30[3];     /* place of the cell's low node */
-    int32_t powers_q31[8];    /* x, y, xy, z, xz, yz, xyz of the last point pulled back, from [1] on */
-    uint32_t tetrahedron;     /* of breath: which of the cell's */
-    int32_t shrink_q30;       /* of breath there; 0: not made */
-    bool is_inside;           /* the point lay in the lattice */
+    uint32_t corner_rows[8]; /* numbers from a cell's low node to its corners */
+    seld_motion_cell ways;   /* from the corners back; of breath: of a full one */
+    /* The same as polynomials: of the beat of 1, x, y, xy, z, xz, yz, xyz; of breath of 1, x, y, -, z, in the tetrahedron of the last point. */
+    int32_t terms_m_q34[3][8];
+    int32_t low_m_q30[3];  /* place of the cell's low node */
+    int32_t powers_q31[8]; /* x, y, xy, z, xz, yz, xyz of the last point pulled back, from [1] on */
+    uint32_t tetrahedron;  /* of breath: which of the cell's */
+    int32_t shrink_q30;    /* of breath there; 0: not made */
+    bool is_inside;        /* the point lay in the lattice */
 } seld_motion_field;
 
 /* Two moments, and what of the lattices was made for them last: nodes of a wire lie in the same cell one after the other. */
 typedef struct seld_motion_pose {
     seld_motion_moment now, before;
     seld_motion_field beat, breath;
-    int32_t low_m_q30[3]; /* a box about both lattices: beyond it nothing moves */
+    seld_motion_cell changes; /* of the beat's ways in the tick */
+    seld_vec3 inhaled_m_q34;  /* b at the last point */
+    int32_t low_m_q30[3];     /* a box about both lattices: beyond it nothing moves */
     uint32_t size_m_q30[3];
     /* Where the last point was pulled to, after seld_motion_distance or seld_motion_contact. */
     seld_vec3 reference_m_q30;
@@ -95,9 +96,19 @@ void seld_motion_pose_begin(const seld_motion *motion, seld_motion_pose *pose, c
  * stored coefficients: 1 um (weights of 15 bits; firmware/tests/test_motion.c). */
 seld_vec3 seld_motion_pull(const seld_motion *motion, seld_motion_pose *pose, const seld_vec3 *world_m_q30);
 
-/* 1 / the most that this motion lengthens a gradient: |(I + J)^T n| <= 1 + |J| for each of the two factors, and |J|^2 is at most the sum over the axes
- * of the longest difference of neighbours along each, squared. For set-up: reads all of it. Format: Q30, in (0, 1]. */
-int32_t seld_motion_shrink_q30(const seld_motion *motion);
+/* How steep a motion is anywhere: |J| at most, of each coefficient in a row and of a full breath. |J|^2 is at most the sum over the axes of the
+ * longest difference of neighbours along each, squared. Format: Q28, at most 1.1. */
+typedef struct seld_motion_steepness {
+    int32_t beat_q28[SELD_MOTION_ROW];
+    int32_t breath_q28;
+} seld_motion_steepness;
+
+/* For set-up: reads all of the lattices. */
+void seld_motion_steepness_make(const seld_motion *motion, seld_motion_steepness *steepness);
+
+/* 1 / the most that the motion lengthens a gradient at a moment: |(I + J)^T n| <= 1 + |J| for each of the two factors, and |J| of a blend is at
+ * most the blend of its parts'. Format: Q30, in (0, 1]. */
+int32_t seld_motion_shrink_q30(const seld_motion_steepness *steepness, const seld_motion_moment *now);
 
 /* At or beyond the wall at least 0, else no less than the distance that seld_motion_contact gives there: the lumen's, made smaller by the most
  * that a gradient is lengthened, by `shrink` everywhere or, where the distance is not below `far` by it, here. */

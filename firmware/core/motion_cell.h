@@ -5,6 +5,9 @@
 
 #include "firmware/core/motion.h"
 
+/* What few nodes need stays a function of its own, so that the many do not save registers for it. */
+#define SELD_APART __attribute__((noinline))
+
 enum {
     NO_CELL = -1,
     FRACTION_BITS = 15,
@@ -44,12 +47,12 @@ static inline corner_list move_on(const seld_lattice *lattice, uint32_t to, seld
 }
 
 /* From corners to terms, differences along one axis after the other. Overflow: neighbours differ by at most 5/8 of a spacing (checked), so that
- * the last term is at most 5/2 of one: below 2^30. Changes are limited to 2^25 each: below 2^28. */
-static inline void make_terms(seld_motion_cell *cell)
+ * the last term is at most 5/2 of one: below 2^30. */
+static inline void make_terms(seld_motion_field *field)
 {
-    const seld_vec3 *c = cell->corners_m_q34;
+    const seld_vec3 *c = field->ways.corners_m_q34;
     for (int k = 0; k < 3; k++) {
-        int32_t *terms = cell->terms_m_q34[k];
+        int32_t *terms = field->terms_m_q34[k];
         const int32_t x00 = c[1].v[k] - c[0].v[k], x10 = c[3].v[k] - c[2].v[k], x01 = c[5].v[k] - c[4].v[k],
                       x11 = c[7].v[k] - c[6].v[k];
         const int32_t y0 = c[2].v[k] - c[0].v[k], y1 = c[6].v[k] - c[4].v[k];
@@ -72,25 +75,30 @@ static inline int32_t blend(const int16_t *taps, const seld_motion_moment *weigh
            taps[2] * weights->weights_q15[2];
 }
 
-/* Those of breath, `part` of a full one. Format: Q15 x 2^-19 m -> Q34 m. Overflow: 2^14 (checked) x 2^15. */
-static inline void enter_breathing_cell(const seld_motion *motion, const seld_motion_field *field,
-                                        uint32_t node, int32_t part_q15, seld_motion_cell *cell)
+/* Format: coefficients of 2^-19 m -> Q34 m. Overflow: 2^14 (checked) x 2^15. */
+static inline void enter_breathing_cell(const seld_motion *motion, seld_motion_field *field, uint32_t node)
 {
-    const corner_list fresh = move_on(&motion->breath, node, cell);
+    const corner_list fresh = move_on(&motion->breath, node, &field->ways);
     const int16_t *low = motion->inhaled + (size_t)node * BREATH_NODE;
     for (uint32_t i = 0; i < fresh.count; i++) {
         const uint32_t corner = fresh.corners[i];
         const int16_t *inhaled = low + field->corner_rows[corner];
         for (int k = 0; k < 3; k++) {
-            cell->corners_m_q34[corner].v[k] = inhaled[k] * part_q15;
+            field->ways.corners_m_q34[corner].v[k] = inhaled[k] * (1 << FRACTION_BITS);
         }
     }
 }
 
-/* High word of a sum in Q31 more. Error: 1 LSB (floor). */
+/* A part of a full breath. Format: that of `full`. Error: 1/2 LSB. Overflow: parts are at most 1 = 2^15. */
+static inline int32_t breathed(int32_t full, int32_t part_q15)
+{
+    return (int32_t)seld_rshift_round64(seld_product(full, part_q15), FRACTION_BITS);
+}
+
+/* A sum in Q31 more: its bits from 31 on. Error: 1 LSB (floor). */
 static inline int32_t from_q31(int64_t sum)
 {
-    return (int32_t)((uint64_t)(sum * 2) >> 32);
+    return (int32_t)(uint32_t)((uint64_t)sum >> 31);
 }
 
 /* A polynomial at the last point. Format: that of the terms. Overflow: terms of 3 x 5/8, 3 x 5/4 and 5/2 of a spacing of at most 2^28 and powers below
@@ -104,14 +112,14 @@ static inline int32_t value_here(const int32_t *terms, const int32_t *powers_q31
 }
 
 /* The plane in a tetrahedron: a difference along each axis. Overflow: neighbours differ by at most 3/8 of a spacing (checked). */
-static inline void make_plane(seld_motion_cell *cell, uint32_t tetrahedron)
+static inline void make_plane(seld_motion_field *field, uint32_t tetrahedron)
 {
     /* corners on the way from 0 to 7; two of the eight orders cannot be */
     static const uint8_t ways[8][2] = {{4, 6}, {4, 6}, {2, 6}, {2, 3}, {4, 5}, {1, 5}, {2, 3}, {1, 3}};
     const uint32_t first = ways[tetrahedron][0], second = ways[tetrahedron][1];
-    const seld_vec3 *c = cell->corners_m_q34;
+    const seld_vec3 *c = field->ways.corners_m_q34;
     for (int k = 0; k < 3; k++) {
-        int32_t *terms = cell->terms_m_q34[k];
+        int32_t *terms = field->terms_m_q34[k];
         terms[0] = c[0].v[k];
         terms[first] = c[first].v[k] - c[0].v[k];
         terms[second - first] = c[second].v[k] - c[first].v[k];
@@ -129,11 +137,11 @@ static inline bool moves_here(const seld_motion_pose *pose)
     return pose->beat.is_inside || pose->breath.is_inside;
 }
 
-/* depth db_i/dx_j. Format: Q34 m per spacing -> Q30. Overflow: at most 3/8 (checked). */
+/* db_i/dx_j, of a full breath. Format: Q34 m per spacing -> Q30. Overflow: at most 3/8 (checked). */
 static inline seld_vec3 breath_slope(const seld_motion *motion, const seld_motion_pose *pose, int j)
 {
     const int32_t up = (int32_t)1 << (26 - motion->breath.spacing_log2_q30);
-    const int32_t(*t)[8] = (const int32_t(*)[8])pose->breath.ways.terms_m_q34;
+    const int32_t(*t)[8] = (const int32_t(*)[8])pose->breath.terms_m_q34;
     return seld_vec3_make(t[0][1 << j] * up, t[1][1 << j] * up, t[2][1 << j] * up);
 }
 

@@ -7,47 +7,61 @@ enum {
     DETERMINANT_MIN_q20 = 1 << 17
 }; /* 1/8: a lattice that folds over is none, but must not divide by nothing */
 
+enum {
+    MOST_M_Q34 = 2 * SELD_MOTION_WALL_STEP_MAX_M_Q33,
+    FASTEST_Q15 = 1 << 13 /* of a weight in a tick: a quarter of a keyframe, 600 beats a minute */
+};
+
 /* What the tick has changed at a corner, when it began before the last keyframe and ended after it. */
 static int32_t change_across(const int16_t *row, const seld_motion_pose *pose)
 {
-    return seld_sub_sat(blend(row + pose->now.first, &pose->now),
-                        blend(row + pose->before.first, &pose->before));
+    const int32_t change = seld_sub_sat(blend(row + pose->now.first, &pose->now),
+                                        blend(row + pose->before.first, &pose->before));
+    return seld_clamp(change, -MOST_M_Q34, MOST_M_Q34);
 }
 
-/* What the tick has changed in the ways at a cell's corners, limited so that what is made of it fits. As a rule both moments lie between the same
- * keyframes, and the change of the weights, which sums to nothing, makes it. */
+/* What the tick has changed in the ways at a cell's corners. As a rule both moments lie between the same keyframes, and the change of the weights,
+ * which sums to nothing, makes it. Overflow: two products of 2^15 and 2^13. */
 static void enter_changing_cell(const seld_motion *motion, seld_motion_pose *pose, uint32_t node)
 {
-    enum { MOST = 2 * SELD_MOTION_WALL_STEP_MAX_M_Q33 };
-    const corner_list fresh = move_on(&motion->beat, node, &pose->beat.changes);
+    const corner_list fresh = move_on(&motion->beat, node, &pose->changes);
     const seld_motion_moment *now = &pose->now, *before = &pose->before;
-    const int32_t low = now->weights_q15[0] - before->weights_q15[0],
-                  high = now->weights_q15[2] - before->weights_q15[2];
+    const int32_t low = seld_clamp(now->weights_q15[0] - before->weights_q15[0], -FASTEST_Q15, FASTEST_Q15),
+                  high = seld_clamp(now->weights_q15[2] - before->weights_q15[2], -FASTEST_Q15, FASTEST_Q15);
     const uint32_t first = now->first;
     const bool is_across = first != before->first;
     const int16_t *rows = motion->rows + (size_t)node * NODE;
     for (uint32_t i = 0; i < fresh.count; i++) {
         const uint32_t corner = fresh.corners[i];
         const int16_t *row = rows + pose->beat.corner_rows[corner];
-        int32_t *change = pose->beat.changes.corners_m_q34[corner].v;
+        int32_t *change = pose->changes.corners_m_q34[corner].v;
         for (int k = 0; k < 3; k++, row += SELD_MOTION_ROW) {
             const int16_t *taps = row + first;
-            const int32_t by = (taps[0] - taps[1]) * low + (taps[2] - taps[1]) * high;
-            change[k] = seld_clamp(is_across ? change_across(row, pose) : by, -MOST, MOST);
+            change[k] =
+                is_across ? change_across(row, pose) : (taps[0] - taps[1]) * low + (taps[2] - taps[1]) * high;
         }
     }
-    make_terms(&pose->beat.changes);
 }
 
-/* Change of w in this tick at the last point. Q39 m. Overflow: limited to 2 mm at the corners: 2^30. */
+/* Between two corners or edges. Overflow: they are below 2^29. */
+static inline int32_t between(int32_t a, int32_t b, int32_t share_q31)
+{
+    return a + from_q31((int64_t)(b - a) * share_q31);
+}
+
+/* Change of w in this tick at the last point, limited to 2 mm. Q39 m. */
 static inline seld_vec3 change_here(const seld_motion *motion, seld_motion_pose *pose)
 {
-    if (pose->beat.changes.node != pose->beat.ways.node) {
+    if (pose->changes.node != pose->beat.ways.node) {
         enter_changing_cell(motion, pose, pose->beat.ways.node);
     }
+    const seld_vec3 *c = pose->changes.corners_m_q34;
+    const int32_t x = pose->beat.powers_q31[1], y = pose->beat.powers_q31[2], z = pose->beat.powers_q31[4];
     seld_vec3 change;
     for (int k = 0; k < 3; k++) {
-        change.v[k] = value_here(pose->beat.changes.terms_m_q34[k], pose->beat.powers_q31) * 32;
+        const int32_t low = between(between(c[0].v[k], c[1].v[k], x), between(c[2].v[k], c[3].v[k], x), y),
+                      high = between(between(c[4].v[k], c[5].v[k], x), between(c[6].v[k], c[7].v[k], x), y);
+        change.v[k] = seld_clamp(between(low, high, z), -MOST_M_Q34, MOST_M_Q34) * 32;
     }
     return change;
 }
@@ -94,23 +108,20 @@ static void step_with_breath(const seld_motion *motion, seld_motion_pose *pose, 
         TERMS = 2,
         MOST_Q15 = 1 << 10 /* nobody breathes in so fast: 2 mm of 31 mm */
     };
-    seld_motion_field *field = &pose->breath;
-    if (field->changes.node != field->ways.node) {
-        const int32_t deeper_q15 = pose->now.breath_q15 - pose->before.breath_q15;
-        enter_breathing_cell(motion, field, field->ways.node, seld_clamp(deeper_q15, -MOST_Q15, MOST_Q15),
-                             &field->changes);
-    }
-    make_plane(&field->changes, field->tetrahedron);
+    const int32_t depth_q15 = pose->now.breath_q15,
+                  deeper_q15 = seld_clamp(depth_q15 - pose->before.breath_q15, -MOST_Q15, MOST_Q15);
     const seld_vec3 x_q30 = breath_slope(motion, pose, 0), y_q30 = breath_slope(motion, pose, 1),
                     z_q30 = breath_slope(motion, pose, 2);
     seld_vec3 alone;
     for (int k = 0; k < 3; k++) {
-        const int32_t inhaled_m_q34 = plane_here(field->changes.terms_m_q34[k], field->powers_q31);
-        alone.v[k] = step_m_q33->v[k] - seld_asr32(inhaled_m_q34, 1);
+        /* Q34 x Q15 -> Q33 */
+        alone.v[k] = step_m_q33->v[k] -
+                     (int32_t)seld_rshift_round64(seld_product(pose->inhaled_m_q34.v[k], deeper_q15), 16);
     }
     seld_vec3 step = alone;
     for (int term = 0; term < TERMS; term++) {
-        const seld_vec3 last = step;
+        const seld_vec3 last = {
+            {breathed(step.v[0], depth_q15), breathed(step.v[1], depth_q15), breathed(step.v[2], depth_q15)}};
         for (int k = 0; k < 3; k++) {
             const int32_t high =
                 seld_mulh_add(seld_mulh_add(seld_mulh(x_q30.v[k], last.v[0]), y_q30.v[k], last.v[1]),
@@ -124,7 +135,7 @@ static void step_with_breath(const seld_motion *motion, seld_motion_pose *pose, 
     }
 }
 
-seld_vec3 seld_motion_wall_step(const seld_motion *motion, seld_motion_pose *pose)
+SELD_APART static seld_vec3 step_inside(const seld_motion *motion, seld_motion_pose *pose)
 {
     seld_vec3 step = {{0, 0, 0}};
     if (pose->beat.is_inside) {
@@ -134,4 +145,9 @@ seld_vec3 seld_motion_wall_step(const seld_motion *motion, seld_motion_pose *pos
         step_with_breath(motion, pose, &step);
     }
     return step;
+}
+
+seld_vec3 seld_motion_wall_step(const seld_motion *motion, seld_motion_pose *pose)
+{
+    return moves_here(pose) ? step_inside(motion, pose) : (seld_vec3){{0, 0, 0}};
 }

@@ -244,7 +244,7 @@ static inline int32_t wall_distance(const seld_model *model, seld_state *state, 
     return lumen->motion == NULL
                ? seld_lumen_distance(lumen, &work->position_m_q30)
                : seld_motion_distance(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30,
-                                      model->wall_shrink_q30, far_m_q30);
+                                      state->scratch.wall_shrink_q30, far_m_q30);
 }
 
 /* A node that touched in the last tick is sampled at once, another only when its distance allows contact. */
