@@ -156,6 +156,31 @@ void add_replay(CLI::App &app, ReplayOptions &options)
                     "  seldinger replay out/demo.rec --dicom out/demo_dicom --size 1024");
 }
 
+void add_surface(CLI::App &app, SurfaceOptions &options)
+{
+    CLI::App *command = app.add_subcommand(
+        "surface", "The walls round a lesion at moments of a recording, as polygons (docs/lesions.md)");
+    command->add_option("recording", options.recording, "Recording of a session in a scene with lesions")
+        ->required();
+    command->add_option("--at", options.at_s, "Moment, s from the begin; once per moment")
+        ->required()
+        ->allow_extra_args(false);
+    command->add_option("--lesion", options.surface.lesion, "Its name; without: the scene's first");
+    command
+        ->add_option("--around", options.surface.around_mm,
+                     "Millimetres of vessel to either side of the lesion")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 200.0));
+    command->add_option("--scene", options.scene, "Where the recording's scene is now");
+    command->add_option("--bodies", options.surface.bodies_path,
+                        "Body file; default: the .bodies file beside the scene");
+    command
+        ->add_option("-o,--output", options.surface.output,
+                     "OBJ file, mm: objects TIME_BODY, and TIME_balloon for a balloon")
+        ->required();
+    command->footer("Examples:\n  seldinger surface out/pci.rec --at 5 --at 12.5 --at 30 -o out/lesion.obj");
+}
+
 void add_view(CLI::App &app, WindowOptions &options)
 {
     CLI::App *command = app.add_subcommand("view", "A window: push, turn and look by keyboard");
@@ -270,10 +295,12 @@ int command_line(int argc, char **argv)
     app.set_help_all_flag("--help-all", "Help of every command");
     RunOptions run;
     ReplayOptions replay;
+    SurfaceOptions surface;
     WindowOptions window;
     std::string info;
     add_run(app, run);
     add_replay(app, replay);
+    add_surface(app, surface);
     add_view(app, window);
     InstrumentsOptions instruments;
     add_instruments(app, instruments);
@@ -298,6 +325,7 @@ int command_line(int argc, char **argv)
     try {
         if (app.got_subcommand("run")) return command_run(run);
         if (app.got_subcommand("replay")) return command_replay(replay);
+        if (app.got_subcommand("surface")) return command_surface(surface);
         if (app.got_subcommand("view")) return command_view(window);
         if (app.got_subcommand("instruments")) return command_instruments(instruments);
         if (app.got_subcommand("rig")) return command_rig(rig);

@@ -2,6 +2,7 @@
 #pragma once
 #include "host/app/device.hpp"
 #include "host/app/session_pictures.hpp"
+#include "host/app/surface_file.hpp"
 #include "host/app/window.hpp"
 #include "host/model/output_files.hpp"
 #include <optional>
@@ -29,6 +30,12 @@ struct ReplayOptions {
     PictureSettings pictures;
 };
 
+struct SurfaceOptions {
+    std::string recording, scene;
+    std::vector<double> at_s;
+    SurfaceSettings surface;
+};
+
 struct InstrumentsOptions {
     std::vector<std::string> files; // or folders; empty: those that ship
     std::string preset, json, png, table;
@@ -36,6 +43,7 @@ struct InstrumentsOptions {
 
 int command_run(const RunOptions &options);
 int command_replay(const ReplayOptions &options);
+int command_surface(const SurfaceOptions &options);
 int command_view(WindowOptions options);
 // The OpenGL that --xray opengl would find; 1 when there is none.
 int command_info_opengl();
@@ -61,6 +69,10 @@ void print_tools(const std::vector<Instrument> &tools, const SessionFigures &fig
 
 // "written  NAME", a line each.
 void print_files(const std::vector<std::string> &files);
+
+// The very scene of a recording, from where it or the user says, and a core that can play it. Throw std::runtime_error.
+SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path);
+void check_core(const RecordingHeader &header, const seld_wire_hello_reply &identity);
 
 // Bodies beside a scene: "x.scene" -> "x.bodies" when that file exists, else empty.
 std::string bodies_beside(const std::string &scene);

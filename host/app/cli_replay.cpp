@@ -9,10 +9,6 @@
 namespace seld
 {
 
-namespace
-{
-
-// The very scene of the recording, from where the recording or the user says.
 SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path)
 {
     if (header.scene_bytes == 0) return read_scene("");
@@ -41,6 +37,9 @@ void check_core(const RecordingHeader &header, const seld_wire_hello_reply &iden
                              ", this device has version " + std::to_string(identity.core_version) +
                              ": it cannot be replayed bit for bit; use the release that recorded it");
 }
+
+namespace
+{
 
 int print_result(const Recording &recording, const ReplayOptions &options, const ReplayResult &result)
 {

@@ -82,23 +82,34 @@ nlohmann::ordered_json contrast_report(const SessionContrast &contrast, double w
             {"share_of_wall_clock", ratio(cost.step_s + cost.frame_s, wall_clock_s)}};
 }
 
-// How narrow each lesion is, and what it does to the flow at rest and in hyperaemia.
-nlohmann::ordered_json lesions_report(const VesselTree &vessels)
+nlohmann::ordered_json lesion_report(const LesionFigures &f)
+{
+    return {{"minimum_diameter_mm", f.minimum_diameter_mm},
+            {"reference_diameter_mm", f.reference_diameter_mm},
+            {"stenosis_diameter_pct", f.diameter_percent()},
+            {"stenosis_area_pct", f.area_percent()},
+            {"rest_flow_ml_min", f.rest_flow_ml_s * 60.0},
+            {"rest_drop_mmHg", f.rest_drop_mmHg},
+            {"hyperaemic_flow_ml_min", f.hyperaemic_flow_ml_s * 60.0},
+            {"hyperaemic_drop_mmHg", f.hyperaemic_drop_mmHg},
+            {"ffr", f.ffr}};
+}
+
+// How narrow each lesion is, and what it does to the flow at rest and in hyperaemia: as baked, and "after", as open as it was at last.
+nlohmann::ordered_json lesions_report(const SessionContrast &contrast)
 {
     nlohmann::ordered_json report = nlohmann::ordered_json::array();
-    for (const LesionFigures &f : lesion_figures(vessels, ContrastSettings{}.viscosity_mPa_s))
-        report.push_back({{"name", f.name},
-                          {"branch", f.branch},
-                          {"length_mm", f.length_mm},
-                          {"minimum_diameter_mm", f.minimum_diameter_mm},
-                          {"reference_diameter_mm", f.reference_diameter_mm},
-                          {"stenosis_diameter_pct", f.diameter_percent()},
-                          {"stenosis_area_pct", f.area_percent()},
-                          {"rest_flow_ml_min", f.rest_flow_ml_s * 60.0},
-                          {"rest_drop_mmHg", f.rest_drop_mmHg},
-                          {"hyperaemic_flow_ml_min", f.hyperaemic_flow_ml_s * 60.0},
-                          {"hyperaemic_drop_mmHg", f.hyperaemic_drop_mmHg},
-                          {"ffr", f.ffr}});
+    const double viscosity_mPa_s = ContrastSettings{}.viscosity_mPa_s;
+    const VesselTree opened = contrast.opened_vessels();
+    const std::vector<LesionFigures> before = lesion_figures(contrast.vessels(), viscosity_mPa_s),
+                                     after = lesion_figures(contrast.vessels(), viscosity_mPa_s, &opened);
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        nlohmann::ordered_json entry = {
+            {"name", before[i].name}, {"branch", before[i].branch}, {"length_mm", before[i].length_mm}};
+        entry.update(lesion_report(before[i]));
+        entry["after"] = lesion_report(after[i]);
+        report.push_back(entry);
+    }
     return report;
 }
 
@@ -141,7 +152,7 @@ void write_report(const std::string &path, const RunResult &result, const std::s
     report["room"] = room ? room_report(*room) : nlohmann::ordered_json();
     report["contrast"] = contrast && contrast->was_used() ? contrast_report(*contrast, result.seconds)
                                                           : nlohmann::ordered_json();
-    report["lesions"] = contrast ? lesions_report(contrast->vessels()) : nlohmann::ordered_json::array();
+    report["lesions"] = contrast ? lesions_report(*contrast) : nlohmann::ordered_json::array();
     report["interrupted"] = result.was_interrupted;
     report["script_lines_given_up"] = result.given_up_lines;
     report["faults"] = nlohmann::ordered_json::array();

@@ -121,14 +121,19 @@ std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCo
 }
 
 SessionContrast::SessionContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
-                                 const Motion *motion)
-    : tools_(tools), vessels_(vessels), flow_(vessels)
+                                 const Motion *motion, LesionOpening opening)
+    : tools_(tools), vessels_(vessels), opening_(std::move(opening)), flow_(vessels)
 {
     if (!motion) return;
     std::vector<Vector3d> points_m;
     for (const VesselBranch &branch : vessels.branches)
         points_m.insert(points_m.end(), branch.points_m.begin(), branch.points_m.end());
     points_.emplace(*motion, std::move(points_m));
+    std::vector<Vector3d> healthy_m;
+    for (std::size_t k = 0; k < opening_.lesion_count(); ++k)
+        healthy_m.insert(healthy_m.end(), vessels.lesions[k].healthy_points_m.begin(),
+                         vessels.lesions[k].healthy_points_m.end());
+    healthy_points_.emplace(*motion, std::move(healthy_m));
     moved_ = vessels;
 }
 
@@ -155,7 +160,36 @@ void SessionContrast::place_vessels(const WireFrame &wire)
     std::size_t i = 0;
     for (VesselBranch &branch : moved_.branches)
         for (Vector3d &point_m : branch.points_m) point_m = points_->at(i++, now);
+    i = 0;
+    for (std::size_t k = 0; k < opening_.lesion_count(); ++k) {
+        const VesselLesion &lesion = vessels_.lesions[k];
+        for (std::size_t point = 0; point < lesion.size(); ++point, ++i) {
+            Vector3d &place_m = moved_.branches[lesion.branch].points_m[lesion.first_point + point];
+            const double share = opening_.at_point(k, point, flow_open_);
+            if (share > 0.0) place_m += share * (healthy_points_->at(i, now) - place_m);
+        }
+    }
     flow_.place(moved_);
+}
+
+VesselTree SessionContrast::opened_vessels() const
+{
+    VesselTree opened = vessels_;
+    opening_.open(vessels_, seen_open_, opened);
+    return opened;
+}
+
+// Only at looks: what the medium does must not depend on which pictures were asked for.
+bool SessionContrast::open_vessels(const WireFrame &wire)
+{
+    if (opening_.is_empty() || wire.lesions_open == flow_open_) return false;
+    const bool was_open = opening_.is_any_open(flow_open_);
+    flow_open_ = wire.lesions_open;
+    if (!was_open && !opening_.is_any_open(flow_open_)) return false;
+    VesselTree opened = vessels_;
+    opening_.open(vessels_, flow_open_, opened);
+    flow_.reshape(opened, flow_.held_mg() > 0.0 ? static_cast<int>(look_every_ticks) : 0);
+    return true;
 }
 
 std::string SessionContrast::refusal(const RoomCommand &command) const
@@ -215,6 +249,7 @@ void SessionContrast::advance(const WireFrame &wire)
     if (state_ == State::flows || next_tick() <= now) place_vessels(wire);
     if (next_tick() != never && now >= look_due()) look(wire);
     seen_tick_ = now;
+    seen_open_ = wire.lesions_open;
     const Clock::time_point stepped = Clock::now();
     cost_.step_s += seconds(stepped - begin);
     if (state_ != State::flows && curves_.empty()) return;
@@ -267,6 +302,7 @@ void SessionContrast::look(const WireFrame &wire)
         fluid_ = {};
         return;
     }
+    if (open_vessels(wire)) place_vessels(wire);
     if (wire.nodes.empty()) return;
     flow_.set_tools(balls_of(wire));
     const double tip_arc_m = tool_ < wire.tip_arc_m.size() ? wire.tip_arc_m[tool_] : 0.0;

@@ -5,6 +5,7 @@
 #pragma once
 #include "host/effects/injector.hpp"
 #include "host/model/instrument.hpp"
+#include "host/model/lesion_opening.hpp"
 #include "host/model/motion.hpp"
 #include "host/model/wire_frame.hpp"
 #include "host/room/command.hpp"
@@ -38,9 +39,9 @@ class SessionContrast
   public:
     static constexpr std::uint32_t look_every_ticks = 40; // at the tools, while medium is in the vessels
 
-    // `motion`: how the vessels move with heart and breath; nullptr: they stand still.
+    // `motion`: how the vessels move with heart and breath; nullptr: they stand still. `opening`: which lesions give way.
     SessionContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
-                    const Motion *motion = nullptr);
+                    const Motion *motion = nullptr, LesionOpening opening = {});
 
     // Why a command cannot be carried out; empty: it can.
     std::string refusal(const RoomCommand &command) const;
@@ -61,12 +62,14 @@ class SessionContrast
     // What was injected after tick `from` up to tick `to`, as files tell it: volume and time in all, mean flow and strength.
     std::optional<RunContrast> given(std::uint32_t from, std::uint32_t to) const;
     const ContrastFlow &flow() const { return flow_; }
-    const VesselTree &vessels() const { return vessels_; } // in the reference pose
+    const VesselTree &vessels() const { return vessels_; } // in the reference pose, as baked
+    VesselTree opened_vessels() const;                     // and with lesions as open as in the last frame
     const ContrastCost &cost() const { return cost_; }
 
   private:
     BeatPhase beat_at(std::uint32_t tick, std::size_t &next) const;
     void place_vessels(const WireFrame &wire);
+    bool open_vessels(const WireFrame &wire); // true: they have another shape
     enum class State { idle, waits, flows };
     void look(const WireFrame &wire);
     void note_given(std::uint32_t tick);
@@ -78,9 +81,12 @@ class SessionContrast
     SweptPoint stream_point(std::size_t cell, double narrowness) const;
 
     const std::vector<Instrument> tools_;
-    const VesselTree vessels_;           // in the reference pose
-    VesselTree moved_;                   // as flow_ has it now, where there is a motion
-    std::optional<MovingPoints> points_; // of all branches
+    const VesselTree vessels_;                            // in the reference pose
+    VesselTree moved_;                                    // as flow_ has it now, where there is a motion
+    std::optional<MovingPoints> points_, healthy_points_; // of all branches; of the lesions that give way
+    const LesionOpening opening_;
+    std::vector<double> flow_open_,
+        seen_open_; // how far lesions are open: as flow_ has it, and in the last frame
     ContrastFlow flow_;
     Injector injector_;
     State state_ = State::idle;

@@ -53,10 +53,14 @@ SessionPictures::SessionPictures(const PictureSettings &settings, const std::vec
     const std::optional<Motion> motion = read_motion(settings_.scene_path, error);
     if (!error.empty()) throw std::runtime_error(error);
     if (motion) moving_.emplace(*motion, bodies);
+    const LesionOpening opening(bodies.vessels, read_lesion_stations(settings_.scene_path, error));
+    if (!error.empty()) throw std::runtime_error(error);
+    opened_.emplace(bodies, opening, motion ? &*motion : nullptr);
     xray_ = std::make_unique<Xray>(scene_, settings_.threads,
                                    paths_maker(settings_.xray, settings_.window_context));
     if (settings_.style == "vcsim3") thesis_look_ = std::make_unique<Vcsim3Look>(bodies, settings_.threads);
-    contrast_ = std::make_unique<SessionContrast>(bodies.vessels, tools, motion ? &*motion : nullptr);
+    contrast_ =
+        std::make_unique<SessionContrast>(bodies.vessels, tools, motion ? &*motion : nullptr, opening);
     const bool needs_movie = !settings_.mp4_path.empty();
     if (needs_movie && !movie_.open(settings_.mp4_path, settings_.size, settings_.size,
                                     static_cast<int>(settings_.pictures_per_second), error)) {
@@ -143,13 +147,15 @@ bool SessionPictures::advance(std::uint32_t tick, const SessionFrame &frame)
     return true;
 }
 
-// Bodies beat with the wire's own tick.
+// Bodies beat with the wire's own tick, and walls stand where the core's lesions have given way to.
 std::vector<MovedBody> SessionPictures::moved_at(const WireFrame &shape)
 {
+    const MotionMoment moment{shape.heart_phase32, shape.breath_phase32};
+    std::span<const MovingBodies::Moved> beating;
+    if (moving_ && !moving_->is_empty()) beating = moving_->at(moment);
     std::vector<MovedBody> moved;
-    if (moving_ && !moving_->is_empty())
-        for (const MovingBodies::Moved &body : moving_->at({shape.heart_phase32, shape.breath_phase32}))
-            moved.push_back({body.body, body.vertices_um});
+    for (const MovingBodies::Moved &body : opened_->at(moment, shape.lesions_open, beating))
+        moved.push_back({body.body, body.vertices_um});
     return moved;
 }
 

@@ -11,6 +11,7 @@
 #include "host/app/session_contrast.hpp"
 #include "host/model/instrument.hpp"
 #include "host/model/motion.hpp"
+#include "host/model/opened_bodies.hpp"
 #include "host/room/room.hpp"
 #include "host/xray/style_vcsim3.hpp"
 #include "host/xray/xray.hpp"
@@ -98,6 +99,7 @@ class SessionPictures final : public FrameSink
     std::vector<std::string> panel_;
     XrayScene scene_;
     std::optional<MovingBodies> moving_;
+    std::optional<OpenedBodies> opened_;
     std::unique_ptr<Xray> xray_;              // after the scene has its bodies
     std::unique_ptr<Vcsim3Look> thesis_look_; // when that style is asked for
     Room room_;

@@ -18,17 +18,35 @@ ContrastFlow::ContrastFlow(const VesselTree &tree, const ContrastSettings &setti
     : settings_(settings), cells_(tree), network_(cells_, settings.viscosity_mPa_s)
 {
     const std::size_t count = cells_.size();
-    for (std::size_t i = 0; i < count; ++i) {
-        const FlowCell &cell = cells_[i];
-        per_volume_.push_back(2.0 / cell.volume_ml);
-        // Mean speed over the length on which layers mix: (Q / (pi r^2)) / (mixing_radii r).
-        mixing_.push_back(1e3 /
-                          (pi * cell.radius_mm * cell.radius_mm * cell.radius_mm * settings.mixing_radii));
-    }
+    for (std::size_t i = 0; i < count; ++i) volume_ml_.push_back(cells_[i].volume_ml);
+    take_volumes();
     tool_mm_.assign(count, 0.0);
     core_mg_.assign(count, 0.0);
     wall_mg_.assign(count, 0.0);
     in_mg_.assign(count, 0.0);
+}
+
+void ContrastFlow::take_volumes()
+{
+    per_volume_.resize(cells_.size());
+    mixing_.resize(cells_.size());
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+        const double radius_mm = cells_[i].radius_mm;
+        per_volume_[i] = 2.0 / volume_ml_[i];
+        // Mean speed over the length on which layers mix: (Q / (pi r^2)) / (mixing_radii r).
+        mixing_[i] = 1e3 / (pi * radius_mm * radius_mm * radius_mm * settings_.mixing_radii);
+    }
+    network_.set_volumes(volume_ml_);
+}
+
+void ContrastFlow::reshape(const VesselTree &opened, int steps)
+{
+    cells_.reshape(opened);
+    widening_steps_ = std::max(steps, 0);
+    for (std::size_t i = 0; i < cells_.size() && widening_steps_ == 0; ++i)
+        volume_ml_[i] = cells_[i].volume_ml;
+    take_volumes();
+    network_.reshape(cells_, tool_mm_);
 }
 
 void ContrastFlow::set_tools(std::span<const ToolBall> balls)
@@ -54,11 +72,59 @@ void ContrastFlow::step(const FlowDrive &drive, const InjectedFluid &fluid)
     sources_.clear();
     for (const CellSource &mouth : mouths_)
         if (fluid.flow_ml_s > 0.0) sources_.push_back({mouth.cell, mouth.flow_ml_s * fluid.flow_ml_s});
+    injecting_ = sources_.size();
+    find_widening();
     network_.solve(drive, sources_);
     out_mg_.resize(network_.runs().size());
     const double parts = parts_of_step();
-    for (int part = 0; part < static_cast<int>(parts); ++part) transport(step_s / parts, fluid);
+    for (int part = 0; part < static_cast<int>(parts); ++part) {
+        transport(step_s / parts, fluid);
+        widen(step_s / parts);
+    }
+    if (widening_steps_ > 0) end_widening();
     mix(step_s);
+}
+
+// A cell that widens takes blood from its neighbours, one that narrows gives it to them: a source of nothing but volume, evenly over the
+// steps that are left.
+void ContrastFlow::find_widening()
+{
+    if (widening_steps_ == 0) return;
+    least_ml_.resize(cells_.size());
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+        const double missing_ml = cells_[i].volume_ml - volume_ml_[i];
+        least_ml_[i] = volume_ml_[i] + std::min(missing_ml, 0.0) / widening_steps_;
+        if (missing_ml != 0.0) sources_.push_back({i, -missing_ml / (widening_steps_ * step_s)});
+    }
+    network_.set_volumes(least_ml_);
+}
+
+void ContrastFlow::end_widening()
+{
+    if (--widening_steps_ > 0) return;
+    for (const CellSource &source : std::span(sources_).subspan(injecting_)) {
+        volume_ml_[source.cell] = cells_[source.cell].volume_ml;
+        per_volume_[source.cell] = 2.0 / volume_ml_[source.cell];
+    }
+    network_.set_volumes(volume_ml_);
+}
+
+// The layers got their shares of the flows, but each grows by half of the volume: one hands the difference to the other.
+void ContrastFlow::widen(double dt_s)
+{
+    const double core_share = settings_.core_flow_share;
+    for (std::size_t i = injecting_; i < sources_.size(); ++i) {
+        const std::size_t cell = sources_[i].cell;
+        const double half_ml = 0.5 * volume_ml_[cell], growth_ml = -sources_[i].flow_ml_s * dt_s;
+        const double handed_ml = (core_share - 0.5) * growth_ml; // from the core to the wall
+        const double moved_mg = handed_ml > 0.0
+                                    ? handed_ml * core_mg_[cell] / (half_ml + core_share * growth_ml)
+                                    : handed_ml * wall_mg_[cell] / (half_ml + (1.0 - core_share) * growth_ml);
+        core_mg_[cell] -= moved_mg;
+        wall_mg_[cell] += moved_mg;
+        volume_ml_[cell] += growth_ml;
+        per_volume_[cell] = 2.0 / volume_ml_[cell];
+    }
 }
 
 // The faster layer may not give away more than it holds: then the step is done in parts.
@@ -85,7 +151,7 @@ void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
     const double core = settings_.core_flow_share * dt_s, wall = (1.0 - settings_.core_flow_share) * dt_s;
     carry(core, core_mg_);
     carry(wall, wall_mg_);
-    for (const CellSource &source : sources_) {
+    for (const CellSource &source : std::span(sources_).first(injecting_)) {
         const double mg_per_s = source.flow_ml_s * fluid.iodine_mg_per_ml;
         core_mg_[source.cell] += core * mg_per_s;
         wall_mg_[source.cell] += wall * mg_per_s;
@@ -110,7 +176,8 @@ void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
         } else {
             for (std::size_t i = begin; i < end; ++i) in[i] = k * per_volume[i] * mg[i];
         }
-        out_mg_[r] = share_s * network_.outflow_ml_s(r) * per_volume[end - 1] * mg[end - 1];
+        // What a widening vessel draws back out of its bed is blood without medium.
+        out_mg_[r] = share_s * std::max(network_.outflow_ml_s(r), 0.0) * per_volume[end - 1] * mg[end - 1];
     }
     for (std::size_t r = 0; r < runs.size(); ++r) {
         const std::size_t begin = runs[r].begin, last = runs[r].end - 1;
@@ -143,7 +210,7 @@ void ContrastFlow::mix(double dt_s)
 
 double ContrastFlow::iodine_mg_per_ml(std::size_t cell) const
 {
-    return (core_mg_[cell] + wall_mg_[cell]) / cells_[cell].volume_ml;
+    return (core_mg_[cell] + wall_mg_[cell]) / volume_ml_[cell];
 }
 
 double ContrastFlow::held_mg() const
@@ -165,7 +232,9 @@ std::vector<std::uint8_t> ContrastFlow::snapshot() const
     const std::uint64_t counts[2] = {cells_.size(), mouths_.size()};
     put(counts, sizeof counts);
     put(&budget_, sizeof budget_);
-    for (const std::vector<double> *values : {&core_mg_, &wall_mg_, &tool_mm_})
+    const std::int64_t widening_steps = widening_steps_;
+    put(&widening_steps, sizeof widening_steps);
+    for (const std::vector<double> *values : {&core_mg_, &wall_mg_, &tool_mm_, &volume_ml_})
         put(values->data(), values->size() * sizeof(double));
     put(network_.throat_flows_ml_s().data(), network_.throat_flows_ml_s().size() * sizeof(double));
     for (const CellSource &mouth : mouths_) {
@@ -180,8 +249,8 @@ bool ContrastFlow::restore(std::span<const std::uint8_t> bytes)
 {
     std::uint64_t counts[2];
     std::vector<double> throats(cells_.throats().size());
-    const std::size_t fixed =
-        sizeof counts + sizeof budget_ + 3 * sizeof(double) * cells_.size() + sizeof(double) * throats.size();
+    const std::size_t fixed = sizeof counts + sizeof budget_ + sizeof(std::int64_t) +
+                              4 * sizeof(double) * cells_.size() + sizeof(double) * throats.size();
     if (bytes.size() < fixed) return false;
     const std::uint8_t *from = bytes.data();
     const auto get = [&](void *to, std::size_t size) {
@@ -203,11 +272,15 @@ bool ContrastFlow::restore(std::span<const std::uint8_t> bytes)
         mouth.cell = cell;
     }
     get(&budget_, sizeof budget_);
-    for (std::vector<double> *values : {&core_mg_, &wall_mg_, &tool_mm_})
+    std::int64_t widening_steps;
+    get(&widening_steps, sizeof widening_steps);
+    widening_steps_ = static_cast<int>(std::clamp<std::int64_t>(widening_steps, 0, 1000));
+    for (std::vector<double> *values : {&core_mg_, &wall_mg_, &tool_mm_, &volume_ml_})
         get(values->data(), values->size() * sizeof(double));
     get(throats.data(), throats.size() * sizeof(double));
     network_.set_throat_flows(throats);
     mouths_ = std::move(mouths);
+    take_volumes();
     network_.set_tools(tool_mm_);
     return true;
 }

@@ -57,6 +57,9 @@ class ContrastFlow
 
     const FlowCells &cells() const { return cells_; }
     void place(const VesselTree &moved) { cells_.place(moved); }
+    // Lesions have given way (FlowCells::reshape). Resistances are the new ones at once; volumes become so within that many steps: what is
+    // missing comes from the cells beside, and what is too much goes there, at the concentration it has. 0 steps: every cell keeps its iodine.
+    void reshape(const VesselTree &opened, int steps);
 
     void set_tools(std::span<const ToolBall> balls);
     void set_mouths(std::span<const CatheterMouth> mouths);
@@ -66,18 +69,23 @@ class ContrastFlow
 
     // mg/ml of a cell: of both layers, and of the one around the axis and the one along the wall.
     double iodine_mg_per_ml(std::size_t cell) const;
-    double core_mg_per_ml(std::size_t cell) const { return 2.0 * core_mg_[cell] / cells_[cell].volume_ml; }
-    double wall_mg_per_ml(std::size_t cell) const { return 2.0 * wall_mg_[cell] / cells_[cell].volume_ml; }
+    double core_mg_per_ml(std::size_t cell) const { return 2.0 * core_mg_[cell] / volume_ml_[cell]; }
+    double wall_mg_per_ml(std::size_t cell) const { return 2.0 * wall_mg_[cell] / volume_ml_[cell]; }
     const FlowNetwork &network() const { return network_; }
 
     double held_mg() const; // in the vessels
     const IodineBudget &budget() const { return budget_; }
 
-    // Everything that the next step depends on, as bytes. A snapshot of other vessels is refused.
+    // Everything that the next step depends on besides the vessels' shape, as bytes: open lesions are reshaped before. A snapshot of
+    // other vessels is refused.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 
   private:
+    void take_volumes();
+    void find_widening();
+    void widen(double dt_s);
+    void end_widening();
     double parts_of_step();
     void transport(double dt_s, const InjectedFluid &fluid);
     void carry(double share_s, std::vector<double> &layer_mg);
@@ -86,6 +94,8 @@ class ContrastFlow
     ContrastSettings settings_;
     FlowCells cells_;
     FlowNetwork network_;
+    std::vector<double> volume_ml_;  // of the cells now
+    int widening_steps_ = 0;         // until they are those of cells_
     std::vector<double> per_volume_; // 1 / (volume of a layer), 1/ml
     std::vector<double> mixing_;     // mixing rate per flow, 1/ml
     std::vector<double> tool_mm_;    // thickest tool in the cell
@@ -93,8 +103,10 @@ class ContrastFlow
     std::vector<double> core_mg_, wall_mg_;
     IodineBudget budget_;
     // Of a step, kept for their memory.
-    std::vector<CellSource> sources_;
+    std::vector<CellSource> sources_; // `injecting_` that give fluid, then cells that widen or narrow
+    std::size_t injecting_ = 0;
     std::vector<double> leaving_, in_mg_, out_mg_; // of runs, into cells, out of runs
+    std::vector<double> least_ml_;                 // of cells, while they change
 };
 
 } // namespace seld

@@ -43,27 +43,24 @@ Vector3d between(const std::vector<Vector3d> &points_m, const FlowCell::Place &p
     return points_m[place.point] + place.share * (points_m[place.point + 1] - points_m[place.point]);
 }
 
-// Sums over a stretch of a line whose radius is linear between its points.
-struct Stretch {
-    double volume_mm3 = 0.0, per_r4_mm3 = 0.0; // integrals of pi r^2 ds and of ds / r^4
-};
-
-Stretch stretch_of(const Line &line, double begin_m, double end_m)
+// Sums over a cell's stretch of its branch, whose radius is linear between its points: length, integrals of pi r^2 ds and of ds / r^4.
+void measure(FlowCell &cell, const VesselBranch &branch)
 {
-    Stretch sum;
-    double from_m = begin_m;
-    for (std::size_t i = line.at(begin_m).point; from_m < end_m; ++i) {
-        const bool is_last = i + 2 >= line.arc_m.size();
-        const double to_m = is_last ? end_m : std::min(line.arc_m[i + 1], end_m);
-        const double length = (to_m - from_m) * 1e3;
-        const double a = line.radius_m(from_m) * 1e3, b = line.radius_m(to_m) * 1e3;
+    double volume_mm3 = 0.0;
+    cell.length_mm = cell.per_r4_mm3 = 0.0;
+    for (std::size_t i = cell.first.point; i <= cell.last.point; ++i) {
+        const double from = i == cell.first.point ? cell.first.share : 0.0;
+        const double to = i == cell.last.point ? cell.last.share : 1.0;
+        const double length = (to - from) * (branch.points_m[i + 1] - branch.points_m[i]).norm() * 1e3;
+        const double step = branch.radii_m[i + 1] - branch.radii_m[i];
+        const double a = (branch.radii_m[i] + from * step) * 1e3, b = (branch.radii_m[i] + to * step) * 1e3;
         const double mean_square = (a * a + a * b + b * b) / 3.0;
-        sum.volume_mm3 += pi * mean_square * length;
-        sum.per_r4_mm3 += length * mean_square / (a * a * a * b * b * b);
-        if (is_last) break;
-        from_m = to_m;
+        cell.length_mm += length;
+        volume_mm3 += pi * mean_square * length;
+        cell.per_r4_mm3 += length * mean_square / (a * a * a * b * b * b);
     }
-    return sum;
+    cell.volume_ml = volume_mm3 * 1e-3;
+    cell.radius_mm = std::sqrt(volume_mm3 / (pi * cell.length_mm));
 }
 
 double wanted_length_m(double radius_m)
@@ -104,18 +101,14 @@ void FlowCells::cut(const VesselTree &tree, std::size_t index)
     const double stretch = length_m / faces_m.back();
     for (std::size_t i = 0; i + 1 < faces_m.size(); ++i) {
         const double a_m = begin_m + stretch * faces_m[i], b_m = begin_m + stretch * faces_m[i + 1];
-        const Stretch sums = stretch_of(line, a_m, b_m);
         FlowCell cell;
         cell.branch = static_cast<int>(index);
         cell.upstream = static_cast<int>(cells_.size()) - 1;
         cell.bed = branch.bed;
-        cell.length_mm = (b_m - a_m) * 1e3;
-        cell.volume_ml = sums.volume_mm3 * 1e-3;
-        cell.per_r4_mm3 = sums.per_r4_mm3;
-        cell.radius_mm = std::sqrt(sums.volume_mm3 / (pi * cell.length_mm));
         cell.first = line.at(a_m);
         cell.middle = line.at(0.5 * (a_m + b_m));
         cell.last = line.at(b_m);
+        measure(cell, branch);
         cells_.push_back(cell);
     }
     FlowCell &first = cells_[branch_begin_[index]];
@@ -154,11 +147,29 @@ Eigen::Vector3d FlowCells::at(std::size_t cell, const FlowCell::Place &place) co
     return between(points_m_[static_cast<std::size_t>(cells_[cell].branch)], place);
 }
 
+bool FlowCells::is_alike(const VesselTree &tree) const
+{
+    if (tree.branches.size() != points_m_.size() || tree.lesions.size() != throats_.size()) return false;
+    for (std::size_t b = 0; b < points_m_.size(); ++b)
+        if (tree.branches[b].points_m.size() != points_m_[b].size()) return false;
+    return true;
+}
+
+void FlowCells::reshape(const VesselTree &opened)
+{
+    if (!is_alike(opened)) return;
+    for (std::size_t k = 0; k < opened.lesions.size(); ++k) {
+        const VesselLesion &lesion = opened.lesions[k];
+        for (std::size_t i = branch_begin_[lesion.branch]; i < branch_begin_[lesion.branch + 1]; ++i)
+            measure(cells_[i], opened.branches[lesion.branch]);
+        throats_[k] = throat_of(opened, lesion);
+    }
+    place(opened);
+}
+
 void FlowCells::place(const VesselTree &moved)
 {
-    if (moved.branches.size() != points_m_.size()) return;
-    for (std::size_t b = 0; b < points_m_.size(); ++b)
-        if (moved.branches[b].points_m.size() != points_m_[b].size()) return;
+    if (!is_alike(moved)) return;
     for (std::size_t b = 0; b < points_m_.size(); ++b) points_m_[b] = moved.branches[b].points_m;
     for (std::size_t i = 0; i < cells_.size(); ++i) middle_m_[i] = at(i, cells_[i].middle);
 }

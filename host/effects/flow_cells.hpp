@@ -1,6 +1,7 @@
 // The tree of vessels cut into cells of blood: position, radius, length and volume of each, and the cell it is fed from.
 //
 //   FlowCells cells(tree);        // cells of a branch follow each other; a cell stands behind the one that feeds it
+//   cells.reshape(opened);        // the same vessels with lesions that have given way: other radii, volumes and places
 //   cells.place(moved);           // the same vessels elsewhere (a beating heart): radii and volumes stay
 //   cells.nearest(tip_m);
 //
@@ -49,7 +50,9 @@ class FlowCells
 
     const std::vector<FlowThroat> &throats() const { return throats_; } // one for each lesion
 
-    // Other places for the tree's points: as many branches and points as it had. Others are left out.
+    // Other points and radii within the tree's lesions, in the pose that the tree had. What flows into the beds stays as it was.
+    void reshape(const VesselTree &opened);
+    // Other places for the tree's points: as many branches, points and lesions as it had. Others are left out.
     void place(const VesselTree &moved);
     const Eigen::Vector3d &middle_m(std::size_t i) const { return middle_m_[i]; }
     Eigen::Vector3d first_face_m(std::size_t i) const { return at(i, cells_[i].first); }
@@ -60,6 +63,7 @@ class FlowCells
 
   private:
     void cut(const VesselTree &tree, std::size_t branch);
+    bool is_alike(const VesselTree &tree) const;
     FlowThroat throat_of(const VesselTree &tree, const VesselLesion &lesion) const;
     Eigen::Vector3d at(std::size_t cell, const FlowCell::Place &place) const;
 

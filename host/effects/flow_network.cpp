@@ -46,19 +46,15 @@ double annulus_share(double share)
     return std::max(1.0 - square * square - open * open / logarithm(1.0 / share), 0.0);
 }
 
-FlowNetwork::FlowNetwork(const FlowCells &cells, double viscosity_mPa_s)
+FlowNetwork::FlowNetwork(const FlowCells &cells, double viscosity_mPa_s) : viscosity_mPa_s_(viscosity_mPa_s)
 {
     const std::size_t count = cells.size();
     ends_run_.assign(count, 1);
     for (std::size_t i = 0; i < count; ++i) {
         const FlowCell &cell = cells[i];
-        // Hagen-Poiseuille, 8 mu/pi times the integral of ds/r^4, from Pa s/m^3 to mmHg s/ml.
-        const double resistance = 8.0 * viscosity_mPa_s * cell.per_r4_mm3 / pi * mmHg_per_Pa;
         upstream_.push_back(cell.upstream);
-        open_.push_back(1.0 / resistance);
         outlet_.push_back(cell.outlet_ml_s / mean_pressure_mmHg);
         bed_.push_back(cell.bed);
-        radius_mm_.push_back(cell.radius_mm);
         volume_ml_.push_back(cell.volume_ml);
     }
     std::vector<int> fed(count, 0); // cells fed by each
@@ -66,11 +62,44 @@ FlowNetwork::FlowNetwork(const FlowCells &cells, double viscosity_mPa_s)
         if (up >= 0) ++fed[static_cast<std::size_t>(up)];
     for (std::size_t i = 0; i + 1 < count; ++i)
         if (upstream_[i + 1] == static_cast<int>(i) && fed[i] == 1 && !(outlet_[i] > 0.0)) ends_run_[i] = 0;
-    throats_ = cells.throats();
+    take_shape(cells);
     throat_loss_.resize(throats_.size());
     throat_flows_.assign(throats_.size(), 0.0);
     set_tools({});
     divide({});
+}
+
+// Hagen-Poiseuille, 8 mu/pi times the integral of ds/r^4, from Pa s/m^3 to mmHg s/ml.
+void FlowNetwork::take_shape(const FlowCells &cells)
+{
+    open_.resize(cells.size());
+    radius_mm_.resize(cells.size());
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        open_[i] = 1.0 / (8.0 * viscosity_mPa_s_ * cells[i].per_r4_mm3 / pi * mmHg_per_Pa);
+        radius_mm_[i] = cells[i].radius_mm;
+    }
+    throats_ = cells.throats();
+}
+
+void FlowNetwork::reshape(const FlowCells &cells, std::span<const double> tool_radius_mm)
+{
+    if (cells.size() != open_.size()) return;
+    take_shape(cells);
+    set_tools(tool_radius_mm);
+}
+
+void FlowNetwork::set_volumes(std::span<const double> volume_ml)
+{
+    if (volume_ml.size() != volume_ml_.size()) return;
+    std::copy(volume_ml.begin(), volume_ml.end(), volume_ml_.begin());
+    for (FlowRun &run : runs_) run.smallest_ml = smallest_ml(run.begin, run.end);
+}
+
+double FlowNetwork::smallest_ml(std::size_t begin, std::size_t end) const
+{
+    const auto first = volume_ml_.begin();
+    return *std::min_element(first + static_cast<std::ptrdiff_t>(begin),
+                             first + static_cast<std::ptrdiff_t>(end));
 }
 
 void FlowNetwork::set_tools(std::span<const double> tool_radius_mm)
@@ -114,9 +143,8 @@ void FlowNetwork::divide(std::span<const CellSource> sources)
         run_of_[i] = runs_.size();
         if (!ends[i]) continue;
         const int up = upstream_[begin];
-        const auto first = volume_ml_.begin() + static_cast<std::ptrdiff_t>(begin);
         runs_.push_back({begin, i + 1, up < 0 ? -1 : static_cast<int>(run_of_[static_cast<std::size_t>(up)]),
-                         *std::min_element(first, first + static_cast<std::ptrdiff_t>(i + 1 - begin))});
+                         smallest_ml(begin, i + 1)});
         begin = i + 1;
     }
     rows_.assign(runs_.size(), {});

@@ -35,6 +35,9 @@ class FlowNetwork
     FlowNetwork() = default;
     FlowNetwork(const FlowCells &cells, double viscosity_mPa_s);
 
+    // Lesions have given way: the same cells with other radii. Tools as in set_tools.
+    void reshape(const FlowCells &cells, std::span<const double> tool_radius_mm);
+    void set_volumes(std::span<const double> volume_ml); // of the cells
     // Radius of the thickest tool in each cell, mm; 0: none.
     void set_tools(std::span<const double> tool_radius_mm);
     void solve(const FlowDrive &drive, std::span<const CellSource> sources);
@@ -66,10 +69,13 @@ class FlowNetwork
                way = 0.0; // conductance from the last cell of the run upstream, without and with throats
         double pressure_mmHg = 0.0, injected_ml_s = 0.0;
     };
+    void take_shape(const FlowCells &cells);
+    double smallest_ml(std::size_t begin, std::size_t end) const;
     void divide(std::span<const CellSource> sources);
     void set_ways();
     void add_throats();
 
+    double viscosity_mPa_s_ = 0.0;
     std::vector<FlowThroat> throats_;
     std::vector<double> throat_loss_,
         throat_flows_; // mmHg per (ml/s)^2 with the tools that stand in it; ml/s

@@ -27,11 +27,13 @@ double LesionFigures::area_percent() const
     return 100.0 * (1.0 - left * left);
 }
 
-std::vector<LesionFigures> lesion_figures(const VesselTree &tree, double viscosity_mPa_s)
+std::vector<LesionFigures> lesion_figures(const VesselTree &tree, double viscosity_mPa_s,
+                                          const VesselTree *opened)
 {
     std::vector<LesionFigures> all;
     if (tree.lesions.empty()) return all;
-    const FlowCells cells(tree);
+    FlowCells cells(tree);
+    if (opened) cells.reshape(*opened);
     FlowNetwork rest(cells, viscosity_mPa_s), hyperaemia(cells, viscosity_mPa_s);
     const FlowDrive resting;
     FlowDrive open;

@@ -25,8 +25,10 @@ struct LesionFigures {
 };
 
 // By the mean pressure and flows, without tools. In hyperaemia the heart's beds are `hyperaemia_openness` times as open as at rest (the
-// coronary flow reserve of a healthy heart is 3 to 5); others stay.
+// coronary flow reserve of a healthy heart is 3 to 5); others stay. `opened`: the same vessels with lesions that have given way; nullptr:
+// as they were baked.
 constexpr double hyperaemia_openness = 4.0;
-std::vector<LesionFigures> lesion_figures(const VesselTree &tree, double viscosity_mPa_s);
+std::vector<LesionFigures> lesion_figures(const VesselTree &tree, double viscosity_mPa_s,
+                                          const VesselTree *opened = nullptr);
 
 } // namespace seld

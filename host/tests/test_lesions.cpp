@@ -1,7 +1,10 @@
 // Claims: a lesion costs the pressure that Poiseuille's law and the jet behind its throat say, takes flow from what lies behind it, more so
-// in hyperaemia and with a wire in it, delays contrast medium, and its state is part of a snapshot. Closed forms stand at each test.
+// in hyperaemia and with a wire in it, delays contrast medium, and its state is part of a snapshot; where it gives way it costs what is left,
+// and no iodine is lost. Closed forms stand at each test.
 #include "host/effects/contrast_flow.hpp"
 #include "host/effects/lesion_figures.hpp"
+#include "host/model/lesion_opening.hpp"
+#include <algorithm>
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -189,6 +192,133 @@ void a_snapshot_goes_on_as_the_original_does(void **)
     assert_false(copy.restore(short_of_it));
 }
 
+// --- lesions that give way ---
+
+// The same vessel wholly or half open: points stay (it is concentric), radii are half way.
+VesselTree opened(const VesselTree &tree, double share)
+{
+    const LesionStations stations{21, 1e-3};
+    std::vector<double> open(21, share);
+    VesselTree now = tree;
+    LesionOpening(tree, {&stations, 1}).open(tree, open, now);
+    return now;
+}
+
+void opened_wholly_it_costs_what_the_healthy_vessel_does(void **)
+{
+    const VesselTree tree = vessel(0.375), now = opened(tree, 1);
+    const LesionFigures f = lesion_figures(tree, viscosity_mPa_s, &now).at(0);
+    const LesionFigures healthy = figures_of(vessel(healthy_mm));
+    within("ffr", f.ffr, healthy.ffr, 1e-9);
+    within("ml/s", f.rest_flow_ml_s, healthy.rest_flow_ml_s, 1e-9);
+    within("mm", f.minimum_diameter_mm, 2 * healthy_mm, 1e-9);
+    assert_true(std::fabs(f.diameter_percent()) < 1e-9);
+}
+
+// 0.375 + 0.6 (1.5 - 0.375) mm: the drop is that of a vessel baked so.
+void opened_partly_it_costs_what_is_left(void **)
+{
+    const VesselTree tree = vessel(0.375), now = opened(tree, 0.6);
+    const LesionFigures f = lesion_figures(tree, viscosity_mPa_s, &now).at(0),
+                        as_baked = figures_of(vessel(1.05));
+    within("mm", f.minimum_diameter_mm, 2.1, 1e-9);
+    within("percent", f.diameter_percent(), 30, 1e-9);
+    within("mmHg", f.hyperaemic_drop_mmHg, as_baked.hyperaemic_drop_mmHg, 1e-9);
+    within("ffr", f.ffr, as_baked.ffr, 1e-9);
+}
+
+// Stations lie evenly about the lesion's middle; between two of them it is linear. 20 mm in 7 gaps of 4 mm: from -4 to 24 mm.
+void a_place_is_open_as_the_stations_beside_it(void **)
+{
+    const VesselTree tree = vessel(0.375);
+    const LesionStations stations{8, 4e-3};
+    const LesionOpening opening(tree, {&stations, 1});
+    const std::vector<double> open = {0, 0, 0, 1, 0.5, 0, 0, 0};
+    for (const auto &[arc_mm, share] :
+         {std::pair{8.0, 1.0}, {10.0, 0.75}, {12.0, 0.5}, {5.0, 0.25}, {0.0, 0.0}})
+        assert_true(std::fabs(LesionOpening::at(opening.place(0, arc_mm * 1e-3), open) - share) < 1e-12);
+    assert_true(opening.is_any_open(open));
+    assert_false(opening.is_any_open(std::vector<double>(8, 0.0)));
+    assert_false(opening.is_any_open({})); // a device that says nothing
+}
+
+double lost_mg(const ContrastFlow &contrast)
+{
+    const IodineBudget &budget = contrast.budget();
+    return std::fabs(budget.injected_mg - contrast.held_mg() - budget.out_mg - budget.reflux_mg);
+}
+
+// Opened under a balloon that lets nothing past, let go, recoiling by a third, opened again, while medium is injected before it: no iodine is
+// lost, none is anywhere stronger than it was injected, and cells hold what their shape says.
+void iodine_is_conserved_while_the_wall_gives_way(void **)
+{
+    const VesselTree tree = vessel(0.375);
+    ContrastFlow contrast(tree);
+    const CatheterMouth mouth{{0.005, 0, 0}, 1.0};
+    contrast.set_mouths({&mouth, 1});
+    std::vector<ToolBall> balloon;
+    double share = 0, strongest = 0, worst = 0;
+    for (int ms = 0; ms < 4000; ++ms) {
+        const bool is_up = ms / 1000 % 2 == 1;
+        if (ms % 1000 == 0) {
+            balloon.clear();
+            for (int x = 24; is_up && x <= 38; ++x) balloon.push_back({{x * 1e-3, 0, 0}, 1.5e-3});
+            contrast.set_tools(balloon);
+        }
+        if (ms % 40 == 0) {
+            const double wanted = is_up ? 1.0 : ms < 1000 ? 0.0 : 0.65;
+            share += std::clamp(wanted - share, -0.1, 0.1);
+            contrast.reshape(opened(tree, share), 40);
+            contrast.set_tools(balloon);
+        }
+        contrast.step({}, {ms % 1500 < 700 ? 1.5 : 0.0, 350.0});
+        worst = std::max(worst, lost_mg(contrast));
+        for (std::size_t i = 0; i < contrast.cells().size(); ++i) {
+            assert_true(contrast.core_mg_per_ml(i) > -1e-9 && contrast.wall_mg_per_ml(i) > -1e-9);
+            strongest = std::max({strongest, contrast.core_mg_per_ml(i), contrast.wall_mg_per_ml(i)});
+        }
+    }
+    const double injected = contrast.budget().injected_mg;
+    print_message("# lost %.2g of %.0f mg, strongest %.9g mg/ml\n", worst, injected, strongest);
+    assert_true(injected > 500 && worst < 1e-9 * injected);
+    assert_true(strongest < 350.0 * (1 + 1e-9));
+}
+
+// A vessel full of medium at the strength injected that opens stays full: what is missing comes from the cell before, which has as much.
+void what_a_widening_cell_takes_has_its_neighbours_strength(void **)
+{
+    const VesselTree tree = vessel(0.9);
+    ContrastFlow contrast(tree);
+    const CatheterMouth mouth{{0.001, 0, 0}, 1.0};
+    contrast.set_mouths({&mouth, 1});
+    for (int ms = 0; ms < 9000; ++ms) contrast.step({}, {6.0, 350.0});
+    const std::size_t cell = contrast.cells().nearest({0.03, 0, 0});
+    within("mg/ml", contrast.iodine_mg_per_ml(cell), 350.0, 1e-6);
+    const double before_ml = contrast.cells()[cell].volume_ml;
+    contrast.reshape(opened(tree, 1), 40);
+    for (int ms = 0; ms < 60; ++ms) contrast.step({}, {6.0, 350.0});
+    assert_true(contrast.cells()[cell].volume_ml > 2 * before_ml);
+    within("mg/ml", contrast.iodine_mg_per_ml(cell), 350.0, 1e-6);
+}
+
+void a_snapshot_goes_on_while_the_wall_gives_way(void **)
+{
+    const VesselTree tree = vessel(0.375);
+    ContrastFlow contrast(tree), copy(tree);
+    const CatheterMouth mouth{{0.005, 0, 0}, 1.0};
+    contrast.set_mouths({&mouth, 1});
+    for (int ms = 0; ms < 700; ++ms) contrast.step({}, {0.5, 350.0});
+    contrast.reshape(opened(tree, 0.4), 40);
+    for (int ms = 0; ms < 17; ++ms) contrast.step({}, {0.5, 350.0});
+    copy.reshape(opened(tree, 0.4), 40);
+    assert_true(copy.restore(contrast.snapshot()));
+    for (int ms = 0; ms < 50; ++ms) {
+        contrast.step({}, {0.5, 350.0});
+        copy.step({}, {0.5, 350.0});
+    }
+    assert_true(copy.snapshot() == contrast.snapshot());
+}
+
 void lesions_of_no_vessel_are_refused(void **)
 {
     std::string error;
@@ -217,6 +347,12 @@ int main()
         cmocka_unit_test(a_wire_in_the_throat_takes_flow),
         cmocka_unit_test(medium_arrives_later_behind_a_lesion),
         cmocka_unit_test(a_snapshot_goes_on_as_the_original_does),
+        cmocka_unit_test(opened_wholly_it_costs_what_the_healthy_vessel_does),
+        cmocka_unit_test(opened_partly_it_costs_what_is_left),
+        cmocka_unit_test(a_place_is_open_as_the_stations_beside_it),
+        cmocka_unit_test(iodine_is_conserved_while_the_wall_gives_way),
+        cmocka_unit_test(what_a_widening_cell_takes_has_its_neighbours_strength),
+        cmocka_unit_test(a_snapshot_goes_on_while_the_wall_gives_way),
         cmocka_unit_test(lesions_of_no_vessel_are_refused),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

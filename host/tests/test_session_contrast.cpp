@@ -288,6 +288,108 @@ void medium_moves_with_the_vessels(void **)
     assert_true(largest_m > 0.5e-3);
 }
 
+// --- lesions that give way ---
+
+// 60 mm of the aorta's end, y = -160 to -220 mm behind the catheter's tip, narrowed from 8 to 2 mm and 3 mm to the left.
+VesselTree narrowed_aorta()
+{
+    VesselTree tree = aorta();
+    VesselLesion lesion;
+    lesion.name = "plaque";
+    lesion.first_point = 16;
+    for (std::size_t i = 16; i <= 22; ++i) {
+        lesion.healthy_points_m.push_back(tree.branches[0].points_m[i]);
+        lesion.healthy_radii_m.push_back(0.008);
+        if (i == 16 || i == 22) continue;
+        tree.branches[0].points_m[i].x() = 0.003;
+        tree.branches[0].radii_m[i] = 0.002;
+    }
+    tree.lesions.push_back(lesion);
+    return tree;
+}
+
+const LesionStations stations_of_aorta{7, 0.01};
+
+// Open by 0.7 within a second, from second 1 on, and by 0.5 again from second 2 on: medium fills it in the meantime.
+WireFrame giving_way_at(std::uint32_t tick)
+{
+    WireFrame wire = line_at(tick);
+    const double share = tick < 1000 ? 0.0 : tick < 2000 ? 0.7e-3 * (tick - 1000) : 0.5;
+    wire.lesions_open.assign(7, share);
+    return wire;
+}
+
+void a_lesion_that_gives_way_widens_cells_and_columns(void **)
+{
+    SessionContrast often(narrowed_aorta(), wire_and_catheter, nullptr,
+                          {narrowed_aorta(), {&stations_of_aorta, 1}}),
+        seldom(often);
+    for (SessionContrast *contrast : {&often, &seldom}) {
+        const std::uint32_t frame_ticks = contrast == &often ? 7 : 1000;
+        contrast->advance(giving_way_at(0));
+        contrast->command(1, {RoomAction::inject, {60000, 20000, 0}});
+        for (std::uint32_t tick = 0; tick < 3000;) {
+            tick = std::min({3000u, contrast->next_tick(), (tick / frame_ticks + 1) * frame_ticks});
+            contrast->advance(giving_way_at(tick));
+        }
+    }
+    assert_true(often.flow().snapshot() == seldom.flow().snapshot());
+    const IodineBudget &budget = often.flow().budget();
+    const double lost_mg = budget.injected_mg - often.flow().held_mg() - budget.out_mg - budget.reflux_mg;
+    assert_true(budget.injected_mg > 10000 && std::fabs(lost_mg) < 1e-9 * budget.injected_mg);
+    const FlowCells &cells = often.flow().cells(); // half open: 5 mm, 1.5 mm to the left
+    const Vector3d middle_m(0.0015, -0.19, 0);
+    const std::size_t cell = cells.nearest(middle_m);
+    assert_true(std::fabs(cells[cell].radius_mm - 5) < 1e-9 &&
+                std::fabs(cells.middle_m(cell).x() - 0.0015) < 1e-9);
+    double widest_m = 0;
+    for (const SweptCurve &curve : often.curves())
+        for (const SweptPoint &point : curve.points)
+            if (std::fabs(point.at_m.y() + 0.19) < 0.005) widest_m = std::max(widest_m, point.radius_m);
+    assert_true(std::fabs(widest_m - 0.005) < 1e-6);
+    const VesselTree opened = often.opened_vessels();
+    assert_true(std::fabs(opened.branches[0].radii_m[19] - 0.005) < 1e-12);
+    assert_true(often.vessels().branches[0].radii_m[19] == 0.002);
+}
+
+// Wholly open, in the sample's moving scene: cells are where the heart takes the healthy vessel.
+void an_open_lesion_moves_with_the_heart(void **)
+{
+    alignas(16) static std::uint8_t file[SAMPLE_BYTES_MAX];
+    seld_scene scene{};
+    if (seld_scene_open(file, sample_moving_scene(file, sizeof file), &scene, nullptr) != SELD_SCENE_OK)
+        fail_msg("the sample does not open");
+    const Motion motion(scene);
+    VesselTree narrow = aorta();
+    for (std::size_t i = 0; i < narrow.branches[0].points_m.size(); ++i) {
+        narrow.branches[0].points_m[i] = {0.001 * (static_cast<double>(i) - 15.0), 0.0078, 0.0078};
+        narrow.branches[0].radii_m[i] = 0.002;
+    }
+    VesselLesion lesion;
+    lesion.name = "plaque";
+    lesion.first_point = 10;
+    for (std::size_t i = 10; i <= 20; ++i) {
+        lesion.healthy_points_m.push_back(narrow.branches[0].points_m[i]);
+        lesion.healthy_radii_m.push_back(0.002);
+        narrow.branches[0].points_m[i].z() += 0.0008;
+        narrow.branches[0].radii_m[i] = 0.0008;
+    }
+    narrow.lesions.push_back(lesion);
+    const LesionStations stations{11, 0.001};
+    SessionContrast contrast(narrow, wire_and_catheter, &motion, {narrow, {&stations, 1}});
+    contrast.command(0, inject_6_ml);
+    WireFrame wire = line_at(40);
+    wire.heart_phase32 = 1u << 31;
+    wire.lesions_open.assign(11, 1.0);
+    contrast.advance(wire);
+    const FlowCells &cells = contrast.flow().cells();
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        if (std::fabs(cells[i].radius_mm - 2) > 1e-9) fail_msg("cell %zu: %.6f mm", i, cells[i].radius_mm);
+        const Vector3d rest_m = motion.pull(cells.middle_m(i), MotionMoment{wire.heart_phase32, 0});
+        if (std::hypot(rest_m.y() - 0.0078, rest_m.z() - 0.0078) > 1e-4) fail_msg("cell %zu is elsewhere", i);
+    }
+}
+
 // --- the ways to ask for it ---
 
 void scripts_ask_for_it_in_millilitres(void **)
@@ -349,6 +451,8 @@ int main()
         cmocka_unit_test(a_pigtail_gives_medium_through_its_side_holes),
         cmocka_unit_test(blood_flows_with_the_cores_heart),
         cmocka_unit_test(medium_moves_with_the_vessels),
+        cmocka_unit_test(a_lesion_that_gives_way_widens_cells_and_columns),
+        cmocka_unit_test(an_open_lesion_moves_with_the_heart),
         cmocka_unit_test(scripts_ask_for_it_in_millilitres),
         cmocka_unit_test(a_rigs_syringe_injects_what_its_plunger_gives),
     };

@@ -186,64 +186,6 @@ void place(VesselTree &tree, const LesionText &text)
     tree.lesions.push_back(std::move(lesion));
 }
 
-// Nearest place of the healthy centreline within a lesion, and what it becomes.
-struct Foot {
-    double radii = std::numeric_limits<double>::infinity(); // distance over the healthy radius
-    Vector3d healthy_m, channel_m;
-    double left = 1; // of the radius
-};
-
-Foot foot_of(const VesselTree &tree, const VesselLesion &lesion, const Vector3d &place_m)
-{
-    const VesselBranch &branch = tree.branches[lesion.branch];
-    Foot foot;
-    double least_m = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i + 1 < lesion.size(); ++i) {
-        const Vector3d &a = lesion.healthy_points_m[i], step = lesion.healthy_points_m[i + 1] - a;
-        const double share = std::clamp((place_m - a).dot(step) / step.squaredNorm(), 0.0, 1.0);
-        const double distance_m = (place_m - a - share * step).norm();
-        if (distance_m >= least_m) continue;
-        least_m = distance_m;
-        const std::size_t k = lesion.first_point + i;
-        const double healthy_m =
-            lesion.healthy_radii_m[i] + share * (lesion.healthy_radii_m[i + 1] - lesion.healthy_radii_m[i]);
-        const double now_m = branch.radii_m[k] + share * (branch.radii_m[k + 1] - branch.radii_m[k]);
-        foot = {distance_m / healthy_m, a + share * step,
-                branch.points_m[k] + share * (branch.points_m[k + 1] - branch.points_m[k]),
-                now_m / healthy_m};
-    }
-    return foot;
-}
-
-// The branch of a lesion as it was before.
-void heal(VesselBranch &branch, const VesselLesion &lesion)
-{
-    const auto first = static_cast<std::ptrdiff_t>(lesion.first_point);
-    std::copy(lesion.healthy_points_m.begin(), lesion.healthy_points_m.end(),
-              branch.points_m.begin() + first);
-    std::copy(lesion.healthy_radii_m.begin(), lesion.healthy_radii_m.end(), branch.radii_m.begin() + first);
-}
-
-// Distance to the nearest other vessel over its radius there.
-double radii_to_others(const VesselTree &healthy, std::size_t own, const Vector3d &place_m)
-{
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t b = 0; b < healthy.branches.size(); ++b)
-        if (b != own) least = std::min(least, vessel_foot(healthy.branches[b], place_m).radii);
-    return least;
-}
-
-// How much of the way a wall goes: all of it near the vessel and none far from it, nor where it is rather another vessel's.
-double share_of_way(const VesselTree &healthy, const VesselLesion &lesion, const Foot &foot,
-                    const Vector3d &place_m)
-{
-    const double fade =
-        std::clamp((lesion_far_radii - foot.radii) / (lesion_far_radii - lesion_near_radii), 0.0, 1.0);
-    if (fade == 0) return 0;
-    const double ahead = radii_to_others(healthy, lesion.branch, place_m) - foot.radii;
-    return fade * fade * (3 - 2 * fade) * std::clamp(1 + 2 * ahead, 0.0, 1.0);
-}
-
 } // namespace
 
 void place_lesions(VesselTree &tree, const std::vector<LesionText> &lesions)
@@ -257,30 +199,20 @@ void place_lesions(VesselTree &tree, const std::vector<LesionText> &lesions)
 
 Eigen::AlignedBox3d lesion_box_mm(const VesselLesion &lesion, double radii)
 {
-    Eigen::AlignedBox3d box;
-    for (std::size_t i = 0; i < lesion.size(); ++i) {
-        const Vector3d margin = Vector3d::Constant(radii * lesion.healthy_radii_m[i] * 1e3);
-        box.extend(lesion.healthy_points_m[i] * 1e3 - margin);
-        box.extend(lesion.healthy_points_m[i] * 1e3 + margin);
-    }
-    return box;
+    const Eigen::AlignedBox3d box_m = lesion_box_m(lesion, radii);
+    return {box_m.min() * 1e3, box_m.max() * 1e3};
 }
 
 std::vector<bool> narrow_lesions(std::vector<Vector3d> &vertices_mm, const VesselTree &tree)
 {
     std::vector<bool> moved(vertices_mm.size(), false);
-    VesselTree healthy = tree;
-    for (const VesselLesion &lesion : tree.lesions) heal(healthy.branches[lesion.branch], lesion);
-    for (const VesselLesion &lesion : tree.lesions) {
-        const Eigen::AlignedBox3d reach = lesion_box_mm(lesion, lesion_far_radii); // passed over quickly
+    for (std::size_t k = 0; k < tree.lesions.size(); ++k) {
+        const LesionWall wall(tree, k);
         for (std::size_t v = 0; v < vertices_mm.size(); ++v) {
-            if (!reach.contains(vertices_mm[v])) continue;
-            const Foot foot = foot_of(tree, lesion, vertices_mm[v] * 1e-3);
-            const double share = share_of_way(healthy, lesion, foot, vertices_mm[v] * 1e-3);
-            const Vector3d there = foot.channel_m * 1e3 + foot.left * (vertices_mm[v] - foot.healthy_m * 1e3);
-            const Vector3d way = share * (there - vertices_mm[v]);
-            if (way.norm() < 1e-3) continue;
-            vertices_mm[v] += way;
+            if (!wall.reach_m().contains(vertices_mm[v] * 1e-3)) continue; // passed over quickly
+            const Vector3d way_mm = wall.way_m(vertices_mm[v] * 1e-3) * 1e3;
+            if (way_mm.norm() < 1e-3) continue;
+            vertices_mm[v] += way_mm;
             moved[v] = true;
         }
     }
@@ -289,14 +221,21 @@ std::vector<bool> narrow_lesions(std::vector<Vector3d> &vertices_mm, const Vesse
 
 VesselTree lesions_within(const VesselTree &tree, const TriangleTree &body)
 {
+    const VesselTree healthy = healthy_tree(tree);
     VesselTree within = tree;
     within.lesions.clear();
     for (const VesselLesion &lesion : tree.lesions) {
         const auto is_inside = [&](const Vector3d &p_m) { return body.nearest(p_m * 1e3).distance_mm < 0; };
-        if (std::any_of(lesion.healthy_points_m.begin(), lesion.healthy_points_m.end(), is_inside))
+        if (std::any_of(lesion.healthy_points_m.begin(), lesion.healthy_points_m.end(), is_inside)) {
             within.lesions.push_back(lesion);
-        else
-            heal(within.branches[lesion.branch], lesion);
+            continue;
+        }
+        const auto first = static_cast<std::ptrdiff_t>(lesion.first_point),
+                   end = first + static_cast<std::ptrdiff_t>(lesion.size());
+        const VesselBranch &from = healthy.branches[lesion.branch];
+        VesselBranch &to = within.branches[lesion.branch];
+        std::copy(from.points_m.begin() + first, from.points_m.begin() + end, to.points_m.begin() + first);
+        std::copy(from.radii_m.begin() + first, from.radii_m.begin() + end, to.radii_m.begin() + first);
     }
     return within;
 }

@@ -8,16 +8,13 @@
 // 1/2 along the lesion, S the stenosis by diameter. Its middle lies e (R - r) off the vessel's, away from the plaque.
 // May include: mesh.hpp, host/model. Called by: bake.cpp, tests.
 #pragma once
-#include "host/model/vessel_tree.hpp"
+#include "host/model/lesion_wall.hpp"
 #include "tools/bake/container.hpp"
 #include "tools/bake/mesh.hpp"
 #include "tools/bake/triangle_tree.hpp"
 
 namespace seld::bake
 {
-
-// A wall goes with the lesion up to so many radii from the healthy centreline; beyond the second it stays.
-constexpr double lesion_near_radii = 1.6, lesion_far_radii = 2.4;
 
 // Box around everything within so many radii of a lesion's healthy centreline.
 Eigen::AlignedBox3d lesion_box_mm(const VesselLesion &lesion, double radii);

@@ -1,0 +1,56 @@
+// Meshes around lesions that have given way: the wall of blood goes back towards the healthy vessel, calcium is pushed outwards with it.
+//
+//   OpenedBodies opened(bodies, opening, motion);
+//   for (const auto &body : opened.at(moment, wire.lesions_open, moving.at(moment))) ...
+//
+// Only vertices near a lesion are touched, none while nothing is open. May include: motion, lesion_opening, lesion_wall.
+// Called by: host/app, tests.
+#pragma once
+#include "host/model/lesion_opening.hpp"
+#include "host/model/motion.hpp"
+
+namespace seld
+{
+
+class LesionWall;
+
+class OpenedBodies
+{
+  public:
+    // Finds the vertices: a body of blood that a lesion's vessel runs through, and the calcium that the baker made for it (the body
+    // LESION_calcium). `motion` may be null: everything stands still.
+    OpenedBodies(const Bodies &bodies, const LesionOpening &opening, const Motion *motion);
+
+    bool is_empty() const { return opened_.empty(); }
+    std::size_t vertex_count() const; // that go with lesions
+    std::vector<int> bodies() const;  // that have some
+
+    // `moved`, what the heart moves at that moment, with the bodies of open lesions as they are. Valid until the next call.
+    const std::vector<MovingBodies::Moved> &at(const MotionMoment &moment,
+                                               std::span<const double> lesions_open,
+                                               std::span<const MovingBodies::Moved> moved = {});
+
+  private:
+    struct Vertex {
+        std::uint32_t index = 0;
+        LesionOpening::Place place;
+        Eigen::Vector3d healthy_m = Eigen::Vector3d::Zero(); // in the reference pose
+    };
+    struct Opened {
+        int body = 0;
+        std::vector<std::size_t> lesions; // that reach it
+        std::vector<Vertex> vertices;
+        std::optional<MovingPoints> healthy; // where it moves
+        std::vector<Eigen::Vector3i> narrow_um, vertices_um;
+    };
+    void find_wall(const Body &body, std::size_t lesion, const LesionWall &wall, Opened &opened) const;
+    void find_calcium(const Body &body, std::size_t lesion, const LesionWall &wall, Opened &opened) const;
+    static void place(Opened &opened, std::span<const Eigen::Vector3i> narrow_um,
+                      const MotionWeights &weights, std::span<const double> lesions_open);
+
+    LesionOpening opening_;
+    std::vector<Opened> opened_;
+    std::vector<MovingBodies::Moved> at_;
+};
+
+} // namespace seld
