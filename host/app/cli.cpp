@@ -163,8 +163,11 @@ void add_surface(CLI::App &app, SurfaceOptions &options)
     command->add_option("recording", options.recording, "Recording of a session in a scene with lesions")
         ->required();
     command->add_option("--at", options.at_s, "Moment, s from the begin; once per moment")
-        ->required()
         ->allow_extra_args(false);
+    command->add_flag(
+        "--stages", options.stages,
+        "The three moments about the highest pressure: balloon positioned, inflated, and down again; "
+        "their seconds are printed");
     command->add_option("--lesion", options.surface.lesion, "Its name; without: the scene's first");
     command
         ->add_option("--around", options.surface.around_mm,
@@ -178,7 +181,8 @@ void add_surface(CLI::App &app, SurfaceOptions &options)
         ->add_option("-o,--output", options.surface.output,
                      "OBJ file, mm: objects TIME_BODY, and TIME_balloon for a balloon")
         ->required();
-    command->footer("Examples:\n  seldinger surface out/pci.rec --at 5 --at 12.5 --at 30 -o out/lesion.obj");
+    command->footer("Examples:\n  seldinger surface out/pci.rec --at 5 --at 12.5 --at 30 -o out/lesion.obj\n"
+                    "  seldinger surface out/pci.rec --stages -o out/lesion.obj");
 }
 
 void add_view(CLI::App &app, WindowOptions &options)

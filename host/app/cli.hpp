@@ -33,6 +33,7 @@ struct ReplayOptions {
 struct SurfaceOptions {
     std::string recording, scene;
     std::vector<double> at_s;
+    bool stages = false; // of the balloon, besides at_s
     SurfaceSettings surface;
 };
 

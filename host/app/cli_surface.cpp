@@ -9,6 +9,41 @@
 namespace seld
 {
 
+namespace
+{
+
+constexpr std::size_t emptied_ticks = 500; // after the inflator is at 0: the balloon has folded
+
+struct Stages {
+    std::size_t positioned = 0, inflated = 0, released = 0; // ticks
+};
+
+// About the highest pressure of the session: the last tick before the inflator goes up to it, the last at it, and when it is down again.
+Stages stages_of(const Recording &recording, const std::string &path)
+{
+    const auto pressure = [&](std::size_t tick) { return recording.ticks[tick].input.inflator_raw; };
+    const std::size_t count = recording.ticks.size();
+    Stages stages;
+    for (std::size_t tick = 0; tick < count; ++tick)
+        if (pressure(tick) > 0 && pressure(tick) >= pressure(stages.inflated)) stages.inflated = tick;
+    if (count == 0 || pressure(stages.inflated) == 0)
+        throw std::runtime_error(path + ": --stages: no balloon is inflated in it; name moments with --at");
+    stages.positioned = stages.inflated;
+    while (stages.positioned > 0 && pressure(stages.positioned) > 0) --stages.positioned;
+    stages.released = stages.inflated;
+    while (stages.released + 1 < count && pressure(stages.released) > 0) ++stages.released;
+    stages.released = std::min(stages.released + emptied_ticks, count);
+    return stages;
+}
+
+std::uint32_t told(const char *name, std::size_t tick)
+{
+    std::printf("%-12s %8.3f s\n", name, static_cast<double>(tick) * 1e-3);
+    return static_cast<std::uint32_t>(tick);
+}
+
+} // namespace
+
 int command_surface(const SurfaceOptions &options)
 {
     SurfaceSettings settings = options.surface;
@@ -26,6 +61,13 @@ int command_surface(const SurfaceOptions &options)
                                      " s");
         ticks.push_back(static_cast<std::uint32_t>(std::lround(at_s * 1e3)));
     }
+    if (options.stages) {
+        const Stages stages = stages_of(recording, options.recording);
+        ticks.push_back(told("positioned", stages.positioned));
+        ticks.push_back(told("inflated", stages.inflated));
+        ticks.push_back(told("released", stages.released));
+    }
+    if (ticks.empty()) throw UsageError("surface: name moments with --at, or --stages");
     std::sort(ticks.begin(), ticks.end());
     ticks.erase(std::unique(ticks.begin(), ticks.end()), ticks.end());
     const SceneFile scene = recorded_scene(recording.header, options.scene);

@@ -142,14 +142,17 @@ void opened_wholly_a_body_is_the_healthy_one_and_half_open_half_way(void **)
     narrow(bodies.bodies[0], bodies.vessels);
     const std::vector<Eigen::Vector3i> narrow_um = bodies.bodies[0].vertices_um;
     OpenedBodies opened(bodies, LesionOpening(bodies.vessels, {&stations, 1}), nullptr);
+    const auto moved_to = [&](double share) {
+        const auto vertices_um = opened.at({}, std::vector<double>(17, share))[0].vertices_um;
+        return std::vector<Eigen::Vector3i>(vertices_um.begin(), vertices_um.end());
+    };
+    const std::vector<Eigen::Vector3i> whole_um = moved_to(1.0), half_um = moved_to(0.5);
     double whole_mm = 0, half_mm = 0;
-    const std::vector<double> all(17, 1.0), half(17, 0.5);
     std::size_t moved = 0;
     for (std::size_t i = 0; i < healthy_um.size(); ++i) {
         moved += narrow_um[i] != healthy_um[i];
-        whole_mm = std::max(whole_mm, off_mm(opened.at({}, all)[0].vertices_um[i], healthy_um[i]));
-        half_mm = std::max(half_mm,
-                           off_mm(2 * opened.at({}, half)[0].vertices_um[i], narrow_um[i] + healthy_um[i]));
+        whole_mm = std::max(whole_mm, off_mm(whole_um[i], healthy_um[i]));
+        half_mm = std::max(half_mm, off_mm(2 * half_um[i], narrow_um[i] + healthy_um[i]));
     }
     print_message("# %zu vertices of %zu: %.4f mm off the healthy ones\n", opened.vertex_count(),
                   healthy_um.size(), whole_mm);

@@ -15,8 +15,9 @@ namespace
 using Eigen::Vector3d;
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double point_step_mm = 0.5; // of the branch's points in a lesion, at most
-constexpr double touch_m = 10e-6;     // lesions may end and begin at one place, which rounding moves
+constexpr double point_step_mm = 0.5;                          // of the branch's points in a lesion, at most
+constexpr double throat_off_mm = 0.1, throat_off_share = 0.15; // of mesh and tree, before the report warns
+constexpr double touch_m = 10e-6; // lesions may end and begin at one place, which rounding moves
 
 Vector3d rounded_m(const Vector3d &p_m) // as the file will hold it
 {
@@ -316,6 +317,14 @@ std::string lesions_report(const VesselTree &tree, const TriangleTree &surface)
                       lesion.name.c_str(), branch.name.c_str(), left * reference_mm, reference_mm,
                       place_text(branch.points_m[throat] * 1e3).c_str(), 100 * (1 - left),
                       100 * (1 - left * left), measured_mm);
+        report += line;
+        const double wanted_mm = left * reference_mm, off_mm = std::abs(measured_mm - wanted_mm);
+        if (off_mm <= std::max(throat_off_mm, throat_off_share * wanted_mm)) continue;
+        std::snprintf(
+            line, sizeof line,
+            "warning: lesion %s: the mesh leaves %.2f mm where the tree says %.2f mm, so flow and wire "
+            "meet different throats: correct the centreline's middle and radii on %s, or the mesh\n",
+            lesion.name.c_str(), measured_mm, wanted_mm, branch.name.c_str());
         report += line;
     }
     return report;

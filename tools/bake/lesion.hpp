@@ -35,7 +35,7 @@ VesselTree lesions_within(const VesselTree &tree, const TriangleTree &body);
 // A shell of calcium in the plaque of the lesion, over the arc that its text states; for lesions that state one.
 BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const LesionText &text);
 
-// One line each for the report, with the diameter measured on the narrowed surface.
+// One line each for the report, with the diameter measured on the narrowed surface, and a warning where that is not the tree's.
 std::string lesions_report(const VesselTree &tree, const TriangleTree &surface);
 
 } // namespace seld::bake

@@ -417,6 +417,24 @@ void a_file_gives_the_lesion_back(void **)
         assert_true((lesion.healthy_points_m[i] - tree.lesions[0].healthy_points_m[i]).norm() < 1e-9);
 }
 
+// A mesh of 2 mm under centrelines that say 2 and 2.5 mm: the throat of the one agrees, that of the other is 0.3 mm wider in the tree.
+void a_mesh_that_is_not_the_trees_is_warned_of(void **)
+{
+    for (const double stated_mm : {2.0, 2.5}) {
+        VesselTree tree = tree_of_tube();
+        for (double &radius_m : tree.branches[0].radii_m) radius_m = stated_mm * 1e-3;
+        place_lesions(tree, {plaque()});
+        Mesh mesh = capped_tube();
+        refine_lesions(mesh, tree);
+        narrow_lesions(mesh.vertices_mm, tree);
+        const std::string report = lesions_report(tree, TriangleTree(mesh));
+        const bool warns = report.find("warning: lesion plaque: the mesh leaves 1.") != std::string::npos &&
+                           report.find("where the tree says 1.50 mm") != std::string::npos;
+        print_message("# %s", report.c_str());
+        assert_true(warns == (stated_mm > 2.1));
+    }
+}
+
 void what_does_not_fit_is_refused_by_name(void **)
 {
     const auto refusal = [](const std::vector<LesionText> &lesions) {
@@ -482,6 +500,7 @@ int main()
         cmocka_unit_test(blood_beside_the_vessel_keeps_its_shape),
         cmocka_unit_test(calcium_is_a_closed_shell_in_the_plaque),
         cmocka_unit_test(a_file_gives_the_lesion_back),
+        cmocka_unit_test(a_mesh_that_is_not_the_trees_is_warned_of),
         cmocka_unit_test(what_does_not_fit_is_refused_by_name),
         cmocka_unit_test(a_text_says_where_it_is_wrong),
     };
