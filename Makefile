@@ -43,7 +43,7 @@ HOST_LIBS     := host/app host/room host/dicom host/xray/gl host/xray host/stent
 BAKE_LIBS     := tools/bake tools/centreline tools/mesh host/model firmware/core shared/scene shared/wire
 LINE_LIBS     := tools/centreline/fit tools/bake tools/centreline tools/mesh host/xray/gl host/model
 LINE_HOST     := host/app/picture_canvas.cpp host/app/picture_font.cpp host/app/picture_png.cpp host/app/window_screen.cpp
-ANATOMY_LIBS  := tools/anatomy tools/mesh host/model
+ANATOMY_LIBS  := tools/anatomy $(BAKE_LIBS)
 VALIDATE_LIBS := tools/validate host/model firmware/core
 VCSIM3_LIBS   := tools/vcsim3 host/app host/model firmware/core shared/scene shared/wire
 HIL_LIBS      := hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant hil_tests/usb $(HOST_LIBS) firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
@@ -133,7 +133,7 @@ $(BUILD)/bin/$(1): $(call objects,$(2)) $(foreach lib,$(3),$(call lib_file,$(lib
 endef
 $(eval $(call program,seldinger,host/app/main.cpp,$(HOST_LIBS),$(HOST_LINK)))
 $(eval $(call program,bake,tools/bake/main.cpp,$(BAKE_LIBS),$(BAKE_LINK)))
-$(eval $(call program,anatomy,tools/anatomy/main.cpp,$(ANATOMY_LIBS),$(VDB_LINK)))
+$(eval $(call program,anatomy,tools/anatomy/main.cpp,$(ANATOMY_LIBS),$(BAKE_LINK)))
 $(eval $(call program,centreline,tools/centreline/fit/main.cpp $(LINE_HOST),$(LINE_LIBS),$(LINE_LINK)))
 $(eval $(call program,vcsim3,tools/vcsim3/main.cpp,$(VCSIM3_LIBS),-lpng))
 $(eval $(call program,docs,tools/docs/main.cpp tools/docs/dissector.cpp,shared/wire,))
@@ -216,13 +216,18 @@ REAL_ATLAS := $(REAL_DATA)/hra/VH_M_Blood_Vasculature_Heart.glb
 REAL_LINES := $(foreach side,left right,$(dir $(ANATOMY))real_$(side).csv)
 $(REAL_LINES) &: $(ANATOMY) tools/anatomy/real_coronaries.sh $(BUILD)/bin/centreline
 	@tools/anatomy/real_coronaries.sh $(BUILD)/bin/centreline $(REAL_ATLAS) $(dir $(ANATOMY))
-out/real_coronaries.scene: shared/examples/real_coronaries.toml shared/examples/centrelines/real_aorta.csv $(REAL_LINES) $(BUILD)/bin/bake
-	@mkdir -p out && echo "Baking $@ (4 minutes of one core)"
+# The heart's places in the atlas: where its left and right artery leave the aorta, and the farthest of its left ventricle.
+REAL_BEAT  := $(dir $(ANATOMY))real_beat/lumen/lumen_00.ply
+$(REAL_BEAT): shared/examples/real_coronaries_lumen.toml shared/examples/centrelines/real_aorta.csv $(REAL_LINES) $(BUILD)/bin/bake $(BUILD)/bin/anatomy
+	@$(BUILD)/bin/bake $< --shipped $(dir $(ANATOMY)) -o $(dir $(ANATOMY))real_lumen.scene --surface $(dir $(ANATOMY))real_lumen.ply --points 1000 --poses 0
+	@$(BUILD)/bin/anatomy beat $(dir $(ANATOMY))real_lumen.ply --left 14.5 506.9 23.4 --right 0.2 500.9 40.3 --apex 73.1 433.6 81.3 -o $(@D)
+out/real_coronaries.scene: shared/examples/real_coronaries.toml $(REAL_BEAT) $(BUILD)/bin/bake
+	@mkdir -p out && echo "Baking $@ (5 minutes of one core)"
 	@$(BUILD)/bin/bake $< --data $(REAL_DATA) --shipped $(dir $(ANATOMY)) -o $@
 out/coronary_real.mp4: out/real_coronaries.scene shared/examples/sessions/coronary_real.session $(BUILD)/bin/seldinger
-	@$(BUILD)/bin/seldinger run --scene $< --tool shared/examples/instruments/terumo_5f.toml \
+	@$(BUILD)/bin/seldinger run --scene $< --tool shared/examples/instruments/guide_jr4_6f.toml \
 	    --session $(word 2,$^) --json $(@:.mp4=.json) --png $(@:.mp4=.png) --mp4 $@
-coronary-real: packages-build packages-run ## the left coronary artery of the Human Reference Atlas (needs ../shared/anatomy): out/coronary_real.mp4
+coronary-real: packages-build packages-run ## a guide takes the right coronary artery of the Human Reference Atlas, which beats (needs ../shared/anatomy): out/coronary_real.mp4
 	@if [ ! -e $(REAL_ATLAS) ]; then echo "Skipped: $(REAL_ATLAS) is not there (docs/contrast.md)"; else \
 	    $(QUIET_MAKE) $(PROGRAMS) && $(MAKE) --no-print-directory PACKAGES=skip out/coronary_real.mp4; fi
 

@@ -1,8 +1,10 @@
 /* anatomy: makes the anatomy that ships with Seldinger. See docs/anatomy.md. */
 #include "host/model/pending_file.hpp"
+#include "tools/anatomy/borrowed_beat.hpp"
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/lesions.hpp"
 #include "tools/anatomy/output.hpp"
+#include "tools/bake/mesh.hpp"
 #include "tools/mesh/sequence.hpp"
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -148,6 +150,63 @@ int make_heart(const Options &options)
     return 0;
 }
 
+/* What `anatomy beat` was asked for. */
+struct BeatOptions {
+    seld::bake::MeshText mesh;
+    std::filesystem::path folder;
+    std::vector<double> left_mm, right_mm, apex_mm;
+};
+
+/* A mesh of another heart, moved as the shipped one moves. */
+int make_beat(const BeatOptions &options)
+{
+    const auto place = [](const std::vector<double> &xyz) { return Vec3(xyz[0], xyz[1], xyz[2]); };
+    const HeartPlacement placement =
+        place_heart({place(options.left_mm), place(options.right_mm), place(options.apex_mm)});
+    const seld::bake::Mesh mesh = seld::bake::load_mesh(options.mesh);
+    Mesh rest{{mesh.vertices_mm.begin(), mesh.vertices_mm.end()}, {}};
+    for (const auto &triangle : mesh.triangles)
+        rest.triangles.push_back({triangle[0], triangle[1], triangle[2]});
+    const std::string name = file_stem(options.folder.filename().string());
+    const double longest_mm = write_borrowed_beat(options.folder, name, rest, placement);
+    std::printf("the other heart is %.2f times as large as the shipped one; places are off by %.1f (left "
+                "ostium), %.1f "
+                "(right ostium) and %.1f mm (apex)\n",
+                1.0 / placement.scale, placement.residual_mm[0], placement.residual_mm[1],
+                placement.residual_mm[2]);
+    std::printf("%s: %zu vertices in %d frames, which go %.1f mm at most\n", options.folder.string().c_str(),
+                rest.vertices_mm.size(), BEAT_FRAMES, longest_mm);
+    return 0;
+}
+
+void add_beat_options(CLI::App &command, BeatOptions &options)
+{
+    command.add_option("MESH", options.mesh.file, "its mesh at the end of diastole: STL, OBJ, PLY or glTF")
+        ->required();
+    command
+        .add_option("-o,--output", options.folder, "folder for the 24 meshes; the inhaled one goes beside it")
+        ->required();
+    options.mesh.placement.unit = "mm";
+    command.add_option("--unit", options.mesh.placement.unit, "of the mesh")
+        ->check(CLI::IsMember({"mm", "cm", "m"}))
+        ->capture_default_str();
+    command
+        .add_option("--part", options.mesh.parts,
+                    "only nodes of this name, which may end in *; may be given often")
+        ->take_all();
+    const HeartLandmarks shipped = shipped_landmarks();
+    const auto place = [&](const char *name, std::vector<double> &xyz, const char *what, const Vec3 &there) {
+        char text[160];
+        std::snprintf(text, sizeof text,
+                      "%s: X Y Z in mm, patient frame (in the shipped heart %.1f %.1f %.1f)", what, there.x(),
+                      there.y(), there.z());
+        command.add_option(name, xyz, text)->expected(3)->required();
+    };
+    place("--left", options.left_mm, "where the left coronary artery begins", shipped.left_ostium_mm);
+    place("--right", options.right_mm, "where the right one begins", shipped.right_ostium_mm);
+    place("--apex", options.apex_mm, "the heart's apex", shipped.apex_mm);
+}
+
 int check(const std::filesystem::path &folder)
 {
     bool is_good = true;
@@ -215,14 +274,16 @@ int main(int argc, char **argv)
 {
     CLI::App app{"Makes the anatomy that ships with Seldinger: closed meshes, centrelines and the scene text "
                  "for `bake`."};
-    app.footer("Examples:\n"
-               "  anatomy aorta -o out/aorta && bake out/aorta/scene.toml -o out/aorta.seld\n"
-               "  anatomy phantom -o out/phantom\n"
-               "  anatomy heart -o out/heart         a beating heart: 24 frames in out/heart/beat\n"
-               "  anatomy heart -o out/lad --lesion LAD:75:14:22\n"
-               "  anatomy check out/heart/beat       a folder of 24 OBJ files, from here or elsewhere\n"
-               "  anatomy list            every stated diameter, its place and its source\n"
-               "  anatomy list phantom");
+    app.footer(
+        "Examples:\n"
+        "  anatomy aorta -o out/aorta && bake out/aorta/scene.toml -o out/aorta.seld\n"
+        "  anatomy phantom -o out/phantom\n"
+        "  anatomy heart -o out/heart         a beating heart: 24 frames in out/heart/beat\n"
+        "  anatomy heart -o out/lad --lesion LAD:75:14:22\n"
+        "  anatomy beat lumen.ply --left 14 507 23 --right 0 501 40 --apex 73 434 81 -o out/beat/lumen\n"
+        "  anatomy check out/heart/beat       a folder of 24 OBJ files, from here or elsewhere\n"
+        "  anatomy list            every stated diameter, its place and its source\n"
+        "  anatomy list phantom");
     app.require_subcommand(1);
     Options options;
     auto *aorta = app.add_subcommand(
@@ -230,6 +291,8 @@ int main(int argc, char **argv)
     auto *phantom = app.add_subcommand("phantom", "aorto-iliac and renal silicone phantom for benchmarks");
     auto *heart = app.add_subcommand(
         "heart", "the same man with coronary arteries and a heart that beats, in 24 frames of one topology");
+    auto *beat = app.add_subcommand(
+        "beat", "the shipped heart's beat for the mesh of another heart, known in one phase only");
     auto *checked = app.add_subcommand(
         "check", "whether a folder of 24 OBJ files is a beat: topology, inverted faces, jump at the wrap");
     auto *table = app.add_subcommand("list", "stated diameters with position and source, tab separated");
@@ -238,6 +301,8 @@ int main(int argc, char **argv)
     add_making_options(*heart, options);
     heart->add_flag("--heart-only", options.heart_only,
                     "only the heart and its vessels, without scene and lumen");
+    BeatOptions beat_options;
+    add_beat_options(*beat, beat_options);
     std::filesystem::path folder;
     checked->add_option("FOLDER", folder, "the folder of OBJ files")->required();
     std::string which = "aorta";
@@ -253,6 +318,7 @@ int main(int argc, char **argv)
         if (*table)
             return list(which == "aorta" ? aorta_tree() : which == "heart" ? heart_tree() : phantom_tree());
         if (*checked) return check(folder);
+        if (*beat) return make_beat(beat_options);
         openvdb::initialize();
         if (*heart) return make_heart(options);
         if (*aorta)

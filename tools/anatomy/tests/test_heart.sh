@@ -19,6 +19,17 @@ number=$((number + 10))
 "$tool" check "$work/heart/beat" >"$work/said" 2>&1
 report "its folder of frames is a beat" $?
 
+# Its beat for another heart.
+places=$(python3 "$here/check_beat.py" make "$work/heart" "$work/other.obj" "$tool")
+# shellcheck disable=SC2086 # words on purpose
+"$tool" beat "$work/other.obj" $places -o "$work/borrowed" >"$work/said" 2>&1 &&
+    grep -q "1.20 times as large" "$work/said" && [ -s "$work/borrowed_inhaled.ply" ] &&
+    python3 "$here/check_beat.py" compare "$work/heart" "$work/borrowed" >>"$work/said" 2>&1
+report "another heart, larger and turned, borrows the same beat" $?
+refuses "places on one line are refused" 2 "one line" beat "$work/other.obj" --left 0 0 0 --right 10 0 0 --apex 90 0 0 -o "$work/no"
+refuses "a heart in the wrong unit is refused with its size" 2 "0.10 times as large" beat "$work/other.obj" --left 2 15 1 --right 0 13 3.5 --apex 7.8 6.9 4.8 -o "$work/no"
+refuses "a place of another heart is refused by name" 2 "mm off where a heart like the shipped one has it" beat "$work/other.obj" --left 20 150 14 --right 90 150 14 --apex 78 69 48 -o "$work/no"
+
 # A tetrahedron that grows and shrinks; two objects, one with a face of four corners.
 mkdir "$work/small"
 awk -v folder="$work/small" 'BEGIN { for (i = 0; i < 24; i++) { name = sprintf("%s/f_%02d.obj", folder, i); h = 10 + sin(i * 3.14159265 / 12)
