@@ -455,9 +455,14 @@ MEDIUM_FIGURE := out/thesis/figure_5_8.png
 $(MEDIUM_FIGURE): out/coronary_right.png out/coronary.png
 	@mkdir -p $(@D) && ffmpeg -v error -y -i out/coronary_right.png -i out/coronary.png -filter_complex hstack $@
 
-thesis: packages-build packages-run packages-bench ## Figures 5.6 to 5.9 and 5.11 to 5.14 of the thesis, by its own rod and by ours: out/thesis/index.html (minutes)
+# The LAD under its balloon (tools/pci.mk): three moments under fluoroscopy, and the polygons round the lesion.
+LESION_FIGURE := $(if $(wildcard tools/pci.mk),out/thesis/figure_5_10.png)
+out/thesis/figure_5_10.png: out/pci_lad.rec tools/vcsim3/figure_5_10.sh $(BUILD)/bin/seldinger
+	@mkdir -p $(@D) && tools/vcsim3/figure_5_10.sh $< $@ $(BUILD)
+
+thesis: packages-build packages-run packages-bench ## Figures 5.6 to 5.10 and 5.11 to 5.14 of the thesis, by its own rod and by ours: out/thesis/index.html (minutes)
 	@$(QUIET_MAKE) $(BUILD)/bin/seldinger
-	@$(MAKE) --no-print-directory PACKAGES=skip $(WIRES_FIGURE) $(SCREEN_FIGURE) $(MEDIUM_FIGURE)
+	@$(MAKE) --no-print-directory PACKAGES=skip $(WIRES_FIGURE) $(SCREEN_FIGURE) $(MEDIUM_FIGURE) $(LESION_FIGURE)
 	@$(QUIET_MAKE) $(BUILD)/bin/vcsim3 $(BUILD)/bin/centreline $(PHANTOM_SCENE)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(LINE_FIGURE)
 	@$(BUILD)/bin/vcsim3 figures --scene $(PHANTOM_SCENE) -o out/thesis --threads $(JOBS) --instructions

@@ -181,6 +181,8 @@ void add_surface(CLI::App &app, SurfaceOptions &options)
         ->add_option("-o,--output", options.surface.output,
                      "OBJ file, mm: objects TIME_BODY, and TIME_balloon for a balloon")
         ->required();
+    command->add_option("--png", options.surface.png,
+                        "And a picture: the moments side by side, the lesion from the side");
     command->footer("Examples:\n  seldinger surface out/pci.rec --at 5 --at 12.5 --at 30 -o out/lesion.obj\n"
                     "  seldinger surface out/pci.rec --stages -o out/lesion.obj");
 }

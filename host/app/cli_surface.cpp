@@ -50,7 +50,7 @@ int command_surface(const SurfaceOptions &options)
     check_outputs({{"the recording", options.recording},
                    {"--scene", options.scene},
                    {"--bodies", settings.bodies_path}},
-                  {{"--output", settings.output}});
+                  {{"--output", settings.output}, {"--png", settings.png}});
     const Recording recording = read_recording(options.recording);
     const double length_s = static_cast<double>(recording.ticks.size()) * 1e-3;
     std::vector<std::uint32_t> ticks;
@@ -80,10 +80,11 @@ int command_surface(const SurfaceOptions &options)
     const ReplayResult result = replay_recording(device, recording, &sink, {});
     if (result.was_interrupted) {
         std::fprintf(stderr, "seldinger: interrupted: only %zu of %zu moments are in the file\n",
-                     sink.moments(), ticks.size());
+                     sink.panels().size(), ticks.size());
         return 1;
     }
     print_files({settings.output});
+    if (!settings.png.empty()) print_files({settings.png});
     return 0;
 }
 

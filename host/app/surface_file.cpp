@@ -1,6 +1,7 @@
 #include "host/app/surface_file.hpp"
 #include "host/model/lesion_wall.hpp"
 #include "host/model/pending_file.hpp"
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -16,7 +17,8 @@ namespace
 using Eigen::Vector3d;
 
 constexpr double vessel_radii = 1.8; // what lies farther from the vessel's line is other vessels'
-constexpr std::size_t balloon_around = 24;
+constexpr std::uint32_t balloon_around = 24;
+constexpr int panel_pixels = 480;
 
 std::string line(const char *format, double a, double b, double c)
 {
@@ -99,95 +101,129 @@ bool SurfaceSink::is_near(const Vector3d &place_m) const
     return here_m >= begin_m - settings_.around_mm * 1e-3 && here_m <= end_m + settings_.around_mm * 1e-3;
 }
 
-// Triangles all of whose corners are near, seen where they are in the healthy vessel so that every moment has the same ones.
-void SurfaceSink::add_body(const std::string &prefix, int body, std::span<const Eigen::Vector3i> vertices_um)
+// Triangles all of whose corners are near, seen where they are as baked so that every moment has the same ones.
+SurfaceMesh SurfaceSink::mesh_of(int body, std::span<const Eigen::Vector3i> vertices_um) const
 {
     const Body &of = bodies_.bodies[static_cast<std::size_t>(body)];
-    std::vector<std::size_t> number(of.vertices_um.size(), 0);
-    std::vector<signed char> near(of.vertices_um.size(), -1);
+    SurfaceMesh mesh;
+    mesh.name = of.name;
+    mesh.kind = of.material == "blood" ? SurfaceKind::wall : SurfaceKind::calcium;
+    constexpr std::uint32_t unknown = 0xffffffff, far = 0xfffffffe, near = 0xfffffffd; // else its number
+    std::vector<std::uint32_t> number(of.vertices_um.size(), unknown);
     const auto is_kept = [&](std::uint32_t corner) {
-        if (near[corner] < 0) near[corner] = is_near(of.vertices_um[corner].cast<double>() * 1e-6);
-        return near[corner] == 1;
+        if (number[corner] == unknown)
+            number[corner] = is_near(of.vertices_um[corner].cast<double>() * 1e-6) ? near : far;
+        return number[corner] != far;
     };
-    std::string vertices, faces;
     for (const auto &corners : of.triangles) {
         if (!std::all_of(corners.begin(), corners.end(), is_kept)) continue;
-        faces += "f";
-        for (const std::uint32_t corner : corners) {
-            if (number[corner] == 0) {
-                number[corner] = ++vertices_;
-                const Vector3d at_mm = vertices_um[corner].cast<double>() * 1e-3;
-                vertices += line("v %.3f %.3f %.3f\n", at_mm.x(), at_mm.y(), at_mm.z());
+        std::array<std::uint32_t, 3> triangle;
+        for (std::size_t k = 0; k < 3; ++k) {
+            std::uint32_t &own = number[corners[k]];
+            if (own == near) {
+                own = static_cast<std::uint32_t>(mesh.vertices_mm.size());
+                mesh.vertices_mm.push_back(vertices_um[corners[k]].cast<double>() * 1e-3);
             }
-            faces += " " + std::to_string(number[corner]);
+            triangle[k] = own;
         }
-        faces += "\n";
+        mesh.triangles.push_back(triangle);
     }
-    obj_ += "o " + prefix + "_" + of.name + "\n" + vertices + faces;
+    return mesh;
 }
 
-// The balloon as a surface of revolution about the line through its balls.
-void SurfaceSink::add_balloon(const std::string &prefix, const WireFrame &wire)
+// A surface of revolution about the line through the balls.
+SurfaceMesh SurfaceSink::balloon_of(const WireFrame &wire) const
 {
-    std::size_t rings = 0;
-    const std::size_t first = vertices_ + 1;
-    std::string vertices;
+    SurfaceMesh mesh;
+    mesh.name = "balloon";
+    mesh.kind = SurfaceKind::balloon;
     Vector3d across = Vector3d::UnitX();
     const MotionMoment moment{wire.heart_phase32, wire.breath_phase32};
     for (std::size_t j = 0; j < wire.balloon_radii_m.size(); ++j) {
         Vector3d place_m, along;
         const double arc_m = wire.balloon_arc_m + static_cast<double>(j) * wire.balloon_spacing_m;
         if (!place_at(wire, arc_m, place_m, along)) continue;
-        if (rings == 0 && std::fabs(along.x()) > 0.9) across = Vector3d::UnitY();
+        if (mesh.vertices_mm.empty() && std::fabs(along.x()) > 0.9) across = Vector3d::UnitY();
         across = (across - across.dot(along) * along).normalized();
         const Vector3d third = along.cross(across);
-        for (std::size_t k = 0; k < balloon_around; ++k) {
-            const double angle = 2 * std::numbers::pi * static_cast<double>(k) / balloon_around;
+        for (std::uint32_t k = 0; k < balloon_around; ++k) {
+            const double angle = 2 * std::numbers::pi * k / balloon_around;
             const Vector3d there_m =
                 place_m + wire.balloon_radii_m[j] * (std::cos(angle) * across + std::sin(angle) * third);
-            const Vector3d at_mm = (motion_ ? motion_->pull(there_m, moment) : there_m) * 1e3;
-            vertices += line("v %.3f %.3f %.3f\n", at_mm.x(), at_mm.y(), at_mm.z());
+            mesh.vertices_mm.push_back((motion_ ? motion_->pull(there_m, moment) : there_m) * 1e3);
         }
-        ++rings;
     }
-    if (rings < 2) return;
-    vertices_ += rings * balloon_around;
-    obj_ += "o " + prefix + "_balloon\n" + vertices;
-    const auto add = [this](std::size_t a, std::size_t b, std::size_t c) {
-        obj_ += "f " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
-    };
-    for (std::size_t k = 0; k < balloon_around; ++k) {
-        const std::size_t next = (k + 1) % balloon_around, last = first + (rings - 1) * balloon_around;
-        for (std::size_t row = 0; row + 1 < rings; ++row) {
-            const std::size_t a = first + row * balloon_around, b = a + balloon_around;
-            add(a + k, a + next, b + k);
-            add(a + next, b + next, b + k);
+    const auto rings = static_cast<std::uint32_t>(mesh.vertices_mm.size()) / balloon_around;
+    if (rings < 2) return {};
+    const std::uint32_t last = (rings - 1) * balloon_around;
+    for (std::uint32_t k = 0; k < balloon_around; ++k) {
+        const std::uint32_t next = (k + 1) % balloon_around;
+        for (std::uint32_t a = 0; a < last; a += balloon_around) {
+            const std::uint32_t b = a + balloon_around;
+            mesh.triangles.push_back({a + k, a + next, b + k});
+            mesh.triangles.push_back({a + next, b + next, b + k});
         }
-        if (k > 0 && next > 0) add(first, first + next, first + k);
-        if (k > 0 && next > 0) add(last, last + k, last + next);
+        if (k == 0 || next == 0) continue; // the ends, flat
+        mesh.triangles.push_back({0, next, k});
+        mesh.triangles.push_back({last, last + k, last + next});
     }
+    return mesh;
 }
 
 void SurfaceSink::frame(const SessionFrame &frame)
 {
     if (at_ >= ticks_.size() || frame.wire.tick < ticks_[at_]) return;
-    char prefix[40];
-    std::snprintf(prefix, sizeof prefix, "t%07.3f", frame.wire.tick * 1e-3);
+    SurfacePanel panel;
+    panel.time_s = frame.wire.tick * 1e-3;
     const std::vector<MovingBodies::Moved> &moved = opened_->at({}, frame.wire.lesions_open);
     for (const int body : opened_->bodies()) {
         const auto now = std::find_if(moved.begin(), moved.end(),
                                       [body](const MovingBodies::Moved &one) { return one.body == body; });
-        add_body(prefix, body,
-                 now != moved.end() ? now->vertices_um
-                                    : bodies_.bodies[static_cast<std::size_t>(body)].vertices_um);
+        panel.meshes.push_back(
+            mesh_of(body, now != moved.end() ? now->vertices_um
+                                             : bodies_.bodies[static_cast<std::size_t>(body)].vertices_um));
     }
-    add_balloon(prefix, frame.wire);
+    SurfaceMesh balloon = balloon_of(frame.wire);
+    if (!balloon.triangles.empty()) panel.meshes.push_back(std::move(balloon));
+    panels_.push_back(std::move(panel));
     while (at_ < ticks_.size() && ticks_[at_] <= frame.wire.tick) ++at_;
+}
+
+// The lesion from its beginning at the top to its end, plaque and channel side by side.
+SurfaceView SurfaceSink::side_view() const
+{
+    const VesselLesion &lesion = bodies_.vessels.lesions[lesion_];
+    const std::size_t throat = bodies_.vessels.throat(lesion);
+    const Vector3d up = (lesion.healthy_points_m.front() - lesion.healthy_points_m.back()).normalized();
+    Vector3d right = bodies_.vessels.branches[lesion.branch].points_m[throat] -
+                     lesion.healthy_points_m[throat - lesion.first_point];
+    right -= right.dot(up) * up;
+    if (!(right.norm() > 20e-6)) right = up.unitOrthogonal(); // it is concentric
+    return {right.normalized(), up};
 }
 
 void SurfaceSink::finish()
 {
-    write_whole_file(settings_.output, "# Walls round a lesion, mm, patient frame: docs/lesions.md\n" + obj_);
+    std::string obj = "# Walls round a lesion, mm, patient frame: docs/lesions.md\n";
+    std::size_t before = 1; // vertices of an OBJ file count from 1
+    for (const SurfacePanel &panel : panels_)
+        for (const SurfaceMesh &mesh : panel.meshes) {
+            char name[80];
+            std::snprintf(name, sizeof name, "o t%07.3f_%s\n", panel.time_s, mesh.name.c_str());
+            obj += name;
+            for (const Vector3d &v : mesh.vertices_mm) obj += line("v %.3f %.3f %.3f\n", v.x(), v.y(), v.z());
+            for (const auto &corners : mesh.triangles) {
+                obj += "f";
+                for (const std::uint32_t corner : corners) obj += " " + std::to_string(before + corner);
+                obj += "\n";
+            }
+            before += mesh.vertices_mm.size();
+        }
+    write_whole_file(settings_.output, obj);
+    std::string error;
+    if (!settings_.png.empty() &&
+        !write_png(settings_.png, draw_surfaces(panels_, side_view(), panel_pixels), error))
+        throw std::runtime_error(error);
 }
 
 } // namespace seld

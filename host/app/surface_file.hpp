@@ -6,8 +6,8 @@
 // May include: model, frame_sink. Called by: cli_surface, tests.
 #pragma once
 #include "host/app/frame_sink.hpp"
+#include "host/app/surface_picture.hpp"
 #include "host/model/opened_bodies.hpp"
-#include <memory>
 
 namespace seld
 {
@@ -16,7 +16,8 @@ struct SurfaceSettings {
     std::string bodies_path, scene_path; // as PictureSettings
     std::string lesion;                  // its name; empty: the first
     double around_mm = 8.0;              // of the vessel, to either side of the lesion
-    std::string output;
+    std::string output;                  // the OBJ file
+    std::string png;                     // and a picture; empty: none
 };
 
 class SurfaceSink final : public FrameSink
@@ -31,14 +32,14 @@ class SurfaceSink final : public FrameSink
     void frame(const SessionFrame &frame) override;
     void finish() override; // throws FileError
 
-    std::size_t moments() const { return at_; } // written
-    // Everything in the pose that the scene is described in, mm: for every moment the objects TIME_BODY and TIME_balloon.
-    const std::string &obj() const { return obj_; }
+    // One for each moment that was reached, in the pose that the scene is described in.
+    const std::vector<SurfacePanel> &panels() const { return panels_; }
 
   private:
     bool is_near(const Eigen::Vector3d &place_m) const;
-    void add_body(const std::string &prefix, int body, std::span<const Eigen::Vector3i> vertices_um);
-    void add_balloon(const std::string &prefix, const WireFrame &wire);
+    SurfaceMesh mesh_of(int body, std::span<const Eigen::Vector3i> vertices_um) const;
+    SurfaceMesh balloon_of(const WireFrame &wire) const;
+    SurfaceView side_view() const;
 
     SurfaceSettings settings_;
     std::vector<std::uint32_t> ticks_;
@@ -47,8 +48,8 @@ class SurfaceSink final : public FrameSink
     VesselTree healthy_;
     std::size_t lesion_ = 0;
     std::optional<OpenedBodies> opened_;
-    std::size_t at_ = 0, vertices_ = 0; // moments done; vertices of the file
-    std::string obj_;
+    std::size_t at_ = 0; // moments done
+    std::vector<SurfacePanel> panels_;
 };
 
 } // namespace seld

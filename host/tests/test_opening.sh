@@ -76,7 +76,7 @@ report "a report has a lesion before its balloon and after it, and no iodine is 
 "$tool" replay "$work/a.rec" --verify >"$work/said" 2>&1
 report "the session replays bit for bit" $?
 
-"$tool" surface "$work/a.rec" --stages -o "$work/a.obj" >"$work/stages" 2>&1 &&
+"$tool" surface "$work/a.rec" --stages -o "$work/a.obj" --png "$work/walls.png" >"$work/stages" 2>&1 &&
     grep -q '^positioned .* s$' "$work/stages" && grep -q '^inflated .* s$' "$work/stages" && grep -q '^released .* s$' "$work/stages" &&
     python3 - "$work/a.obj" >"$work/said" 2>&1 <<'PY'
 import sys
@@ -103,6 +103,9 @@ for got, wanted in zip(width, (1.2, 3.0, 2.46)):
     assert abs(got - wanted) < 0.08, (got, wanted)
 assert all(n + "_balloon" in objects for n in names)
 PY
+result=$?
+head -c 24 "$work/walls.png" | od -A n -t u1 | tr -s ' \n' ' ' | grep -q ' 0 0 5 160 0 0 1 224 *$' # 1440 x 480
+[ $? = 0 ] && [ $result = 0 ]
 report "its polygons go from stenosed to the balloon's width and stay healthier" $?
 
 refuses "a moment behind the end is refused" 1 "is not between its begin and its end" surface "$work/a.rec" --at 1000 -o "$work/b.obj"
