@@ -66,7 +66,7 @@ hil-guest: packages-build packages-run packages-usb packages-hil ## level L3: th
 # A fuzz target (fuzz_*.c) is one libFuzzer program and one that writes its first inputs: docs/testing.md.
 FUZZ_TARGETS := $(wildcard firmware/tests/fuzz_*.c shared/*/tests/fuzz_*.c hil_tests/fuzz_*.c host/tests/fuzz_*.cpp)
 # Those of the host need these files of it, and nothing that a window or a film needs.
-FUZZ_HOST    := host/link/link.cpp host/app/recording.cpp host/model/text.cpp host/room/command.cpp
+FUZZ_HOST    := host/link/link.cpp host/app/recording.cpp host/model/text.cpp host/room/command.cpp host/stent/design.cpp
 FUZZ_LINKED   = $(if $(filter host/%,$(1)),$(FUZZ_HOST),$(REFERENCE))
 define fuzz_rule
 $(call test_program,$(1)): $(call objects,$(1) $(call FUZZ_LINKED,$(1))) $(foreach lib,$(DEVICE_LIBS),$(call lib_file,$(lib)))

@@ -76,6 +76,21 @@ void add_tools(CLI::App &command, std::string &instrument, std::vector<std::stri
     command.add_option("--instrument", instrument, "The innermost tool, as --tool before all others");
 }
 
+void add_stents(CLI::App &command, std::vector<std::string> &stents, PictureSettings &pictures)
+{
+    command
+        .add_option("--stent", stents,
+                    "Stent file (docs/stent.md) for the tool with a balloon; once per stent, in the order of "
+                    "loading: the first "
+                    "is on the balloon from the start, unless a script says 'load stent'")
+        ->allow_extra_args(false);
+    command
+        .add_option("--balloon-iodine", pictures.balloon_iodine_mg_per_ml,
+                    "What fills a balloon, mg iodine per ml: half of it contrast medium, half saline")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 350.0));
+}
+
 void add_device(CLI::App &command, std::string &device)
 {
     command
@@ -109,6 +124,7 @@ void add_run(CLI::App &app, RunOptions &options)
     CLI::App *command = app.add_subcommand("run", "Carry out a session script, or what hands do at a rig");
     command->add_option("--scene", options.scene, "Baked scene; without: free space");
     add_tools(*command, options.instrument, options.tools);
+    add_stents(*command, options.stents, options.pictures);
     command->add_option("--session", options.session,
                         "Session script (docs/session.md), carried out as fast as the machine allows");
     command
@@ -129,7 +145,10 @@ void add_run(CLI::App &app, RunOptions &options)
         "  seldinger run --tool wire.toml --tool catheter.toml --session my.session --mp4 out/my.mp4\n"
         "  seldinger run --device usb --scene out/aorta.scene --tool wire.toml --free-run 60 --record "
         "out/my.rec\n"
-        "  seldinger run --tool wire.toml --session my.session --dicom out/my_dicom");
+        "  seldinger run --tool wire.toml --session my.session --dicom out/my_dicom\n"
+        "  seldinger run --scene out/lad.scene --tool wire.toml --tool balloon.toml --tool guide.toml "
+        "--stent "
+        "stent.toml \\\n      --session my.session");
 }
 
 void add_replay(CLI::App &app, ReplayOptions &options)
@@ -192,6 +211,7 @@ void add_view(CLI::App &app, WindowOptions &options)
     CLI::App *command = app.add_subcommand("view", "A window: push, turn and look by keyboard");
     command->add_option("--scene", options.scene, "Baked scene; without: free space");
     add_tools(*command, options.instrument, options.tools);
+    add_stents(*command, options.stents, options.pictures);
     add_device(*command, options.device);
     command->add_option("--record", options.record, "Write a recording of what the hands do");
     add_dicom_options(*command, options.pictures.dicom);
@@ -262,6 +282,13 @@ std::vector<Instrument> read_tools(const std::string &instrument, const std::vec
     std::vector<Instrument> read;
     for (const std::string &name : names) read.push_back(read_instrument(name));
     return read;
+}
+
+void take_stents(PictureSettings &settings, const std::vector<std::string> &paths,
+                 const std::vector<Instrument> &tools, const SceneFile &scene)
+{
+    settings.stents = read_stents(paths, tools);
+    settings.plaque_stations = scene.plaque_stations;
 }
 
 seld_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,

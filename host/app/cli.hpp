@@ -15,7 +15,7 @@ namespace seld
 struct RunOptions {
     std::string scene, instrument, session, record, json;
     std::string device = "sim"; // as parse_device
-    std::vector<std::string> tools;
+    std::vector<std::string> tools, stents;
     PictureSettings pictures;
     bool quiet = false;
     std::optional<double> free_run_s; // the rig leads for so long, 0: until Ctrl-C; empty: the script does
@@ -62,6 +62,11 @@ std::vector<RoomCommand> entry_commands(const SceneFile &scene);
 // The device of a session that the rig leads. With `motors` it shows what will be powered and asks, unless `yes`; throws
 // RigStopped when that is not confirmed.
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);
+// Stents for these tools into the settings of a session's pictures, with what its scene has of lesions. Throws FileError.
+void take_stents(PictureSettings &settings, const std::vector<std::string> &paths,
+                 const std::vector<Instrument> &tools, const SceneFile &scene);
+// The first one is on its balloon when the session begins.
+inline constexpr RoomCommand first_stent{RoomAction::load_stent, {}};
 // The paths of a set of tools as inputs for check_outputs.
 std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools);
 

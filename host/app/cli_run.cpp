@@ -82,6 +82,7 @@ void print_dose(const DoseMeter &dose)
 void check_files(const RunOptions &options, const PictureSettings &pictures)
 {
     std::vector<NamedPath> inputs = tool_inputs(options.instrument, options.tools);
+    for (const std::string &stent : options.stents) inputs.push_back({"--stent", stent});
     inputs.insert(
         inputs.end(),
         {{"--scene", options.scene}, {"--session", options.session}, {"--bodies", pictures.bodies_path}});
@@ -105,6 +106,53 @@ void check_injections(const Session &session, const std::vector<Instrument> &too
                 pictures ? pictures->contrast().refusal(command) : injection_refusal(tools, command);
             if (!why.empty()) throw FileError(session.file, statement.line, 0, why);
         }
+}
+
+std::size_t count_loads(const Session &session)
+{
+    std::size_t count = 0;
+    for (const Statement &statement : session.statements)
+        for (const RoomCommand &command : statement.room) count += command.action == RoomAction::load_stent;
+    return count;
+}
+
+void check_loads(const Session &session, std::size_t stents)
+{
+    std::size_t count = 0;
+    for (const Statement &statement : session.statements)
+        for (const RoomCommand &command : statement.room) {
+            count += command.action == RoomAction::load_stent;
+            if (count > stents)
+                throw FileError(session.file, statement.line, 0,
+                                "loads stent " + std::to_string(count) + ", but " + std::to_string(stents) +
+                                    " are given: name each with --stent");
+        }
+}
+
+RunResult carry_out(Device &device, const SceneFile &scene, const RunOptions &options, const Session &session,
+                    Recorder *recorder, FrameSink *sink, bool is_mounted)
+{
+    RunSettings settings{!options.quiet && isatty(STDERR_FILENO) != 0};
+    std::vector<RoomCommand> begin = options.free_run_s ? entry_commands(scene) : std::vector<RoomCommand>();
+    if (is_mounted) begin.push_back(first_stent);
+    settings.begin = begin;
+    return options.free_run_s ? run_free_session(device, begin, *options.free_run_s, recorder, sink, settings)
+                              : run_session(device, session, recorder, sink, settings);
+}
+
+void print_stents(SessionStents &stents)
+{
+    for (const StentResult &stent : stents.results()) {
+        std::printf("stent                 %s, %s", stent.name.c_str(),
+                    stent.was_taken_out ? "taken out of the patient unopened"
+                                        : std::string(stent_stage_text(stent.stage)).c_str());
+        if (stent.stage == StentStage::deployed)
+            std::printf(": apposed %.0f %%, inside %.2f mm at least", stent.figures.apposed_share * 100.0,
+                        stent.figures.diameter_min_mm);
+        std::printf("\n");
+    }
+    for (const std::string &refusal : stents.refusals())
+        std::printf("refused               %s\n", refusal.c_str());
 }
 
 } // namespace
@@ -137,6 +185,8 @@ int command_run(const RunOptions &options)
     const Session session = is_led ? Session{"rig", {}, {}} : read_session(options.session);
     const seld_wire_entry entry = is_led ? entry_with(scene, tools.size(), options.inserted_mm)
                                          : entry_of(scene, tools.size(), session.inserted_um);
+    take_stents(picture_settings, options.stents, tools, scene);
+    check_loads(session, options.stents.size());
     watch_for_interrupt();
     DeviceChoice choice =
         is_led ? free_run_device(options.device, options.motors, options.yes) : parse_device(options.device);
@@ -148,6 +198,10 @@ int command_run(const RunOptions &options)
     picture_settings.shows_progress = !options.quiet;
     if (writes_pictures(picture_settings))
         pictures = std::make_unique<SessionPictures>(picture_settings, tools);
+    const std::unique_ptr<SessionStents> unseen =
+        pictures ? nullptr : make_stents(picture_settings, tools); // drawn by nobody
+    SessionStents *stents = pictures ? pictures->stents() : unseen.get();
+    FrameSink *sink = pictures ? static_cast<FrameSink *>(pictures.get()) : unseen.get();
     check_injections(session, tools, pictures.get());
     std::unique_ptr<Recorder> recorder;
     if (!options.record.empty()) {
@@ -159,13 +213,12 @@ int command_run(const RunOptions &options)
                                         session.file,
                                         tools,
                                         entry,
-                                        device.rig()};
+                                        device.rig(),
+                                        picture_settings.stents};
         recorder = std::make_unique<Recorder>(options.record, header);
     }
-    const RunSettings settings{!options.quiet && isatty(STDERR_FILENO) != 0};
-    const RunResult result = is_led ? run_free_session(device, entry_commands(scene), *options.free_run_s,
-                                                       recorder.get(), pictures.get(), settings)
-                                    : run_session(device, session, recorder.get(), pictures.get(), settings);
+    const RunResult result =
+        carry_out(device, scene, options, session, recorder.get(), sink, stents && count_loads(session) == 0);
     print_result(result, tools);
     if (pictures) print_dose(pictures->room().dose());
     if (pictures && pictures->contrast().was_used())
@@ -174,9 +227,11 @@ int command_run(const RunOptions &options)
                     pictures->contrast().injected_ml(), pictures->contrast().flow().budget().injected_mg,
                     pictures->contrast().flow().held_mg(), pictures->contrast().flow().budget().out_mg,
                     pictures->contrast().flow().budget().reflux_mg);
+    if (stents) print_stents(*stents);
     if (!options.json.empty())
-        write_report(options.json, result, scene.path, tools, session.file,
-                     pictures ? &pictures->room() : nullptr, pictures ? &pictures->contrast() : nullptr);
+        write_report(
+            options.json, result, scene.path, tools, session.file,
+            {pictures ? &pictures->room() : nullptr, pictures ? &pictures->contrast() : nullptr, stents});
     if (pictures) print_files(pictures->files());
     if (!result.stopped_by.empty()) {
         std::fprintf(stderr, "seldinger: %s\n", result.stopped_by.c_str());

@@ -132,6 +132,7 @@ void SessionFigures::take(const seld_wire_tick_state &state)
         strain_max_tick = state.tick;
     }
     contact_count_max = std::max<std::uint32_t>(contact_count_max, state.contact_count);
+    balloon.take(state);
     heart.monitor.tick(state);
     heart.pressure_max_mmHg = std::max(heart.pressure_max_mmHg, heart.monitor.pressure_mmHg());
     heart.pressure_min_mmHg = std::min(heart.pressure_min_mmHg, heart.monitor.pressure_mmHg());

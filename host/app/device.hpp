@@ -1,6 +1,7 @@
 // A device with everything set up for a session: handshake, scene, tools, entry, rig, armed and started.
 // May include: link, model. Called by: run, replay, view.
 #pragma once
+#include "host/app/balloon_figures.hpp"
 #include "host/app/device_choice.hpp"
 #include "host/app/frame_sink.hpp"
 #include "host/app/recording.hpp"
@@ -144,6 +145,7 @@ struct SessionFigures {
     std::uint32_t contact_count_max = 0;
     std::vector<ToolFigures> tools; // from the innermost; empty before the first tick
     HeartFigures heart;
+    BalloonFigures balloon;
     void take(const seld_wire_tick_state &state);
 };
 

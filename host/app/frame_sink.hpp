@@ -5,6 +5,7 @@
 #include "host/room/command.hpp"
 #include "shared/wire/wire.h"
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace seld
@@ -38,6 +39,10 @@ class FrameSink
     // Of a replay that begins later: the same without pictures, for what is still there when they begin.
     virtual std::uint32_t next_look() const { return UINT32_MAX; }
     virtual void look(const SessionFrame &) {}
+    // What it knows hangs on everything since the first tick: a replay that begins later goes through all of it.
+    virtual bool needs_beginning() const { return false; }
+    // What the core has to be told in the next tick; asked for before each. In a replay nobody asks: it is in the recording.
+    virtual std::optional<seld_wire_scaffold> order() { return {}; }
     virtual void
     finish() = 0; // after the last frame; throws std::runtime_error when a file could not be written
 };

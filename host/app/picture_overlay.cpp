@@ -178,6 +178,28 @@ class Display
             left(y, text, room.roadmap == RoadmapState::moved ? amber : white);
             y += line_;
         }
+        draw_balloon(y);
+    }
+
+    // Pressure and diameter; two diameters while it has a waist.
+    void draw_balloon(int y)
+    {
+        const OverlayBalloon &balloon = info_.balloon;
+        if (!balloon.is_shown) return;
+        const double wide = finite_or_zero(balloon.diameter_max_mm),
+                     narrow = finite_or_zero(balloon.diameter_min_mm);
+        constexpr double waist_mm = 0.05;
+        const std::string pressure = format("BALLOON %.1f bar", finite_or_zero(balloon.pressure_bar));
+        left(y, balloon.is_burst ? "BALLOON BURST" : pressure,
+             balloon.is_burst             ? red
+             : balloon.pressure_bar > 0.0 ? amber
+                                          : dim);
+        left(y + line_,
+             wide - narrow > waist_mm ? format("  %.2f mm, waist %.2f mm", wide, narrow)
+                                      : format("  %.2f mm", wide),
+             balloon.pressure_bar > 0.0 ? white : dim);
+        if (!balloon.stent.empty())
+            left(y + 2 * line_, "STENT " + balloon.stent, balloon.stent.starts_with("lost") ? red : white);
     }
 
     // Reference air kerma with its rate, kerma-area product, time: what IEC 60601-2-43 wants to be seen.

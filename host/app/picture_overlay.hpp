@@ -20,6 +20,13 @@ struct OverlayTool {
     bool is_chosen = false; // the one that the keys move
 };
 
+// The balloon, where a tool has one, and its stent.
+struct OverlayBalloon {
+    bool is_shown = false, is_burst = false;
+    double pressure_bar = 0.0, diameter_max_mm = 0.0, diameter_min_mm = 0.0;
+    std::string stent; // what has become of it; empty: there is none
+};
+
 struct OverlayInfo {
     RoomStatus room;
     double time_s = 0.0;            // of the session
@@ -29,9 +36,10 @@ struct OverlayInfo {
     double kerma_mGy = 0.0;  // sum at the reference point
     double kerma_rate_mGy_min = 0.0;
     double kap_Gy_cm2 = 0.0;
-    double contrast_ml = 0.0;            // injected; 0 and no flow: nothing is shown
-    double contrast_ml_s = 0.0;          // at the moment
-    double dose_alert_Gy = 0.0;          // passed and not acknowledged; 0: none
+    double contrast_ml = 0.0;   // injected; 0 and no flow: nothing is shown
+    double contrast_ml_s = 0.0; // at the moment
+    double dose_alert_Gy = 0.0; // passed and not acknowledged; 0: none
+    OverlayBalloon balloon;
     const PulseMonitor *pulse = nullptr; // traces of the heart; nullptr: none
     std::string notice;                  // one line in the middle, e.g. a warning; empty for none
     std::vector<std::string> panel;      // help panel, one line each; empty for none

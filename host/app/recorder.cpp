@@ -59,6 +59,22 @@ std::vector<std::uint8_t> side_holes_of(std::size_t tool, const SideHoles &holes
     return bytes;
 }
 
+// Name and material, what joins its rings, counts and numbers in the order of their lists.
+std::vector<std::uint8_t> stent_of(const StentDesign &stent)
+{
+    constexpr std::size_t text_max = 200;
+    std::vector<std::uint8_t> bytes(stent_bytes_max);
+    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
+    put_text(writer, stent.name.substr(0, text_max));
+    put_text(writer, stent.material.substr(0, text_max));
+    seld_wire_write(&writer, stent.connection == StentConnection::facing, 1);
+    for (const StentCount &row : stent_counts())
+        seld_wire_write(&writer, static_cast<std::uint32_t>(stent.*row.value), 4);
+    for (const StentNumber &row : stent_numbers()) put_double(writer, stent.*row.value);
+    bytes.resize(writer.length);
+    return bytes;
+}
+
 std::string pending_name(const std::string &path)
 {
     try {
@@ -78,6 +94,7 @@ Recorder::Recorder(const std::string &path, const RecordingHeader &header)
     chunk(HEAD, header_bytes(header));
     for (std::size_t k = 0; k < header.tools.size(); k++)
         for (const SideHoles &holes : header.tools[k].side_holes) chunk(SIDE_HOLES, side_holes_of(k, holes));
+    for (const StentDesign &stent : header.stents) chunk(STENT, stent_of(stent));
 }
 
 // A destructor may not throw: what cannot be written any more is lost, and the recording counts as cut off.

@@ -63,7 +63,7 @@ class Reader
         seld_wire_reader head = seld_wire_reader_make(bytes_.data() + position_, left);
         kind_ = static_cast<std::uint32_t>(seld_wire_read(&head, 4));
         const std::size_t count = seld_wire_read(&head, 4);
-        if (kind_ < HEAD || kind_ > SIDE_HOLES)
+        if (kind_ < HEAD || kind_ > STENT)
             fail(RecordingFault::damaged, "is damaged: unknown chunk kind " + std::to_string(kind_));
         if (!is_size_of(kind_, count, recording_.header.tools.size()))
             fail(RecordingFault::damaged, "is damaged: a chunk of kind " + std::to_string(kind_) +
@@ -164,6 +164,9 @@ class Reader
         case SIDE_HOLES:
             read_side_holes();
             break;
+        case STENT:
+            read_stent();
+            break;
         case END:
             read_end();
             break;
@@ -256,6 +259,21 @@ class Reader
         if (!is_possible || recording_.header.tools[tool].side_holes.size() >= side_holes_max)
             fail(RecordingFault::inconsistent, "is inconsistent: side holes that no tool can have");
         recording_.header.tools[tool].side_holes.push_back(holes);
+    }
+
+    void read_stent()
+    {
+        StentDesign stent;
+        stent.name = get_text(payload_);
+        stent.material = get_text(payload_);
+        stent.connection =
+            seld_wire_read(&payload_, 1) != 0 ? StentConnection::facing : StentConnection::offset;
+        for (const StentCount &row : stent_counts()) stent.*row.value = read_i32();
+        for (const StentNumber &row : stent_numbers()) stent.*row.value = get_double(payload_);
+        check_used_up("stent");
+        if (!is_possible(stent) || recording_.header.stents.size() >= recorded_stents_max)
+            fail(RecordingFault::inconsistent, "is inconsistent: a stent that cannot be");
+        recording_.header.stents.push_back(stent);
     }
 
     void take_command(std::uint32_t tick, const RoomCommand &command)

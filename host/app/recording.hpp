@@ -2,14 +2,15 @@
 //
 //   file   = "SELDREC3" | chunk ...
 //   chunk  = kind u32 | bytes u32 | payload | CRC-32 u32 over kind, bytes and payload
-//   order  = HEAD, then TICKS, HASH, SNAPSHOT, RESUMED and ROOM as they happen, END when the session was closed properly
+//   order  = HEAD, SIDE_HOLES and STENT, then TICKS, HASH, SNAPSHOT, RESUMED and ROOM as they happen, END when the session was closed properly
 //
 // A recorder writes chunk by chunk, so that a recording cut off by a crash is readable up to its last whole chunk.
 // A reader refuses what is not a recording, is of a newer version, or is damaged in the middle.
-// May include: shared/wire, room/command, model. Called by: run, replay, view.
+// May include: shared/wire, room/command, stent/design, model. Called by: run, replay, view.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/room/command.hpp"
+#include "host/stent/design.hpp"
 #include "shared/wire/wire.h"
 #include <cstdio>
 #include <memory>
@@ -32,6 +33,7 @@ struct RecordingHeader {
         tools; // from the innermost; the tables decide the session, the layers its picture
     seld_wire_entry entry{};
     seld_wire_rig rig{};
+    std::vector<StentDesign> stents{}; // that load_stent mounts, in this order
 };
 
 struct RecordedTick {

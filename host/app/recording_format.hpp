@@ -21,13 +21,16 @@ enum Kind : std::uint32_t {
     END = 6,
     RESUMED = 7,
     ROOM = 8,
-    SIDE_HOLES = 9
+    SIDE_HOLES = 9,
+    STENT = 10
 };
 
 inline constexpr std::size_t chunk_head_bytes = 8, chunk_tail_bytes = 4;
 inline constexpr std::size_t text_bytes_max = 4096;
 inline constexpr std::size_t layers_max = 256;
 inline constexpr std::uint32_t side_holes_max = 40; // groups, and holes of a group
+inline constexpr std::size_t stent_bytes_max = 1024;
+inline constexpr std::size_t recorded_stents_max = 64;
 inline constexpr double side_holes_end_max_m = 2.0, side_hole_diameter_max_m = 0.01;
 inline constexpr std::size_t head_bytes_max = 1 << 17;
 // Of one tick: the record `encoders` with that many hands, and two hash lanes.
@@ -59,6 +62,8 @@ constexpr bool is_size_of(std::uint32_t kind, std::size_t bytes, std::size_t too
         return bytes == command_bytes;
     case SIDE_HOLES:
         return bytes == side_holes_bytes;
+    case STENT:
+        return bytes <= stent_bytes_max;
     default:
         return bytes == hash_bytes;
     }

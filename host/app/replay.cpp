@@ -59,7 +59,8 @@ class Replayer
         const double last = static_cast<double>(recording_.ticks.size());
         const auto wanted =
             static_cast<std::uint32_t>(std::clamp(settings_.from_s * ticks_per_second, 0.0, last));
-        const RecordedSnapshot *snapshot = recording_.snapshot_before(std::min(wanted, first_injection()));
+        const std::uint32_t known = sink_ && sink_->needs_beginning() ? 0 : first_injection();
+        const RecordedSnapshot *snapshot = recording_.snapshot_before(std::min(wanted, known));
         if (snapshot) device_.restore(snapshot->bytes);
         while (link_.tick() < wanted && !is_interrupted() && !result_.first_difference_tick) {
             const std::uint32_t look = sink_ ? sink_->next_look() : UINT32_MAX;

@@ -1,4 +1,5 @@
 // The figures of a session as JSON.
+#include "host/app/report_angioplasty.hpp"
 #include "host/app/run.hpp"
 #include "host/app/session_contrast.hpp"
 #include "host/effects/lesion_figures.hpp"
@@ -116,9 +117,10 @@ nlohmann::ordered_json lesions_report(const SessionContrast &contrast)
 } // namespace
 
 void write_report(const std::string &path, const RunResult &result, const std::string &scene,
-                  const std::vector<Instrument> &tools, const std::string &session, const Room *room,
-                  const SessionContrast *contrast)
+                  const std::vector<Instrument> &tools, const std::string &session,
+                  const ReportSources &sources)
 {
+    const SessionContrast *contrast = sources.contrast;
     const SessionFigures &figures = result.figures;
     char hash[20];
     std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(result.hash));
@@ -149,10 +151,12 @@ void write_report(const std::string &path, const RunResult &result, const std::s
                        {"last_rate_per_min", heart.monitor.rate_per_min()},
                        {"aortic_pressure_max_mmHg", heart.pressure_max_mmHg},
                        {"aortic_pressure_min_mmHg", heart.pressure_min_mmHg}};
-    report["room"] = room ? room_report(*room) : nlohmann::ordered_json();
+    report["room"] = sources.room ? room_report(*sources.room) : nlohmann::ordered_json();
     report["contrast"] = contrast && contrast->was_used() ? contrast_report(*contrast, result.seconds)
                                                           : nlohmann::ordered_json();
     report["lesions"] = contrast ? lesions_report(*contrast) : nlohmann::ordered_json::array();
+    report["balloon"] = balloon_report(figures.balloon, tools);
+    report["stents"] = stents_report(sources.stents);
     report["interrupted"] = result.was_interrupted;
     report["script_lines_given_up"] = result.given_up_lines;
     report["faults"] = nlohmann::ordered_json::array();

@@ -14,6 +14,23 @@ namespace
 
 using Clock = std::chrono::steady_clock;
 
+} // namespace
+
+seld_wire_encoders with_order(seld_wire_encoders input, FrameSink *sink)
+{
+    const std::optional<seld_wire_scaffold> order =
+        sink ? sink->order() : std::optional<seld_wire_scaffold>();
+    if (!order) return input;
+    input.scaffold_lesion = order->lesion;
+    input.scaffold_first = order->first;
+    input.scaffold_last = order->last;
+    input.scaffold_open_q15 = order->open_q15;
+    return input;
+}
+
+namespace
+{
+
 class Runner
 {
   public:
@@ -27,6 +44,7 @@ class Runner
     RunResult run()
     {
         const Clock::time_point begin = Clock::now();
+        for (const RoomCommand &command : settings_.begin) pass(0, command);
         pass_commands(0);
         picture_when_due();
         while (!player_.is_done() && !is_interrupted()) batch();
@@ -62,7 +80,7 @@ class Runner
         const std::uint32_t count = batch_size();
         inputs_.clear();
         while (inputs_.size() < count && !player_.is_done()) {
-            inputs_.push_back(player_.next());
+            inputs_.push_back(with_order(player_.next(), sink_));
             if (pass_commands(begin + static_cast<std::uint32_t>(inputs_.size()))) break;
         }
         const bool is_picture_due = sink_ && begin + inputs_.size() == sink_->next_tick();
@@ -82,11 +100,14 @@ class Runner
     bool pass_commands(std::uint32_t tick)
     {
         const std::vector<RoomCommand> commands = player_.take_commands();
-        for (const RoomCommand &command : commands) {
-            if (recorder_) recorder_->command(tick, command);
-            if (sink_) sink_->command(tick, command);
-        }
+        for (const RoomCommand &command : commands) pass(tick, command);
         return !commands.empty();
+    }
+
+    void pass(std::uint32_t tick, const RoomCommand &command)
+    {
+        if (recorder_) recorder_->command(tick, command);
+        if (sink_) sink_->command(tick, command);
     }
 
     void record_state()

@@ -11,7 +11,8 @@ namespace seld
 {
 
 struct RunSettings {
-    bool shows_progress = false; // one line on stderr, rewritten
+    bool shows_progress = false;      // one line on stderr, rewritten
+    std::vector<RoomCommand> begin{}; // of a script's session, before its first statement
 };
 
 struct RunResult {
@@ -26,6 +27,9 @@ struct RunResult {
     seld_wire_fault_log faults{};
 };
 
+// The input of a tick with what the sink wants the core to know, if anything. `sink` may be nullptr.
+seld_wire_encoders with_order(seld_wire_encoders input, FrameSink *sink);
+
 // `recorder` and `sink` may be nullptr. Throws LinkError, RecordingError.
 RunResult run_session(Device &device, const Session &session, Recorder *recorder, FrameSink *sink,
                       const RunSettings &settings);
@@ -36,10 +40,18 @@ RunResult run_free_session(Device &device, const std::vector<RoomCommand> &begin
                            Recorder *recorder, FrameSink *sink, const RunSettings &settings);
 
 class SessionContrast;
+class SessionStents;
 
-// out/demo.json: the figures of a session. `room` (dose and runs) and `contrast`: nullptr when no pictures were made.
+// Who knows more of a session; null: nobody. Room (dose and runs) and contrast are there where pictures are made.
+struct ReportSources {
+    const Room *room = nullptr;
+    const SessionContrast *contrast = nullptr;
+    SessionStents *stents = nullptr;
+};
+
+// out/demo.json: the figures of a session.
 void write_report(const std::string &path, const RunResult &result, const std::string &scene,
-                  const std::vector<Instrument> &tools, const std::string &session, const Room *room,
-                  const SessionContrast *contrast);
+                  const std::vector<Instrument> &tools, const std::string &session,
+                  const ReportSources &sources);
 
 } // namespace seld

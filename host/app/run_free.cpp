@@ -3,6 +3,7 @@
 #include "host/app/presence.hpp"
 #include "host/app/rig_pedals.hpp"
 #include "host/app/run.hpp"
+#include "host/link/usb_devices.hpp"
 #include <chrono>
 #include <cstdio>
 
@@ -32,6 +33,7 @@ class FreeRunner final : private FreeRunSink
                 device_.run_free(round_ms, *this);
                 record_hash();
                 picture_when_it_came();
+                tell_core();
                 show_progress();
             }
             result_.was_interrupted = seconds > 0.0 && figures_.ticks < ticks_wanted;
@@ -103,6 +105,17 @@ class FreeRunner final : private FreeRunSink
         const SessionFrame frame = session_frame(device_, state_, input_);
         const Presence presence(device_.has_its_own_clock() ? &device_.link() : nullptr);
         sink_->frame(frame);
+    }
+
+    // One at a time: a device keeps few. What it does not take up is asked for again at the next look.
+    void tell_core()
+    {
+        const auto order = sink_ ? sink_->order() : std::optional<seld_wire_scaffold>();
+        try {
+            if (order) device_.link().hold_open(*order);
+        } catch (const DeviceLost &) {
+            // The next round finds it gone as well, and waits for it.
+        }
     }
 
     void show_progress()

@@ -1,6 +1,7 @@
 #include "host/app/session_pictures.hpp"
 #include "host/app/interrupt.hpp"
 #include "host/app/progress_line.hpp"
+#include "host/app/session_balloon.hpp"
 #include "host/model/bodies.hpp"
 #include <algorithm>
 #include <cstdio>
@@ -37,7 +38,7 @@ RadiopaqueInstrument instrument_look(const Instrument &instrument)
 }
 
 SessionPictures::SessionPictures(const PictureSettings &settings, const std::vector<Instrument> &tools)
-    : settings_(settings)
+    : settings_(settings), tools_(tools)
 {
     for (const Instrument &tool : tools) {
         looks_.push_back(instrument_look(tool));
@@ -61,6 +62,9 @@ SessionPictures::SessionPictures(const PictureSettings &settings, const std::vec
     if (settings_.style == "vcsim3") thesis_look_ = std::make_unique<Vcsim3Look>(bodies, settings_.threads);
     contrast_ =
         std::make_unique<SessionContrast>(bodies.vessels, tools, motion ? &*motion : nullptr, opening);
+    if (!settings_.stents.empty())
+        stents_ = std::make_unique<SessionStents>(
+            settings_.stents, bodies.vessels, motion ? &*motion : nullptr, settings_.plaque_stations, tools);
     const bool needs_movie = !settings_.mp4_path.empty();
     if (needs_movie && !movie_.open(settings_.mp4_path, settings_.size, settings_.size,
                                     static_cast<int>(settings_.pictures_per_second), error)) {
@@ -73,6 +77,20 @@ SessionPictures::SessionPictures(const PictureSettings &settings, const std::vec
 }
 
 SessionPictures::~SessionPictures() = default;
+
+std::unique_ptr<SessionStents> make_stents(const PictureSettings &settings,
+                                           const std::vector<Instrument> &tools)
+{
+    if (settings.stents.empty()) return {};
+    std::string error;
+    Bodies bodies;
+    if (!settings.bodies_path.empty() && !read_bodies(settings.bodies_path, bodies, error))
+        throw std::runtime_error(error);
+    const std::optional<Motion> motion = read_motion(settings.scene_path, error);
+    if (!error.empty()) throw std::runtime_error(error);
+    return std::make_unique<SessionStents>(settings.stents, bodies.vessels, motion ? &*motion : nullptr,
+                                           settings.plaque_stations, tools);
+}
 
 bool writes_pictures(const PictureSettings &settings)
 {
@@ -101,9 +119,10 @@ OverlayInfo SessionPictures::display(const SessionFrame &frame) const
         info.contrast_ml = contrast_->injected_ml();
         info.contrast_ml_s = contrast_->flow_ml_s();
     }
+    info.balloon = balloon_display();
     info.pulse = monitor_.has_samples() ? &monitor_ : nullptr;
     info.notice = notice_.empty() ? info.room.notice : notice_;
-    if (info.notice.empty() && frame.wire.tick < contrast_notice_until_) info.notice = contrast_notice_;
+    if (info.notice.empty() && frame.wire.tick < refused_notice_until_) info.notice = refused_notice_;
     info.panel = panel_;
     return info;
 }
@@ -112,16 +131,56 @@ void SessionPictures::command(std::uint32_t tick, const RoomCommand &command)
 {
     const std::string why = room_.give(tick, command);
     if (!why.empty()) throw std::runtime_error("the X-ray room cannot do this: " + why);
-    const std::string syringe = contrast_->command(tick, command);
-    if (syringe.empty()) return;
-    contrast_notice_ = syringe;
-    contrast_notice_until_ = tick + notice_ticks;
+    std::string refused = contrast_->command(tick, command);
+    const std::size_t refusals = stents_ ? stents_->refusals().size() : 0;
+    if (stents_) stents_->command(tick, command);
+    if (stents_ && stents_->refusals().size() > refusals) refused = stents_->refusals().back();
+    if (command.action == RoomAction::load_stent && !stents_) refused = "NO STENT - name one with --stent";
+    if (refused.empty()) return;
+    refused_notice_ = refused;
+    refused_notice_until_ = tick + notice_ticks;
+}
+
+void SessionPictures::tick(const seld_wire_encoders &input, const seld_wire_tick_state &state)
+{
+    monitor_.tick(state);
+    contrast_->tick(state);
+    if (stents_) stents_->tick(input, state);
+    state_ = state;
+}
+
+std::uint32_t SessionPictures::next_look() const
+{
+    return std::min(contrast_->next_tick(), stents_ ? stents_->next_tick() : UINT32_MAX);
+}
+
+void SessionPictures::look(const SessionFrame &frame)
+{
+    contrast_->advance(frame.wire);
+    if (stents_) stents_->advance(frame.wire);
+}
+
+std::optional<seld_wire_scaffold> SessionPictures::order()
+{
+    return stents_ ? stents_->order() : std::optional<seld_wire_scaffold>();
+}
+
+// Only with a balloon; its stent by what has become of it.
+OverlayBalloon SessionPictures::balloon_display() const
+{
+    OverlayBalloon display;
+    display.is_shown = state_.balloon_diameter_max_um > 0;
+    display.pressure_bar = state_.balloon_kPa * 1e-2;
+    display.diameter_max_mm = state_.balloon_diameter_max_um * 1e-3;
+    display.diameter_min_mm = state_.balloon_diameter_min_um * 1e-3;
+    display.is_burst = state_.balloon_bits != 0;
+    if (stents_) display.stent = stents_->stage_text();
+    return display;
 }
 
 std::uint32_t SessionPictures::next_tick() const
 {
-    return std::min(
-        {room_.next_tick(), contrast_->next_tick(), picture_tick(count_, settings_.pictures_per_second)});
+    return std::min({room_.next_tick(), next_look(), picture_tick(count_, settings_.pictures_per_second)});
 }
 
 // The room goes on to `tick`; true when there is a new X-ray.
@@ -138,13 +197,27 @@ bool SessionPictures::advance(std::uint32_t tick, const SessionFrame &frame)
     shape.tick = tick;
     contrast_->colour(shape);
     const std::vector<MovedBody> moved = moved_at(shape);
-    const XrayFrame seen{looks_, shape, contrast_->curves(), moved};
+    const std::vector<SweptCurve> curves = curves_at(shape);
+    const XrayFrame seen{looks_, shape, curves, moved};
     xray_->render(xray, seen, settings_.seed, request.settles_at_once ? nullptr : &memory_, pulse_);
     tell_failure();
     if (export_) export_pulse(); // what is written for measurement stays physical
     if (thesis_look_) thesis_look_->draw(xray, seen, settings_.seed, pulse_);
     room_.expose(pulse_);
     return true;
+}
+
+// Medium in the vessels and in the balloon, and struts.
+std::vector<SweptCurve> SessionPictures::curves_at(const WireFrame &shape)
+{
+    std::vector<SweptCurve> curves = balloon_filling(shape, tools_, settings_.balloon_iodine_mg_per_ml);
+    if (stents_) {
+        std::vector<SweptCurve> struts = stents_->curves_at(shape);
+        curves.insert(curves.end(), std::make_move_iterator(struts.begin()),
+                      std::make_move_iterator(struts.end()));
+    }
+    curves.insert(curves.end(), contrast_->curves().begin(), contrast_->curves().end());
+    return curves;
 }
 
 // Bodies beat with the wire's own tick, and walls stand where the core's lesions have given way to.
@@ -163,7 +236,7 @@ std::vector<MovedBody> SessionPictures::moved_at(const WireFrame &shape)
 void SessionPictures::frame(const SessionFrame &frame)
 {
     const std::uint32_t now = frame.wire.tick;
-    contrast_->advance(frame.wire);
+    look(frame);
     bool is_new = false;
     while (has_begun_ && room_.next_tick() < now) is_new = advance(room_.next_tick(), frame) || is_new;
     is_new = advance(now, frame) || is_new;

@@ -9,6 +9,7 @@
 #include "host/app/picture.hpp"
 #include "host/app/picture_overlay.hpp"
 #include "host/app/session_contrast.hpp"
+#include "host/app/session_stents.hpp"
 #include "host/model/instrument.hpp"
 #include "host/model/motion.hpp"
 #include "host/model/opened_bodies.hpp"
@@ -39,9 +40,16 @@ struct PictureSettings {
     int threads = 0;
     std::string style =
         "physical"; // docs/xray.md, or vcsim3: docs/xray-style.md; doses and counts stay physical
-    std::string xray = "raster"; // of path_choices
-    GlOpener window_context;     // where there is a window
+    std::string xray = "raster";                // of path_choices
+    GlOpener window_context;                    // where there is a window
+    std::vector<StentDesign> stents;            // that a session may load, in this order
+    std::vector<std::uint32_t> plaque_stations; // of the scene's lesions that give way
+    double balloon_iodine_mg_per_ml = 175.0;    // what balloons are filled with
 };
+
+// The stents of a session, with vessels and motion from the files that the settings name; null: it has none. Throws std::runtime_error.
+std::unique_ptr<SessionStents> make_stents(const PictureSettings &settings,
+                                           const std::vector<Instrument> &tools);
 
 // Some file has to be written.
 bool writes_pictures(const PictureSettings &settings);
@@ -55,18 +63,17 @@ class SessionPictures final : public FrameSink
     void command(std::uint32_t tick, const RoomCommand &command) override;
     std::uint32_t next_tick() const override;
     void frame(const SessionFrame &frame) override;
-    std::uint32_t next_look() const override { return contrast_->next_tick(); }
-    void look(const SessionFrame &frame) override { contrast_->advance(frame.wire); }
-    void tick(const seld_wire_encoders &, const seld_wire_tick_state &state) override
-    {
-        monitor_.tick(state);
-        contrast_->tick(state);
-    }
+    std::uint32_t next_look() const override;
+    void look(const SessionFrame &frame) override;
+    bool needs_beginning() const override { return stents_ != nullptr; }
+    std::optional<seld_wire_scaffold> order() override;
+    void tick(const seld_wire_encoders &input, const seld_wire_tick_state &state) override;
     void finish() override;
     const PulseMonitor &monitor() const { return monitor_; }
     const Room &room() const { return room_; }
     const SessionContrast &contrast() const { return *contrast_; }
-    std::uint32_t count() const { return count_; } // pictures of the screen, at the settings' rate
+    SessionStents *stents() const { return stents_.get(); } // null: the session has none
+    std::uint32_t count() const { return count_; }          // pictures of the screen, at the settings' rate
     const std::vector<std::string> &files() const { return files_; } // those written by finish()
     bool was_stopped() const { return was_stopped_; } // Ctrl-C while finish() wrote runs: some are missing
     const Image &image() const { return image_; }     // the last picture with its display
@@ -86,6 +93,8 @@ class SessionPictures final : public FrameSink
     OverlayInfo display(const SessionFrame &frame) const;
     bool advance(std::uint32_t tick, const SessionFrame &frame);
     std::vector<MovedBody> moved_at(const WireFrame &shape);
+    std::vector<SweptCurve> curves_at(const WireFrame &shape);
+    OverlayBalloon balloon_display() const;
     void export_pulse();
     void finish_export();
 
@@ -94,8 +103,8 @@ class SessionPictures final : public FrameSink
     std::vector<std::string> names_;
     std::optional<std::size_t> chosen_tool_;
     bool chooses_all_ = false;
-    std::string notice_, contrast_notice_;
-    std::uint32_t contrast_notice_until_ = 0; // tick
+    std::string notice_, refused_notice_;    // what syringe or stents could not do
+    std::uint32_t refused_notice_until_ = 0; // tick
     std::vector<std::string> panel_;
     XrayScene scene_;
     std::optional<MovingBodies> moving_;
@@ -104,6 +113,9 @@ class SessionPictures final : public FrameSink
     std::unique_ptr<Vcsim3Look> thesis_look_; // when that style is asked for
     Room room_;
     std::unique_ptr<SessionContrast> contrast_;
+    const std::vector<Instrument> tools_;
+    std::unique_ptr<SessionStents> stents_;
+    seld_wire_tick_state state_{}; // of the last tick
     bool has_begun_ = false;
     PulseMonitor monitor_;
     XrayMemory memory_;

@@ -54,9 +54,10 @@ std::int32_t ordinal(LineParser &line, const std::string &what)
 
 const std::vector<std::string> &room_verbs()
 {
-    static const std::vector<std::string> verbs = {
-        "fluoro", "cine",  "dsa",     "c-arm",  "view",  "table",       "field", "collimate", "follow",
-        "mask",   "shift", "roadmap", "review", "store", "acknowledge", "stop",  "inject",    "contrast"};
+    static const std::vector<std::string> verbs = {"fluoro", "cine",    "dsa",       "c-arm",  "view",
+                                                   "table",  "field",   "collimate", "follow", "mask",
+                                                   "shift",  "roadmap", "review",    "store",  "acknowledge",
+                                                   "stop",   "inject",  "contrast",  "load"};
     return verbs;
 }
 
@@ -101,6 +102,9 @@ std::vector<RoomCommand> RoomParser::parse(LineParser &line, const std::string &
     } else if (verb == "contrast") {
         add(RoomAction::contrast_strength,
             rounded(line.quantity("strength", strength_units, strength_min_mg_ml, strength_max_mg_ml)));
+    } else if (verb == "load") {
+        line.expect("stent");
+        add(RoomAction::load_stent);
     } else if (verb == "acknowledge") {
         line.accept("dose");
         add(RoomAction::acknowledge);

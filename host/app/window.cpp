@@ -145,11 +145,14 @@ class Window
         PictureSettings pictures = options_.pictures;
         pictures.window_context = [this] { return screen_.context(); };
         ++session_number_;
+        take_stents(pictures, options_.stents, tools_, scene_);
+        std::vector<RoomCommand> begin = entry_commands(scene_);
+        if (!pictures.stents.empty()) begin.push_back(first_stent);
         pictures.dicom.folder = export_folder(pictures.dicom, session_number_);
         session_.reset(); // a rig has one host at a time
         session_ = std::make_unique<LiveSession>(scene_, tools_, entry_,
                                                  recording_name(options_.record, session_number_), pictures,
-                                                 entry_commands(scene_), choice_);
+                                                 begin, choice_);
         is_annotated_ = is_fault_told_ = false;
     }
 
@@ -207,6 +210,7 @@ int command_view(WindowOptions options)
     if (options.pictures.bodies_path.empty()) options.pictures.bodies_path = bodies_beside(options.scene);
     options.pictures.scene_path = options.scene;
     std::vector<NamedPath> inputs = tool_inputs(options.instrument, options.tools);
+    for (const std::string &stent : options.stents) inputs.push_back({"--stent", stent});
     inputs.insert(inputs.end(), {{"--scene", options.scene}, {"--bodies", options.pictures.bodies_path}});
     check_outputs(inputs, {{"--record", options.record}, {"--screenshot", options.screenshot}});
     check_dicom_settings(options.pictures.dicom);

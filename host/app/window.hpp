@@ -10,10 +10,11 @@ namespace seld
 {
 
 struct WindowOptions {
-    std::string scene;              // empty: free space
-    std::string instrument;         // file of the innermost tool, or empty
-    std::vector<std::string> tools; // files of the others, towards the outermost
-    std::string device = "sim";     // as parse_device
+    std::string scene;               // empty: free space
+    std::string instrument;          // file of the innermost tool, or empty
+    std::vector<std::string> tools;  // files of the others, towards the outermost
+    std::vector<std::string> stents; // files, in the order of loading
+    std::string device = "sim";      // as parse_device
     // Empty: none. A reset starts "name.2.rec", "name.3.rec" ..., and for pictures.dicom the folder "name.2" ...
     std::string record;
     PictureSettings pictures;

@@ -60,6 +60,7 @@ std::vector<std::string> help_panel(std::size_t tool_count)
                                       "F                 fluoroscopy stays on / off",
                                       "E  Y              hold: inject contrast (4 ml/s); its rate",
                                       "U                 hold: inflate the balloon  (Shift: deflate)",
+                                      "9                 next stent onto the balloon, withdrawn",
                                       "P  X  O           fluoro rate, cine or DSA, its rate",
                                       "",
                                       "D / A   W / S     C-arm to LAO / RAO, to CRA / CAU",
@@ -245,6 +246,9 @@ void WindowKeys::take_switch(int key)
         break;
     case GLFW_KEY_Y:
         injection_rate_ = (injection_rate_ + 1) % std::size(injection_rates_ul_s);
+        break;
+    case GLFW_KEY_9:
+        ask(RoomAction::load_stent);
         break;
     case GLFW_KEY_F:
         is_pedal_latched_ = !is_pedal_latched_;

@@ -1,5 +1,7 @@
 #include "host/app/window_live.hpp"
 #include "host/app/presence.hpp"
+#include "host/app/run.hpp"
+#include "host/link/usb_devices.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +13,7 @@ namespace
 {
 
 RecordingHeader header_of(const Device &device, const SceneFile &scene, const std::vector<Instrument> &tools,
-                          const seld_wire_entry &entry)
+                          const seld_wire_entry &entry, const std::vector<StentDesign> &stents)
 {
     return {device.identity().core_version,
             device.identity().schema_hash,
@@ -21,7 +23,8 @@ RecordingHeader header_of(const Device &device, const SceneFile &scene, const st
             "live",
             tools,
             entry,
-            device.rig()};
+            device.rig(),
+            stents};
 }
 
 } // namespace
@@ -34,7 +37,8 @@ LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &
       pictures_(pictures, tools), hands_(tools.size())
 {
     if (!record.empty()) {
-        recorder_ = std::make_unique<Recorder>(record, header_of(device_, scene, tools, entry));
+        recorder_ =
+            std::make_unique<Recorder>(record, header_of(device_, scene, tools, entry, pictures.stents));
     }
     for (const RoomCommand &command : begin) pass(0, command);
     device_.link().read_nodes();
@@ -132,7 +136,7 @@ void LiveSession::batch(std::uint32_t count)
             std::clamp(inflator_milli_kPa_ + inflation_kPa_per_s_, 0, inflator_max_kPa * 1000);
         input.inflator_raw = inflator_milli_kPa_ / 1000;
         rhythm_.put_next(input);
-        inputs_.push_back(input);
+        inputs_.push_back(with_order(input, &pictures_));
     }
     const bool is_picture_due = link.tick() + count == pictures_.next_tick();
     const auto states = device_.step(inputs_, is_picture_due);
@@ -156,6 +160,12 @@ void LiveSession::advance_rig(std::uint32_t ticks)
         recorder_->hash(hash->tick, hash->hash);
     }
     if (device_.link().nodes().tick != shown) picture();
+    const std::optional<seld_wire_scaffold> order = pictures_.order();
+    try {
+        if (order) device_.link().hold_open(*order);
+    } catch (const DeviceLost &) {
+        // The next round finds it gone as well, and waits for it.
+    }
 }
 
 void LiveSession::tick(const seld_wire_live_tick &tick)

@@ -52,6 +52,7 @@ constexpr Rule rules[] = {
     {RoomAction::contrast_strength,
      "strength of the contrast medium",
      {{strength_min_mg_ml, strength_max_mg_ml}}},
+    {RoomAction::load_stent, "load stent", {}},
 };
 
 template <std::size_t count> bool is_one_of(std::int32_t value, const std::int32_t (&values)[count])

@@ -33,6 +33,7 @@ enum class RoomAction : std::uint16_t {
     // The syringe, which the room passes on: host/app/session_contrast.hpp.
     inject = 21, // ul (0: stop), ul/s, tool from the innermost 1 ... (0: the outermost with a lumen)
     contrast_strength = 22, // mg iodine per ml of what is injected from now on
+    load_stent = 23,        // the next one onto the balloon: host/app/session_stents.hpp
 };
 
 struct RoomCommand {

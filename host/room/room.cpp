@@ -159,6 +159,7 @@ void Room::carry_out(std::uint32_t tick, const RoomCommand &command)
         break;
     case RoomAction::inject: // the syringe's
     case RoomAction::contrast_strength:
+    case RoomAction::load_stent: // the stents'
         break;
     default:
         carry_out_geometry(tick, command);

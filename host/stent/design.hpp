@@ -8,6 +8,7 @@
 // Lengths in mm, forces in N. Radii are those of the struts' axis: a balloon of radius r carries struts at r + thickness / 2.
 // May include: host/model. Called by: host/stent, host/app, tests.
 #pragma once
+#include <span>
 #include <string>
 
 namespace seld
@@ -44,6 +45,29 @@ struct StentDesign {
     double length_at_mm(double radius_mm) const;
     double foreshortening(double radius_mm) const { return 1 - length_at_mm(radius_mm) / length_mm; }
 };
+
+// Numbers of a stent with their keys in files and what they may be; a file's number is `per_file` of the design's (percent: 100).
+struct StentNumber {
+    const char *key;
+    double StentDesign::*value;
+    double low, high; // of the file's
+    double per_file = 1.0;
+};
+std::span<const StentNumber> stent_numbers();
+struct StentCount {
+    const char *key;
+    int StentDesign::*value;
+    int low, high;
+};
+std::span<const StentCount> stent_counts();
+
+// What every value by itself allows but all together do not: the key at fault and why. Empty key: nothing.
+struct StentFault {
+    std::string key, text;
+};
+StentFault stent_fault(const StentDesign &stent);
+// All values in their ranges and possible together, as every design of a file is; for those that come from elsewhere.
+bool is_possible(const StentDesign &stent);
 
 // Throws FileError: file, line, key, what is wrong and what to do.
 StentDesign read_stent(const std::string &path);

@@ -1,4 +1,5 @@
 #include "host/stent/figures.hpp"
+#include "host/stent/vessel_wall.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -149,18 +150,20 @@ StentFigures stent_figures(const Stent &stent, const StentWall *wall)
     return figures;
 }
 
-StentCoverage stent_coverage(const Stent &stent, std::span<const Vector3d> centreline_mm,
-                             double lesion_from_mm, double lesion_to_mm)
+namespace
+{
+
+// What of a stent's ends lies along a vessel: the mean of the crowns of one side of its first and last ring. `along` says where a place lies.
+template <class Along>
+StentCoverage coverage(const Stent &stent, const Along &along, double lesion_from_mm, double lesion_to_mm)
 {
     StentCoverage coverage{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-    // What of a ring lies on the line: the mean of the crowns of one side of its first and last ring.
     const int rings[2] = {0, stent.design().rings - 1}, sides[2] = {-1, 1};
     for (int end = 0; end < 2; ++end) {
         double sum = 0.0;
         for (int k = 0; k < 2 * stent.design().crowns; ++k) {
             const std::uint32_t i = stent.lattice().point(rings[end], k);
-            if (stent.lattice().side_of(i) == sides[end])
-                sum += nearest_on(centreline_mm, stent.points()[i].place_mm).along_mm;
+            if (stent.lattice().side_of(i) == sides[end]) sum += along(stent.points()[i].place_mm);
         }
         const double at = sum / stent.design().crowns;
         coverage.from_mm = std::min(coverage.from_mm, at);
@@ -170,6 +173,23 @@ StentCoverage stent_coverage(const Stent &stent, std::span<const Vector3d> centr
     coverage.missed_before_mm = std::clamp(coverage.from_mm - lesion_from_mm, 0.0, length);
     coverage.missed_behind_mm = std::clamp(lesion_to_mm - coverage.to_mm, 0.0, length);
     return coverage;
+}
+
+} // namespace
+
+StentCoverage stent_coverage(const Stent &stent, std::span<const Vector3d> centreline_mm,
+                             double lesion_from_mm, double lesion_to_mm)
+{
+    return coverage(
+        stent, [&](const Vector3d &place) { return nearest_on(centreline_mm, place).along_mm; },
+        lesion_from_mm, lesion_to_mm);
+}
+
+StentCoverage stent_coverage(const Stent &stent, const VesselWall &vessel, std::size_t lesion)
+{
+    const VesselWall::Stretch stretch = vessel.lesion_mm(lesion);
+    return coverage(
+        stent, [&](const Vector3d &place) { return vessel.along_of(place); }, stretch.from_mm, stretch.to_mm);
 }
 
 double stent_stretch(const Stent &stent, std::span<const Vector3d> centreline_mm,

@@ -1,5 +1,5 @@
 // What is said of a stent: how it lies on the wall, how wide it is, what it covers, how far it has stretched the vessel; and its struts
-// as lines with a radius, for the X-ray. May include: stent.hpp. Called by: host/app, tests.
+// as lines with a radius, for the X-ray. May include: stent.hpp, vessel_wall.hpp. Called by: host/app, tests.
 #pragma once
 #include "host/stent/stent.hpp"
 #include <string>
@@ -50,6 +50,9 @@ struct StentCoverage {
 };
 StentCoverage stent_coverage(const Stent &stent, std::span<const Eigen::Vector3d> centreline_mm,
                              double lesion_from_mm, double lesion_to_mm);
+// The same along the healthy branch of a vessel that moves: mm from the branch's first point.
+class VesselWall;
+StentCoverage stent_coverage(const Stent &stent, const VesselWall &vessel, std::size_t lesion);
 
 // Largest outside diameter that a ring has had on a balloon over the healthy vessel's there, less 1. 0 for a stent that was not opened.
 double stent_stretch(const Stent &stent, std::span<const Eigen::Vector3d> centreline_mm,

@@ -13,8 +13,13 @@ void Stents::add(const StentDesign &design, double mount_arc_mm)
     stents_.emplace_back(design, mount_arc_mm);
 }
 
-// The older ones first: what is let go in this picture lies on where they are now.
 void Stents::step(const StentWall *wall, const BalloonPose *balloon)
+{
+    step(std::vector<const StentWall *>(stents_.size(), wall), balloon);
+}
+
+// The older ones first: what is let go in this picture lies on where they are now.
+void Stents::step(std::span<const StentWall *const> walls, const BalloonPose *balloon)
 {
     std::vector<StentSleeve> sleeves;
     const bool is_mounted = !stents_.empty() && stents_.back().is_on_balloon();
@@ -23,13 +28,46 @@ void Stents::step(const StentWall *wall, const BalloonPose *balloon)
         const double layer_mm = is_mounted && !is_own ? stents_.back().design().strut_thickness_mm : 0.0;
         const StentBalloon inside{balloon, layer_mm};
         const bool has_inside = balloon && !is_own;
+        const StentWall *wall = i < walls.size() ? walls[i] : nullptr;
         stents_[i].step({wall, is_own ? balloon : nullptr, std::span(&inside, has_inside ? 1 : 0), sleeves});
         if (stents_[i].stage() == StentStage::deployed) sleeves.push_back(stents_[i].sleeve());
     }
 }
 
-std::vector<StentHold> Stents::holds(const VesselWall &vessel, std::size_t lesion,
-                                     std::uint32_t stations) const
+namespace
+{
+
+// A ring that holds what is around it, by its outside.
+struct HoldingRing {
+    double along_mm = 0.0, radius_mm = 0.0;
+};
+
+// Opened rings of a stent that lie in the vessel.
+std::vector<HoldingRing> holding_rings(const Stent &stent, const VesselWall &vessel)
+{
+    std::vector<HoldingRing> rings;
+    const bool is_deployed = stent.stage() == StentStage::deployed;
+    if (!stent.was_placed() || (!is_deployed && !stent.is_on_balloon())) return rings;
+    const StentFigures figures = stent_figures(stent, nullptr);
+    const int around = 2 * stent.design().crowns;
+    for (int ring = 0; ring < stent.design().rings; ++ring) {
+        const StentRing &now = figures.rings[static_cast<std::size_t>(ring)];
+        const VesselWall::Foot foot = vessel.foot_of(now.centre_mm);
+        if (!now.is_opened || foot.off_mm > vessel.healthy_radius_mm(foot.along_mm)) continue;
+        double kept = 0.0; // radius of the struts' axis when the balloon has gone
+        for (int k = 0; k < around; ++k)
+            kept += stent.free_radius_mm(stent.points()[stent.lattice().point(ring, k)]) / around;
+        const double thickness = stent.design().strut_thickness_mm;
+        rings.push_back(
+            {foot.along_mm, is_deployed ? now.diameter_mm / 2 + thickness : kept + thickness / 2});
+    }
+    return rings;
+}
+
+} // namespace
+
+std::vector<StentHold> Stents::holds(const VesselWall &vessel, std::size_t lesion, std::uint32_t stations,
+                                     std::span<const double> open_now) const
 {
     constexpr double steps = 256;
     std::vector<StentHold> result;
@@ -37,23 +75,23 @@ std::vector<StentHold> Stents::holds(const VesselWall &vessel, std::size_t lesio
     if (stretch.is_empty() || stations < 2) return result;
     std::vector<std::uint32_t> open(stations, 0);
     for (const Stent &stent : stents_) {
-        if (stent.stage() != StentStage::deployed) continue;
-        const StentFigures figures = stent_figures(stent, nullptr);
-        std::vector<double> along;
-        for (const StentRing &ring : figures.rings) along.push_back(vessel.along_of(ring.centre_mm));
-        const double reach = stent.design().strut_length_mm / 2;
-        for (std::uint32_t k = 0; k < stations; ++k) {
+        const double pitch = stent.design().length_mm / stent.design().rings;
+        const double reach = std::max(stent.design().strut_length_mm, pitch) / 2;
+        const std::vector<HoldingRing> rings = holding_rings(stent, vessel);
+        for (std::uint32_t k = 0; !rings.empty() && k < stations; ++k) {
             const double at = stretch.from_mm + (stretch.to_mm - stretch.from_mm) * k / (stations - 1);
-            std::size_t nearest = 0;
-            for (std::size_t i = 1; i < along.size(); ++i)
-                if (std::abs(along[i] - at) < std::abs(along[nearest] - at)) nearest = i;
-            const double pitch = figures.length_mm / stent.design().rings;
-            if (std::abs(along[nearest] - at) > std::max(reach, pitch / 2)) continue;
-            const double outside = figures.rings[nearest].diameter_mm / 2 + stent.design().strut_thickness_mm;
+            const auto nearest =
+                std::min_element(rings.begin(), rings.end(), [&](const HoldingRing &a, const HoldingRing &b) {
+                    return std::abs(a.along_mm - at) < std::abs(b.along_mm - at);
+                });
+            if (std::abs(nearest->along_mm - at) > reach) continue;
             const double narrow = vessel.narrow_radius_mm(at), wide = vessel.healthy_radius_mm(at);
             if (!(wide > narrow)) continue;
-            const double share = std::clamp((outside - narrow) / (wide - narrow), 0.0, 1.0);
-            open[k] = std::max(open[k], static_cast<std::uint32_t>(std::lround(share * steps)));
+            const double share = std::clamp((nearest->radius_mm - narrow) / (wide - narrow), 0.0, 1.0);
+            auto held = static_cast<std::uint32_t>(std::lround(share * steps));
+            if (k < open_now.size())
+                held = std::min(held, static_cast<std::uint32_t>(std::clamp(open_now[k], 0.0, 1.0) * steps));
+            open[k] = std::max(open[k], held);
         }
     }
     for (std::uint32_t k = 0; k < stations; ++k) {

@@ -30,13 +30,18 @@ class Stents
     // A stent that was still on the balloon before goes out of the patient with it.
     void add(const StentDesign &design, double mount_arc_mm);
     void step(const StentWall *wall, const BalloonPose *balloon);
+    // The same with a wall for each: stents may lie in several vessels. As many as there are stents; null: none.
+    void step(std::span<const StentWall *const> walls, const BalloonPose *balloon);
 
     std::size_t size() const { return stents_.size(); }
     const Stent &operator[](std::size_t i) const { return stents_[i]; }
     std::span<const Stent> all() const { return stents_; }
 
-    // What deployed stents hold open of a lesion with so many stations, neighbours that are held alike as one.
-    std::vector<StentHold> holds(const VesselWall &vessel, std::size_t lesion, std::uint32_t stations) const;
+    // What rings that were opened hold open of a lesion with so many stations, neighbours that are held alike as one. On the balloon they hold
+    // what they will when it goes: the width less the recoil. `open`: how far each station is open now, 0 .. 1. Stents open nothing by
+    // themselves, and hold no more than that; empty: they hold whatever their rings are wide.
+    std::vector<StentHold> holds(const VesselWall &vessel, std::size_t lesion, std::uint32_t stations,
+                                 std::span<const double> open = {}) const;
 
     // As Stent's: of the same stents in the same order.
     std::vector<std::uint8_t> snapshot() const;

@@ -204,6 +204,12 @@ double VesselWall::healthy_radius_mm(double along_mm) const
     return (1 - share) * healthy_radius_mm_[row] + share * healthy_radius_mm_[row + 1];
 }
 
+double VesselWall::radius_at_mm(double along_mm) const
+{
+    const auto [row, share] = row_at(along_mm);
+    return (1 - share) * radius_mm_[row] + share * radius_mm_[row + 1];
+}
+
 std::pair<std::size_t, double> VesselWall::row_at(double along_mm) const
 {
     std::size_t row = 0;
@@ -212,7 +218,7 @@ std::pair<std::size_t, double> VesselWall::row_at(double along_mm) const
     return {row, std::clamp((along_mm - rows_[row].along_mm) / step, 0.0, 1.0)};
 }
 
-double VesselWall::along_of(const Vector3d &place_mm) const
+VesselWall::Foot VesselWall::foot_of(const Vector3d &place_mm) const
 {
     double least = std::numeric_limits<double>::infinity(), along = 0.0;
     for (std::size_t row = 0; row + 1 < rows_.size(); ++row) {
@@ -223,7 +229,7 @@ double VesselWall::along_of(const Vector3d &place_mm) const
         least = squared;
         along = (1 - share) * rows_[row].along_mm + share * rows_[row + 1].along_mm;
     }
-    return along;
+    return {along, std::sqrt(least)};
 }
 
 } // namespace seld

@@ -51,8 +51,14 @@ class VesselWall
     // As baked and healthy, at a place along the branch; those of the ends beyond them.
     double narrow_radius_mm(double along_mm) const;
     double healthy_radius_mm(double along_mm) const;
-    // Place along the branch that is nearest to a place of the patient.
-    double along_of(const Eigen::Vector3d &place_mm) const;
+    // Place along the branch that is nearest to a place of the patient, and how far off its middle line that is.
+    struct Foot {
+        double along_mm = 0.0, off_mm = 0.0;
+    };
+    Foot foot_of(const Eigen::Vector3d &place_mm) const;
+    double along_of(const Eigen::Vector3d &place_mm) const { return foot_of(place_mm).along_mm; }
+    // As far as it is open now.
+    double radius_at_mm(double along_mm) const;
 
   private:
     struct Row { // of the tube, in the reference pose

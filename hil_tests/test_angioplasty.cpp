@@ -1,0 +1,371 @@
+// Claims about balloon and stent in whole sessions, from the script to the recording: a stent is opened, let go and holds what its balloon has
+// opened; the core hears of it by inputs that are recorded, so a replay agrees bit for bit, with pictures and without; and what goes
+// wrong (pulled under pressure, burst, let go where no wall is, inflated in a guide, power lost) has an outcome that is said, and loses no
+// record. The scene is an artery of 3 mm behind a wide one of 10 mm, with a stenosis of 50 % that gives way, baked here.
+#include <algorithm>
+#include <cmath>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include "host/app/replay.hpp"
+#include "host/app/run.hpp"
+#include "host/app/session_pictures.hpp"
+
+// Last, because its macros (fail, ...) would change other headers.
+extern "C" {
+#include <cmocka.h>
+}
+
+namespace
+{
+
+namespace fs = std::filesystem;
+using namespace seld;
+
+constexpr int length_mm = 110, around = 24;
+constexpr double lesion_mm = 70.0; // its middle
+const char *const wire = "coronary_014.toml", *const balloon = "balloon_3x20.toml";
+fs::path folder;
+
+double radius_mm(double y)
+{
+    const double share = std::clamp((y - 30.0) / 10.0, 0.0, 1.0);
+    return 5.0 + share * (1.5 - 5.0);
+}
+
+void write_tube()
+{
+    std::ofstream mesh(folder / "tube.obj"), line(folder / "artery.csv");
+    line << "branch,x_mm,y_mm,z_mm,radius_mm\n";
+    for (int i = 0; i <= length_mm; ++i) {
+        // The inscribed circle of the polygon is the stated one.
+        const double r = radius_mm(i) / std::cos(std::numbers::pi / around);
+        for (int k = 0; k < around; ++k) {
+            const double angle = 2 * std::numbers::pi * k / around;
+            mesh << "v " << r * std::cos(angle) << ' ' << i << ' ' << -r * std::sin(angle) << '\n';
+        }
+        line << "0,0," << i << ",0," << radius_mm(i) << '\n';
+    }
+    for (int i = 0; i < length_mm; ++i)
+        for (int k = 0; k < around; ++k) {
+            const int a = 1 + i * around + k, b = 1 + i * around + (k + 1) % around;
+            mesh << "f " << a << ' ' << a + around << ' ' << b + around << "\nf " << a << ' ' << b + around
+                 << ' ' << b << '\n';
+        }
+    std::ofstream(folder / "scene.toml")
+        << "[scene]\nname = \"Artery\"\n[lumen]\nmesh = \"tube.obj\"\nunit = \"mm\"\ncap = true\n"
+           "level_max = 2\ntolerance_mm = 0.05\n[tree]\ncentrelines = [\"artery.csv\"]\n"
+           "flow_ml_min = { artery = 60 }\n[entry]\nposition_mm = [0, 2, 0]\ndirection = [0, 1, 0]\n"
+           "[[lesion]]\nname = \"plaque\"\nbranch = \"artery\"\nat_mm = 70\nlength_mm = 12\n"
+           "stenosis_percent = 50\nyield_kPa = 300\nfull_kPa = 300\nrecoil = 0.35\n";
+}
+
+int bake_scene(void **)
+{
+    folder = fs::temp_directory_path() / ("seldinger_angioplasty_" + std::to_string(getpid()));
+    fs::create_directories(folder);
+    write_tube();
+    const char *build = std::getenv("BUILD"); // set by the test runner
+    const std::string command = std::string(build ? build : "build") + "/bin/bake '" +
+                                (folder / "scene.toml").string() + "' -o '" +
+                                (folder / "artery.scene").string() + "' --points 100 --poses 0 > '" +
+                                (folder / "log").string() + "' 2>&1";
+    if (std::system(command.c_str()) == 0) return 0;
+    std::fprintf(stderr, "failed: %s\n", command.c_str());
+    return 1;
+}
+
+int remove_scene(void **)
+{
+    fs::remove_all(folder);
+    return 0;
+}
+
+// A session and all that it leaves behind.
+struct Case {
+    std::string script;
+    std::vector<std::string> tools = {wire, balloon};
+    std::size_t stents = 1;
+    bool has_pictures = false;
+    std::string record = "case.rec";
+
+    RunResult result{};
+    std::vector<StentResult> placed{};
+    std::vector<std::string> refusals{};
+    std::vector<double> open{}; // the lesion's stations at the end
+
+    void run()
+    {
+        const SceneFile scene = read_scene((folder / "artery.scene").string());
+        std::vector<Instrument> instruments;
+        for (const std::string &tool : tools)
+            instruments.push_back(read_instrument("shared/examples/instruments/" + tool));
+        PictureSettings settings;
+        settings.bodies_path = (folder / "artery.bodies").string();
+        settings.scene_path = scene.path;
+        settings.plaque_stations = scene.plaque_stations;
+        settings.stents = read_stents(
+            std::vector<std::string>(stents, "shared/examples/stents/coronary_3_0x18.toml"), instruments);
+        settings.size = 64;
+        const Session session = parse_session(script, "case");
+        const seld_wire_entry entry = entry_of(scene, instruments.size(), session.inserted_um);
+        Device device(scene, instruments, entry, host_rig());
+        std::unique_ptr<SessionPictures> pictures;
+        std::unique_ptr<SessionStents> unseen;
+        if (has_pictures)
+            pictures = std::make_unique<SessionPictures>(settings, instruments);
+        else
+            unseen = make_stents(settings, instruments);
+        FrameSink *sink = has_pictures ? static_cast<FrameSink *>(pictures.get()) : unseen.get();
+        Recorder recorder((folder / record).string(),
+                          {device.identity().core_version, device.identity().schema_hash,
+                           static_cast<std::uint32_t>(scene.bytes.size()), scene.crc32, scene.path, "case",
+                           instruments, entry, device.rig(), settings.stents});
+        RunSettings how;
+        if (script.find("load stent") == std::string::npos && stents > 0)
+            how.begin.push_back({RoomAction::load_stent, {}});
+        result = run_session(device, session, &recorder, sink, how);
+        if (SessionStents *kept = has_pictures ? pictures->stents() : unseen.get()) {
+            placed = kept->results();
+            refusals = kept->refusals();
+        }
+        device.link().read_nodes();
+        open = session_frame(device, {}, {}).wire.lesions_open;
+    }
+
+    // Of the middle third: towards its ends a lesion narrows nothing, and nothing opens it.
+    double least_open() const
+    {
+        const auto third = static_cast<std::ptrdiff_t>(open.size() / 3);
+        return *std::min_element(open.begin() + third, open.end() - third);
+    }
+    ReplayResult replay(const Recording &recording) const
+    {
+        const SceneFile scene = read_scene((folder / "artery.scene").string());
+        const RecordingHeader &header = recording.header;
+        Device device(scene, header.tools, header.entry, header.rig);
+        ReplaySettings settings;
+        settings.verifies = true;
+        return replay_recording(device, recording, nullptr, settings);
+    }
+    Recording recorded() const { return read_recording((folder / record).string()); }
+};
+
+void assert_replays(const Case &one)
+{
+    const Recording recording = one.recorded();
+    const ReplayResult replayed = one.replay(recording);
+    if (replayed.first_difference_tick)
+        fail_msg("tick %u: %s", *replayed.first_difference_tick, replayed.difference.c_str());
+    assert_true(recording.is_complete && replayed.ticks_compared == one.result.figures.ticks);
+    assert_true(replayed.hash == one.result.hash);
+}
+
+// The balloon's middle lies 15 mm behind the catheter's tip, and the sheath ends at 2 mm.
+std::string begin_at(double y_mm)
+{
+    char text[120];
+    std::snprintf(text, sizeof text, "begin catheter inserted %g mm\nbegin wire inserted %g mm\n",
+                  y_mm + 13.0, std::min(y_mm + 28.0, 105.0));
+    return text;
+}
+
+const std::string up_and_down =
+    "inflate to 10 bar at 25 bar/s\nwait 0.4 s\ndeflate at 25 bar/s\nwait 0.6 s\n";
+
+// A stent in the lesion, without pictures: run once for all that look at it.
+Case &usual_case()
+{
+    static Case usual{begin_at(lesion_mm) + up_and_down};
+    if (usual.placed.empty()) {
+        usual.record = "usual.rec";
+        usual.run();
+    }
+    return usual;
+}
+
+std::size_t orders_of(const Recording &recording)
+{
+    std::size_t count = 0;
+    for (const RecordedTick &tick : recording.ticks) count += tick.input.scaffold_lesion != 0;
+    return count;
+}
+
+// Without a stent a third of what was won springs back (recoil 0.35); the stent holds it. 3 mm of balloon in 3 mm of artery: its outside lies
+// on the wall, its inside two struts of 0.081 mm further in.
+void a_stent_holds_what_its_balloon_has_opened(void **)
+{
+    Case &stented = usual_case(), bare{begin_at(lesion_mm) + up_and_down};
+    bare.stents = 0;
+    bare.record = "bare.rec";
+    bare.run();
+    assert_int_equal(stented.placed.size(), 1);
+    const StentResult &stent = stented.placed[0];
+    std::printf(
+        "# open %.3f with the stent, %.3f without; apposed %.0f %%, inside %.2f mm, let go at %u ms\n",
+        stented.least_open(), bare.least_open(), stent.figures.apposed_share * 100,
+        stent.figures.diameter_min_mm, stent.released_tick.value_or(0));
+    assert_true(stent.stage == StentStage::deployed && stent.branch == "artery");
+    assert_true(stent.released_tick && stent.opened_tick && *stent.opened_tick < *stent.released_tick);
+    assert_true(bare.least_open() < 0.7 && stented.least_open() > 0.8);
+    assert_true(stent.figures.apposed_share > 0.95);
+    const double throat_mm = 3.0 * (0.5 + 0.5 * stented.open[stented.open.size() / 2]) - 2 * 0.081;
+    assert_true(std::abs(stent.figures.diameter_min_mm - throat_mm) < 0.1);
+    assert_true(stent.lesions.size() == 1 && !stent.lesions[0].coverage.misses());
+    assert_true(orders_of(stented.recorded()) > 0 && orders_of(bare.recorded()) == 0);
+    assert_replays(stented);
+    assert_replays(bare);
+}
+
+// The same session with pictures, whose pulses come between the looks: the same inputs, tick by tick.
+void pictures_change_nothing(void **)
+{
+    Case &unseen = usual_case(), seen{begin_at(lesion_mm) + "fluoro on rate 15 p/s\n" + up_and_down};
+    seen.has_pictures = true;
+    seen.record = "seen.rec";
+    seen.run();
+    // The pedal is a button of the rig, which the core does not look at.
+    assert_true(seen.result.hash == unseen.result.hash);
+    const Recording a = unseen.recorded(), b = seen.recorded();
+    assert_int_equal(a.ticks.size(), b.ticks.size());
+    for (std::size_t i = 0; i < a.ticks.size(); ++i) {
+        assert_int_equal(a.ticks[i].input.scaffold_lesion, b.ticks[i].input.scaffold_lesion);
+        assert_int_equal(a.ticks[i].input.scaffold_open_q15, b.ticks[i].input.scaffold_open_q15);
+    }
+    assert_true(a.header.stents.size() == 1 && a.header.stents[0].name == b.header.stents[0].name);
+    assert_replays(seen);
+}
+
+// Two stents side by side, the second one loaded outside of the patient; a load in the patient and one too many are refused.
+void a_second_stent_is_loaded_outside_of_the_patient(void **)
+{
+    Case two{begin_at(-10.0) + "load stent\nadvance catheter until inserted 83 mm at 200 mm/s\n" +
+             up_and_down +
+             "load stent\nwithdraw catheter until inserted 3 mm at 200 mm/s\nload stent\nload stent\n"
+             "advance catheter until inserted 73 mm at 200 mm/s\n" +
+             up_and_down};
+    two.stents = 2;
+    two.run();
+    assert_int_equal(two.placed.size(), 2);
+    assert_int_equal(two.refusals.size(), 2);
+    assert_non_null(std::strstr(two.refusals[0].c_str(), "in the patient"));
+    assert_non_null(std::strstr(two.refusals[1].c_str(), "NO STENT LEFT"));
+    for (const StentResult &stent : two.placed) assert_true(stent.stage == StentStage::deployed);
+    std::printf("# overlap %.2f mm of 17.8\n", two.placed[1].overlap_mm);
+    assert_true(two.placed[1].overlap_mm > 5.0 && two.placed[1].overlap_mm < 10.0);
+    assert_replays(two);
+}
+
+void let_go_where_the_vessel_is_wide_it_is_lost(void **)
+{
+    Case lost{begin_at(17.0) + up_and_down};
+    lost.run();
+    assert_int_equal(lost.placed.size(), 1);
+    assert_true(lost.placed[0].stage == StentStage::adrift && lost.placed[0].branch.empty());
+    assert_true(lost.placed[0].figures.apposed_share == 0.0);
+    assert_int_equal(orders_of(lost.recorded()), 0);
+    assert_replays(lost);
+}
+
+// Nothing unfolds in a catheter: the stent stays crimped on its balloon, and comes out with it.
+void inflated_in_the_guide_it_stays_on_its_balloon(void **)
+{
+    Case guided{"begin guide inserted 40 mm\nbegin catheter inserted 32 mm\nbegin wire inserted 60 mm\n" +
+                up_and_down + "withdraw catheter until inserted 3 mm at 200 mm/s\n"};
+    guided.tools.push_back("guide_ntr_6f.toml");
+    guided.run();
+    const StentResult &stent = guided.placed.at(0);
+    assert_true(stent.stage == StentStage::on_balloon && !stent.opened_tick);
+    assert_true(guided.result.figures.balloon.pressure_max_kPa == 1000);
+    assert_replays(guided);
+}
+
+// Friction of 0.1 on the wall force of 10 bar holds the hand back; a pull of 10 mm takes the balloon some of the way, with the stent on it, which
+// is let go there when the pressure goes.
+void pulled_without_deflation_the_balloon_holds_its_stent(void **)
+{
+    Case pulled{begin_at(lesion_mm) +
+                "inflate to 10 bar at 25 bar/s\nwithdraw catheter 10 mm at 50 mm/s\ndeflate at 25 bar/s\n"
+                "wait 0.6 s\n"};
+    pulled.run();
+    const StentResult &stent = pulled.placed.at(0);
+    const ToolFigures &catheter = pulled.result.figures.tools.at(1);
+    std::printf("# pulled with %.2f N; the stent from %.1f to %.1f mm, %s\n", catheter.axial_max_N,
+                stent.lesions.empty() ? 0.0 : stent.lesions[0].coverage.from_mm,
+                stent.lesions.empty() ? 0.0 : stent.lesions[0].coverage.to_mm,
+                std::string(stent_stage_text(stent.stage)).c_str());
+    const double wall_N = pulled.result.figures.balloon.wall_max_N;
+    assert_true(catheter.axial_max_N > 0.08 * wall_N && catheter.axial_max_N < 0.15 * wall_N);
+    assert_true(stent.stage == StentStage::deployed && stent.lesions.size() == 1);
+    const double from_mm = stent.lesions[0].coverage.from_mm; // 61.1 where it was mounted
+    assert_true(from_mm > 51.1 && from_mm < 61.0 && stent.lesions[0].coverage.misses() == (from_mm < 58.2));
+    assert_replays(pulled);
+}
+
+// 30 bar on a balloon that bursts at 22: no pressure from then on; the stent has been opened before, and is let go.
+void burst_balloon_leaves_its_stent_open(void **)
+{
+    Case burst{begin_at(lesion_mm) + "inflate to 30 bar at 40 bar/s\nwait 0.8 s\n"};
+    burst.run();
+    const BalloonFigures &figures = burst.result.figures.balloon;
+    assert_true(figures.burst_tick && *figures.burst_tick > 500 && *figures.burst_tick < 620);
+    assert_true(figures.pressure_max_kPa >= 2190 && figures.pressure_max_kPa <= 2250);
+    assert_true(burst.placed.at(0).stage == StentStage::deployed);
+    assert_true(figures.series.back().pressure_kPa == 0.0f && figures.series.back().diameter_max_mm < 2.0f);
+    assert_int_equal(burst.result.faults.entries_count, 0);
+    assert_replays(burst);
+}
+
+// The file ends in the middle of a chunk, under pressure. All whole ticks are there and replay; what the core was told of the stent with them.
+void a_recording_cut_in_mid_inflation_replays_to_the_cut(void **)
+{
+    const Case &whole = usual_case();
+    const Recording all = whole.recorded();
+    std::ifstream file(folder / whole.record, std::ios::binary);
+    std::string bytes((std::istreambuf_iterator<char>(file)), {});
+    // The chunk of ticks 501 to 1000 is whole, the next one is not.
+    std::size_t cut = 0;
+    Recording read;
+    for (std::size_t share = 95; share > 5 && read.ticks.size() != 500; share -= 1) {
+        cut = bytes.size() * share / 100;
+        const std::vector<std::uint8_t> part(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(cut));
+        read = parse_recording(part, "cut");
+    }
+    assert_int_equal(read.ticks.size(), 500);
+    assert_false(read.is_complete);
+    assert_true(read.ticks.back().input.inflator_raw > 900); // under pressure
+    assert_true(orders_of(read) > 0);
+    const ReplayResult replayed = whole.replay(read);
+    assert_false(replayed.first_difference_tick.has_value());
+    assert_int_equal(replayed.ticks_compared, 500);
+    assert_true(read.ticks.back().hash_lane[0] == all.ticks[499].hash_lane[0]);
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(a_stent_holds_what_its_balloon_has_opened),
+        cmocka_unit_test(pictures_change_nothing),
+        cmocka_unit_test(a_second_stent_is_loaded_outside_of_the_patient),
+        cmocka_unit_test(let_go_where_the_vessel_is_wide_it_is_lost),
+        cmocka_unit_test(inflated_in_the_guide_it_stays_on_its_balloon),
+        cmocka_unit_test(pulled_without_deflation_the_balloon_holds_its_stent),
+        cmocka_unit_test(burst_balloon_leaves_its_stent_open),
+        cmocka_unit_test(a_recording_cut_in_mid_inflation_replays_to_the_cut),
+    };
+    return cmocka_run_group_tests(tests, bake_scene, remove_scene);
+}

@@ -1,0 +1,18 @@
+// What a session's report says of balloon and stents. May include: balloon_figures, session_stents, model. Called by: report.cpp.
+#pragma once
+#include "host/app/balloon_figures.hpp"
+#include "host/model/instrument.hpp"
+#include <nlohmann/json.hpp>
+#include <vector>
+
+namespace seld
+{
+
+class SessionStents;
+
+// null without a balloon. The curves leave out the time before and after inflations.
+nlohmann::ordered_json balloon_report(const BalloonFigures &balloon, const std::vector<Instrument> &tools);
+// [] without stents.
+nlohmann::ordered_json stents_report(SessionStents *stents);
+
+} // namespace seld

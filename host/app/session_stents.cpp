@@ -1,0 +1,367 @@
+#include "host/app/session_stents.hpp"
+#include "host/app/session_balloon.hpp"
+#include "host/model/text.hpp"
+#include "host/model/units.hpp"
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+namespace seld
+{
+
+namespace
+{
+
+using Eigen::Vector3d;
+
+constexpr double size_share = 0.1;       // by which balloon and stent may differ in diameter
+constexpr double length_spare_mm = 0.05; // of a stent that fills the stretch between its bands
+constexpr double band_mm = 1.0;          // docs/balloon.md
+constexpr double wide_shares =
+    2.0; // vessels wider than so many times a stent's largest diameter hold no stent
+constexpr double inside_radii = 1.5; // of a branch, off its middle line: the balloon is in it
+constexpr std::uint32_t q15_per_256 = 32768 / 256;
+
+std::string millimetres(double mm)
+{
+    char text[40];
+    std::snprintf(text, sizeof text, "%.3g mm", mm);
+    return text;
+}
+
+// Diameter of the free balloon at its nominal pressure; without a label, of its table's first row.
+double nominal_diameter_mm(const Instrument &tool)
+{
+    const seld_wire_instrument &table = tool.table;
+    const double kPa = tool.balloon ? tool.balloon->nominal_kPa : 0.0;
+    for (std::uint16_t i = 1; i < table.balloon_count; ++i) {
+        const seld_wire_balloon_point &a = table.balloon[i - 1], &b = table.balloon[i];
+        if (kPa > b.pressure_kPa) continue;
+        const double share = std::clamp((kPa - a.pressure_kPa) / (b.pressure_kPa - a.pressure_kPa), 0.0, 1.0);
+        return (a.diameter_um + share * (double{1} * b.diameter_um - a.diameter_um)) * 1e-3;
+    }
+    return table.balloon[table.balloon_count - 1].diameter_um * 1e-3;
+}
+
+// Between the inner edges of its bands, or its working length.
+double mount_length_mm(const Instrument &tool)
+{
+    const double working = (double{1} * tool.table.balloon_proximal_um - tool.table.balloon_distal_um) * 1e-3;
+    if (!tool.balloon || tool.balloon->marker_arcs_m.size() < 2) return working;
+    const auto [first, last] =
+        std::minmax_element(tool.balloon->marker_arcs_m.begin(), tool.balloon->marker_arcs_m.end());
+    return (*last - *first) * 1e3 - band_mm;
+}
+
+std::vector<std::vector<double>> opened_lists(const WireFrame &wire,
+                                              const std::vector<std::uint32_t> &stations)
+{
+    std::vector<std::vector<double>> lists;
+    std::size_t at = 0;
+    for (const std::uint32_t count : stations) {
+        const std::size_t end = std::min<std::size_t>(at + count, wire.lesions_open.size());
+        lists.emplace_back(wire.lesions_open.begin() + static_cast<std::ptrdiff_t>(at),
+                           wire.lesions_open.begin() + static_cast<std::ptrdiff_t>(end));
+        at = end;
+    }
+    return lists;
+}
+
+MotionMoment moment_of(const WireFrame &wire)
+{
+    return {wire.heart_phase32, wire.breath_phase32};
+}
+
+} // namespace
+
+std::string mount_refusal(const StentDesign &stent, const std::vector<Instrument> &tools)
+{
+    const std::optional<std::size_t> tool = balloon_tool(tools);
+    if (!tool) return "no tool has a balloon to mount it on: name a balloon catheter with --tool";
+    const Instrument &balloon = tools[*tool];
+    const double width = nominal_diameter_mm(balloon), length = mount_length_mm(balloon);
+    if (std::abs(width - stent.diameter_mm) > size_share * stent.diameter_mm)
+        return "its diameter of " + millimetres(stent.diameter_mm) + " does not go with '" + balloon.name +
+               "', which has " + millimetres(width) + " at its nominal pressure: choose one of a size";
+    if (stent.length_mm > length + length_spare_mm)
+        return "its length of " + millimetres(stent.length_mm) + " does not go between the bands of '" +
+               balloon.name + "', which leave " + millimetres(length) + ": choose a longer balloon";
+    return "";
+}
+
+std::vector<StentDesign> read_stents(const std::vector<std::string> &paths,
+                                     const std::vector<Instrument> &tools)
+{
+    std::vector<StentDesign> stents;
+    if (paths.size() > stents_max)
+        throw FileError(paths[stents_max], 0, 0,
+                        "is the stent number " + std::to_string(stents_max + 1) + ": a session has at most " +
+                            std::to_string(stents_max));
+    for (const std::string &path : paths) {
+        stents.push_back(read_stent(path));
+        const std::string why = mount_refusal(stents.back(), tools);
+        if (!why.empty()) throw FileError(path, 0, 0, why);
+        if (!material_from_name(stents.back().material))
+            throw FileError(path, 0, 0,
+                            "unknown X-ray material '" + stents.back().material +
+                                "'; known: " + material_names());
+    }
+    return stents;
+}
+
+SessionStents::SessionStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
+                             std::vector<std::uint32_t> stations, const std::vector<Instrument> &tools)
+    : shelf_(std::move(shelf)), vessels_(vessels),
+      motion_(motion ? std::optional<Motion>(*motion) : std::nullopt), stations_(std::move(stations)),
+      tool_(balloon_tool(tools))
+{
+    if (!tool_ && !shelf_.empty())
+        throw std::runtime_error("no tool has a balloon to mount '" + shelf_[0].name + "' on");
+    for (const std::uint32_t count : stations_) known_256_.emplace_back(count, 0);
+    if (!tool_) return;
+    mount_mm_ = balloon_middle_mm(tools[*tool_]);
+    folded_end_m_ = tools[*tool_].table.balloon_distal_um * 1e-6;
+}
+
+// --- mounting ---
+
+void SessionStents::command(std::uint32_t tick, const RoomCommand &command)
+{
+    if (command.action == RoomAction::load_stent) load(tick);
+}
+
+// Before the first tick the balloon may be anywhere: it was brought there with its stent.
+void SessionStents::load(std::uint32_t tick)
+{
+    const std::string at = " (at " + std::to_string(tick) + " ms)";
+    if (loaded_ == shelf_.size()) {
+        refusals_.push_back("NO STENT LEFT to load" + at);
+        return;
+    }
+    if (tick > 0 && inserted_m_ > folded_end_m_) {
+        refusals_.push_back("NO STENT LOADED - the balloon is in the patient: withdraw it" + at);
+        return;
+    }
+    if (stents_.size() > 0 && stents_[stents_.size() - 1].is_on_balloon()) {
+        const StentDesign &before = stents_[stents_.size() - 1].design();
+        taken_out_.push_back(
+            {before.name, before.diameter_mm, before.length_mm, stories_.back().loaded_tick});
+        stories_.pop_back();
+    }
+    stents_.add(shelf_[loaded_++], mount_mm_);
+    stories_.push_back({tick, {}, {}, {}});
+    const std::uint32_t due = (tick + look_every_ticks - 1) / look_every_ticks * look_every_ticks;
+    next_look_ = std::min(next_look_, due);
+}
+
+void SessionStents::tick(const seld_wire_encoders &input, const seld_wire_tick_state &state)
+{
+    if (tool_ && *tool_ < state.tools_count) inserted_m_ = units::metres(state.tools[*tool_].inserted_m_q30);
+    if (input.scaffold_lesion == 0 || input.scaffold_lesion > known_256_.size()) return;
+    std::vector<std::uint32_t> &known = known_256_[input.scaffold_lesion - 1u];
+    for (std::size_t k = input.scaffold_first; k <= input.scaffold_last && k < known.size(); ++k)
+        known[k] = std::max<std::uint32_t>(known[k], input.scaffold_open_q15 / q15_per_256);
+}
+
+// --- walls ---
+
+// Made when a stent first comes there: a branch costs a tenth of a second.
+std::size_t SessionStents::vessel_of(std::size_t branch)
+{
+    for (std::size_t i = 0; i < walls_.size(); ++i)
+        if (walls_[i].branch == branch) return i;
+    constexpr double whole_mm = 1e4;
+    walls_.push_back({branch, std::make_unique<VesselWall>(vessels_, branch, 0.0, whole_mm,
+                                                           motion_ ? &*motion_ : nullptr)});
+    return walls_.size() - 1;
+}
+
+// The branch around the middle of the balloon, by radii off its middle line; nothing where no stent of this size could be held.
+std::optional<std::size_t> SessionStents::vessel_at(const BalloonPose &pose, const MotionMoment &moment)
+{
+    if (pose.points.empty()) return {};
+    const Vector3d now_m = pose.points[pose.points.size() / 2].centre_mm * 1e-3;
+    const Vector3d place_m = motion_ ? motion_->pull(now_m, moment) : now_m;
+    std::optional<std::size_t> best;
+    VesselFoot least;
+    least.radii = inside_radii;
+    for (std::size_t i = 0; i < vessels_.branches.size(); ++i) {
+        const VesselFoot foot = vessel_foot(vessels_.branches[i], place_m);
+        if (foot.radii >= least.radii) continue;
+        least = foot;
+        best = i;
+    }
+    if (!best) return {};
+    const double radius_m = vessels_.branches[*best].radii_m[least.point];
+    const StentDesign &design = stents_[stents_.size() - 1].design();
+    if (2e3 * radius_m > wide_shares * design.diameter_max_mm) return {};
+    try {
+        return vessel_of(*best);
+    } catch (const std::invalid_argument &) {
+        return {}; // a branch that is shorter than its own ostium
+    }
+}
+
+// How wide the passage is where each ball lies; what is not in the vessel knows of none.
+void SessionStents::give_room(BalloonPose &pose, std::optional<std::size_t> vessel) const
+{
+    if (!vessel) return;
+    const VesselWall &wall = *walls_[*vessel].wall;
+    for (BalloonPoint &point : pose.points) {
+        const VesselWall::Foot foot = wall.foot_of(point.centre_mm);
+        if (foot.off_mm <= wall.healthy_radius_mm(foot.along_mm))
+            point.room_mm = wall.radius_at_mm(foot.along_mm);
+    }
+}
+
+void SessionStents::move_walls(const WireFrame &wire)
+{
+    const std::vector<std::vector<double>> opened = opened_lists(wire, stations_);
+    for (const Vessel &vessel : walls_) vessel.wall->move(moment_of(wire), opened);
+}
+
+std::vector<const StentWall *> SessionStents::walls() const
+{
+    std::vector<const StentWall *> walls;
+    for (const Story &story : stories_)
+        walls.push_back(story.vessel ? &walls_[*story.vessel].wall->wall() : nullptr);
+    return walls;
+}
+
+// --- a look ---
+
+void SessionStents::advance(const WireFrame &wire)
+{
+    if (wire.tick < next_look_) return;
+    next_look_ = (wire.tick / look_every_ticks + 1) * look_every_ticks;
+    BalloonPose pose = tool_ ? balloon_pose(wire, *tool_) : BalloonPose{};
+    const Stent &last = stents_[stents_.size() - 1];
+    // Where a ring has been opened the stent stays in its vessel, whatever comes nearer.
+    if (last.is_on_balloon() && !stories_.back().opened_tick && !pose.points.empty())
+        stories_.back().vessel = vessel_at(pose, moment_of(wire));
+    move_walls(wire);
+    if (last.is_on_balloon()) give_room(pose, stories_.back().vessel);
+    stents_.step(walls(), pose.points.empty() ? nullptr : &pose);
+    note_stages(wire.tick);
+    ask_for_holds(wire);
+    seen_ = wire;
+    seen_.nodes.clear();
+}
+
+void SessionStents::note_stages(std::uint32_t tick)
+{
+    for (std::size_t i = 0; i < stories_.size(); ++i) {
+        const Stent &stent = stents_[i];
+        for (int ring = 0; ring < stent.design().rings && !stories_[i].opened_tick; ++ring)
+            if (stent.is_opened(ring)) stories_[i].opened_tick = tick;
+        if (!stent.is_on_balloon() && !stories_[i].released_tick) stories_[i].released_tick = tick;
+    }
+}
+
+// What the core does not know yet. Orders that a device has not confirmed by a tick's input are asked for again.
+void SessionStents::ask_for_holds(const WireFrame &wire)
+{
+    const std::vector<std::vector<double>> opened = opened_lists(wire, stations_);
+    orders_.clear();
+    for (std::size_t lesion = 0; lesion < stations_.size() && lesion < vessels_.lesions.size(); ++lesion) {
+        const auto vessel = std::find_if(walls_.begin(), walls_.end(), [&](const Vessel &one) {
+            return one.branch == vessels_.lesions[lesion].branch;
+        });
+        if (vessel == walls_.end()) continue;
+        for (const StentHold &hold :
+             stents_.holds(*vessel->wall, lesion, stations_[lesion], opened[lesion])) {
+            std::optional<std::uint32_t> first;
+            for (std::uint32_t k = hold.first; k <= hold.last + 1; ++k) {
+                const bool is_new = k <= hold.last && known_256_[lesion][k] < hold.open_256;
+                if (is_new && !first) first = k;
+                if (is_new || !first) continue;
+                orders_.push_back({static_cast<std::uint8_t>(lesion + 1), static_cast<std::uint8_t>(*first),
+                                   static_cast<std::uint8_t>(k - 1),
+                                   static_cast<std::uint16_t>(hold.open_256 * q15_per_256)});
+                first.reset();
+            }
+        }
+    }
+}
+
+std::optional<seld_wire_scaffold> SessionStents::order()
+{
+    if (orders_.empty()) return {};
+    const seld_wire_scaffold order = orders_.front();
+    orders_.pop_front();
+    return order;
+}
+
+// --- what is seen and said ---
+
+std::vector<SweptCurve> SessionStents::curves_at(const WireFrame &wire)
+{
+    std::vector<SweptCurve> curves;
+    if (stents_.size() == 0) return curves;
+    BalloonPose pose = tool_ ? balloon_pose(wire, *tool_) : BalloonPose{};
+    move_walls(wire);
+    Stents shown = stents_; // the next look goes on from the last one
+    shown.step(walls(), pose.points.empty() ? nullptr : &pose);
+    for (const Stent &stent : shown.all()) {
+        if (stent.is_on_balloon() && pose.points.empty()) continue; // out of the patient
+        const Material material = material_from_name(stent.design().material).value_or(Material::steel);
+        for (const StentLine &line : stent_lines(stent)) {
+            curves.push_back({material, {}});
+            for (const Vector3d &point_mm : line.points_mm)
+                curves.back().points.push_back({point_mm * 1e-3, line.radius_mm * 1e-3, 1.0});
+        }
+    }
+    return curves;
+}
+
+std::string SessionStents::stage_text() const
+{
+    if (stents_.size() == 0) return "";
+    const Stent &last = stents_[stents_.size() - 1];
+    if (last.is_on_balloon()) return stories_.back().opened_tick ? "being opened" : "on its balloon";
+    return std::string(stent_stage_text(last.stage()));
+}
+
+std::vector<StentResult> SessionStents::results()
+{
+    std::vector<StentResult> results;
+    for (const Taken &taken : taken_out_) {
+        StentResult result;
+        result.name = taken.name;
+        result.diameter_mm = taken.diameter_mm;
+        result.length_mm = taken.length_mm;
+        result.loaded_tick = taken.loaded_tick;
+        result.was_taken_out = true;
+        results.push_back(result);
+    }
+    move_walls(seen_); // where they were at the last look
+    for (std::size_t i = 0; i < stories_.size(); ++i) {
+        const Stent &stent = stents_[i];
+        const Story &story = stories_[i];
+        StentResult result;
+        result.name = stent.design().name;
+        result.diameter_mm = stent.design().diameter_mm;
+        result.length_mm = stent.design().length_mm;
+        result.stage = stent.stage();
+        result.loaded_tick = story.loaded_tick;
+        result.opened_tick = story.opened_tick;
+        result.released_tick = story.released_tick;
+        result.slip_mm = stent.slip_mm();
+        const VesselWall *wall = story.vessel ? walls_[*story.vessel].wall.get() : nullptr;
+        result.figures = stent_figures(stent, wall ? &wall->wall() : nullptr);
+        for (std::size_t k = 0; k < i; ++k) result.overlap_mm += stent_overlap_mm(stent, stents_[k].sleeve());
+        if (wall) {
+            const std::size_t branch = walls_[*story.vessel].branch;
+            result.branch = vessels_.branches[branch].name;
+            result.stretch = stent_stretch(stent, wall->line_mm(), wall->healthy_radius_mm());
+            for (std::size_t k = 0; k < vessels_.lesions.size(); ++k)
+                if (vessels_.lesions[k].branch == branch)
+                    result.lesions.push_back({k, vessels_.lesions[k].name, stent_coverage(stent, *wall, k)});
+        }
+        results.push_back(result);
+    }
+    return results;
+}
+
+} // namespace seld

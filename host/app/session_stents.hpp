@@ -1,0 +1,127 @@
+// Stents in a session: mounted on the balloon, opened by it, let go, held by the wall; what the core has to know of them, and what the
+// X-ray sees. Everything follows from the commands and from the line's shape at ticks of its own, multiples of look_every_ticks,
+// whatever pictures were asked for. What the core is told goes through order(), becomes part of a tick's input and is recorded; a replay
+// feeds the core with what was recorded, and stents are computed again for the pictures only.
+//
+//   SessionStents stents(shelf, bodies.vessels, motion, scene.plaque_stations, tools);
+//   stents.command(tick, {RoomAction::load_stent, {}});       the next one of the shelf onto the balloon
+//   stents.frame(...) at stents.next_tick(); stents.order() for every input after that
+//
+// May include: stent, xray, model, frame_sink, session_balloon. Called by: run, replay, view, session_pictures.
+#pragma once
+#include "host/app/frame_sink.hpp"
+#include "host/model/instrument.hpp"
+#include "host/stent/figures.hpp"
+#include "host/stent/stents.hpp"
+#include "host/xray/moved.hpp"
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace seld
+{
+
+inline constexpr std::size_t stents_max = 8; // of a session
+
+// Why a stent cannot be mounted on what these tools have; empty: it can.
+std::string mount_refusal(const StentDesign &stent, const std::vector<Instrument> &tools);
+// Stent files for these tools. Throws FileError naming the file for one that cannot be mounted.
+std::vector<StentDesign> read_stents(const std::vector<std::string> &paths,
+                                     const std::vector<Instrument> &tools);
+
+// What is said of one stent at the end.
+struct StentResult {
+    std::string name, branch;                  // of the vessel in which it is; empty: in none
+    double diameter_mm = 0.0, length_mm = 0.0; // label
+    StentStage stage = StentStage::on_balloon;
+    bool was_taken_out = false; // unopened, with its balloon, and another one took its place
+    std::uint32_t loaded_tick = 0;
+    std::optional<std::uint32_t> opened_tick, released_tick; // first ring open; let go or lost
+    StentFigures figures;                                    // empty when it never was in the patient
+    double stretch = 0.0, overlap_mm = 0.0;                  // overlap with those let go before it
+    struct Lesion {
+        std::size_t number = 0; // of the tree
+        std::string name;
+        StentCoverage coverage; // mm along the branch
+    };
+    std::vector<Lesion> lesions; // of its branch
+    double slip_mm = 0.0;
+};
+
+class SessionStents final : public FrameSink
+{
+  public:
+    static constexpr std::uint32_t look_every_ticks = 40;
+
+    // `stations`: of every lesion that gives way, in the tree's order (SceneFile). `motion`: null: vessels stand still.
+    SessionStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
+                  std::vector<std::uint32_t> stations, const std::vector<Instrument> &tools);
+
+    // Only load_stent means something here. What cannot be done is kept in refusals(), and the last one said by notice().
+    void command(std::uint32_t tick, const RoomCommand &command) override;
+    void tick(const seld_wire_encoders &input, const seld_wire_tick_state &state) override;
+    std::uint32_t next_tick() const override { return next_look_; }
+    void frame(const SessionFrame &frame) override { advance(frame.wire); }
+    std::uint32_t next_look() const override { return next_look_; }
+    void look(const SessionFrame &frame) override { advance(frame.wire); }
+    bool needs_beginning() const override { return true; }
+    std::optional<seld_wire_scaffold> order() override;
+    void finish() override {}
+    void advance(const WireFrame &wire);
+
+    // Struts where they are at this frame, which may lie between two looks. Nothing else changes.
+    std::vector<SweptCurve> curves_at(const WireFrame &wire);
+
+    const std::vector<StentDesign> &shelf() const { return shelf_; }
+    std::size_t loaded() const { return loaded_; }
+    const Stents &stents() const { return stents_; }
+    std::string stage_text() const; // of the last one loaded; empty: none was
+    std::vector<StentResult> results();
+    const std::vector<std::string> &refusals() const { return refusals_; }
+
+  private:
+    struct Vessel { // a branch whose wall stents may lie on
+        std::size_t branch = 0;
+        std::unique_ptr<VesselWall> wall;
+    };
+    struct Story { // of a stent, beside its own state
+        std::uint32_t loaded_tick = 0;
+        std::optional<std::uint32_t> opened_tick, released_tick;
+        std::optional<std::size_t> vessel; // index; of the place where it is or was let go
+    };
+    struct Taken { // unopened, out of the patient again
+        std::string name;
+        double diameter_mm, length_mm;
+        std::uint32_t loaded_tick;
+    };
+    void load(std::uint32_t tick);
+    std::optional<std::size_t> vessel_at(const BalloonPose &pose, const MotionMoment &moment);
+    std::size_t vessel_of(std::size_t branch);
+    void give_room(BalloonPose &pose, std::optional<std::size_t> vessel) const;
+    void move_walls(const WireFrame &wire);
+    std::vector<const StentWall *> walls() const;
+    void note_stages(std::uint32_t tick);
+    void ask_for_holds(const WireFrame &wire);
+
+    const std::vector<StentDesign> shelf_;
+    const VesselTree vessels_; // in the reference pose
+    const std::optional<Motion> motion_;
+    const std::vector<std::uint32_t> stations_;
+    std::optional<std::size_t> tool_; // that has the balloon
+    double mount_mm_ = 0.0, folded_end_m_ = 0.0;
+    Stents stents_;
+    std::vector<Story> stories_;
+    std::vector<Taken> taken_out_;
+    std::vector<Vessel> walls_;
+    std::size_t loaded_ = 0;
+    std::uint32_t next_look_ = UINT32_MAX;
+    double inserted_m_ = 0.0;                           // of the balloon's tool
+    WireFrame seen_;                                    // of the last look, without its nodes
+    std::vector<std::vector<std::uint32_t>> known_256_; // what the core was told, per lesion and station
+    std::deque<seld_wire_scaffold> orders_;
+    std::vector<std::string> refusals_;
+};
+
+} // namespace seld
