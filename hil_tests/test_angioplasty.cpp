@@ -19,6 +19,7 @@
 #include <unistd.h>
 #include <vector>
 
+#include "firmware/port/sim/sim.h"
 #include "host/app/replay.hpp"
 #include "host/app/run.hpp"
 #include "host/app/session_pictures.hpp"
@@ -353,6 +354,67 @@ void a_recording_cut_in_mid_inflation_replays_to_the_cut(void **)
     assert_true(read.ticks.back().hash_lane[0] == all.ticks[499].hash_lane[0]);
 }
 
+// A device whose rig's inflator goes up to 10 bar, stays there and comes down again while time passes.
+class PumpedRig final : public Transport
+{
+  public:
+    PumpedRig() : sim_(seld_sim_create(16u << 20), seld_sim_destroy) { pass_time_ms(1); }
+    void write(std::span<const std::uint8_t> bytes) override
+    {
+        seld_sim_write(sim_.get(), bytes.data(), bytes.size());
+    }
+    std::size_t read(std::span<std::uint8_t> bytes) override
+    {
+        return seld_sim_read(sim_.get(), bytes.data(), bytes.size());
+    }
+    void pass_time_ms(std::uint32_t milliseconds) override
+    {
+        for (std::uint32_t i = 0; i < milliseconds; ++i, ++passed_ms_) {
+            seld_port_inputs inputs = seld_sim_healthy_inputs();
+            inputs.inflator_sensor = SELD_PORT_SENSOR_OK;
+            inputs.inflator_raw = passed_ms_ < 1000 ? std::min(passed_ms_ * 5, 1000) : 0;
+            seld_sim_set_inputs(sim_.get(), &inputs);
+            seld_sim_timer(sim_.get(), 1);
+        }
+    }
+
+  private:
+    std::unique_ptr<seld_sim, void (*)(seld_sim *)> sim_;
+    std::int32_t passed_ms_ = 0;
+};
+
+// A session that the device leads: the core hears of the stent by requests, and each is part of the tick that took it up.
+void in_free_run_the_core_is_told_by_requests_and_the_ticks_replay(void **)
+{
+    const Case &like = usual_case(); // the same tools and stent
+    const RecordingHeader before = like.recorded().header;
+    const SceneFile scene = read_scene((folder / "artery.scene").string());
+    PictureSettings settings;
+    settings.bodies_path = (folder / "artery.bodies").string();
+    settings.scene_path = scene.path;
+    settings.plaque_stations = scene.plaque_stations;
+    settings.stents = before.stents;
+    DeviceChoice choice;
+    choice.free_run = true;
+    choice.opens = [] { return std::make_unique<PumpedRig>(); };
+    Device device(scene, before.tools, before.entry, host_rig(), choice);
+    const std::unique_ptr<SessionStents> stents = make_stents(settings, before.tools);
+    RecordingHeader header = before;
+    header.rig = device.rig();
+    Case led{""};
+    led.record = "led.rec";
+    {
+        Recorder recorder((folder / led.record).string(), header);
+        led.result =
+            run_free_session(device, {{RoomAction::load_stent, {}}}, 2.0, &recorder, stents.get(), {});
+    }
+    assert_string_equal(led.result.stopped_by.c_str(), "");
+    assert_true(led.result.figures.balloon.pressure_max_kPa == 1000);
+    assert_true(stents->stents()[0].stage() == StentStage::deployed);
+    assert_true(orders_of(led.recorded()) > 0);
+    assert_replays(led);
+}
+
 } // namespace
 
 int main()
@@ -365,6 +427,7 @@ int main()
         cmocka_unit_test(inflated_in_the_guide_it_stays_on_its_balloon),
         cmocka_unit_test(pulled_without_deflation_the_balloon_holds_its_stent),
         cmocka_unit_test(burst_balloon_leaves_its_stent_open),
+        cmocka_unit_test(in_free_run_the_core_is_told_by_requests_and_the_ticks_replay),
         cmocka_unit_test(a_recording_cut_in_mid_inflation_replays_to_the_cut),
     };
     return cmocka_run_group_tests(tests, bake_scene, remove_scene);

@@ -166,7 +166,7 @@ void SessionStents::tick(const seld_wire_encoders &input, const seld_wire_tick_s
 
 // --- walls ---
 
-// Made when a stent first comes there: a branch costs a tenth of a second.
+// Made when a stent first comes there, since most branches never see one.
 std::size_t SessionStents::vessel_of(std::size_t branch)
 {
     for (std::size_t i = 0; i < walls_.size(); ++i)

@@ -68,7 +68,8 @@ ALLOWED = {
     "hil_tests/l1/tests": ["host/link", "hil_tests/usb", "shared"],
     "hil_tests/plant/tests": ["hil_tests/plant"],
     # Bytes only: reference/client.h is the smallest host, host/app the whole one; tools/bake has the exact referee.
-    "hil_tests": ["shared", "hil_tests/usb", "firmware/tests/reference", "host/app", "host/model", "tools/bake"],
+    # test_angioplasty has a sim whose inflator it moves.
+    "hil_tests": ["shared", "hil_tests/usb", "firmware/tests/reference", "firmware/port/sim/sim.h", "host/app", "host/model", "tools/bake"],
     "hil_tests/rig": ["hil_tests/plant", "hil_tests/l1", "host"],
     "hil_tests/l2": ["hil_tests/usb"],
     "hil_tests/l3": ["hil_tests/usb"],
