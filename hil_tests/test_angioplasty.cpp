@@ -116,7 +116,6 @@ struct Case {
         PictureSettings settings;
         settings.bodies_path = (folder / "artery.bodies").string();
         settings.scene_path = scene.path;
-        settings.plaque_stations = scene.plaque_stations;
         settings.stents = read_stents(
             std::vector<std::string>(stents, "shared/examples/stents/coronary_3_0x18.toml"), instruments);
         settings.size = 64;
@@ -392,7 +391,6 @@ void in_free_run_the_core_is_told_by_requests_and_the_ticks_replay(void **)
     PictureSettings settings;
     settings.bodies_path = (folder / "artery.bodies").string();
     settings.scene_path = scene.path;
-    settings.plaque_stations = scene.plaque_stations;
     settings.stents = before.stents;
     DeviceChoice choice;
     choice.free_run = true;

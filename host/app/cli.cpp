@@ -285,10 +285,9 @@ std::vector<Instrument> read_tools(const std::string &instrument, const std::vec
 }
 
 void take_stents(PictureSettings &settings, const std::vector<std::string> &paths,
-                 const std::vector<Instrument> &tools, const SceneFile &scene)
+                 const std::vector<Instrument> &tools)
 {
     settings.stents = read_stents(paths, tools);
-    settings.plaque_stations = scene.plaque_stations;
 }
 
 seld_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,

@@ -62,9 +62,9 @@ std::vector<RoomCommand> entry_commands(const SceneFile &scene);
 // The device of a session that the rig leads. With `motors` it shows what will be powered and asks, unless `yes`; throws
 // RigStopped when that is not confirmed.
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);
-// Stents for these tools into the settings of a session's pictures, with what its scene has of lesions. Throws FileError.
+// Stents for these tools into the settings of a session's pictures. Throws FileError.
 void take_stents(PictureSettings &settings, const std::vector<std::string> &paths,
-                 const std::vector<Instrument> &tools, const SceneFile &scene);
+                 const std::vector<Instrument> &tools);
 // The first one is on its balloon when the session begins.
 inline constexpr RoomCommand first_stent{RoomAction::load_stent, {}};
 // The paths of a set of tools as inputs for check_outputs.

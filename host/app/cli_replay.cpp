@@ -97,7 +97,6 @@ int command_replay(const ReplayOptions &options)
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(scene.path);
     picture_settings.scene_path = scene.path;
     picture_settings.stents = header.stents;
-    picture_settings.plaque_stations = scene.plaque_stations;
     if (writes_pictures(picture_settings))
         pictures = std::make_unique<SessionPictures>(picture_settings, header.tools);
     watch_for_interrupt();

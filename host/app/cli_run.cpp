@@ -185,7 +185,7 @@ int command_run(const RunOptions &options)
     const Session session = is_led ? Session{"rig", {}, {}} : read_session(options.session);
     const seld_wire_entry entry = is_led ? entry_with(scene, tools.size(), options.inserted_mm)
                                          : entry_of(scene, tools.size(), session.inserted_um);
-    take_stents(picture_settings, options.stents, tools, scene);
+    take_stents(picture_settings, options.stents, tools);
     check_loads(session, options.stents.size());
     watch_for_interrupt();
     DeviceChoice choice =

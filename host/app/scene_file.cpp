@@ -43,8 +43,6 @@ SceneFile read_scene(const std::string &path)
     file.entry.direction_x_q30 = scene.entry_direction_q30[0];
     file.entry.direction_y_q30 = scene.entry_direction_q30[1];
     file.entry.direction_z_q30 = scene.entry_direction_q30[2];
-    for (std::uint32_t i = 0; i < scene.plaque_count; i++)
-        file.plaque_stations.push_back(seld_scene_plaque(&scene, i).station_count);
     return file;
 }
 

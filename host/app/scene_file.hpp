@@ -15,7 +15,6 @@ struct SceneFile {
     std::uint32_t crc32 = 0;
     seld_wire_entry entry{}; // inserted_um is left to the session
     std::string name;
-    std::vector<std::uint32_t> plaque_stations; // of every lesion that gives way, in the body file's order
 };
 
 // Throws FileError with the validator's words when the file is no valid scene. An empty path gives free space with

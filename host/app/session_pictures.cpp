@@ -54,7 +54,8 @@ SessionPictures::SessionPictures(const PictureSettings &settings, const std::vec
     const std::optional<Motion> motion = read_motion(settings_.scene_path, error);
     if (!error.empty()) throw std::runtime_error(error);
     if (motion) moving_.emplace(*motion, bodies);
-    const LesionOpening opening(bodies.vessels, read_lesion_stations(settings_.scene_path, error));
+    const std::vector<LesionStations> stations = read_lesion_stations(settings_.scene_path, error);
+    const LesionOpening opening(bodies.vessels, stations);
     if (!error.empty()) throw std::runtime_error(error);
     opened_.emplace(bodies, opening, motion ? &*motion : nullptr);
     xray_ = std::make_unique<Xray>(scene_, settings_.threads,
@@ -63,8 +64,8 @@ SessionPictures::SessionPictures(const PictureSettings &settings, const std::vec
     contrast_ =
         std::make_unique<SessionContrast>(bodies.vessels, tools, motion ? &*motion : nullptr, opening);
     if (!settings_.stents.empty())
-        stents_ = std::make_unique<SessionStents>(
-            settings_.stents, bodies.vessels, motion ? &*motion : nullptr, settings_.plaque_stations, tools);
+        stents_ = std::make_unique<SessionStents>(settings_.stents, bodies.vessels,
+                                                  motion ? &*motion : nullptr, stations, tools);
     const bool needs_movie = !settings_.mp4_path.empty();
     if (needs_movie && !movie_.open(settings_.mp4_path, settings_.size, settings_.size,
                                     static_cast<int>(settings_.pictures_per_second), error)) {
@@ -88,8 +89,10 @@ std::unique_ptr<SessionStents> make_stents(const PictureSettings &settings,
         throw std::runtime_error(error);
     const std::optional<Motion> motion = read_motion(settings.scene_path, error);
     if (!error.empty()) throw std::runtime_error(error);
+    const std::vector<LesionStations> stations = read_lesion_stations(settings.scene_path, error);
+    if (!error.empty()) throw std::runtime_error(error);
     return std::make_unique<SessionStents>(settings.stents, bodies.vessels, motion ? &*motion : nullptr,
-                                           settings.plaque_stations, tools);
+                                           stations, tools);
 }
 
 bool writes_pictures(const PictureSettings &settings)

@@ -40,11 +40,10 @@ struct PictureSettings {
     int threads = 0;
     std::string style =
         "physical"; // docs/xray.md, or vcsim3: docs/xray-style.md; doses and counts stay physical
-    std::string xray = "raster";                // of path_choices
-    GlOpener window_context;                    // where there is a window
-    std::vector<StentDesign> stents;            // that a session may load, in this order
-    std::vector<std::uint32_t> plaque_stations; // of the scene's lesions that give way
-    double balloon_iodine_mg_per_ml = 175.0;    // what balloons are filled with
+    std::string xray = "raster";             // of path_choices
+    GlOpener window_context;                 // where there is a window
+    std::vector<StentDesign> stents;         // that a session may load, in this order
+    double balloon_iodine_mg_per_ml = 175.0; // what balloons are filled with
 };
 
 // The stents of a session, with vessels and motion from the files that the settings name; null: it has none. Throws std::runtime_error.

@@ -55,12 +55,12 @@ double mount_length_mm(const Instrument &tool)
 }
 
 std::vector<std::vector<double>> opened_lists(const WireFrame &wire,
-                                              const std::vector<std::uint32_t> &stations)
+                                              const std::vector<LesionStations> &stations)
 {
     std::vector<std::vector<double>> lists;
     std::size_t at = 0;
-    for (const std::uint32_t count : stations) {
-        const std::size_t end = std::min<std::size_t>(at + count, wire.lesions_open.size());
+    for (const LesionStations &one : stations) {
+        const std::size_t end = std::min<std::size_t>(at + one.count, wire.lesions_open.size());
         lists.emplace_back(wire.lesions_open.begin() + static_cast<std::ptrdiff_t>(at),
                            wire.lesions_open.begin() + static_cast<std::ptrdiff_t>(end));
         at = end;
@@ -111,14 +111,14 @@ std::vector<StentDesign> read_stents(const std::vector<std::string> &paths,
 }
 
 SessionStents::SessionStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
-                             std::vector<std::uint32_t> stations, const std::vector<Instrument> &tools)
+                             std::vector<LesionStations> stations, const std::vector<Instrument> &tools)
     : shelf_(std::move(shelf)), vessels_(vessels),
       motion_(motion ? std::optional<Motion>(*motion) : std::nullopt), stations_(std::move(stations)),
       tool_(balloon_tool(tools))
 {
     if (!tool_ && !shelf_.empty())
         throw std::runtime_error("no tool has a balloon to mount '" + shelf_[0].name + "' on");
-    for (const std::uint32_t count : stations_) known_256_.emplace_back(count, 0);
+    for (const LesionStations &one : stations_) known_256_.emplace_back(one.count, 0);
     if (!tool_) return;
     mount_mm_ = balloon_middle_mm(tools[*tool_]);
     folded_end_m_ = tools[*tool_].table.balloon_distal_um * 1e-6;
@@ -174,6 +174,10 @@ std::size_t SessionStents::vessel_of(std::size_t branch)
     constexpr double whole_mm = 1e4;
     walls_.push_back({branch, std::make_unique<VesselWall>(vessels_, branch, 0.0, whole_mm,
                                                            motion_ ? &*motion_ : nullptr)});
+    for (std::size_t k = 0; k < stations_.size(); ++k)
+        if (stations_[k].count > 1)
+            walls_.back().wall->set_places(k, static_cast<double>(stations_[k].count - 1) *
+                                                  stations_[k].spacing_m * 1e3);
     return walls_.size() - 1;
 }
 
@@ -270,7 +274,8 @@ void SessionStents::ask_for_holds(const WireFrame &wire)
         });
         if (vessel == walls_.end()) continue;
         for (const StentHold &hold :
-             stents_.holds(*vessel->wall, lesion, stations_[lesion], opened[lesion])) {
+             stents_.holds(*vessel->wall, lesion, static_cast<std::uint32_t>(stations_[lesion].count),
+                           opened[lesion])) {
             std::optional<std::uint32_t> first;
             for (std::uint32_t k = hold.first; k <= hold.last + 1; ++k) {
                 const bool is_new = k <= hold.last && known_256_[lesion][k] < hold.open_256;

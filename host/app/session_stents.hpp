@@ -3,7 +3,7 @@
 // whatever pictures were asked for. What the core is told goes through order(), becomes part of a tick's input and is recorded; a replay
 // feeds the core with what was recorded, and stents are computed again for the pictures only.
 //
-//   SessionStents stents(shelf, bodies.vessels, motion, scene.plaque_stations, tools);
+//   SessionStents stents(shelf, bodies.vessels, motion, stations, tools);
 //   stents.command(tick, {RoomAction::load_stent, {}});       the next one of the shelf onto the balloon
 //   stents.frame(...) at stents.next_tick(); stents.order() for every input after that
 //
@@ -11,6 +11,7 @@
 #pragma once
 #include "host/app/frame_sink.hpp"
 #include "host/model/instrument.hpp"
+#include "host/model/lesion_opening.hpp"
 #include "host/stent/figures.hpp"
 #include "host/stent/stents.hpp"
 #include "host/xray/moved.hpp"
@@ -55,9 +56,9 @@ class SessionStents final : public FrameSink
   public:
     static constexpr std::uint32_t look_every_ticks = 40;
 
-    // `stations`: of every lesion that gives way, in the tree's order (SceneFile). `motion`: null: vessels stand still.
+    // `stations`: of every lesion that gives way, in the tree's order. `motion`: null: vessels stand still.
     SessionStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
-                  std::vector<std::uint32_t> stations, const std::vector<Instrument> &tools);
+                  std::vector<LesionStations> stations, const std::vector<Instrument> &tools);
 
     // Only load_stent means something here. What cannot be done is kept in refusals(), and the last one said by notice().
     void command(std::uint32_t tick, const RoomCommand &command) override;
@@ -108,7 +109,7 @@ class SessionStents final : public FrameSink
     const std::vector<StentDesign> shelf_;
     const VesselTree vessels_; // in the reference pose
     const std::optional<Motion> motion_;
-    const std::vector<std::uint32_t> stations_;
+    const std::vector<LesionStations> stations_;
     std::optional<std::size_t> tool_; // that has the balloon
     double mount_mm_ = 0.0, folded_end_m_ = 0.0;
     Stents stents_;

@@ -145,7 +145,7 @@ class Window
         PictureSettings pictures = options_.pictures;
         pictures.window_context = [this] { return screen_.context(); };
         ++session_number_;
-        take_stents(pictures, options_.stents, tools_, scene_);
+        take_stents(pictures, options_.stents, tools_);
         std::vector<RoomCommand> begin = entry_commands(scene_);
         if (!pictures.stents.empty()) begin.push_back(first_stent);
         pictures.dicom.folder = export_folder(pictures.dicom, session_number_);

@@ -71,7 +71,7 @@ std::vector<StentHold> Stents::holds(const VesselWall &vessel, std::size_t lesio
 {
     constexpr double steps = 256;
     std::vector<StentHold> result;
-    const VesselWall::Stretch stretch = vessel.lesion_mm(lesion);
+    const VesselWall::Stretch stretch = vessel.places_mm(lesion);
     if (stretch.is_empty() || stations < 2) return result;
     std::vector<std::uint32_t> open(stations, 0);
     for (const Stent &stent : stents_) {

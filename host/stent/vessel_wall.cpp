@@ -137,6 +137,7 @@ VesselWall::VesselWall(const VesselTree &tree, std::size_t branch, double from_m
         if (tree.lesions[k].branch == branch)
             lesions_[k] = {line.along_mm[tree.lesions[k].first_point],
                            line.along_mm[tree.lesions[k].first_point + tree.lesions[k].size() - 1]};
+    places_ = lesions_;
     add_points(rows_, motion);
     vertices_um_.resize(rows_.size() * around);
     line_mm_.resize(rows_.size());
@@ -167,7 +168,7 @@ double VesselWall::opened_at(std::size_t row, std::span<const std::vector<double
     if (at.lesion < 0 || lesion >= opened.size() || opened[lesion].empty()) return 0.0;
     const std::vector<double> &list = opened[lesion];
     if (list.size() == 1) return list.front();
-    const Stretch &stretch = lesions_[lesion];
+    const Stretch &stretch = places_[lesion];
     const double last = static_cast<double>(list.size() - 1);
     const double place =
         std::clamp((at.along_mm - stretch.from_mm) / (stretch.to_mm - stretch.from_mm), 0.0, 1.0) * last;
@@ -190,6 +191,13 @@ void VesselWall::move(const MotionMoment &moment, std::span<const std::vector<do
         radius_mm_[row] = (at.narrow_radius_m + share * (at.healthy_radius_m - at.narrow_radius_m)) * 1e3;
     }
     wall_.move(vertices_um_);
+}
+
+void VesselWall::set_places(std::size_t lesion, double span_mm)
+{
+    if (lesion_mm(lesion).is_empty()) return;
+    const double middle = (lesions_[lesion].from_mm + lesions_[lesion].to_mm) / 2;
+    places_[lesion] = {middle - span_mm / 2, middle + span_mm / 2};
 }
 
 double VesselWall::narrow_radius_mm(double along_mm) const

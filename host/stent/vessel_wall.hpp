@@ -39,6 +39,8 @@ class VesselWall
     std::span<const double> healthy_radius_mm() const { return healthy_radius_mm_; }
     // Of the healthy branch, from its first point.
     double along_mm(std::size_t row) const { return rows_[row].along_mm; }
+    // The first and the last place that `opened` is about lie elsewhere than a lesion's ends: so far apart, in the lesion's middle.
+    void set_places(std::size_t lesion, double span_mm);
     // Where a lesion begins and ends on it; empty when the branch has none of that number.
     struct Stretch {
         double from_mm = 0.0, to_mm = 0.0;
@@ -47,6 +49,11 @@ class VesselWall
     Stretch lesion_mm(std::size_t lesion) const
     {
         return lesion < lesions_.size() ? lesions_[lesion] : Stretch{};
+    }
+    // The same of the places that `opened` is about.
+    Stretch places_mm(std::size_t lesion) const
+    {
+        return lesion < places_.size() ? places_[lesion] : Stretch{};
     }
     // As baked and healthy, at a place along the branch; those of the ends beyond them.
     double narrow_radius_mm(double along_mm) const;
@@ -76,7 +83,7 @@ class VesselWall
                          const MotionWeights &weights) const;
 
     std::vector<Row> rows_;
-    std::vector<Stretch> lesions_;                      // of the tree
+    std::vector<Stretch> lesions_, places_;             // of the tree
     std::vector<Eigen::Vector3d> narrow_m_, healthy_m_; // of every vertex, then of every row's middle
     std::optional<MovingPoints> narrow_ways_, healthy_ways_;
     StentWall wall_;

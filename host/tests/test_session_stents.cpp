@@ -25,7 +25,7 @@ namespace
 {
 
 constexpr double pi = std::numbers::pi;
-constexpr std::uint32_t stations = 24;
+constexpr std::uint32_t stations = 24; // from end to end of its lesion
 const char *const stent_file = "shared/examples/stents/coronary_3_0x18.toml";
 
 std::vector<Instrument> wire_and_balloon()
@@ -61,7 +61,7 @@ SessionStents session_stents(std::size_t count = 1)
 {
     const std::vector<Instrument> tools = wire_and_balloon();
     return SessionStents(read_stents(std::vector<std::string>(count, stent_file), tools),
-                         beating_artery(true), nullptr, {stations}, tools);
+                         beating_artery(true), nullptr, {{stations, 12e-3 / (stations - 1)}}, tools);
 }
 
 constexpr RoomCommand load{RoomAction::load_stent, {}};
