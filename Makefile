@@ -55,7 +55,7 @@ HOST_LINK     := -lpng -lglfw -lusb-1.0 -ldl -ldcmdata -lofstd -lccd
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/centreline $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: gallery coronary coronary-real dissector all run window test validate validate-centreline bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig hil-faults hil-loop hil-emulator hil-machines install-udev bench-xray-peers
+.PHONY: gallery coronary coronary-real demo-pci dissector all run window test validate validate-centreline bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig hil-faults hil-loop hil-emulator hil-machines install-udev bench-xray-peers
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -257,6 +257,7 @@ gallery: packages-build packages-run ## renew the pictures of docs/gallery.md
 	    -frames:v 1 -q:v 4 docs/images/renal_dsa.jpg && echo "docs/images/renal_dsa.jpg"
 
 include tools/testing.mk
+include tools/pci.mk
 
 # --- validation: docs/validation.md --------------------------------------------------------------------------------
 validate: packages-build ## compare the rod with closed forms; writes out/validation.html and .tsv, renews docs/validation.md

@@ -1,5 +1,6 @@
 #include "tools/anatomy/lesions.hpp"
 #include "tools/anatomy/output.hpp"
+#include "tools/mesh/lesion_ranges.hpp"
 #include <array>
 #include <cstdio>
 #include <sstream>
@@ -29,15 +30,15 @@ double number_from(const std::string &wish, const std::string &word)
 struct Number {
     const char *name;
     double Lesion::*value;
-    double low,
-        high; /* what `bake` takes (docs/lesions.md): said here before an hour of meshing, not after it */
+    seld::NumberRange range; /* what `bake` takes: said here before minutes of meshing, not after them */
 };
-constexpr std::array<Number, 6> NUMBERS = {{{"PERCENT", &Lesion::stenosis_percent, 1, 95},
-                                            {"LENGTH_MM", &Lesion::length_mm, 2, 100},
-                                            {"AT_MM", &Lesion::at_mm, 0, 1000},
-                                            {"ECCENTRICITY", &Lesion::eccentricity, 0, 1},
-                                            {"PLAQUE_DEG", &Lesion::plaque_deg, -360, 360},
-                                            {"CALCIFIED_DEG", &Lesion::calcified_deg, 0, 300}}};
+constexpr std::array<Number, 6> NUMBERS = {
+    {{"PERCENT", &Lesion::stenosis_percent, seld::lesion_stenosis_percent},
+     {"LENGTH_MM", &Lesion::length_mm, seld::lesion_length_mm},
+     {"AT_MM", &Lesion::at_mm, seld::lesion_at_mm},
+     {"ECCENTRICITY", &Lesion::eccentricity, seld::lesion_eccentricity},
+     {"PLAQUE_DEG", &Lesion::plaque_deg, seld::lesion_plaque_deg},
+     {"CALCIFIED_DEG", &Lesion::calcified_deg, seld::lesion_calcified_deg}}};
 
 std::string number_text(double value)
 {
@@ -60,9 +61,10 @@ Lesion lesion_from(const std::string &wish)
     for (std::size_t i = 1; i < words.size(); i++) {
         const Number &number = NUMBERS[i - 1];
         const double value = number_from(wish, words[i]);
-        if (!(value >= number.low && value <= number.high))
+        if (!(value >= number.range.low && value <= number.range.high))
             throw std::invalid_argument("--lesion " + wish + ": " + number.name + " must be " +
-                                        number_text(number.low) + " to " + number_text(number.high));
+                                        number_text(number.range.low) + " to " +
+                                        number_text(number.range.high));
         lesion.*number.value = value;
     }
     return lesion;

@@ -295,7 +295,7 @@ std::string bake(const Options &options, Progress &progress)
     }
     const TriangleTree posed_tree(posed);
     const FieldText wanted{text.lumen.tolerance_mm, text.lumen.inside_mm, text.lumen.outside_mm,
-                           text.lumen.level_max};
+                           text.lumen.level_max, fine_regions(posed_vessels)};
     Field field = make_field(posed_tree, wanted, progress);
     std::string moved;
     if (frames) {

@@ -182,11 +182,17 @@ double spline(const std::vector<std::int8_t> &c, const Eigen::Vector3d &x)
     return sum / 32;
 }
 
-// Is the brick wrong by more than the tolerance anywhere on a lattice of points near the wall?
+// Is the brick wrong by more than the tolerance anywhere on a lattice of points near the wall, and may there be a finer one?
 bool is_wrong(const Brick &brick, int level, const TriangleTree &tree, const FieldText &text)
 {
     const double voxel = voxel_mm(level);
     const Eigen::Vector3d corner = Eigen::Vector3d(brick.cell[0], brick.cell[1], brick.cell[2]) * 8 * voxel;
+    const Eigen::AlignedBox3d box(corner, corner + Eigen::Vector3d::Constant(8 * voxel));
+    double tolerance_mm = level < text.level_max ? text.tolerance_mm : INFINITY;
+    for (const FineRegion &region : text.fine)
+        if (level < region.level_max && region.box_mm.intersects(box))
+            tolerance_mm = std::min(tolerance_mm, region.tolerance_mm);
+    if (std::isinf(tolerance_mm)) return false;
     const double band = std::min(error_band_mm, (coefficient_max - 0.2) * voxel);
     for (int n = 0; n < test_points * test_points * test_points; ++n) {
         const Eigen::Vector3d x =
@@ -197,7 +203,7 @@ bool is_wrong(const Brick &brick, int level, const TriangleTree &tree, const Fie
         const double guess = spline(brick.coefficients, x) * voxel;
         if (std::abs(guess) > band + voxel) continue;
         const double exact = tree.nearest(corner + x * voxel).distance_mm;
-        if (std::abs(exact) <= band && std::abs(guess - exact) > text.tolerance_mm) return true;
+        if (std::abs(exact) <= band && std::abs(guess - exact) > tolerance_mm) return true;
     }
     return false;
 }
@@ -215,7 +221,7 @@ void make_bricks(std::vector<Brick> &bricks, int level, const openvdb::FloatGrid
             brick.entry = classify(values, text, voxel_mm(level));
             if (brick.entry != SELD_LUMEN_ENTRY_FIRST_BRICK) return;
             brick.coefficients = quantise(std::move(values));
-            brick.refine = level < text.level_max && is_wrong(brick, level, tree, text);
+            brick.refine = is_wrong(brick, level, tree, text);
         });
     }
     progress.finish();

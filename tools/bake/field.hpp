@@ -33,9 +33,17 @@ struct Field {
     const seld_lumen *view(); // sets the pointers
 };
 
+// A box in which more is asked of the field.
+struct FineRegion {
+    Eigen::AlignedBox3d box_mm;
+    double tolerance_mm;
+    int level_max;
+};
+
 struct FieldText {
     double tolerance_mm, inside_mm, outside_mm;
     int level_max;
+    std::vector<FineRegion> fine = {};
 };
 
 // Throws Fault when the lumen needs more bricks than a scene may hold.

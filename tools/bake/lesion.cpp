@@ -204,6 +204,18 @@ Eigen::AlignedBox3d lesion_box_mm(const VesselLesion &lesion, double radii)
     return {box_m.min() * 1e3, box_m.max() * 1e3};
 }
 
+std::vector<FineRegion> fine_regions(const VesselTree &tree)
+{
+    std::vector<FineRegion> regions;
+    for (const VesselLesion &lesion : tree.lesions) {
+        const double throat_mm = tree.branches[lesion.branch].radii_m[tree.throat(lesion)] * 1e3;
+        int level = 0;
+        while (level < SELD_LUMEN_LEVELS - 1 && voxel0_mm / (1 << level) > 0.7 * throat_mm) ++level;
+        regions.push_back({lesion_box_mm(lesion, 1.0), std::max(0.03, throat_mm / 15), level});
+    }
+    return regions;
+}
+
 std::vector<bool> narrow_lesions(std::vector<Vector3d> &vertices_mm, const VesselTree &tree)
 {
     std::vector<bool> moved(vertices_mm.size(), false);
@@ -327,6 +339,9 @@ std::string lesions_report(const VesselTree &tree, const TriangleTree &surface)
             lesion.name.c_str(), measured_mm, wanted_mm, branch.name.c_str());
         report += line;
     }
+    for (std::size_t i = SELD_SCENE_PLAQUE_MAX; i < tree.lesions.size(); ++i)
+        report += "note: " + tree.lesions[i].name + " stays rigid under a balloon: only the first " +
+                  std::to_string(int{SELD_SCENE_PLAQUE_MAX}) + " lesions of a scene give way\n";
     return report;
 }
 

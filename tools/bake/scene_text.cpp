@@ -3,9 +3,11 @@
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/toml_file.hpp"
+#include "tools/mesh/lesion_ranges.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -49,6 +51,10 @@ struct Table {
         for (unsigned char c : value)
             if (c < 0x20 || c == 0x7f) fail(node, std::string(key) + " holds a control character: remove it");
         return value;
+    }
+    double number(const char *key, double standard, const NumberRange &range) const
+    {
+        return number(key, standard, range.low, range.high);
     }
 
     double number(const char *key, double standard, double low, double high) const
@@ -382,12 +388,12 @@ LesionText lesion_of(const Table &t)
     LesionText lesion;
     lesion.name = t.text("name", "", SELD_SCENE_BODY_NAME_BYTES - 1 - 8); // "_calcium" must fit behind it
     lesion.branch = t.text("branch", "", SELD_SCENE_BRANCH_NAME_BYTES - 1);
-    lesion.at_mm = t.number("at_mm", 0, 0, 1000);
-    lesion.length_mm = t.number("length_mm", 0, 2, 100);
-    lesion.stenosis_percent = t.number("stenosis_percent", 0, 1, 95);
-    lesion.eccentricity = t.number("eccentricity", 0, 0, 1);
-    lesion.plaque_deg = t.number("plaque_deg", 0, -360, 360);
-    lesion.calcified_deg = t.number("calcified_deg", 0, 0, 300);
+    lesion.at_mm = t.number("at_mm", 0, lesion_at_mm);
+    lesion.length_mm = t.number("length_mm", 0, lesion_length_mm);
+    lesion.stenosis_percent = t.number("stenosis_percent", 0, lesion_stenosis_percent);
+    lesion.eccentricity = t.number("eccentricity", 0, lesion_eccentricity);
+    lesion.plaque_deg = t.number("plaque_deg", 0, lesion_plaque_deg);
+    lesion.calcified_deg = t.number("calcified_deg", 0, lesion_calcified_deg);
     lesion.inside = t.text("inside", "", SELD_SCENE_BODY_NAME_BYTES - 1);
     lesion.yield_kPa = t.number("yield_kPa", 300 + 2 * lesion.calcified_deg, 1, 4000);
     lesion.full_kPa = t.number("full_kPa", 300, 1, 4000);
@@ -415,6 +421,13 @@ void check_lesions(const SceneText &scene)
     if (scene.lesions.size() > SELD_SCENE_LESION_MAX)
         throw Fault(scene.file.string() + ": more than " + std::to_string(int{SELD_SCENE_LESION_MAX}) +
                     " lesions: leave some out");
+    const auto calcified = static_cast<std::size_t>(
+        std::count_if(scene.lesions.begin(), scene.lesions.end(),
+                      [](const LesionText &lesion) { return lesion.calcified_deg > 0; }));
+    if (scene.bodies.size() + calcified > SELD_SCENE_BODY_MAX)
+        throw Fault(scene.file.string() + ": " + std::to_string(scene.bodies.size()) +
+                    " bodies and the calcium of " + std::to_string(calcified) + " lesions are more than " +
+                    std::to_string(SELD_SCENE_BODY_MAX) + ": join some bodies, or leave out calcified_deg");
 }
 
 // The body that a shell makes inside another.

@@ -163,6 +163,38 @@ void the_field_knows_the_narrowed_wall(void **)
     assert_true(worst_mm < 0.05); // a fifth of a voxel
 }
 
+// A scene may ask little of its field; a channel of 0.4 mm radius is known all the same: without its region there is none. On the axis
+// the spline rounds off the ridge of so narrow a one, so that less than 0.4 mm of room is seen.
+void a_lesion_asks_more_of_the_field_than_its_scene(void **)
+{
+    VesselTree tree = tree_of_tube();
+    LesionText tight = plaque();
+    tight.stenosis_percent = 80;
+    place_lesions(tree, {tight});
+    Mesh mesh = capped_tube();
+    refine_lesions(mesh, tree);
+    narrow_lesions(mesh.vertices_mm, tree);
+    const TriangleTree surface(mesh);
+    Progress progress;
+    const auto room_mm =
+        [&](const FieldText &text) { // that the field leaves on the channel's axis, the least
+            Field field = make_field(surface, text, progress);
+            double least = 10;
+            for (double y = 28; y <= 32; y += 0.1) {
+                const seld_vec3 place = to_q30({0, y, 0});
+                least =
+                    std::min(least, -seld_lumen_contact(field.view(), &place).distance_m_q30 * mm_per_q30);
+            }
+            return least;
+        };
+    const double coarse_mm = room_mm({0.12, 2.5, 1.5, 0}),
+                 fine_mm = room_mm({0.12, 2.5, 1.5, 0, fine_regions(tree)});
+    print_message("# room for %.3f mm without, %.3f mm with its region, throat %.3f mm\n", coarse_mm, fine_mm,
+                  tree.branches[0].radii_m[tree.throat(tree.lesions[0])] * 1e3);
+    assert_true(coarse_mm < 0.05);
+    assert_true(fine_mm > 0.15 && fine_mm < 0.41);
+}
+
 // An eccentric lesion of 70 %, baked, and the PLAQUES section as the core takes it.
 struct BakedLesion {
     VesselTree tree = tree_of_tube();
@@ -479,6 +511,31 @@ void a_text_says_where_it_is_wrong(void **)
                                 "'heart', which is no body"));
     assert_non_null(
         std::strstr(refusal(whole + "[[lesion]]\n" + whole).c_str(), "two lesions are called 'p'"));
+    std::string bodies;
+    for (int i = 0; i < SELD_SCENE_BODY_MAX; ++i)
+        bodies += "[[body]]\nname = \"b" + std::to_string(i) + "\"\nmesh = \"lumen\"\nmaterial = \"blood\"\n";
+    assert_string_equal(refusal(whole + bodies).c_str(), "");
+    assert_non_null(std::strstr(refusal(whole + "calcified_deg = 90\n" + bodies).c_str(),
+                                "256 bodies and the calcium of 1 lesions are more than 256"));
+}
+
+// Four lesions give way; the report names those that do not.
+void more_lesions_than_give_way_are_named(void **)
+{
+    VesselTree tree = tree_of_tube();
+    std::vector<LesionText> lesions;
+    for (int i = 0; i < 6; ++i) {
+        lesions.push_back(plaque());
+        lesions.back().name = "l" + std::to_string(i);
+        lesions.back().at_mm = 6 + 8 * i;
+        lesions.back().length_mm = 6;
+    }
+    place_lesions(tree, lesions);
+    const Mesh mesh = capped_tube();
+    const std::string report = lesions_report(tree, TriangleTree(mesh));
+    assert_null(std::strstr(report.c_str(), "l3 stays"));
+    assert_non_null(std::strstr(report.c_str(), "note: l4 stays rigid under a balloon"));
+    assert_non_null(std::strstr(report.c_str(), "note: l5 stays rigid under a balloon"));
 }
 
 } // namespace
@@ -491,6 +548,7 @@ int main()
         cmocka_unit_test(an_eccentric_channel_lies_away_from_the_plaque),
         cmocka_unit_test(the_surface_goes_with_the_tree),
         cmocka_unit_test(the_field_knows_the_narrowed_wall),
+        cmocka_unit_test(a_lesion_asks_more_of_the_field_than_its_scene),
         cmocka_unit_test(opened_it_is_the_healthy_vessel),
         cmocka_unit_test(the_hosts_vessel_opens_as_the_cores_does),
         cmocka_unit_test(a_lesion_lies_where_it_would_lie_alone),
@@ -503,6 +561,7 @@ int main()
         cmocka_unit_test(a_mesh_that_is_not_the_trees_is_warned_of),
         cmocka_unit_test(what_does_not_fit_is_refused_by_name),
         cmocka_unit_test(a_text_says_where_it_is_wrong),
+        cmocka_unit_test(more_lesions_than_give_way_are_named),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

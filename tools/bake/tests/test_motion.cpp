@@ -190,6 +190,45 @@ void bodies_go_to_the_reference_pose_with_the_lumen(void **)
     assert_true(nearest_mm < 0.3);
 }
 
+// A lesion of 60 % at 220 degrees of the ring, made in the reference pose: pushed to a frame its throat lies where the motion takes that place of
+// the ring.
+void a_lesion_moves_with_its_vessel(void **)
+{
+    Folder folder;
+    Progress progress;
+    write_frames(folder, [](int k) { return k / 24.0; });
+    std::string ring = "branch,name,x_mm,y_mm,z_mm,radius_mm\n";
+    const auto place_mm = [](double degrees) {
+        return Eigen::Vector3d(ring_mm * std::cos(turn * degrees / 360),
+                               ring_mm * std::sin(turn * degrees / 360), 0);
+    };
+    for (int degrees = 120; degrees <= 400; degrees += 4)
+        ring += "0,ring," + std::to_string(place_mm(degrees).x()) + "," +
+                std::to_string(place_mm(degrees).y()) + ",0," + std::to_string(tube_mm) + "\n";
+    folder.write("ring.csv", ring);
+    const std::string at_mm = std::to_string(ring_mm * turn * 100 / 360);
+    const std::string report = bake(
+        options_for(folder, text_of("[tree]\ncentrelines = [\"ring.csv\"]\n" + motion_text +
+                                    "[[lesion]]\nname = \"plaque\"\nbranch = \"ring\"\nat_mm = " + at_mm +
+                                    "\nlength_mm = 14\nstenosis_percent = 60\n")),
+        progress);
+    assert_true(report.find("60 % by diameter") != std::string::npos);
+    std::string error;
+    Bodies bodies;
+    assert_true(read_bodies((folder.path / "out.bodies").string(), bodies, error));
+    const auto motion = seld::read_motion((folder.path / "out.scene").string(), error);
+    assert_true(motion.has_value());
+    const seld::VesselTree &tree = bodies.vessels;
+    const Eigen::Vector3d throat_m = tree.branches.at(0).points_m[tree.throat(tree.lesions.at(0))];
+    for (int k : {0, 5, 10, 17}) {
+        const auto phase32 = static_cast<std::uint32_t>(k * (4294967296.0 / 24));
+        const double off_mm =
+            (motion->push(throat_m, {phase32, 0}) * 1e3 - beating(place_mm(220), k / 24.0)).norm();
+        print_message("# frame %d: throat off by %.3f mm\n", k, off_mm);
+        assert_true(off_mm < 0.1);
+    }
+}
+
 // The same motion recorded with its end of systole in frame 8: keyframe 10 is that frame, keyframe 5 frame 4.
 void frames_of_another_timing_are_retimed(void **)
 {
@@ -240,6 +279,7 @@ int main()
         cmocka_unit_test(a_full_breath_carries_every_frame),
         cmocka_unit_test(the_reference_pose_is_in_the_middle),
         cmocka_unit_test(bodies_go_to_the_reference_pose_with_the_lumen),
+        cmocka_unit_test(a_lesion_moves_with_its_vessel),
         cmocka_unit_test(frames_of_another_timing_are_retimed),
         cmocka_unit_test(what_is_no_sequence_is_refused),
     };

@@ -1,0 +1,210 @@
+// Claims: in the short forms of the two angioplasty sessions the wire comes to lie beyond the lesion in its artery, the balloon's middle lies
+// within 2 mm of the throat when it is filled, the lesion opens under it and keeps what it does not spring back from, no tool goes deeper than
+// 0.5 mm into a wall, no hand feels more than 4 N, and the core reports nothing but snaps. Scenes are made as `make demo-pci` makes its own:
+// the renal one from the phantom, the coronary one from the left coronary artery of the heart at rest, since the whole aorta and the beat take
+// minutes.
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include "host/app/run.hpp"
+#include "host/model/bodies.hpp"
+#include "host/model/instrument.hpp"
+extern "C" {
+#include "firmware/core/core.h"
+}
+
+// Last, because its macros (fail, ...) would change other headers.
+extern "C" {
+#include <cmocka.h>
+}
+
+namespace
+{
+
+namespace fs = std::filesystem;
+using Eigen::Vector3d;
+
+fs::path folder;
+
+int make_folder(void **)
+{
+    folder = fs::temp_directory_path() / ("seldinger_pci_" + std::to_string(getpid()));
+    return fs::create_directories(folder) ? 0 : 1;
+}
+
+int remove_folder(void **)
+{
+    fs::remove_all(folder);
+    return 0;
+}
+
+void call(const std::string &program, const std::string &words)
+{
+    const char *build = std::getenv("BUILD"); // set by the test runner
+    const std::string command = std::string(build ? build : "build") + "/bin/" + program + " " + words +
+                                " > '" + (folder / "log").string() + "' 2>&1";
+    if (std::system(command.c_str()) == 0) return;
+    std::ifstream log(folder / "log");
+    fail_msg("%s: %s", command.c_str(), std::string(std::istreambuf_iterator<char>(log), {}).c_str());
+}
+
+std::string in_folder(const char *name)
+{
+    return "'" + (folder / name).string() + "'";
+}
+
+// The place of the line so far behind its leading tip.
+Vector3d place_m(const seld::WireFrame &wire, double arc_m)
+{
+    const auto &nodes = wire.nodes;
+    std::size_t i = 0;
+    while (i + 2 < nodes.size() && nodes[i + 1].arc_m < arc_m) ++i;
+    const double share = (arc_m - nodes[i].arc_m) / (nodes[i + 1].arc_m - nodes[i].arc_m);
+    return nodes[i].position_m + share * (nodes[i + 1].position_m - nodes[i].position_m);
+}
+
+// Looks ten times a second.
+class Watch : public seld::SteadySink
+{
+  public:
+    explicit Watch(const seld::VesselTree &tree) : SteadySink(10), tree_(tree) {}
+
+    void tick(const seld_wire_encoders &, const seld_wire_tick_state &state) override
+    {
+        fault_bits = state.core_fault_bits;
+        pressure_kPa = state.balloon_kPa;
+        burst = burst || state.balloon_bits != 0;
+    }
+
+    void picture(const seld::SessionFrame &frame) override
+    {
+        const seld::WireFrame &wire = frame.wire;
+        kept = 0;
+        for (double open : wire.lesions_open) kept = std::max(kept, open);
+        if (pressure_kPa < 790) return;
+        open_most = std::max(open_most, kept);
+        const double middle_m = wire.balloon_arc_m + 0.5 * wire.balloon_spacing_m *
+                                                         static_cast<double>(wire.balloon_radii_m.size() - 1);
+        balloon_off_mm = arc_behind_throat_mm(place_m(wire, middle_m));
+        wire_off_mm = arc_behind_throat_mm(place_m(wire, wire.tip_arc_m.at(0)));
+        ++frames_filled;
+    }
+    void finish() override {}
+
+    double balloon_off_mm = 1e9, wire_off_mm = 0, open_most = 0, kept = 0;
+    std::uint32_t fault_bits = 0, pressure_kPa = 0, frames_filled = 0;
+    bool burst = false;
+
+  private:
+    // Along the lesion's branch, + towards its end; fails outside that branch.
+    double arc_behind_throat_mm(const Vector3d &p_m) const
+    {
+        const seld::VesselLesion &lesion = tree_.lesions.at(0);
+        const seld::VesselBranch &branch = tree_.branches.at(lesion.branch);
+        const seld::VesselFoot foot = seld::vessel_foot(branch, p_m);
+        if (foot.radii > 2) fail_msg("%.1f radii from the middle of %s", foot.radii, branch.name.c_str());
+        const auto arc_mm = [&](std::size_t point) {
+            double sum = 0;
+            for (std::size_t i = 0; i < point; ++i)
+                sum += (branch.points_m[i + 1] - branch.points_m[i]).norm() * 1e3;
+            return sum;
+        };
+        const double here = arc_mm(foot.point);
+        const double next = foot.point + 1 < branch.points_m.size() ? arc_mm(foot.point + 1) : here;
+        return here + foot.share * (next - here) - arc_mm(tree_.throat(lesion));
+    }
+
+    const seld::VesselTree &tree_;
+};
+
+void check(const char *what, double value, double least, double most)
+{
+    std::printf("# %s: %.2f\n", what, value);
+    if (!(value >= least && value <= most)) fail_msg("%s = %g, allowed %g to %g", what, value, least, most);
+}
+
+void treat(const char *scene_name, const std::string &session_name,
+           const std::vector<std::string> &tool_names)
+{
+    const fs::path file = folder / scene_name;
+    seld::Bodies bodies;
+    std::string error;
+    if (!seld::read_bodies(fs::path(file).replace_extension(".bodies").string(), bodies, error))
+        fail_msg("%s", error.c_str());
+    std::vector<seld::Instrument> tools;
+    for (const std::string &name : tool_names)
+        tools.push_back(seld::read_instrument("shared/examples/instruments/" + name + ".toml"));
+    const seld::SceneFile scene = seld::read_scene(file.string());
+    const seld::Session session = seld::read_session("shared/examples/sessions/" + session_name);
+    seld::Device device(scene, tools, seld::entry_of(scene, tools.size(), session.inserted_um),
+                        seld::host_rig());
+    Watch watch(bodies.vessels);
+    const seld::RunResult result = seld::run_session(device, session, nullptr, &watch, {});
+    assert_true(result.given_up_lines.empty());
+    assert_false(watch.burst);
+    assert_true(watch.frames_filled >= 4);
+    check("balloon's middle behind the throat, mm", watch.balloon_off_mm, -2, 2);
+    check("wire's tip behind the throat, mm", watch.wire_off_mm, 20, 200);
+    check("open under the balloon", watch.open_most, 0.8, 1);
+    check("kept at the end", watch.kept, 0.4, 0.8 * watch.open_most);
+    check("penetration, mm", result.figures.penetration_max_m * 1e3, 0, 0.5);
+    for (const seld::ToolFigures &tool : result.figures.tools) check("hand force, N", tool.axial_max_N, 0, 4);
+    assert_int_equal(watch.fault_bits & ~std::uint32_t{SELD_FAULT_STEP_CAPPED}, 0);
+}
+
+void the_ostium_of_a_renal_artery_is_opened(void **)
+{
+    call("anatomy", "phantom --no-bodies --quiet --lumen-mm 1.2 --lesion left_renal_artery:70:10:5 -o " +
+                        in_folder("phantom"));
+    call("bake", in_folder("phantom/scene.toml") + " --points 1000 --poses 0 -o " + in_folder("renal.scene"));
+    treat("renal.scene", "pci_renal_short.session", {"terumo_stiff_angled", "balloon_6x20", "guide_jr4_6f"});
+}
+
+// `anatomy heart --heart-only` has the arteries' centrelines in one file, LM, LAD and D1 first: one file for each is what a tree is made of.
+void split_centrelines()
+{
+    const std::string script =
+        "import json, sys\n"
+        "whole = json.load(open(sys.argv[1] + '/beat/centrelines_00.mrk.json'))\n"
+        "for name, markup in zip(('LM', 'LAD', 'D1'), whole['markups']):\n"
+        "    json.dump({**whole, 'markups': [markup]}, open(f'{sys.argv[1]}/{name}.mrk.json', 'w'))\n";
+    std::ofstream(folder / "split.py") << script;
+    assert_int_equal(std::system(("python3 " + in_folder("split.py") + " " + in_folder("heart")).c_str()), 0);
+}
+
+void the_middle_of_the_anterior_descending_artery_is_opened(void **)
+{
+    call("anatomy", "heart --heart-only --quiet -o " + in_folder("heart"));
+    split_centrelines();
+    std::ofstream(folder / "heart" / "lad.toml")
+        << "[scene]\nname = \"LAD\"\n[lumen]\nmesh = \"coronaries_left.ply\"\nunit = \"mm\"\n"
+           "[entry]\nposition_mm = [47.3, 130.4, 31.1]\ndirection = [0.14, -0.46, 0.87]\n"
+           "[tree]\ncentrelines = [\"LM.mrk.json\", \"LAD.mrk.json\", \"D1.mrk.json\"]\naxes = [\"+x\", "
+           "\"+z\", \"-y\"]\n"
+           "inlet = \"LM\"\nleft_coronary = [\"LM\", \"LAD\", \"D1\"]\n"
+           "[[lesion]]\nname = \"lad_1\"\nbranch = \"LAD\"\nat_mm = 38\nlength_mm = 14\nstenosis_percent = "
+           "75\n"
+           "eccentricity = 0.4\ncalcified_deg = 100\n";
+    call("bake", in_folder("heart/lad.toml") + " --points 1000 --poses 0 -o " + in_folder("lad.scene"));
+    treat("lad.scene", "pci_lad_short.session", {"coronary_014", "balloon_3x20"});
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(the_ostium_of_a_renal_artery_is_opened),
+        cmocka_unit_test(the_middle_of_the_anterior_descending_artery_is_opened),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
