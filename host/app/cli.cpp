@@ -136,6 +136,9 @@ void add_run(CLI::App &app, RunOptions &options)
     add_device(*command, options.device);
     command->add_option("--record", options.record, "Write a recording");
     command->add_option("--json", options.json, "Write the figures of the session");
+    command->add_option(
+        "--score", options.score,
+        "Write what the angioplasty is worth, as one HTML page, and add it to --json (docs/score.md)");
     command->add_flag("--quiet", options.quiet, "No progress line");
     add_pictures(*command, options.pictures);
     command->footer(

@@ -13,7 +13,7 @@ namespace seld
 {
 
 struct RunOptions {
-    std::string scene, instrument, session, record, json;
+    std::string scene, instrument, session, record, json, score;
     std::string device = "sim"; // as parse_device
     std::vector<std::string> tools, stents;
     PictureSettings pictures;

@@ -3,8 +3,12 @@
 #include "host/app/cli_rig.hpp"
 #include "host/app/interrupt.hpp"
 #include "host/app/run.hpp"
+#include "host/app/score.hpp"
 #include "host/model/text.hpp"
+#include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
+#include <numeric>
 #include <unistd.h>
 
 namespace seld
@@ -29,6 +33,8 @@ void print_files(const std::vector<std::string> &files)
 
 namespace
 {
+
+constexpr std::size_t score_pictures_max = 8; // of a page
 
 void print_result(const RunResult &result, const std::vector<Instrument> &tools)
 {
@@ -90,6 +96,7 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
         throw UsageError("either --session or --free-run says who leads");
     check_outputs(inputs, {{"--record", options.record},
                            {"--json", options.json},
+                           {"--score", options.score},
                            {"--png", pictures.png_path},
                            {"--png16", pictures.png16_path},
                            {"--mp4", pictures.mp4_path}});
@@ -129,6 +136,36 @@ void check_loads(const Session &session, std::size_t stents)
         }
 }
 
+// The frame of a run in which the medium is best seen: the darkest.
+Image darkest_frame(const StoredRun &stored)
+{
+    const auto sum = [](const std::vector<std::uint8_t> &grey) {
+        return std::accumulate(grey.begin(), grey.end(), std::uint64_t{0});
+    };
+    const auto darkest = std::min_element(stored.grey.begin(), stored.grey.end(),
+                                          [&](const auto &a, const auto &b) { return sum(a) < sum(b); });
+    return {stored.run.size, stored.run.size, 1, *darkest};
+}
+
+// Into the report, onto the page and onto the screen.
+void give_score(const std::string &path, nlohmann::ordered_json &report, const Room &room)
+{
+    std::vector<ScorePicture> pictures;
+    for (const auto &stored : room.store().runs())
+        if (stored->run.kind == RunKind::cine && !stored->grey.empty() &&
+            pictures.size() < score_pictures_max) {
+            char caption[64];
+            std::snprintf(caption, sizeof caption, "Run %d, at %.0f s", stored->run.number,
+                          stored->run.frames.front().tick * 1e-3);
+            pictures.push_back({caption, darkest_frame(*stored)});
+        }
+    report["score"] = score_of(report);
+    write_score_page(path, report, report["score"], pictures);
+    if (report["score"]["percent"].is_number())
+        std::printf("score                 %.0f of 100\n", report["score"]["percent"].get<double>());
+    std::printf("written               %s\n", path.c_str());
+}
+
 RunResult carry_out(Device &device, const SceneFile &scene, const RunOptions &options, const Session &session,
                     Recorder *recorder, FrameSink *sink, bool is_mounted)
 {
@@ -136,6 +173,7 @@ RunResult carry_out(Device &device, const SceneFile &scene, const RunOptions &op
     std::vector<RoomCommand> begin = options.free_run_s ? entry_commands(scene) : std::vector<RoomCommand>();
     if (is_mounted) begin.push_back(first_stent);
     settings.begin = begin;
+    settings.measures_contacts = !options.score.empty();
     return options.free_run_s ? run_free_session(device, begin, *options.free_run_s, recorder, sink, settings)
                               : run_session(device, session, recorder, sink, settings);
 }
@@ -196,7 +234,7 @@ int command_run(const RunOptions &options)
 
     std::unique_ptr<SessionPictures> pictures;
     picture_settings.shows_progress = !options.quiet;
-    if (writes_pictures(picture_settings))
+    if (writes_pictures(picture_settings) || !options.score.empty())
         pictures = std::make_unique<SessionPictures>(picture_settings, tools);
     const std::unique_ptr<SessionStents> unseen =
         pictures ? nullptr : make_stents(picture_settings, tools); // drawn by nobody
@@ -228,10 +266,13 @@ int command_run(const RunOptions &options)
                     pictures->contrast().flow().held_mg(), pictures->contrast().flow().budget().out_mg,
                     pictures->contrast().flow().budget().reflux_mg);
     if (stents) print_stents(*stents);
-    if (!options.json.empty())
-        write_report(
-            options.json, result, scene.path, tools, session.file,
+    if (!options.json.empty() || !options.score.empty()) {
+        nlohmann::ordered_json report = report_of(
+            result, scene.path, tools, session.file,
             {pictures ? &pictures->room() : nullptr, pictures ? &pictures->contrast() : nullptr, stents});
+        if (!options.score.empty()) give_score(options.score, report, pictures->room());
+        if (!options.json.empty()) write_report(options.json, report);
+    }
     if (pictures) print_files(pictures->files());
     if (!result.stopped_by.empty()) {
         std::fprintf(stderr, "seldinger: %s\n", result.stopped_by.c_str());

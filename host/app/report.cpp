@@ -114,11 +114,26 @@ nlohmann::ordered_json lesions_report(const SessionContrast &contrast)
     return report;
 }
 
+// null when nobody looked.
+nlohmann::ordered_json contact_report(const ContactFigures &contacts)
+{
+    if (!contacts.is_known) return {};
+    nlohmann::ordered_json time = nlohmann::ordered_json::array(), force = time;
+    for (const ContactSample &sample : contacts.series) {
+        time.push_back(sample.tick * 1e-3);
+        force.push_back(sample.force_N);
+    }
+    return {{"impulse_N_s", contacts.impulse_N_s},
+            {"force_max_N", contacts.force_max_N},
+            {"time_s", time},
+            {"force_N", force}};
+}
+
 } // namespace
 
-void write_report(const std::string &path, const RunResult &result, const std::string &scene,
-                  const std::vector<Instrument> &tools, const std::string &session,
-                  const ReportSources &sources)
+nlohmann::ordered_json report_of(const RunResult &result, const std::string &scene,
+                                 const std::vector<Instrument> &tools, const std::string &session,
+                                 const ReportSources &sources)
 {
     const SessionContrast *contrast = sources.contrast;
     const SessionFigures &figures = result.figures;
@@ -157,6 +172,7 @@ void write_report(const std::string &path, const RunResult &result, const std::s
     report["lesions"] = contrast ? lesions_report(*contrast) : nlohmann::ordered_json::array();
     report["balloon"] = balloon_report(figures.balloon, tools);
     report["stents"] = stents_report(sources.stents);
+    report["contact"] = contact_report(result.contacts);
     report["interrupted"] = result.was_interrupted;
     report["script_lines_given_up"] = result.given_up_lines;
     report["faults"] = nlohmann::ordered_json::array();
@@ -167,6 +183,11 @@ void write_report(const std::string &path, const RunResult &result, const std::s
                                     {"count", fault.count},
                                     {"text", seld_wire_fault_text(fault.code)}});
     }
+    return report;
+}
+
+void write_report(const std::string &path, const nlohmann::ordered_json &report)
+{
     write_whole_file(path,
                      report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }

@@ -50,6 +50,7 @@ class Runner
         while (!player_.is_done() && !is_interrupted()) batch();
         RunResult result;
         result.figures = figures_;
+        result.contacts = contacts_;
         result.was_interrupted = !player_.is_done();
         result.given_up_lines = player_.given_up_lines();
         device_.ask([&](Link &link) {
@@ -92,6 +93,7 @@ class Runner
             if (sink_) sink_->tick(inputs_[i], states[i]);
         }
         if (link_.tick() % SessionPlayer::observe_every_ticks == 0) player_.observe(inserted());
+        look_at_contacts();
         record_state();
         picture_when_due();
     }
@@ -108,6 +110,14 @@ class Runner
     {
         if (recorder_) recorder_->command(tick, command);
         if (sink_) sink_->command(tick, command);
+    }
+
+    void look_at_contacts()
+    {
+        static_assert(ContactFigures::look_every_ticks ==
+                      SessionPlayer::observe_every_ticks); // batches end there
+        if (!settings_.measures_contacts || link_.tick() % ContactFigures::look_every_ticks != 0) return;
+        device_.ask([&](Link &link) { contacts_.take(link.read_contacts()); });
     }
 
     void record_state()
@@ -152,6 +162,7 @@ class Runner
     FrameSink *sink_;
     const RunSettings &settings_;
     SessionFigures figures_;
+    ContactFigures contacts_;
     seld_wire_tick_state state_{};
     std::vector<seld_wire_encoders> inputs_;
     std::uint32_t progress_tick_ = 0;

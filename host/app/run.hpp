@@ -2,10 +2,12 @@
 // and pictured on the way.
 // May include: device, session, recording, frame_sink. Called by: cli.
 #pragma once
+#include "host/app/contact_figures.hpp"
 #include "host/app/device.hpp"
 #include "host/app/frame_sink.hpp"
 #include "host/app/session.hpp"
 #include "host/room/room.hpp"
+#include <nlohmann/json_fwd.hpp>
 
 namespace seld
 {
@@ -13,10 +15,12 @@ namespace seld
 struct RunSettings {
     bool shows_progress = false;      // one line on stderr, rewritten
     std::vector<RoomCommand> begin{}; // of a script's session, before its first statement
+    bool measures_contacts = false;   // of a script's session: RunResult::contacts
 };
 
 struct RunResult {
     SessionFigures figures;
+    ContactFigures contacts;
     std::uint64_t hash = 0;
     double seconds = 0.0;         // wall clock of the ticks, pictures and recording, without set-up
     bool was_interrupted = false; // Ctrl-C: everything up to there is valid
@@ -49,9 +53,10 @@ struct ReportSources {
     SessionStents *stents = nullptr;
 };
 
-// out/demo.json: the figures of a session.
-void write_report(const std::string &path, const RunResult &result, const std::string &scene,
-                  const std::vector<Instrument> &tools, const std::string &session,
-                  const ReportSources &sources);
+// The figures of a session, and as a file.
+nlohmann::ordered_json report_of(const RunResult &result, const std::string &scene,
+                                 const std::vector<Instrument> &tools, const std::string &session,
+                                 const ReportSources &sources);
+void write_report(const std::string &path, const nlohmann::ordered_json &report);
 
 } // namespace seld

@@ -340,7 +340,7 @@ void a_tool_takes_its_radii_from_its_knots(void **)
 void the_report_has_every_tool(void **)
 {
     const std::string path = folder + ".json";
-    seld::write_report(path, session().result, "", three_tools(), "test", {});
+    seld::write_report(path, seld::report_of(session().result, "", three_tools(), "test", {}));
     const nlohmann::json report = nlohmann::json::parse(seld::read_text_file(path));
     std::remove(path.c_str());
     assert_int_equal(report["tools"].size(), 3);
