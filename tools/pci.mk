@@ -11,18 +11,18 @@ endef
 $(eval $(call diseased,lad_pci,$(HEART_TEXT),lad_middle))
 $(eval $(call diseased,renal_pci,$(ANATOMY),renal_ostium))
 
-# angioplasty(session, wire, balloon, guide): film, last picture, figures, DICOM runs and recording of a session in the scene of its name.
+# angioplasty(session, scene, wire balloon guide, stent): film, last picture, figures, score, DICOM runs and recording of a session.
 PCI_TOOLS = $(foreach tool,$(1),--tool shared/examples/instruments/$(tool).toml)
 define angioplasty
-out/$(1).mp4 out/$(1).png out/$(1).json out/$(1).rec &: out/$(2).scene shared/examples/sessions/$(1).session $(foreach tool,$(3),shared/examples/instruments/$(tool).toml) $(BUILD)/bin/seldinger
+out/$(1).mp4 out/$(1).png out/$(1).json out/$(1).html out/$(1).rec &: out/$(2).scene shared/examples/sessions/$(1).session $(foreach tool,$(3),shared/examples/instruments/$(tool).toml) shared/examples/stents/$(4).toml $(BUILD)/bin/seldinger
 	@echo "Running shared/examples/sessions/$(1).session"
 	@rm -rf out/$(1)_dicom
 	@$(BUILD)/bin/seldinger run --scene out/$(2).scene $(call PCI_TOOLS,$(3)) --session shared/examples/sessions/$(1).session \
-	    --record out/$(1).rec --json out/$(1).json --png out/$(1).png --mp4 out/$(1).mp4 --dicom out/$(1)_dicom
+	    --stent shared/examples/stents/$(4).toml --record out/$(1).rec --json out/$(1).json --score out/$(1).html --png out/$(1).png --mp4 out/$(1).mp4 --dicom out/$(1)_dicom
 endef
-$(eval $(call angioplasty,pci_lad,lad_pci,coronary_014 balloon_3x20 guide_jl3_6f))
-$(eval $(call angioplasty,pci_renal,renal_pci,terumo_stiff_angled balloon_6x20 guide_jr4_6f))
-PCI_OUT := $(foreach name,pci_lad pci_renal,out/$(name).mp4 out/$(name).png out/$(name).json out/$(name).rec)
+$(eval $(call angioplasty,pci_lad,lad_pci,coronary_014 balloon_3x20 guide_jl3_6f,coronary_3_0x18))
+$(eval $(call angioplasty,pci_renal,renal_pci,terumo_stiff_angled balloon_6x20 guide_jr4_6f,renal_6_0x18))
+PCI_OUT := $(foreach name,pci_lad pci_renal,out/$(name).mp4 out/$(name).png out/$(name).json out/$(name).html out/$(name).rec)
 
 demo-pci: packages-build packages-run ## two angioplasties, LAD and left renal artery: out/pci_lad.mp4, out/pci_renal.mp4, DICOM and figures beside them (minutes)
 	@$(QUIET_MAKE) $(PROGRAMS)
