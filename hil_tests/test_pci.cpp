@@ -18,6 +18,7 @@
 #include "host/app/run.hpp"
 #include "host/model/bodies.hpp"
 #include "host/model/instrument.hpp"
+#include <nlohmann/json.hpp>
 
 // Last, because its macros (fail, ...) would change other headers.
 extern "C" {
@@ -195,6 +196,72 @@ void the_middle_of_the_anterior_descending_artery_is_opened(void **)
     treat("lad.scene", "pci_lad_short.session", {"coronary_014", "balloon_3x20"});
 }
 
+// A copy of a file in which the first word of a line `key = ...` is answered by `answer`; other lines stay.
+template <typename Answer> void copy_changed(const std::string &from, const std::string &to, Answer answer)
+{
+    std::ifstream in(from);
+    std::ofstream out(folder / to);
+    for (std::string line; std::getline(in, line);) out << answer(line) << "\n";
+}
+
+// What the score says of the short session with a stent: metrics by name.
+nlohmann::json score_of_session(const std::string &session, const std::string &balloon,
+                                const std::string &stent)
+{
+    call("seldinger", "run --quiet --scene " + in_folder("lad.scene") +
+                          " --tool shared/examples/instruments/coronary_014.toml --tool '" + balloon +
+                          "' --session '" + session + "' --stent '" + stent + "' --json " +
+                          in_folder("score.json") + " --score " + in_folder("score.html"));
+    const nlohmann::json report = nlohmann::json::parse(std::ifstream(folder / "score.json"));
+    nlohmann::json metrics;
+    for (const nlohmann::json &metric : report["score"]["metrics"]) {
+        metrics[metric["name"].get<std::string>()] = metric["value"];
+        std::printf("# %s: %s\n", metric["name"].get<std::string>().c_str(), metric["value"].dump().c_str());
+    }
+    metrics["percent"] = report["score"]["percent"];
+    return metrics;
+}
+
+const std::string stent_session = "shared/examples/sessions/pci_lad_stent_short.session",
+                  balloon_file = "shared/examples/instruments/balloon_3x20.toml",
+                  stent_file = "shared/examples/stents/coronary_3_0x18.toml";
+
+// Bar: from 75 % to at most 10 % by diameter, and 95 % of the struts on the wall.
+void a_stent_of_the_right_size_in_the_right_place_leaves_no_stenosis(void **)
+{
+    const nlohmann::json score = score_of_session(stent_session, balloon_file, stent_file);
+    check("residual stenosis, %", score["residual_stenosis_pct"], -10, 10);
+    check("struts on the wall, %", score["apposition_pct"], 95, 100);
+    check("lesion without stent, mm", score["geographic_miss_mm"], 0, 1);
+    check("score", score["percent"], 90, 100);
+}
+
+// The balloon is not filled as it should be: 4 bar, 2.84 mm, in an artery of 3.02.
+void a_stent_opened_too_little_stands_off_the_wall(void **)
+{
+    copy_changed(stent_session, "small.session", [](const std::string &line) {
+        return line.rfind("inflate to 16", 0) == 0 ? "inflate to 4 bar at 10 bar/s" : line;
+    });
+    const nlohmann::json score =
+        score_of_session((folder / "small.session").string(), balloon_file, stent_file);
+    check("struts on the wall, %", score["apposition_pct"], 0, 94);
+    check("score", score["percent"], 0, 95);
+}
+
+// 7 mm too far on: the lesion's begin stays without stent.
+void a_stent_beyond_the_lesion_misses_it(void **)
+{
+    int pushes = 0;
+    copy_changed(stent_session, "far.session", [&](const std::string &line) {
+        const bool is_push = line.rfind("advance catheter", 0) == 0;
+        return is_push && ++pushes == 2 ? "advance catheter until inserted 31 mm at 30 mm/s" : line;
+    });
+    const nlohmann::json score =
+        score_of_session((folder / "far.session").string(), balloon_file, stent_file);
+    check("lesion without stent, mm", score["geographic_miss_mm"], 2, 12);
+    check("score", score["percent"], 0, 90);
+}
+
 } // namespace
 
 int main()
@@ -202,6 +269,9 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(the_ostium_of_a_renal_artery_is_opened),
         cmocka_unit_test(the_middle_of_the_anterior_descending_artery_is_opened),
+        cmocka_unit_test(a_stent_of_the_right_size_in_the_right_place_leaves_no_stenosis),
+        cmocka_unit_test(a_stent_opened_too_little_stands_off_the_wall),
+        cmocka_unit_test(a_stent_beyond_the_lesion_misses_it),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
