@@ -9,16 +9,17 @@
 #include "firmware/core/rod.h"
 
 enum {
-    STRAIN_MAX_Q30 = 1 << 27,      /* series used up to 12.5 % strain, clamped beyond */
-    W_MAX_Q30 = 1503238553,        /* 1.4: |w|^2 and the square of a difference of two fit 64 bits */
-    TENSION_MAX_N_Q22 = 128 << 22, /* edge force, clamped: twenty times what a hand can do */
+    STRAIN_MAX_Q30 = 1 << 27,     /* series used up to 12.5 % strain, clamped beyond */
+    W_MAX_Q30 = 1503238553,       /* 1.4: |w|^2 and the square of a difference of two fit 64 bits */
+    TENSION_MAX_N_Q22 = 88 << 22, /* edge force, clamped: fourteen times what a hand can do */
     TENSION_STIFF_MAX_N_Q22 = 32 << 22,
-    PART_MAX_N_Q22 =
-        60 << 22, /* one joint's force on one node; reached by an EI of 1.85e-3 in 4 mm at R = 8 mm */
+    /* One joint's force on one node: a 6F guide's curve of R = 7 mm in elements of 1 mm needs 52 N to be straight, and over 60 N where
+     * the mouth of the sheath bends it the other way. */
+    PART_MAX_N_Q22 = 80 << 22,
 };
 
-/* Adds one force component. Overflow: impossible. A node sums two edges (128 N each), three joints (PART_MAX each,
- * twice for the middle one) and its own weight, drag and contact: 2 x 128 + 4 x 60 < 512 N; weight and drag are below 1 N, contact saturates. */
+/* Adds one force component. Overflow: impossible. A node sums two edges (88 N each), three joints (PART_MAX each,
+ * twice for the middle one) and its own weight, drag and contact: 2 x 88 + 4 x 80 < 512 N; weight and drag are below 1 N, contact saturates. */
 static void add(seld_vec3 *sum, int k, int32_t value)
 {
     sum->v[k] += value;
@@ -144,7 +145,7 @@ static seld_vec3 twist_force(int32_t torque_N_m_q30, const seld_vec3 *before, co
     return across;
 }
 
-/* v / l as one component of a joint's force on a neighbour, limited to 60 N: ten times what a hand can bend in.
+/* v / l as one component of a joint's force on a neighbour, limited to 80 N: ten times what a hand can bend in.
  * Format: Q30 N m x Q18 -> Q22 N, rounded. */
 static inline int32_t part(int32_t moment_N_m_q30, int32_t inverse_per_m_q18, uint32_t *fault_bits)
 {
@@ -152,7 +153,7 @@ static inline int32_t part(int32_t moment_N_m_q30, int32_t inverse_per_m_q18, ui
     return seld_limit64(force, 26, PART_MAX_N_Q22 / 64, SELD_FAULT_SATURATED, fault_bits);
 }
 
-/* W b. Format: Q26 N m x Q28 -> Q30 N m, floor. Overflow: saturates at 2 N m, which gives more than 60 N on any edge. */
+/* W b. Format: Q26 N m x Q28 -> Q30 N m, floor. Overflow: saturates at 2 N m, which gives more than 80 N on any edge. */
 static inline int32_t moment_of(int32_t bend_N_m_q26, int32_t turn_q28)
 {
     uint32_t unseen = 0; /* the force says it */

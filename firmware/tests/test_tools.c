@@ -59,6 +59,22 @@ static seld_instrument make_tool(const tool_plan *plan)
     return tool;
 }
 
+/* From the tip: 6 mm straight, 90 degrees of R = 7 mm, 23 mm of arm, 180 degrees of R = 10 mm the other way. */
+static void judkins(seld_instrument *tool)
+{
+    static const uint32_t arc_um[] = {0, 6000, 6000, 17000, 17000, 40000, 40000, 71400, 71400};
+    static const int32_t curve_per_m[] = {0, 0, -143, -143, 0, 0, 100, 100, 0};
+    const seld_knot soft = tool->knots[0], shaft = tool->knots[3];
+    for (int i = 0; i < 9; i++) {
+        tool->knots[i] = soft;
+        tool->knots[i].arc_um = arc_um[i];
+        tool->knots[i].rest_curvature1_per_m_milli = 1000 * curve_per_m[i];
+    }
+    tool->knots[9] = tool->knots[10] = shaft;
+    tool->knots[9].arc_um = 71400;
+    tool->knot_count = 11;
+}
+
 static rig *rig_make(const tool_plan *plans, uint32_t count, const seld_lumen *lumen,
                      const uint32_t *inserted_um)
 {
@@ -499,6 +515,34 @@ static void a_line_that_is_kept_is_the_line_built_afresh(void **context)
     free(afresh);
 }
 
+/* A 6F Judkins left guide with a 0.014 in wire and a balloon catheter in it comes out of the sheath into an artery of 3.6 mm radius: the artery
+ * keeps its primary curve (R = 7 mm, 0.052 N m when straight) from closing and its mouth bends it the other way: more than 60 N in elements of 1 mm. */
+static void a_tight_guide_comes_out_of_the_sheath_without_saturating(void **context)
+{
+    (void)context;
+    static const tool_plan plans[3] = {{1e-7, 1.12e-4, 0, 20, 178, 0, 0.1, 0.05},
+                                       {3.3e-7, 4.6e-5, 0, 25, 450, 210, 0.1, 0.05},
+                                       {3.63e-4, 7.67e-4, 0, 6, 1040, 900, 0.12, 0.05}};
+    const reference_piece pieces[] = {{0.2, 0, 0}};
+    const uint32_t inserted_um[3] = {5000, 5000, 5000};
+    reference_tube *tube = reference_tube_make(pieces, 1, 3.6e-3, 1);
+    rig *r = calloc(1, sizeof *r);
+    seld_instrument tools[3];
+    seld_entry entry = reference_entry();
+    seld_build_place place;
+    for (int k = 0; k < 3; k++) tools[k] = make_tool(&plans[k]);
+    judkins(&tools[GUIDE]);
+    assert_int_equal(seld_model_build(&r->model, tools, 3, &tube->lumen, &entry, &place), SELD_BUILD_OK);
+    seld_state_init(&r->model, &r->state, inserted_um);
+    for (int t = 0; t < 1200; t++) {
+        for (int k = 0; k < 3; k++) r->input.hands[k].feed_m_q30 += (int32_t)(0.06e-3 * Q30);
+        rig_step(r);
+        if (r->output.fault_bits & SELD_FAULT_SATURATED) fail_msg("saturated in tick %u", r->output.tick);
+    }
+    free(r);
+    reference_tube_free(tube);
+}
+
 static void tools_that_do_not_fit_are_refused_by_name(void **context)
 {
     (void)context;
@@ -540,6 +584,7 @@ int main(void)
         cmocka_unit_test(random_hands_keep_three_tools_in_the_vessel),
         cmocka_unit_test(three_tools_are_restored_bit_for_bit),
         cmocka_unit_test(a_line_that_is_kept_is_the_line_built_afresh),
+        cmocka_unit_test(a_tight_guide_comes_out_of_the_sheath_without_saturating),
         cmocka_unit_test(tools_that_do_not_fit_are_refused_by_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
