@@ -135,8 +135,8 @@ std::vector<Metric> metrics_of(const Json &report)
         {"kap_Gy_cm2", "Kerma-area product", "Gy cm²", number(report, {"room", "total", "kap_Gy_cm2"}), 20,
          100, 4, ""},
         {"time_min", "Time", "min", session_min, 15, 60, 3, ""},
-        {"contact_impulse_N_s", "Contact impulse", "N s", number(report, {"contact", "impulse_N_s"}), 200,
-         1000, 5, "force of the wall on the line, over the time"},
+        {"contact_impulse_N_s", "Contact impulse", "N s", number(report, {"contact", "impulse_N_s"}), 600,
+         3000, 5, "force of the wall on the line, over the time"},
     };
 }
 

@@ -81,7 +81,7 @@ void a_fault_is_seen_by_the_metric_that_should_notice(void **)
         {"fluoroscopy_min", [](Json &r) { r["room"]["fluoroscopy_min"] = 15.0; }},
         {"kap_Gy_cm2", [](Json &r) { r["room"]["total"]["kap_Gy_cm2"] = 90.0; }},
         {"time_min", [](Json &r) { r["ticks"] = 3000000; }},
-        {"contact_impulse_N_s", [](Json &r) { r["contact"]["impulse_N_s"] = 800.0; }},
+        {"contact_impulse_N_s", [](Json &r) { r["contact"]["impulse_N_s"] = 1800.0; }},
     };
     const Json good = seld::score_of(good_report());
     for (const auto &fault : faults) {
