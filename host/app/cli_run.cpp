@@ -85,6 +85,15 @@ void print_dose(const DoseMeter &dose)
     }
 }
 
+void print_medium(const SessionContrast &contrast)
+{
+    const IodineBudget &budget = contrast.flow().budget();
+    std::printf("contrast medium       %.1f ml, %.0f mg iodine: %.0f in the vessels, %.0f out, %.0f back "
+                "through the inlet\n",
+                contrast.injected_ml(), budget.injected_mg, contrast.flow().held_mg(), budget.out_mg,
+                budget.reflux_mg);
+}
+
 void check_files(const RunOptions &options, const PictureSettings &pictures)
 {
     std::vector<NamedPath> inputs = tool_inputs(options.instrument, options.tools);
@@ -259,12 +268,7 @@ int command_run(const RunOptions &options)
         carry_out(device, scene, options, session, recorder.get(), sink, stents && count_loads(session) == 0);
     print_result(result, tools);
     if (pictures) print_dose(pictures->room().dose());
-    if (pictures && pictures->contrast().was_used())
-        std::printf("contrast medium       %.1f ml, %.0f mg iodine: %.0f in the vessels, %.0f out, %.0f back "
-                    "through the inlet\n",
-                    pictures->contrast().injected_ml(), pictures->contrast().flow().budget().injected_mg,
-                    pictures->contrast().flow().held_mg(), pictures->contrast().flow().budget().out_mg,
-                    pictures->contrast().flow().budget().reflux_mg);
+    if (pictures && pictures->contrast().was_used()) print_medium(pictures->contrast());
     if (stents) print_stents(*stents);
     if (!options.json.empty() || !options.score.empty()) {
         nlohmann::ordered_json report = report_of(
