@@ -457,7 +457,7 @@ $(MEDIUM_FIGURE): out/coronary_right.png out/coronary.png
 	@mkdir -p $(@D) && ffmpeg -v error -y -i out/coronary_right.png -i out/coronary.png -filter_complex hstack $@
 
 # The LAD under its balloon (tools/pci.mk): three moments under fluoroscopy, and the polygons round the lesion.
-LESION_FIGURE := $(if $(wildcard tools/pci.mk),out/thesis/figure_5_10.png)
+LESION_FIGURE := out/thesis/figure_5_10.png
 out/thesis/figure_5_10.png: out/pci_lad.rec tools/vcsim3/figure_5_10.sh $(BUILD)/bin/seldinger
 	@mkdir -p $(@D) && tools/vcsim3/figure_5_10.sh $< $@ $(BUILD)
 

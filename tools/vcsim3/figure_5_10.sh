@@ -5,7 +5,7 @@
 set -eu
 recording=$1 figure=$2 bin=${3:-build}/bin
 base=${figure%.png}
-crop=${CROP:-480:480:170:130} # of pictures of 1024: where pci_lad.session has its lesion
+crop=${CROP:-480:480:190:170} # of pictures of 1024: where pci_lad.session has its lesion
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
