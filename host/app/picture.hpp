@@ -18,6 +18,8 @@ struct Image {
 // Writes beside the wanted name and renames at the end, so that no half file appears under it.
 // False with a message that names the file and the cause.
 bool write_png(const std::string &path, const Image &image, std::string &error);
+// The same in memory. Throws std::runtime_error with the cause.
+std::vector<std::uint8_t> encode_png(const Image &image);
 // Grey with 16 bits per pixel: values as they are, width*height, row 0 on top.
 bool write_png16(const std::string &path, int width, int height, const std::vector<std::uint16_t> &values,
                  std::string &error);

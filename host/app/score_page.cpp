@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <png.h>
-#include <stdexcept>
 
 namespace seld
 {
@@ -90,30 +88,12 @@ std::string base64(const std::vector<std::uint8_t> &bytes)
     return text;
 }
 
-std::vector<std::uint8_t> png_of(const Image &image)
-{
-    png_image png{};
-    png.version = PNG_IMAGE_VERSION;
-    png.width = static_cast<png_uint_32>(image.width);
-    png.height = static_cast<png_uint_32>(image.height);
-    png.format = image.channels == 1 ? PNG_FORMAT_GRAY : PNG_FORMAT_RGB;
-    png_alloc_size_t size = 0;
-    if (image.bytes.empty() ||
-        !png_image_write_to_memory(&png, nullptr, &size, 0, image.bytes.data(), 0, nullptr))
-        throw std::runtime_error("the page's picture cannot be encoded");
-    std::vector<std::uint8_t> bytes(size);
-    if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, image.bytes.data(), 0, nullptr))
-        throw std::runtime_error(std::string("the page's picture cannot be encoded: ") + png.message);
-    bytes.resize(size);
-    return bytes;
-}
-
 std::string pictures_of(const std::vector<ScorePicture> &pictures)
 {
     std::string html;
     for (const ScorePicture &picture : pictures)
         html += "<figure><img alt=\"" + escaped(picture.caption) + "\" src=\"data:image/png;base64," +
-                base64(png_of(picture.image)) + "\"><figcaption>" + escaped(picture.caption) +
+                base64(encode_png(picture.image)) + "\"><figcaption>" + escaped(picture.caption) +
                 "</figcaption></figure>\n";
     return html.empty() ? "" : "<h2>Pictures</h2>\n" + html;
 }

@@ -1,5 +1,6 @@
 #include "host/app/session_balloon.hpp"
 #include "host/model/timeline.hpp"
+#include "host/model/wire_place.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -17,19 +18,6 @@ constexpr double unfolded_m = 20e-6; // more than the folded balloon: it is fill
 constexpr double seen_behind_m =
     0.03; // of the mouth of the inserter: what is farther in is out of the patient
 constexpr std::size_t column_points_max = 1000;
-
-// Place of the line at an arc length from its leading tip; straight on beyond its ends.
-Vector3d place_at(const WireFrame &wire, double arc_m)
-{
-    const std::vector<WireNode> &nodes = wire.nodes;
-    const auto after = std::upper_bound(nodes.begin(), nodes.end(), arc_m,
-                                        [](double arc, const WireNode &node) { return arc < node.arc_m; });
-    const auto i = static_cast<std::size_t>(
-        std::clamp<std::ptrdiff_t>(after - nodes.begin(), 1, static_cast<std::ptrdiff_t>(nodes.size()) - 1));
-    const WireNode &a = nodes[i - 1], &b = nodes[i];
-    const double share = b.arc_m > a.arc_m ? (arc_m - a.arc_m) / (b.arc_m - a.arc_m) : 0.0;
-    return a.position_m + share * (b.position_m - a.position_m);
-}
 
 bool has_balls(const WireFrame &wire)
 {
@@ -70,7 +58,7 @@ BalloonPose balloon_pose(const WireFrame &wire, std::size_t tool)
     if (!has_balls(wire) || tool >= wire.tip_arc_m.size()) return pose;
     for (std::size_t j = 0; j < wire.balloon_radii_m.size(); ++j) {
         const double arc_m = wire.balloon_arc_m + static_cast<double>(j) * wire.balloon_spacing_m;
-        pose.points.push_back({(arc_m - wire.tip_arc_m[tool]) * 1e3, place_at(wire, arc_m) * 1e3,
+        pose.points.push_back({(arc_m - wire.tip_arc_m[tool]) * 1e3, line_place_m(wire, arc_m) * 1e3,
                                wire.balloon_radii_m[j] * 1e3});
     }
     return pose;
@@ -94,8 +82,8 @@ std::vector<SweptCurve> balloon_filling(const WireFrame &wire, const std::vector
         if (radius_m <= folded_m) continue;
         is_up = is_up || radius_m > folded_m + unfolded_m;
         const double share = 1.0 - folded_m * folded_m / (radius_m * radius_m);
-        column.points.push_back(
-            {place_at(wire, wire.balloon_arc_m + s_m), radius_m, share * contrast_share(iodine_mg_per_ml)});
+        column.points.push_back({line_place_m(wire, wire.balloon_arc_m + s_m), radius_m,
+                                 share * contrast_share(iodine_mg_per_ml)});
     }
     if (!is_up || column.points.size() < 2) return {};
     return {column};

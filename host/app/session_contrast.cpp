@@ -1,4 +1,5 @@
 #include "host/app/session_contrast.hpp"
+#include "host/model/wire_place.hpp"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -46,16 +47,12 @@ bool has_lumen(const Instrument &tool)
     return tool.table.knots_count > 0 && tool.table.knots[0].radius_inner_um > 0;
 }
 
-// Place of the line at an arc length from its leading tip.
+// Place of the line at an arc length from its leading tip; beyond its ends, the end.
 Vector3d place_at(const WireFrame &wire, double arc_m)
 {
-    const auto after = std::upper_bound(wire.nodes.begin(), wire.nodes.end(), arc_m,
-                                        [](double arc, const WireNode &node) { return arc < node.arc_m; });
-    if (after == wire.nodes.begin()) return after->position_m;
-    if (after == wire.nodes.end()) return wire.nodes.back().position_m;
-    const WireNode &before = after[-1];
-    const double share = (arc_m - before.arc_m) / (after->arc_m - before.arc_m);
-    return before.position_m + share * (after->position_m - before.position_m);
+    if (arc_m < wire.nodes.front().arc_m) return wire.nodes.front().position_m;
+    if (arc_m >= wire.nodes.back().arc_m) return wire.nodes.back().position_m;
+    return line_place_m(wire, arc_m);
 }
 
 std::vector<ToolBall> balls_of(const WireFrame &wire)

@@ -1,6 +1,5 @@
 #include "host/model/lesion_opening.hpp"
-#include "host/model/text.hpp"
-#include "shared/scene/scene.h"
+#include "host/model/scene_reading.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -20,19 +19,7 @@ std::vector<LesionStations> lesion_stations(const seld_scene &scene)
 
 std::vector<LesionStations> read_lesion_stations(const std::string &scene_path, std::string &error)
 {
-    error.clear();
-    if (scene_path.empty()) return {};
-    try {
-        const std::vector<unsigned char> bytes = read_binary_file(scene_path);
-        seld_scene scene;
-        std::uint32_t where_byte = 0;
-        const seld_scene_status status = seld_scene_open(bytes.data(), bytes.size(), &scene, &where_byte);
-        if (status == SELD_SCENE_OK) return lesion_stations(scene);
-        error = scene_path + ": byte " + std::to_string(where_byte) + ": " + seld_scene_status_text(status);
-    } catch (const FileError &fault) {
-        error = fault.what();
-    }
-    return {};
+    return from_scene<std::vector<LesionStations>>(scene_path, error, lesion_stations);
 }
 
 LesionOpening::LesionOpening(const VesselTree &tree, std::span<const LesionStations> stations)

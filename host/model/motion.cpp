@@ -1,6 +1,5 @@
 #include "host/model/motion.hpp"
-#include "host/model/text.hpp"
-#include "shared/scene/scene.h"
+#include "host/model/scene_reading.hpp"
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -158,21 +157,10 @@ Eigen::Vector3d Motion::push(const Eigen::Vector3d &X_m, const MotionMoment &mom
 
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error)
 {
-    error.clear();
-    if (scene_path.empty()) return {};
-    try {
-        const std::vector<unsigned char> bytes = read_binary_file(scene_path);
-        seld_scene scene;
-        std::uint32_t where_byte = 0;
-        const seld_scene_status status = seld_scene_open(bytes.data(), bytes.size(), &scene, &where_byte);
-        if (status == SELD_SCENE_OK && scene.has_motion) return Motion(scene);
-        if (status != SELD_SCENE_OK)
-            error =
-                scene_path + ": byte " + std::to_string(where_byte) + ": " + seld_scene_status_text(status);
-    } catch (const FileError &fault) {
-        error = fault.what();
-    }
-    return {};
+    using Read = std::optional<Motion>;
+    return from_scene<Read>(scene_path, error, [](const seld_scene &scene) {
+        return scene.has_motion ? Read(Motion(scene)) : Read();
+    });
 }
 
 MovingPoints::MovingPoints(const Motion &motion, std::vector<Eigen::Vector3d> reference_m)
