@@ -30,7 +30,7 @@ CXXFLAGS := -std=c++20 $(DEBUG) $(WARN) $(CXXWARN) -I. -isystem /usr/include/eig
 LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
-LIBS       := hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/room host/dicom host/xray/gl host/xray host/stent host/effects host/link host/model tools/anatomy tools/centreline/fit tools/bake tools/centreline tools/mesh tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
+LIBS       := tools/case hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/room host/dicom host/xray/gl host/xray host/stent host/effects host/link host/model tools/anatomy tools/centreline/fit tools/bake tools/centreline tools/mesh tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
               firmware/port/mailbox firmware/app/usb firmware/core shared/scene shared/wire
 lib_file    = $(BUILD)/lib/lib$(subst /,_,$(1)).a
 lib_sources = $(filter-out %/main.cpp,$(wildcard $(1)/*.c $(1)/*.cpp))
@@ -45,6 +45,7 @@ LINE_LIBS     := tools/centreline/fit tools/bake tools/centreline tools/mesh hos
 LINE_HOST     := host/app/picture_canvas.cpp host/app/picture_font.cpp host/app/picture_png.cpp host/app/window_screen.cpp
 ANATOMY_LIBS  := tools/anatomy $(BAKE_LIBS)
 VALIDATE_LIBS := tools/validate host/model firmware/core
+CASE_LIBS     := tools/case host/model firmware/core shared/scene shared/wire
 VCSIM3_LIBS   := tools/vcsim3 host/app host/model firmware/core shared/scene shared/wire
 HIL_LIBS      := hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant hil_tests/usb $(HOST_LIBS) firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
 HIL_REFERENCE := firmware/tests/reference/tube_lumen.c
