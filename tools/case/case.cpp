@@ -180,7 +180,7 @@ Case read_case(const std::filesystem::path &folder_or_file)
                                            : folder_or_file;
     const toml::table table = parse(file);
     const Reading root{file.string(), "", table};
-    root.only({"format", "name", "instrument", "scene", "surface", "mouth_mm", "direction",
+    root.only({"format", "name", "instrument", "scene", "surface", "mouth_mm", "direction", "gravity_m_s2",
                "friction_kinetic", "friction_static", "speed_mm_per_s", "force", "depth"});
     if (root.number("format", 1, 1e6) != 1)
         root.refuse("format", "is not 1, the only one this program knows");
@@ -195,6 +195,8 @@ Case read_case(const std::filesystem::path &folder_or_file)
     c.direction = root.vector("direction");
     if (std::abs(c.direction.norm() - 1) > 1e-3) root.refuse("direction", "is not of length 1");
     c.direction.normalize();
+    if (table.contains("gravity_m_s2")) c.gravity_m_s2 = root.vector("gravity_m_s2");
+    if (c.gravity_m_s2.norm() > 20.0) root.refuse("gravity_m_s2", "is more than 20 m/s^2");
     c.friction_kinetic = root.number("friction_kinetic", 0, 1);
     c.friction_static = root.number("friction_static", c.friction_kinetic, 1);
     c.speed_mm_per_s = root.number("speed_mm_per_s", 1, 200);
@@ -213,6 +215,7 @@ void write_case(const Case &c)
         return "[" + number_text(v.x()) + ", " + number_text(v.y()) + ", " + number_text(v.z()) + "]\n";
     };
     text += "mouth_mm = " + vector(c.mouth_mm) + "direction = " + vector(c.direction);
+    if (c.gravity_m_s2 != Eigen::Vector3d::Zero()) text += "gravity_m_s2 = " + vector(c.gravity_m_s2);
     text += "friction_kinetic = " + number_text(c.friction_kinetic) +
             "\nfriction_static = " + number_text(c.friction_static) +
             "\nspeed_mm_per_s = " + number_text(c.speed_mm_per_s) + "\n";

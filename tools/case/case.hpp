@@ -49,6 +49,8 @@ struct Case {
     std::filesystem::path surface;    // the same as a closed mesh in mm; empty when there is none
     Eigen::Vector3d mouth_mm = Eigen::Vector3d::Zero();   // where the inserter ends
     Eigen::Vector3d direction = Eigen::Vector3d::UnitX(); // unit, into the vessel
+    Eigen::Vector3d gravity_m_s2 =
+        Eigen::Vector3d::Zero(); // (0, 0, -9.81) on the back; zero: weight counts for nothing
     double friction_kinetic = 0.0, friction_static = 0.0; // 0 .. 1
     double speed_mm_per_s = 0.0;                          // 1 .. 200
     std::vector<Depth> depths;                            // 1 .. 16

@@ -9,8 +9,8 @@ namespace
 
 const char *const head = R"(<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
-<title>The thesis' rod beside ours</title>
-<style>
+)";
+const char *const style = R"(<style>
 body { font: 16px/1.5 system-ui, sans-serif; color: #1e1e28; max-width: 1240px; margin: 2em auto; padding: 0 1em; }
 img { max-width: 100%; height: auto; border: 1px solid #dee0e6; }
 table { border-collapse: collapse; font-size: 14px; margin: 1em 0; display: block; overflow-x: auto; }
@@ -18,7 +18,6 @@ th, td { padding: 3px 10px; text-align: right; border-bottom: 1px solid #dee0e6;
 th:first-child, td:first-child { text-align: left; }
 .good { color: #146c2e; } .bad { color: #b3261e; }
 </style></head><body>
-<h1>The thesis' rod beside ours</h1>
 )";
 
 std::string paragraph(const std::string &text)
@@ -105,9 +104,14 @@ std::string presets_text(const Study &study)
 
 } // namespace
 
+std::string page_head(const std::string &title)
+{
+    return std::string(head) + "<title>" + title + "</title>\n" + style + "<h1>" + title + "</h1>\n";
+}
+
 std::string page_html(const Study &study, const std::string &vessel_name)
 {
-    std::string text = head + introduction(study, vessel_name);
+    std::string text = page_head("The thesis' rod beside ours") + introduction(study, vessel_name);
     text += figure("Figure 5.11: compression", "figure_5_11.png", compression_text(study));
     text += figure("Figure 5.12: shapes", "figure_5_12.png",
                    paragraph("Node positions: <a href=\"figure_5_12.tsv\">figure_5_12.tsv</a>."));

@@ -6,6 +6,9 @@
 namespace vcsim3
 {
 
+// The beginning of a page with this title, style and first heading included; "</body></html>" ends it.
+std::string page_head(const std::string &title);
+
 std::string page_html(const Study &study, const std::string &vessel_name);
 
 } // namespace vcsim3

@@ -52,6 +52,12 @@ VesselPicture::VesselPicture(const Vessel &vessel, double pixels_per_mm) : pixel
     }
 }
 
+Eigen::Vector2d VesselPicture::place_of(const Vector &position_m) const
+{
+    return {(position_m.x() * 1e3 - left_mm_) * pixels_per_mm_,
+            (top_mm_ - position_m.y() * 1e3) * pixels_per_mm_};
+}
+
 void VesselPicture::draw(Canvas &canvas, double left, double top, const std::vector<ShapeNode> &shape,
                          double free_radius_mm, double touching_radius_mm) const
 {
@@ -64,10 +70,9 @@ void VesselPicture::draw(Canvas &canvas, double left, double top, const std::vec
         return a.is_touching != b.is_touching ? b.is_touching : a.position_m.z() < b.position_m.z();
     });
     for (const ShapeNode &node : nodes) {
-        const double x = left + (node.position_m.x() * 1e3 - left_mm_) * pixels_per_mm_;
-        const double y = top + (top_mm_ - node.position_m.y() * 1e3) * pixels_per_mm_;
+        const Eigen::Vector2d place = place_of(node.position_m);
         const double radius_mm = node.is_touching ? touching_radius_mm : free_radius_mm;
-        draw_sphere(canvas, x, y, radius_mm * pixels_per_mm_,
+        draw_sphere(canvas, left + place.x(), top + place.y(), radius_mm * pixels_per_mm_,
                     node.is_touching ? touching_colour : free_colour);
     }
 }

@@ -15,6 +15,8 @@ class VesselPicture
 
     int width() const { return width_; }
     int height() const { return height_; }
+    // Where a point of the patient lies in the picture, from its top left corner.
+    Eigen::Vector2d place_of(const Vector &position_m) const;
 
     // The vessel with its top left corner there, and the rod's nodes as spheres: far ones first, touching ones on top.
     void draw(Canvas &canvas, double left, double top, const std::vector<ShapeNode> &shape,

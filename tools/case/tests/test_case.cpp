@@ -31,6 +31,7 @@ Case shipped(const std::filesystem::path &folder)
     c.force = "force.csv";
     c.mouth_mm = {-55, -152.25, 4.5};
     c.direction = {0.6, 0.8, 0};
+    c.gravity_m_s2 = {0, 0, -9.81};
     c.friction_kinetic = 0.1;
     c.friction_static = 0.12;
     c.speed_mm_per_s = 20;
@@ -47,6 +48,7 @@ void a_case_comes_back_as_it_was_written(void **)
     assert_string_equal(back.name.c_str(), c.name.c_str());
     assert_true(back.instrument == c.instrument && back.surface == c.surface && back.force == c.force);
     assert_true((back.mouth_mm - c.mouth_mm).norm() < 1e-6);
+    assert_true((back.gravity_m_s2 - c.gravity_m_s2).norm() < 1e-7);
     assert_int_equal(back.depths.size(), 2);
     assert_true(back.depths[0].scan == "d1.nrrd" && back.depths[1].scan.empty());
     assert_true(back.path_in(back.scene) == std::filesystem::path(folder.path) / "phantom.scene");

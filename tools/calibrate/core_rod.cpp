@@ -1,0 +1,158 @@
+#include "tools/calibrate/core_rod.hpp"
+#include <cmath>
+#include <cstddef>
+extern "C" {
+#include "firmware/core/core.h"
+}
+
+namespace seld::calibrate
+{
+namespace
+{
+
+constexpr double m_of_mm = 1e-3;
+
+double from_q(std::int32_t value, int bits)
+{
+    return std::ldexp(value, -bits);
+}
+
+std::int32_t to_q30(double value)
+{
+    return static_cast<std::int32_t>(std::lround(std::ldexp(value, 30)));
+}
+
+// As the device takes it from the wire (firmware/app/app_setup.c); a balloon is not part of a calibration.
+seld_instrument tool_of(const seld_wire_instrument &table)
+{
+    seld_instrument tool{};
+    tool.knot_count = table.knots_count;
+    tool.lumen_friction_milli = table.lumen_friction_milli;
+    tool.axial_stiffness_max_N = table.axial_stiffness_max_N;
+    tool.element_tip_um = table.element_tip_um;
+    tool.element_shaft_um = table.element_shaft_um;
+    tool.element_fine_um = table.element_fine_um;
+    for (unsigned i = 0; i < table.knots_count; i++) {
+        const seld_wire_knot &from = table.knots[i];
+        seld_knot &to = tool.knots[i];
+        to.arc_um = from.arc_um;
+        to.bend_stiffness_nN_m2 = from.bend_stiffness_nN_m2;
+        to.twist_stiffness_nN_m2 = from.twist_stiffness_nN_m2;
+        to.mass_mg_per_m = from.mass_mg_per_m;
+        to.radius_outer_um = from.radius_outer_um;
+        to.radius_inner_um = from.radius_inner_um;
+        to.friction_kinetic_milli = from.friction_kinetic_milli;
+        to.friction_static_milli = from.friction_static_milli;
+        to.rest_curvature1_per_m_milli = from.rest_curvature1_per_m_milli;
+        to.rest_curvature2_per_m_milli = from.rest_curvature2_per_m_milli;
+    }
+    return tool;
+}
+
+} // namespace
+
+// The core's blocks are owned by bytes, aligned for any of their members.
+struct CoreRod::Core {
+    std::vector<std::max_align_t> model_memory, state_memory;
+    seld_model *model = nullptr;
+    seld_state *state = nullptr;
+    seld_input input{};
+    seld_output output{};
+    double start_mm = 0.0, motion_um = 0.0;
+    std::vector<seld_vec3> before;
+
+    Core()
+        : model_memory(seld_model_size() / sizeof(std::max_align_t) + 1),
+          state_memory(seld_state_size() / sizeof(std::max_align_t) + 1),
+          model(reinterpret_cast<seld_model *>(model_memory.data())),
+          state(reinterpret_cast<seld_state *>(state_memory.data()))
+    {
+    }
+
+    // Largest motion since `before`, which then becomes now. Nodes keep their numbers: 0 is the tip.
+    void measure_motion()
+    {
+        const std::uint32_t count = seld_state_free_count(state);
+        std::int64_t most = 0;
+        for (std::uint32_t i = 0; i < count; i++) {
+            const seld_vec3 now = seld_state_position(state, i);
+            for (int k = 0; k < 3 && i < before.size(); k++)
+                most = std::max(most, std::abs(std::int64_t(now.v[k]) - before[i].v[k]));
+            if (i < before.size())
+                before[i] = now;
+            else
+                before.push_back(now);
+        }
+        motion_um = std::ldexp(double(most), -30) * 1e6;
+    }
+};
+
+CoreRod::CoreRod(const seld_wire_instrument &table, const seld_lumen *lumen, const Vector3d &mouth_mm,
+                 const Vector3d &direction, const Vector3d &gravity_m_s2, double inserted_mm)
+    : core_(std::make_unique<Core>())
+{
+    const seld_instrument tool = tool_of(table);
+    seld_entry entry{};
+    for (int k = 0; k < 3; k++) {
+        entry.position_m_q30.v[k] = to_q30(mouth_mm[k] * m_of_mm);
+        entry.direction_q30.v[k] = to_q30(direction[k]);
+    }
+    seld_build_place place{};
+    const seld_build_status status = seld_model_build(core_->model, &tool, 1, lumen, &entry, &place);
+    if (status != SELD_BUILD_OK)
+        throw TrialRefused("the core refuses the instrument: build status " +
+                           std::to_string(static_cast<int>(status)) + ", knot " + std::to_string(place.knot) +
+                           "; see seld_build_status in firmware/core/core.h");
+    const auto mm_s2 = [&](int k) { return static_cast<std::int32_t>(std::lround(gravity_m_s2[k] * 1e3)); };
+    seld_model_set_gravity(core_->model, mm_s2(0), mm_s2(1), mm_s2(2));
+    const std::uint32_t inserted_um[SELD_TOOL_MAX] = {
+        static_cast<std::uint32_t>(std::lround(inserted_mm * 1e3))};
+    seld_state_init(core_->model, core_->state, inserted_um);
+    core_->start_mm = from_q(seld_state_inserted(core_->state, 0), 30) * 1e3;
+}
+
+CoreRod::~CoreRod() = default;
+
+void CoreRod::tick(double hand_mm, double turn_deg)
+{
+    Core &c = *core_;
+    const double turns = turn_deg / 360.0;
+    c.input.hands[0].feed_m_q30 = to_q30((hand_mm - c.start_mm) * m_of_mm);
+    c.input.hands[0].turn32 =
+        static_cast<std::uint32_t>(static_cast<std::int64_t>(std::llround(std::ldexp(turns, 32))));
+    seld_step(c.model, c.state, &c.input, &c.output);
+    c.measure_motion();
+}
+
+double CoreRod::inserted_mm() const
+{
+    return from_q(seld_state_inserted(core_->state, 0), 30) * 1e3;
+}
+
+double CoreRod::handle_axial_mN() const
+{
+    return from_q(core_->output.tools[0].axial_N_q22, 22) * 1e3;
+}
+
+double CoreRod::motion_um() const
+{
+    return core_->motion_um;
+}
+
+bool CoreRod::is_sound() const
+{
+    return (core_->output.fault_bits & (SELD_FAULT_SATURATED | SELD_FAULT_OUTSIDE)) == 0;
+}
+
+std::vector<Vector3d> CoreRod::nodes_mm() const
+{
+    const std::uint32_t free = seld_state_free_count(core_->state);
+    std::vector<Vector3d> nodes;
+    for (std::uint32_t i = 0; i < free; i++) {
+        const seld_vec3 p = seld_state_position(core_->state, i);
+        nodes.emplace_back(from_q(p.v[0], 30) * 1e3, from_q(p.v[1], 30) * 1e3, from_q(p.v[2], 30) * 1e3);
+    }
+    return nodes;
+}
+
+} // namespace seld::calibrate

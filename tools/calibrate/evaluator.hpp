@@ -1,0 +1,55 @@
+// What is fitted, and what one trial of it gives. A trial is an insertion of the virtual instrument by the case's protocol; who
+// inserts it is behind `Evaluator`, so that another rod than ours (the thesis' CoRdE) is fitted by the same search.
+// May include: tools/case. Called by: everything in this folder.
+#pragma once
+#include "tools/case/case.hpp"
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace seld::calibrate
+{
+
+using Eigen::Vector3d;
+
+// One number to fit. The search sees it as a share 0 .. 1 of the way from `low` to `high`, along the logarithm where a factor
+// is what counts.
+struct Parameter {
+    std::string name, unit, text; // "bend_shaft", "N m^2", what it is
+    double low = 0.0, high = 1.0, nominal = 0.5;
+    bool is_logarithmic = true;
+
+    double value_at(double share) const;
+    double share_of(double value) const; // limited to 0 .. 1
+};
+
+// The instrument where it rests, and what the hand has felt on the way.
+struct Insertion {
+    std::vector<std::vector<Vector3d>> nodes_mm; // one list per depth: those beyond the mouth, tip first
+    std::vector<insertion::ForceSample> force;   // rising; every tick or every few
+    std::vector<int> settle_ticks;               // per depth
+    bool is_settled = true;                      // false: still moving when its time was over
+    long ticks = 0;                              // of the whole insertion
+};
+
+// Why an instrument cannot be tried with these numbers: the core refuses it, or it went to pieces.
+class TrialRefused : public std::runtime_error
+{
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+// Safe to call from several threads at once; the same values give the same bits.
+class Evaluator
+{
+  public:
+    virtual ~Evaluator() = default;
+    virtual const std::vector<Parameter> &parameters() const = 0;
+    // To the first `depth_count` depths of the case. Throws TrialRefused.
+    virtual Insertion insert(const std::vector<double> &values, std::size_t depth_count) const = 0;
+    // All that changes its answers, as text: it is part of the checkpoint's hash.
+    virtual std::string settings_text() const = 0;
+};
+
+} // namespace seld::calibrate
