@@ -248,6 +248,26 @@ void a_stent_opened_too_little_stands_off_the_wall(void **)
     check("score", score["percent"], 0, 95);
 }
 
+// Balloon and stent of 2.5 mm: at 16 bar 2.68 mm, in an artery of 3.02. The lesion opens no farther than that.
+void a_stent_of_a_size_too_small_stands_off_the_wall(void **)
+{
+    const auto smaller = [](const std::string &line) {
+        const std::size_t at = line.find("diameter_mm = ");
+        if (at == std::string::npos || line.find("crimped") != std::string::npos) return line;
+        const std::size_t number = line.find_first_of("0123456789", at),
+                          end = line.find_first_not_of("0123456789.", number);
+        return line.substr(0, number) + std::to_string(std::stod(line.substr(number)) * 2.5 / 3) +
+               line.substr(end);
+    };
+    copy_changed(balloon_file, "balloon_2_5.toml", smaller);
+    copy_changed(stent_file, "stent_2_5.toml", smaller);
+    const nlohmann::json score = score_of_session(stent_session, (folder / "balloon_2_5.toml").string(),
+                                                  (folder / "stent_2_5.toml").string());
+    check("residual stenosis, %", score["residual_stenosis_pct"], 15, 40);
+    check("struts on the wall, %", score["apposition_pct"], 0, 92); // in the throat it lies on the plaque
+    check("score", score["percent"], 0, 90);
+}
+
 // 7 mm too far on: the lesion's begin stays without stent.
 void a_stent_beyond_the_lesion_misses_it(void **)
 {
@@ -271,6 +291,7 @@ int main()
         cmocka_unit_test(the_middle_of_the_anterior_descending_artery_is_opened),
         cmocka_unit_test(a_stent_of_the_right_size_in_the_right_place_leaves_no_stenosis),
         cmocka_unit_test(a_stent_opened_too_little_stands_off_the_wall),
+        cmocka_unit_test(a_stent_of_a_size_too_small_stands_off_the_wall),
         cmocka_unit_test(a_stent_beyond_the_lesion_misses_it),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
