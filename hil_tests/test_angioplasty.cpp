@@ -105,7 +105,8 @@ struct Case {
     RunResult result{};
     std::vector<StentResult> placed{};
     std::vector<std::string> refusals{};
-    std::vector<double> open{}; // the lesion's stations at the end
+    std::vector<double> open{};    // the lesion's stations at the end
+    std::vector<WireNode> nodes{}; // and the line
 
     void run()
     {
@@ -143,6 +144,7 @@ struct Case {
         }
         device.link().read_nodes();
         open = session_frame(device, {}, {}).wire.lesions_open;
+        nodes = session_frame(device, {}, {}).wire.nodes;
     }
 
     // Of the middle third: towards its ends a lesion narrows nothing, and nothing opens it.
@@ -151,14 +153,20 @@ struct Case {
         const auto third = static_cast<std::ptrdiff_t>(open.size() / 3);
         return *std::min_element(open.begin() + third, open.end() - third);
     }
-    ReplayResult replay(const Recording &recording) const
+    // `nodes`: the line at its end; the hashes are not looked at then.
+    ReplayResult replay(const Recording &recording, std::vector<WireNode> *at_end = nullptr) const
     {
         const SceneFile scene = read_scene((folder / "artery.scene").string());
         const RecordingHeader &header = recording.header;
         Device device(scene, header.tools, header.entry, header.rig);
         ReplaySettings settings;
-        settings.verifies = true;
-        return replay_recording(device, recording, nullptr, settings);
+        settings.verifies = at_end == nullptr;
+        const ReplayResult replayed = replay_recording(device, recording, nullptr, settings);
+        if (at_end) {
+            device.link().read_nodes();
+            *at_end = session_frame(device, {}, {}).wire.nodes;
+        }
+        return replayed;
     }
     Recording recorded() const { return read_recording((folder / record).string()); }
 };
@@ -200,6 +208,13 @@ std::size_t orders_of(const Recording &recording)
 {
     std::size_t count = 0;
     for (const RecordedTick &tick : recording.ticks) count += tick.input.scaffold_lesion != 0;
+    return count;
+}
+
+std::size_t rings_of(const Recording &recording)
+{
+    std::size_t count = 0;
+    for (const RecordedTick &tick : recording.ticks) count += tick.input.strut_number != 0;
     return count;
 }
 
@@ -276,6 +291,7 @@ void let_go_where_the_vessel_is_wide_it_is_lost(void **)
     assert_true(lost.placed[0].stage == StentStage::adrift && lost.placed[0].branch.empty());
     assert_true(lost.placed[0].figures.apposed_share == 0.0);
     assert_int_equal(orders_of(lost.recorded()), 0);
+    assert_int_equal(rings_of(lost.recorded()), 0);
     assert_replays(lost);
 }
 
@@ -312,6 +328,57 @@ void pulled_without_deflation_the_balloon_holds_its_stent(void **)
     const double from_mm = stent.lesions[0].coverage.from_mm; // 61.1 where it was mounted
     assert_true(from_mm > 51.1 && from_mm < 61.0 && stent.lesions[0].coverage.misses() == (from_mm < 58.2));
     assert_replays(pulled);
+}
+
+// Off the vessel's middle line, which is the y axis.
+double off_axis_mm(const WireNode &node)
+{
+    return std::hypot(node.position_m.x(), node.position_m.z()) * 1e3;
+}
+
+Recording without_struts(Recording recording)
+{
+    for (RecordedTick &tick : recording.ticks) {
+        seld_wire_encoders &input = tick.input;
+        input.strut_number = input.strut_joined = 0;
+        input.strut_x_um = input.strut_y_um = input.strut_z_um = 0;
+        input.strut_inside_um = input.strut_thickness_um = 0;
+    }
+    return recording;
+}
+
+// The stent's middle at 42 mm: half of it is in the artery, its other half stands free from 33 to 40 mm, where the vessel widens. The wire is
+// drawn back out of it and brought forwards again, along the wall: it comes beside the struts, and stays outside. Without them, all else alike, it
+// runs on into the artery.
+void a_wire_beside_a_stent_meets_its_struts(void **)
+{
+    Case beside{
+        begin_at(42.0) + up_and_down +
+        "withdraw catheter until inserted 3 mm at 200 mm/s\nwithdraw wire until inserted 18 mm at 200 mm/s\n"
+        "rotate wire 90 deg\nadvance wire until inserted 40 mm at 40 mm/s\nwait 0.3 s\n"};
+    beside.record = "beside.rec";
+    beside.run();
+    assert_true(beside.placed.at(0).stage == StentStage::deployed);
+    assert_true(beside.placed[0].figures.apposed_share < 0.8);
+    const Recording recording = beside.recorded();
+    assert_int_equal(rings_of(recording), 12); // once
+    constexpr double outside_mm = 1.48 + 0.081, wire_mm = 0.178;
+    std::size_t held = 0;
+    for (const WireNode &node : beside.nodes) {
+        if (node.position_m.y() < 33.3e-3) continue;
+        ++held;
+        assert_true(off_axis_mm(node) > outside_mm + wire_mm - 0.05);
+    }
+    const WireNode &tip = beside.nodes.front();
+    std::vector<WireNode> through;
+    beside.replay(without_struts(recording), &through);
+    std::printf("# %zu nodes beside the struts, tip at %.1f mm, %.2f mm off the axis; without struts at %.1f "
+                "mm, %.2f mm off it\n",
+                held, tip.position_m.y() * 1e3, off_axis_mm(tip), through.front().position_m.y() * 1e3,
+                off_axis_mm(through.front()));
+    assert_true(held > 0);
+    assert_true(through.front().position_m.y() > tip.position_m.y() + 3e-3);
+    assert_replays(beside);
 }
 
 // 30 bar on a balloon that bursts at 22: no pressure from then on; the stent has been opened before, and is let go.
@@ -410,6 +477,7 @@ void in_free_run_the_core_is_told_by_requests_and_the_ticks_replay(void **)
     assert_true(led.result.figures.balloon.pressure_max_kPa == 1000);
     assert_true(stents->stents()[0].stage() == StentStage::deployed);
     assert_true(orders_of(led.recorded()) > 0);
+    assert_int_equal(rings_of(led.recorded()), 12);
     assert_replays(led);
 }
 
@@ -424,6 +492,7 @@ int main()
         cmocka_unit_test(let_go_where_the_vessel_is_wide_it_is_lost),
         cmocka_unit_test(inflated_in_the_guide_it_stays_on_its_balloon),
         cmocka_unit_test(pulled_without_deflation_the_balloon_holds_its_stent),
+        cmocka_unit_test(a_wire_beside_a_stent_meets_its_struts),
         cmocka_unit_test(burst_balloon_leaves_its_stent_open),
         cmocka_unit_test(in_free_run_the_core_is_told_by_requests_and_the_ticks_replay),
         cmocka_unit_test(a_recording_cut_in_mid_inflation_replays_to_the_cut),

@@ -141,6 +141,9 @@ static void dispatch(seld_app *app, uint16_t type, const uint8_t *payload, size_
     case SELD_WIRE_TYPE_scaffold:
         seld_app_scaffold(app, payload, length);
         break;
+    case SELD_WIRE_TYPE_strut:
+        seld_app_strut(app, payload, length);
+        break;
     case SELD_WIRE_TYPE_rhythm:
         seld_app_rhythm(app, payload, length);
         break;

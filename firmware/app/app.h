@@ -143,6 +143,7 @@ typedef struct seld_app_queue {
 typedef struct seld_app_wish {
     seld_rhythm_order rhythm;
     seld_scaffold scaffold;
+    seld_strut_order strut;
 } seld_app_wish;
 
 typedef struct seld_app {

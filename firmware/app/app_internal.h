@@ -81,6 +81,7 @@ void seld_app_step(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_input(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_rhythm(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_scaffold(seld_app *app, const uint8_t *payload, size_t length);
+void seld_app_strut(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_log_core_faults(seld_app *app, uint32_t bits);
 
 /* app_stream.c: what goes out by itself, with back-pressure */

@@ -86,6 +86,7 @@ static bool tick(seld_app *app, const seld_app_encoders *encoders, const seld_ap
     hands.inflator_Pa = kPa_of(app->inflator_raw) * 1000;
     hands.rhythm = order->rhythm;
     hands.scaffold = order->scaffold;
+    hands.strut = order->strut;
     input = hands;
     seld_app_coupling_before(app, &input);
     seld_step(&app->model, &app->core, &input, output);
@@ -131,6 +132,15 @@ static bool scaffold_from_wire(const seld_app *app, const seld_wire_scaffold *wi
            wire->open_q15 >= 1 && wire->open_q15 <= 1 << 15;
 }
 
+static seld_strut_order strut_from_wire(const seld_wire_strut *wire)
+{
+    return (seld_strut_order){wire->number,
+                              {wire->x_um, wire->y_um, wire->z_um},
+                              wire->inside_um,
+                              wire->thickness_um,
+                              wire->joined};
+}
+
 /* What an input asks for; refuses with a code and the values at fault. */
 static uint16_t order_from_wire(const seld_app *app, const seld_wire_encoders *wire, seld_app_wish *order,
                                 uint16_t values[2])
@@ -143,8 +153,14 @@ static uint16_t order_from_wire(const seld_app *app, const seld_wire_encoders *w
     if (!seld_rhythm_order_is_valid(&order->rhythm)) return SELD_REJECT_RHYTHM_RANGE;
     values[0] = wire->scaffold_lesion;
     values[1] = wire->scaffold_last;
-    return scaffold_from_wire(app, &scaffold, &order->scaffold) ? SELD_REJECT_NONE
-                                                                : SELD_REJECT_SCAFFOLD_RANGE;
+    if (!scaffold_from_wire(app, &scaffold, &order->scaffold)) return SELD_REJECT_SCAFFOLD_RANGE;
+    const seld_wire_strut strut = {wire->strut_number,      wire->strut_joined, wire->strut_x_um,
+                                   wire->strut_y_um,        wire->strut_z_um,   wire->strut_inside_um,
+                                   wire->strut_thickness_um};
+    order->strut = strut_from_wire(&strut);
+    values[0] = wire->strut_number;
+    values[1] = wire->strut_inside_um;
+    return seld_strut_order_is_valid(&order->strut) ? SELD_REJECT_NONE : SELD_REJECT_STRUT_RANGE;
 }
 
 /* --- LOCKSTEP --- */
@@ -199,6 +215,8 @@ void seld_app_input(seld_app *app, const uint8_t *payload, size_t length)
                    SELD_REJECT_RHYTHM_RANGE, input.encoders.rhythm_action, input.encoders.rhythm_value);
     SELD_REJECT_IF(app, SELD_WIRE_TYPE_input, input.encoders.scaffold_lesion != 0, SELD_REJECT_SCAFFOLD_RANGE,
                    input.encoders.scaffold_lesion, input.encoders.scaffold_last);
+    SELD_REJECT_IF(app, SELD_WIRE_TYPE_input, input.encoders.strut_number != 0, SELD_REJECT_STRUT_RANGE,
+                   input.encoders.strut_number, input.encoders.strut_inside_um);
     app->mailbox = encoders_from_wire(&input.encoders);
     app->has_mailbox = true;
 }
@@ -235,6 +253,23 @@ void seld_app_scaffold(seld_app *app, const uint8_t *payload, size_t length)
                    SELD_REJECT_SCAFFOLD_RANGE, wire.lesion, wire.last);
     SELD_REJECT_IF(app, type, app->order_count == SELD_APP_RHYTHM_QUEUE, SELD_REJECT_RHYTHM_FULL, wire.lesion,
                    wire.last);
+    app->orders[app->order_count++] = order;
+    seld_app_send_status(app, type);
+}
+
+void seld_app_strut(seld_app *app, const uint8_t *payload, size_t length)
+{
+    const uint16_t type = SELD_WIRE_TYPE_strut;
+    seld_wire_strut wire;
+    SELD_REJECT_IF(app, type, !seld_wire_decode_strut(payload, length, &wire), SELD_REJECT_MALFORMED, length,
+                   SELD_WIRE_BYTES_strut);
+    SELD_REJECT_IF(app, type, app->mode != SELD_WIRE_MODE_FREE_RUN, SELD_REJECT_WRONG_MODE, app->mode, 0);
+    SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_RUNNING, SELD_REJECT_WRONG_STATE, app->state, 0);
+    const seld_app_wish order = {.strut = strut_from_wire(&wire)};
+    SELD_REJECT_IF(app, type, wire.number == 0 || !seld_strut_order_is_valid(&order.strut),
+                   SELD_REJECT_STRUT_RANGE, wire.number, wire.inside_um);
+    SELD_REJECT_IF(app, type, app->order_count == SELD_APP_RHYTHM_QUEUE, SELD_REJECT_RHYTHM_FULL, wire.number,
+                   wire.inside_um);
     app->orders[app->order_count++] = order;
     seld_app_send_status(app, type);
 }
@@ -285,6 +320,15 @@ static void note_live(seld_app *app, const seld_app_encoders *encoders, const se
         live->input.scaffold_first = (uint8_t)order->scaffold.first;
         live->input.scaffold_last = (uint8_t)order->scaffold.last;
         live->input.scaffold_open_q15 = (uint16_t)(order->scaffold.open_q30 >> 15);
+    }
+    if (order->strut.number != 0) {
+        live->input.strut_number = (uint8_t)order->strut.number;
+        live->input.strut_joined = (uint8_t)order->strut.is_joined;
+        live->input.strut_x_um = order->strut.centre_um[0];
+        live->input.strut_y_um = order->strut.centre_um[1];
+        live->input.strut_z_um = order->strut.centre_um[2];
+        live->input.strut_inside_um = (uint16_t)order->strut.inside_um;
+        live->input.strut_thickness_um = (uint16_t)order->strut.thickness_um;
     }
     live->input.inflator_raw = app->inflator_raw;
     live->input.hands_count = (uint16_t)app->tool_count;

@@ -23,12 +23,13 @@
 #endif
 
 enum {
-    SELD_CORE_VERSION = 9,       /* changes whenever the same inputs may give another hash */
+    SELD_CORE_VERSION = 10,      /* changes whenever the same inputs may give another hash */
     SELD_TOOL_MAX = 3,           /* coaxial tools of one line */
     SELD_KNOT_MAX = 32,          /* knots of one instrument */
     SELD_BALLOON_POINT_MAX = 12, /* of a balloon's table */
     SELD_BALLOON_BALL_MAX = 24,
     SELD_PRESSURE_MAX_Pa = 4000000,
+    SELD_STRUT_RING_MAX = 64, /* of all stents */
     SELD_TICK_us = 1000,
 };
 
@@ -108,10 +109,22 @@ typedef struct seld_scaffold {
     int32_t open_q30; /* 0: no order; .. 1. An order for what is not there does nothing */
 } seld_scaffold;
 
+/* A ring of the struts of a stent that was let go: a circle at a place that the lumen's own pose has. Rings of consecutive numbers that are joined
+ * are one stent. One that is there goes to what is asked by 5 um a tick. */
+typedef struct seld_strut_order {
+    uint32_t number;      /* 1 .. SELD_STRUT_RING_MAX; 0: no order, and all else is 0 */
+    int32_t centre_um[3]; /* at most 1 900 000 */
+    uint32_t
+        inside_um; /* radius inside of the struts, 200 .. 20 000; 0: there is no such ring any more, and what follows is 0 */
+    uint32_t thickness_um; /* of the struts, 10 .. 1 000 */
+    uint32_t is_joined;    /* 1: to the ring of the next number */
+} seld_strut_order;
+
 typedef struct seld_input {
     seld_hand_pose hands[SELD_TOOL_MAX];
     seld_rhythm_order rhythm; /* zero: nothing */
     seld_scaffold scaffold;
+    seld_strut_order strut;
     int32_t
         inflator_Pa; /* pressure in the balloon above that of the blood; limited to 0 .. SELD_PRESSURE_MAX_Pa */
 } seld_input;
@@ -216,6 +229,10 @@ uint32_t seld_state_balloon(const seld_model *model, const seld_state *state,
 int32_t seld_state_open(const seld_state *state, uint32_t lesion, uint32_t station);
 uint32_t seld_model_stations(const seld_model *model, uint32_t lesion);
 bool seld_state_scaffold(const seld_model *model, seld_state *state, const seld_scaffold *order);
+
+/* Is it an order, or none? Taking one: false, and nothing changes, when it is neither. */
+bool seld_strut_order_is_valid(const seld_strut_order *order);
+bool seld_state_strut(seld_state *state, const seld_strut_order *order);
 
 uint32_t seld_state_tick(const seld_state *state);
 const seld_rhythm *seld_state_rhythm(const seld_state *state);

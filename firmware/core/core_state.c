@@ -4,9 +4,12 @@
  * and take no part in a hash. May include: rod.h. Called by: core_step.c; others through core.h. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/lesion.h"
+#include "firmware/core/strut.h"
 
 enum {
     HEADER_WORDS = offsetof(seld_state_words, nodes) / 4,
+    RINGS_WORD = offsetof(seld_state_words, struts.rings) / 4,
+    RING_WORDS = sizeof(seld_strut_ring) / 4,
     NODE_WORDS = sizeof(seld_node_state) / 4,
     STATE_WORDS = sizeof(seld_state_words) / 4,
     INSIDE_KEPT = 3,
@@ -202,7 +205,7 @@ static bool words_are_valid(const seld_model *model, const seld_state_words *wor
     uint32_t na = words->free_count;
     if (na < 4 || na + INSIDE_KEPT > model->node_count || !tools_are_valid(model, words) ||
         !seld_rhythm_is_valid(&words->rhythm) || !seld_balloon_is_valid(model, &words->balloon) ||
-        !seld_lesion_is_valid(model->lumen, &words->lesions)) {
+        !seld_lesion_is_valid(model->lumen, &words->lesions) || !seld_struts_are_valid(&words->struts)) {
         return false;
     }
     int32_t inserted = seld_lead_inserted(model, words);
@@ -252,23 +255,37 @@ bool seld_state_restore(const seld_model *model, seld_state *state, const uint8_
 /* --- hashes
  * ---------------------------------------------------------------------------------------------------- */
 
+/* The words that a hash sees: two ranges, without rings that are not there, which are 0 (`used` tells). */
+typedef struct hashed_range {
+    size_t first, end;
+} hashed_range;
+
+static void hashed_words(const seld_state_words *words, hashed_range ranges[2])
+{
+    ranges[0] = (hashed_range){0, RINGS_WORD + (size_t)RING_WORDS * words->struts.used};
+    ranges[1] = (hashed_range){HEADER_WORDS, live_words(words)};
+}
+
 /* Two 32-bit polynomials over even and odd words, sum of word[i] m^(n-i) with the odd FNV prime m: two operations a word, for
  * every tick. Each step is one to one in the lane and in the word, so a single wrong word never goes unseen. */
 void seld_state_hash_lanes(const seld_state *state, uint32_t lane[2])
 {
     const uint32_t *words = (const uint32_t *)&state->words;
-    size_t live = live_words(&state->words);
+    hashed_range ranges[2];
+    hashed_words(&state->words, ranges);
     uint32_t even = 2166136261u;
     uint32_t odd = 3405691582u;
-    size_t i = 0;
-    for (; i + 8 <= live; i += 8) {
-        for (size_t k = 0; k < 8; k += 2) {
-            even = even * 16777619u + words[i + k];
-            odd = odd * 16777619u + words[i + k + 1];
+    for (int r = 0; r < 2; r++) {
+        size_t i = ranges[r].first;
+        for (; i + 8 <= ranges[r].end; i += 8) {
+            for (size_t k = 0; k < 8; k += 2) {
+                even = even * 16777619u + words[i + k];
+                odd = odd * 16777619u + words[i + k + 1];
+            }
         }
-    }
-    for (; i < live; i++) {
-        even = even * 16777619u + words[i];
+        for (; i < ranges[r].end; i++) {
+            even = even * 16777619u + words[i];
+        }
     }
     lane[0] = even ^ (even >> 15);
     lane[1] = odd ^ (odd >> 15);
@@ -277,11 +294,14 @@ void seld_state_hash_lanes(const seld_state *state, uint32_t lane[2])
 uint64_t seld_state_hash64(const seld_state *state)
 {
     const uint32_t *words = (const uint32_t *)&state->words;
-    size_t live = live_words(&state->words);
+    hashed_range ranges[2];
+    hashed_words(&state->words, ranges);
     uint64_t hash = 14695981039346656037u;
-    for (size_t i = 0; i < live; i++) {
-        for (int k = 0; k < 4; k++) {
-            hash = (hash ^ ((words[i] >> (8 * k)) & 255u)) * 1099511628211u;
+    for (int r = 0; r < 2; r++) {
+        for (size_t i = ranges[r].first; i < ranges[r].end; i++) {
+            for (int k = 0; k < 4; k++) {
+                hash = (hash ^ ((words[i] >> (8 * k)) & 255u)) * 1099511628211u;
+            }
         }
     }
     return hash;

@@ -56,6 +56,19 @@ typedef struct seld_lesion_state {
     int32_t kept_q30[SELD_LESION_MAX][SELD_LESION_STATION_MAX]; /* what it does not spring back from */
 } seld_lesion_state;
 
+/* A ring of struts, where it is and where it goes to. All 0: there is none. */
+typedef struct seld_strut_ring {
+    seld_vec3 centre_m_q30, wanted_m_q30;
+    int32_t inside_m_q30, wanted_inside_m_q30;
+    int32_t thickness_m_q30;
+} seld_strut_ring;
+
+typedef struct seld_strut_state {
+    uint32_t used; /* rings up to the last one that is there */
+    uint32_t joined_bits[SELD_STRUT_RING_MAX / 32], moving_bits[SELD_STRUT_RING_MAX / 32];
+    seld_strut_ring rings[SELD_STRUT_RING_MAX]; /* those from `used` on take no part in a hash */
+} seld_strut_state;
+
 typedef struct seld_state_words {
     uint32_t tick;
     uint32_t fault_bits;
@@ -69,6 +82,7 @@ typedef struct seld_state_words {
     seld_balloon_state balloon;
     seld_lesion_state lesions;
     seld_tool_state tools[SELD_TOOL_MAX];
+    seld_strut_state struts;
     seld_node_state nodes[SELD_ARRAY_NODES];
 } seld_state_words;
 
@@ -146,7 +160,7 @@ typedef struct seld_work {
     int32_t tied;                       /* stiffness of what ties the node to a balloon, all round, Q(a) */
     seld_vec3 held_m_q33; /* touching: bristle and way without the deviation, across the normal */
     int32_t reach_m_q33;  /* touching: expected bristle along normal x tangent without the surface's turn */
-    uint32_t touching;
+    uint32_t touching;    /* 1: one thing; 2 + i: also what second[i] of the scratch is about */
     union {
         seld_assembly a;
         seld_factor f;
@@ -156,6 +170,15 @@ typedef struct seld_work {
         seld_vec3 solution_m_q33;
     };
 } seld_work;
+
+/* What presses on a node besides its first contact: struts and wall have it between them. */
+typedef struct seld_second_contact {
+    seld_vec3 normal_q30;
+    int32_t depth_m_q30; /* at x* */
+    int32_t stiffness;   /* Q(a) */
+} seld_second_contact;
+
+enum { SELD_SECOND_MAX = 48 /* nodes between two things; those behind them meet the deeper one only */ };
 
 typedef struct seld_scratch {
     union {
@@ -173,7 +196,10 @@ typedef struct seld_scratch {
     int32_t grip_limit_N_q22[SELD_PAIR_MAX]; /* sum of mu N between tool k and k + 1 */
     int32_t press_Pa[SELD_BALLOON_BALL_MAX]; /* of a ball on the wall that confines it */
     int32_t wall_shrink_q30;                 /* of a lumen that moves: seld_motion_shrink_q30 in this tick */
-    int32_t outside_m_q30;                   /* depth of a node beyond the field's band, 0: none */
+    seld_vec3 struts_low_m_q30, struts_high_m_q30; /* a box about all struts, with room for a node */
+    uint32_t second_count;
+    seld_second_contact second[SELD_SECOND_MAX];
+    int32_t outside_m_q30; /* depth of a node beyond the field's band, 0: none */
 } seld_scratch;
 
 struct seld_state {

@@ -2,6 +2,7 @@
  * May include: rod.h. Called by: firmware/app, tools, tests through core.h. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/lesion.h"
+#include "firmware/core/strut.h"
 
 /* Largest component of any node's deviation, Q33 m. */
 static int32_t largest_deviation(const seld_state *state)
@@ -92,6 +93,12 @@ void seld_step(const seld_model *model, seld_state *state, const seld_input *inp
     beat(model, state, input);
     if (input->scaffold.open_q30 > 0) {
         (void)seld_state_scaffold(model, state, &input->scaffold);
+    }
+    if (input->strut.number != 0) {
+        (void)seld_state_strut(state, &input->strut);
+    }
+    if (state->words.struts.used != 0) {
+        seld_struts_step(state);
     }
     seld_rod_feed(model, state, input);
     seld_rod_stretch(model, state);

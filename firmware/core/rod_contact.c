@@ -5,9 +5,12 @@
  * The way of the surface is that of the node, plus what the outer tool slides against the line, plus what it turns:
  * r theta along n x t. So one limit mu N bounds sliding and turning together, and a wire that slides turns freely.
  * After the solve z takes the way and is limited to mu N / k_t.
+ * Struts of a stent (strut.h) are met as the wall is. Between struts and wall a node has two contacts: both normals are in the matrix, the
+ * deeper one carries the bristle, and friction has the sum of both forces.
  * May include: rod.h. Called by: core_step.c. */
 #include "firmware/core/lesion.h"
 #include "firmware/core/rod.h"
+#include "firmware/core/strut.h"
 
 enum {
     ROUNDING_M_Q30 =
@@ -139,6 +142,25 @@ static void take_wall_step(const seld_model *model, seld_state *state, seld_vec3
     }
 }
 
+static inline int32_t stiffness_at(const seld_model *model, int32_t depth_m_q30)
+{
+    return model->contact + (depth_m_q30 > SELD_CONTACT_DEEP_M_Q30 ? model->contact_deep : 0);
+}
+
+static inline const seld_second_contact *second_of(const seld_state *state, const seld_work *work)
+{
+    return &state->scratch.second[work->touching - 2];
+}
+
+/* A node's normal force and that of its second contact after a deviation. Overflow: limited as one is. Format: Q22 N, Q33 m -> Q22 N. */
+static int32_t both_forces(const seld_state *state, const seld_work *work, int32_t force_N_q22,
+                           const seld_vec3 *deviation_m_q33)
+{
+    const seld_second_contact *second = second_of(state, work);
+    const int32_t depth = seld_sub_sat(second->depth_m_q30, along(deviation_m_q33, &second->normal_q30) >> 3);
+    return seld_clamp(force_N_q22 + (depth > 0 ? normal_force(depth) : 0), 0, NORMAL_MAX_N_Q22);
+}
+
 /* Contact of node i after the expected motion: its stiffnesses. `expected` is the node's deviation (it may lie where `around`
  * takes its place), `inwards` its part along the normal, `predicted` the depth after it.
  * Overflow: impossible. Held way 2^29.2, deviations 2^29, roll 2^23: reach below 2^30.5 in every component. */
@@ -148,6 +170,9 @@ static inline void touch(const seld_model *model, seld_state *state, const seld_
 {
     const seld_vec3 *n = &work->normal_q30;
     int32_t force = predicted_m_q30 > 0 ? normal_force(predicted_m_q30) : 0;
+    if (work->touching > 1) {
+        force = both_forces(state, work, force, expected);
+    }
     int32_t limit = seld_scale_q30(force, friction_of(node, line));
     seld_vec3 way = surface_way(model, state, node, work, line);
     if (model->lumen->motion != NULL) {
@@ -167,13 +192,12 @@ static inline void touch(const seld_model *model, seld_state *state, const seld_
         add_roll(&reach, &around, roll);
     }
     work->wall_friction = friction_stiffness(model, limit, &reach);
-    work->wall_normal =
-        model->contact + (work->depth_m_q30 > SELD_CONTACT_DEEP_M_Q30 ? model->contact_deep : 0);
+    work->wall_normal = stiffness_at(model, work->depth_m_q30);
     /* N / 1 mm: N Q22 -> Q(a) N/m; 20 N x 1000 / m in Q14 fit 29 bits, and 1000 = 125 x 8 */
     int32_t round_N_q22 = force < SELD_WALL_ROUND_MAX_N << 22 ? force : SELD_WALL_ROUND_MAX_N << 22;
     work->wall_round =
         (seld_asr32(round_N_q22, 3) * (SELD_WALL_ROUND_PER_m / 8)) >> (16 - model->stiffness_exponent);
-    work->touching = 1;
+    work->touching = work->touching > 1 ? work->touching : 1;
 }
 
 /* Right side of contact and friction in newtons Q22, once the turn of the surface is known. Overflow: a bristle's force is
@@ -192,6 +216,15 @@ static inline void push_node(const seld_model *model, const seld_node_state *nod
         int32_t drag = seld_mulh(minus_q19, work->held_m_q33.v[k]) * 4;
         int32_t force = seld_scale_q30(push, work->normal_q30.v[k]) + drag;
         work->force_N_q22.v[k] = seld_add_sat(work->force_N_q22.v[k], force);
+    }
+}
+
+static void push_second(seld_work *work, const seld_second_contact *second)
+{
+    const int32_t push = normal_force(second->depth_m_q30);
+    for (int k = 0; k < 3; k++) {
+        work->force_N_q22.v[k] =
+            seld_add_sat(work->force_N_q22.v[k], seld_scale_q30(push, second->normal_q30.v[k]));
     }
 }
 
@@ -262,10 +295,53 @@ static inline bool may_touch(const seld_model *model, seld_state *state, const s
     return sample(model, state, work, line, placed);
 }
 
+/* How deep something is, at x* or after the drift, whichever is more. */
+static int32_t worst_depth(const seld_vec3 *normal_q30, int32_t depth_m_q30, const seld_vec3 *drift_m_q33)
+{
+    const int32_t predicted = seld_sub_sat(depth_m_q30, along(drift_m_q33, normal_q30) >> 3);
+    return predicted > depth_m_q30 ? predicted : depth_m_q30;
+}
+
+/* Struts take the place of what the wall is to the node when they are deeper; what is less deep and touches as well is its second contact. */
+static bool meet_struts(const seld_model *model, seld_state *state, seld_work *work,
+                        const seld_line_node *line, bool is_at_wall)
+{
+    seld_lumen_sample struts;
+    if (!seld_struts_wall(model, &state->words, &state->scratch.pose, &state->scratch, &work->position_m_q30,
+                          line->radius_m_q30, &struts)) {
+        return is_at_wall;
+    }
+    const int32_t depth = seld_add_sat(struts.distance_m_q30, line->radius_m_q30);
+    const seld_vec3 drift = work->drift_m_q33;
+    const int32_t by_struts = worst_depth(&struts.normal_q30, depth, &drift);
+    const int32_t by_wall =
+        is_at_wall ? worst_depth(&work->normal_q30, work->depth_m_q30, &drift) : INT32_MIN;
+    seld_second_contact second = {struts.normal_q30, depth, stiffness_at(model, depth)};
+    if (struts.distance_m_q30 > work->distance_m_q30) {
+        work->distance_m_q30 = struts.distance_m_q30;
+    }
+    if (by_struts > by_wall) {
+        second = (seld_second_contact){work->normal_q30, work->depth_m_q30,
+                                       stiffness_at(model, work->depth_m_q30)};
+        work->normal_q30 = struts.normal_q30;
+        work->depth_m_q30 = depth;
+    }
+    const int32_t less = by_struts > by_wall ? by_wall : by_struts;
+    if (less > 0 && state->scratch.second_count < SELD_SECOND_MAX) {
+        state->scratch.second[state->scratch.second_count] = second;
+        work->touching = 2 + state->scratch.second_count++;
+    }
+    return true;
+}
+
 static inline void find_node(const seld_model *model, seld_state *state, seld_node_state *node,
                              seld_work *work, const seld_line_node *line)
 {
-    if (!may_touch(model, state, node, work, line)) {
+    bool is_near = may_touch(model, state, node, work, line);
+    if (state->words.struts.used != 0) {
+        is_near = meet_struts(model, state, work, line, is_near);
+    }
+    if (!is_near) {
         clear(node);
         return;
     }
@@ -307,6 +383,7 @@ void seld_contact_find(const seld_model *model, seld_state *state)
     seld_node_state *node = state->words.nodes;
     const seld_line_node *line = state->line.nodes;
     state->scratch.outside_m_q30 = 0;
+    state->scratch.second_count = 0;
     /* two held nodes too: the solve reads past the last free one */
     for (uint32_t i = 0; i < na + 2; i++, work++, node++, line++) {
         work->touching = 0;
@@ -336,7 +413,27 @@ void seld_contact_forces(const seld_model *model, seld_state *state)
         if (work->touching) {
             push_node(model, node, work, line);
         }
+        if (work->touching > 1) {
+            push_second(work, second_of(state, work));
+        }
     }
+}
+
+/* Wall or struts, whichever is deeper at x*. */
+static bool deepest(const seld_model *model, seld_state *state, seld_work *work, const seld_line_node *line)
+{
+    const bool is_known = sample(model, state, work, line, false);
+    seld_lumen_sample struts;
+    if (state->words.struts.used == 0 ||
+        !seld_struts_wall(model, &state->words, &state->scratch.pose, &state->scratch, &work->position_m_q30,
+                          line->radius_m_q30, &struts) ||
+        (is_known && struts.distance_m_q30 <= work->distance_m_q30)) {
+        return is_known;
+    }
+    work->normal_q30 = struts.normal_q30;
+    work->distance_m_q30 = struts.distance_m_q30;
+    work->depth_m_q30 = seld_add_sat(struts.distance_m_q30, line->radius_m_q30);
+    return true;
 }
 
 uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t largest_m_q33)
@@ -352,7 +449,7 @@ uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t
     for (uint32_t i = 0; i < state->words.free_count; i++, work++, node++, line++) {
         bool held = work->touching || work->wall_friction != 0;
         if (held || work->distance_m_q30 < -line->radius_m_q30 - reach ||
-            !sample(model, state, work, line, false)) {
+            !deepest(model, state, work, line)) {
             continue;
         }
         int32_t inwards = along(&work->solution_m_q33, &work->normal_q30);
@@ -367,14 +464,17 @@ uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t
 }
 
 /* z + way limited to mu N / k_t; sticks when it was not limited. `inwards` is the deviation along the normal. */
-static inline void move_bristle(seld_node_state *node, const seld_work *work, const seld_line_node *line,
-                                int32_t depth_m_q30, int32_t inwards_m_q33)
+static inline void move_bristle(const seld_state *state, seld_node_state *node, const seld_work *work,
+                                const seld_line_node *line, int32_t depth_m_q30, int32_t inwards_m_q33)
 {
     seld_vec3 way = without(&work->solution_m_q33, &work->normal_q30, inwards_m_q33);
     for (int k = 0; k < 3; k++) {
         way.v[k] += work->held_m_q33.v[k];
     }
     int32_t force = depth_m_q30 > 0 ? normal_force(depth_m_q30) : 0;
+    if (work->touching > 1) {
+        force = both_forces(state, work, force, &work->solution_m_q33);
+    }
     int32_t most = bristle_limit(seld_scale_q30(force, friction_of(node, line)));
     int64_t square = seld_vec3_dot64(way, way);
     node->contact = SELD_CONTACT_STICKS;
@@ -416,7 +516,7 @@ void seld_contact_finish(const seld_model *model, seld_state *state, seld_output
         }
         int32_t deviation = along(&work->solution_m_q33, &work->normal_q30);
         int32_t depth = seld_sub_sat(work->depth_m_q30, deviation >> 3);
-        move_bristle(node, work, line, depth, deviation);
+        move_bristle(state, node, work, line, depth, deviation);
         if (model->tool_count > 1) {
             charge_outer_tool(state, node, line);
         }
@@ -427,22 +527,38 @@ void seld_contact_finish(const seld_model *model, seld_state *state, seld_output
     }
 }
 
-seld_lumen_sample seld_wall_sample(const seld_model *model, const seld_state *state,
-                                   const seld_vec3 *position_m_q30)
+/* The wall as it is at the state's moment, which the pose gets. */
+static seld_lumen_sample wall_now(const seld_model *model, const seld_state *state, seld_motion_pose *pose,
+                                  const seld_vec3 *position_m_q30)
 {
-    seld_motion_pose pose;
     seld_lumen_sample open;
     if (model->lumen->motion != NULL) {
-        seld_motion_pose_begin(model->lumen->motion, &pose, &state->words.rhythm, &state->words.rhythm);
+        seld_motion_pose_begin(model->lumen->motion, pose, &state->words.rhythm, &state->words.rhythm);
     }
     if (state->words.lesions.bits != 0 &&
-        seld_lesion_wall(model, &state->words, &pose, position_m_q30, &open)) {
+        seld_lesion_wall(model, &state->words, pose, position_m_q30, &open)) {
         return open;
     }
     if (model->lumen->motion == NULL) {
         return seld_lumen_contact(model->lumen, position_m_q30);
     }
-    return seld_motion_contact(model->lumen, model->lumen->motion, &pose, position_m_q30);
+    return seld_motion_contact(model->lumen, model->lumen->motion, pose, position_m_q30);
+}
+
+seld_lumen_sample seld_wall_sample(const seld_model *model, const seld_state *state,
+                                   const seld_vec3 *position_m_q30)
+{
+    seld_motion_pose pose;
+    return wall_now(model, state, &pose, position_m_q30);
+}
+
+static void add_push(const seld_lumen_sample *what, int32_t radius_m_q30, seld_vec3 *force_N_q22)
+{
+    const int32_t depth = seld_add_sat(what->distance_m_q30, radius_m_q30);
+    const int32_t push = depth > 0 ? normal_force(depth) : 0;
+    for (int k = 0; k < 3; k++) {
+        force_N_q22->v[k] = seld_add_sat(force_N_q22->v[k], seld_mul_q30(push, what->normal_q30.v[k]));
+    }
 }
 
 bool seld_state_contact_force(const seld_model *model, const seld_state *state, uint32_t node,
@@ -454,12 +570,17 @@ bool seld_state_contact_force(const seld_model *model, const seld_state *state, 
         return false;
     }
     const seld_node_state *n = &state->words.nodes[node];
-    seld_lumen_sample wall = seld_wall_sample(model, state, &n->position_m_q30);
-    int32_t depth = seld_add_sat(wall.distance_m_q30, state->line.nodes[node].radius_m_q30);
-    int32_t push = depth > 0 ? normal_force(depth) : 0;
+    const int32_t radius = state->line.nodes[node].radius_m_q30;
+    seld_motion_pose pose;
+    seld_lumen_sample struts, wall = wall_now(model, state, &pose, &n->position_m_q30);
+    add_push(&wall, radius, force_N_q22);
+    if (state->words.struts.used != 0 &&
+        seld_struts_wall(model, &state->words, &pose, NULL, &n->position_m_q30, radius, &struts)) {
+        add_push(&struts, radius, force_N_q22);
+    }
     for (int k = 0; k < 3; k++) {
         int64_t drag = ((int64_t)n->bristle_m_q33.v[k] * SELD_FRICTION_STIFFNESS_N_m) >> 11;
-        force_N_q22->v[k] = seld_sat32(seld_mul_q30(push, wall.normal_q30.v[k]) - drag);
+        force_N_q22->v[k] = seld_sat32(force_N_q22->v[k] - drag);
     }
     return true;
 }

@@ -199,6 +199,10 @@ static inline seld_sym3 load_rest(const seld_model *model, const seld_state *sta
     seld_sym3 rest = {{diagonal, 0, 0, diagonal, 0, diagonal}};
     if ((work->wall_normal | work->wall_friction) != 0) {
         add_wall(work, &state->words.nodes[i].tangent_q30, &rest);
+        if (work->touching > 1) {
+            const seld_second_contact *second = &state->scratch.second[work->touching - 2];
+            add_along(&second->normal_q30, second->stiffness, &rest);
+        }
     }
     return rest;
 }

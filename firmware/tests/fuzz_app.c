@@ -530,8 +530,13 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
         SEED(0x82, 4, 0x81, 23, 0x81, 23, 0x30, 1, 1, 0x81, 9, 0x89, 3, 0x89, 4, 0x86, 0);
     case 12: /* work that takes too long, and a processor that stood still */
         SEED(0x82, 4, 0x8a, 21, 0x81, 3, 0x8a, 120, 0x81, 2, COMMAND(RESET));
+    case 13: /* rings of struts in FREE_RUN: two that are joined, one that is none, one taken away; and back into LOCKSTEP with a snapshot */
+        SEED(0x82, 4, 0x29, 18, 1, 1, 0, 0, 0, 0, 32, 78, 0, 0, 0, 0, 0, 0, 220, 5, 80, 0, 0x29, 18, 2, 0, 0,
+             0, 0, 0, 240, 85, 0, 0, 0, 0, 0, 0, 220, 5, 80, 0, 0x81, 4, 0x29, 18, 65, 0, 0, 0, 0, 0, 0, 0, 0,
+             0, 0, 0, 0, 0, 1, 0, 80, 0, 0x29, 18, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x81,
+             4, 0x30, 1, 5);
     default:
-        if (index < 18) return tools_seed((uint16_t)(index - 12), bytes);
-        return index < 21 ? rig_seed((uint16_t)(index - 17), bytes) : 0;
+        if (index < 19) return tools_seed((uint16_t)(index - 13), bytes);
+        return index < 22 ? rig_seed((uint16_t)(index - 18), bytes) : 0;
     }
 }

@@ -85,6 +85,22 @@ static void tools_with_a_table_that_is_none_are_refused(void **state)
     }
 }
 
+/* Two inputs, the second of which asks. */
+static void ask_for_strut(seld_wire_step *step, const seld_wire_strut *strut)
+{
+    *step = (seld_wire_step){.tick = 0, .inputs_count = 2};
+    for (int k = 0; k < 2; k++) step->inputs[k].hands_count = 1;
+    seld_wire_encoders *input = &step->inputs[1];
+    input->strut_number = strut->number;
+    input->strut_joined = strut->joined;
+    input->strut_x_um = strut->x_um;
+    input->strut_y_um = strut->y_um;
+    input->strut_z_um = strut->z_um;
+    input->strut_inside_um = strut->inside_um;
+    input->strut_thickness_um = strut->thickness_um;
+    send_step(step);
+}
+
 static void a_stent_where_no_lesion_is_is_refused_whole(void **state)
 {
     (void)state;
@@ -106,6 +122,60 @@ static void a_stent_where_no_lesion_is_is_refused_whole(void **state)
         assert_int_equal(reject.code, SELD_REJECT_SCAFFOLD_RANGE);
         assert_int_equal(bench_status(&b).tick, 0);
     }
+}
+
+/* A ring of struts needs no scene. What is none is refused, with number and radius, before any tick is done. */
+static void struts_that_are_none_are_refused_whole(void **state)
+{
+    (void)state;
+    start_lockstep();
+    static const seld_wire_strut bad[] = {{65, 0, 0, 0, 0, 1500, 80}, {1, 0, 0, 0, 0, 199, 80},
+                                          {1, 2, 0, 0, 0, 1500, 80},  {1, 0, 1900001, 0, 0, 1500, 80},
+                                          {1, 0, 0, 0, 0, 0, 80},     {0, 0, 0, 1, 0, 0, 0}};
+    static seld_wire_step step;
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        ask_for_strut(&step, &bad[i]);
+        assert_true(client_expect_reject(&b.host, &reject));
+        assert_int_equal(reject.code, SELD_REJECT_STRUT_RANGE);
+        assert_int_equal(reject.detail1, bad[i].number);
+        assert_int_equal(reject.detail2, bad[i].inside_um);
+        assert_int_equal(bench_status(&b).tick, 0);
+    }
+    ask_for_strut(&step, &(seld_wire_strut){64, 0, 0, -1900000, 0, 1500, 80});
+    assert_true(client_expect_ticks(&b.host, &ticks));
+    assert_int_equal(ticks.states_count, 2);
+}
+
+static void place_ring(uint8_t number, uint16_t inside_um)
+{
+    static uint8_t payload[SELD_WIRE_BYTES_strut];
+    const seld_wire_strut strut = {number, number < 3, 0, 20000 + 2000 * number, 0, inside_um, 80};
+    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+    assert_true(seld_wire_put_strut(&writer, &strut));
+    client_send(&b.host, SELD_WIRE_TYPE_strut, payload, writer.length);
+}
+
+static void place_rings(int ms)
+{
+    if (ms >= 100 && ms < 103) place_ring((uint8_t)(ms - 99), 1500);
+    if (ms == 200) place_ring(2, 1800);
+}
+
+/* In FREE_RUN by a message; each is in the input of the tick that took it, so the record replays. */
+static void struts_of_free_run_replay_in_lockstep_bit_for_bit(void **state)
+{
+    (void)state;
+    bench_drain(&b);
+    send_balloon();
+    start_free_run();
+    const uint32_t count = record(place_rings);
+    uint32_t rings = 0;
+    for (uint32_t i = 0; i < count; i++) rings += session[i].input.strut_number != 0;
+    assert_int_equal(rings, 4);
+    place_ring(64, 199);
+    assert_true(client_expect_reject(&b.host, &reject));
+    assert_int_equal(reject.code, SELD_REJECT_STRUT_RANGE);
+    replays(count);
 }
 
 /* The rig's inflator goes up in steps and stays: the record ends while the balloon is up. */
@@ -135,6 +205,8 @@ int main(void)
         TEST(a_count_of_the_inflator_is_a_kilopascal),
         TEST(tools_with_a_table_that_is_none_are_refused),
         TEST(a_stent_where_no_lesion_is_is_refused_whole),
+        TEST(struts_that_are_none_are_refused_whole),
+        TEST(struts_of_free_run_replay_in_lockstep_bit_for_bit),
         TEST(pressures_of_free_run_replay_in_lockstep_bit_for_bit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

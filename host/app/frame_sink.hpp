@@ -43,6 +43,7 @@ class FrameSink
     virtual bool needs_beginning() const { return false; }
     // What the core has to be told in the next tick; asked for before each. In a replay nobody asks: it is in the recording.
     virtual std::optional<seld_wire_scaffold> order() { return {}; }
+    virtual std::optional<seld_wire_strut> strut_order() { return {}; }
     virtual void
     finish() = 0; // after the last frame; throws std::runtime_error when a file could not be written
 };

@@ -20,11 +20,23 @@ seld_wire_encoders with_order(seld_wire_encoders input, FrameSink *sink)
 {
     const std::optional<seld_wire_scaffold> order =
         sink ? sink->order() : std::optional<seld_wire_scaffold>();
-    if (!order) return input;
-    input.scaffold_lesion = order->lesion;
-    input.scaffold_first = order->first;
-    input.scaffold_last = order->last;
-    input.scaffold_open_q15 = order->open_q15;
+    if (order) {
+        input.scaffold_lesion = order->lesion;
+        input.scaffold_first = order->first;
+        input.scaffold_last = order->last;
+        input.scaffold_open_q15 = order->open_q15;
+    }
+    const std::optional<seld_wire_strut> strut =
+        sink ? sink->strut_order() : std::optional<seld_wire_strut>();
+    if (strut) {
+        input.strut_number = strut->number;
+        input.strut_joined = strut->joined;
+        input.strut_x_um = strut->x_um;
+        input.strut_y_um = strut->y_um;
+        input.strut_z_um = strut->z_um;
+        input.strut_inside_um = strut->inside_um;
+        input.strut_thickness_um = strut->thickness_um;
+    }
     return input;
 }
 

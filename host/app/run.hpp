@@ -33,6 +33,8 @@ struct RunResult {
 
 // The input of a tick with what the sink wants the core to know, if anything. `sink` may be nullptr.
 seld_wire_encoders with_order(seld_wire_encoders input, FrameSink *sink);
+// The same in FREE_RUN: one message a round, because a device keeps few. What it does not take up is asked for again at the next look.
+void send_order(Link &link, FrameSink &sink);
 
 // `recorder` and `sink` may be nullptr. Throws LinkError, RecordingError.
 RunResult run_session(Device &device, const Session &session, Recorder *recorder, FrameSink *sink,

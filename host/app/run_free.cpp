@@ -10,6 +10,18 @@
 namespace seld
 {
 
+void send_order(Link &link, FrameSink &sink)
+{
+    try {
+        if (const auto order = sink.order())
+            link.hold_open(*order);
+        else if (const auto strut = sink.strut_order())
+            link.place_strut(*strut);
+    } catch (const DeviceLost &) {
+        // The next round finds it gone as well, and waits for it.
+    }
+}
+
 namespace
 {
 
@@ -110,12 +122,7 @@ class FreeRunner final : private FreeRunSink
     // One at a time: a device keeps few. What it does not take up is asked for again at the next look.
     void tell_core()
     {
-        const auto order = sink_ ? sink_->order() : std::optional<seld_wire_scaffold>();
-        try {
-            if (order) device_.link().hold_open(*order);
-        } catch (const DeviceLost &) {
-            // The next round finds it gone as well, and waits for it.
-        }
+        if (sink_) send_order(device_.link(), *sink_);
     }
 
     void show_progress()

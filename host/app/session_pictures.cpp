@@ -163,6 +163,11 @@ void SessionPictures::look(const SessionFrame &frame)
     if (stents_) stents_->advance(frame.wire);
 }
 
+std::optional<seld_wire_strut> SessionPictures::strut_order()
+{
+    return stents_ ? stents_->strut_order() : std::optional<seld_wire_strut>();
+}
+
 std::optional<seld_wire_scaffold> SessionPictures::order()
 {
     return stents_ ? stents_->order() : std::optional<seld_wire_scaffold>();

@@ -66,6 +66,7 @@ class SessionPictures final : public FrameSink
     void look(const SessionFrame &frame) override;
     bool needs_beginning() const override { return stents_ != nullptr; }
     std::optional<seld_wire_scaffold> order() override;
+    std::optional<seld_wire_strut> strut_order() override;
     void tick(const seld_wire_encoders &input, const seld_wire_tick_state &state) override;
     void finish() override;
     const PulseMonitor &monitor() const { return monitor_; }

@@ -22,6 +22,8 @@ constexpr double wide_shares =
     2.0; // vessels wider than so many times a stent's largest diameter hold no stent
 constexpr double inside_radii = 1.5; // of a branch, off its middle line: the balloon is in it
 constexpr std::uint32_t q15_per_256 = 32768 / 256;
+constexpr double strut_moved_um = 100.0,
+                 strut_widened_um = 20.0; // of a ring, before the core hears of it again
 
 std::string millimetres(double mm)
 {
@@ -66,6 +68,33 @@ std::vector<std::vector<double>> opened_lists(const WireFrame &wire,
         at = end;
     }
     return lists;
+}
+
+std::int32_t micrometres(double mm)
+{
+    return static_cast<std::int32_t>(std::lround(std::clamp(mm, -1900.0, 1900.0) * 1e3));
+}
+
+seld_wire_strut ring_of(const StentCircle &circle, std::uint8_t number, bool is_joined,
+                        const StentDesign &design)
+{
+    return {number,
+            static_cast<std::uint8_t>(is_joined),
+            micrometres(circle.centre_mm.x()),
+            micrometres(circle.centre_mm.y()),
+            micrometres(circle.centre_mm.z()),
+            static_cast<std::uint16_t>(std::clamp(micrometres(circle.inside_mm), 200, 20000)),
+            static_cast<std::uint16_t>(std::clamp(micrometres(design.strut_thickness_mm), 10, 1000))};
+}
+
+// Enough for the core to be told.
+bool has_changed(const seld_wire_strut &known, const seld_wire_strut &now)
+{
+    if (known.inside_um == 0 || now.inside_um == 0) return known.inside_um != now.inside_um;
+    const double moved_um = std::hypot(double{1} * known.x_um - now.x_um, double{1} * known.y_um - now.y_um,
+                                       double{1} * known.z_um - now.z_um);
+    return moved_um > strut_moved_um || std::abs(known.inside_um - now.inside_um) > strut_widened_um ||
+           known.joined != now.joined || known.thickness_um != now.thickness_um;
 }
 
 MotionMoment moment_of(const WireFrame &wire)
@@ -158,6 +187,10 @@ void SessionStents::load(std::uint32_t tick)
 void SessionStents::tick(const seld_wire_encoders &input, const seld_wire_tick_state &state)
 {
     if (tool_ && *tool_ < state.tools_count) inserted_m_ = units::metres(state.tools[*tool_].inserted_m_q30);
+    if (input.strut_number >= 1 && input.strut_number <= struts_max)
+        known_struts_[input.strut_number - 1u] = {
+            input.strut_number, input.strut_joined,    input.strut_x_um,        input.strut_y_um,
+            input.strut_z_um,   input.strut_inside_um, input.strut_thickness_um};
     if (input.scaffold_lesion == 0 || input.scaffold_lesion > known_256_.size()) return;
     std::vector<std::uint32_t> &known = known_256_[input.scaffold_lesion - 1u];
     for (std::size_t k = input.scaffold_first; k <= input.scaffold_last && k < known.size(); ++k)
@@ -249,6 +282,7 @@ void SessionStents::advance(const WireFrame &wire)
     stents_.step(walls(), pose.points.empty() ? nullptr : &pose);
     note_stages(wire.tick);
     ask_for_holds(wire);
+    ask_for_struts(wire);
     seen_ = wire;
     seen_.nodes.clear();
 }
@@ -288,6 +322,35 @@ void SessionStents::ask_for_holds(const WireFrame &wire)
             }
         }
     }
+}
+
+// Every stent of the shelf has numbers of its own. A ring that is not there any more is taken away.
+void SessionStents::ask_for_struts(const WireFrame &wire)
+{
+    strut_orders_.clear();
+    const std::size_t share = struts_max / std::max<std::size_t>(shelf_.size(), 1);
+    const auto to_reference = [&](const Vector3d &place_mm) -> Vector3d {
+        return motion_ ? Vector3d(motion_->pull(place_mm * 1e-3, moment_of(wire)) * 1e3) : place_mm;
+    };
+    for (std::size_t i = 0; i < stents_.size() && (i + 1) * share <= struts_max; ++i) {
+        const std::vector<StentCircle> circles = stent_circles(stents_[i], share, to_reference);
+        for (std::size_t k = 0; k < share; ++k) {
+            const auto number = static_cast<std::uint8_t>(i * share + k + 1);
+            seld_wire_strut ring{};
+            ring.number = number;
+            if (k < circles.size())
+                ring = ring_of(circles[k], number, k + 1 < circles.size(), stents_[i].design());
+            if (has_changed(known_struts_[number - 1u], ring)) strut_orders_.push_back(ring);
+        }
+    }
+}
+
+std::optional<seld_wire_strut> SessionStents::strut_order()
+{
+    if (strut_orders_.empty()) return {};
+    const seld_wire_strut order = strut_orders_.front();
+    strut_orders_.pop_front();
+    return order;
 }
 
 std::optional<seld_wire_scaffold> SessionStents::order()

@@ -12,9 +12,11 @@
 #include "host/app/frame_sink.hpp"
 #include "host/model/instrument.hpp"
 #include "host/model/lesion_opening.hpp"
+#include "host/stent/circles.hpp"
 #include "host/stent/figures.hpp"
 #include "host/stent/stents.hpp"
 #include "host/xray/moved.hpp"
+#include <array>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -24,7 +26,8 @@
 namespace seld
 {
 
-inline constexpr std::size_t stents_max = 8; // of a session
+inline constexpr std::size_t stents_max = 8;  // of a session
+inline constexpr std::size_t struts_max = 64; // rings of struts that a core keeps (docs/wire.md)
 
 // Why a stent cannot be mounted on what these tools have; empty: it can.
 std::string mount_refusal(const StentDesign &stent, const std::vector<Instrument> &tools);
@@ -69,6 +72,7 @@ class SessionStents final : public FrameSink
     void look(const SessionFrame &frame) override { advance(frame.wire); }
     bool needs_beginning() const override { return true; }
     std::optional<seld_wire_scaffold> order() override;
+    std::optional<seld_wire_strut> strut_order() override;
     void finish() override {}
     void advance(const WireFrame &wire);
 
@@ -105,6 +109,7 @@ class SessionStents final : public FrameSink
     std::vector<const StentWall *> walls() const;
     void note_stages(std::uint32_t tick);
     void ask_for_holds(const WireFrame &wire);
+    void ask_for_struts(const WireFrame &wire);
 
     const std::vector<StentDesign> shelf_;
     const VesselTree vessels_; // in the reference pose
@@ -122,6 +127,8 @@ class SessionStents final : public FrameSink
     WireFrame seen_;                                    // of the last look, without its nodes
     std::vector<std::vector<std::uint32_t>> known_256_; // what the core was told, per lesion and station
     std::deque<seld_wire_scaffold> orders_;
+    std::array<seld_wire_strut, struts_max> known_struts_{}; // rings that the core has; inside_um 0: none
+    std::deque<seld_wire_strut> strut_orders_;
     std::vector<std::string> refusals_;
 };
 

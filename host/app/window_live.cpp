@@ -160,12 +160,7 @@ void LiveSession::advance_rig(std::uint32_t ticks)
         recorder_->hash(hash->tick, hash->hash);
     }
     if (device_.link().nodes().tick != shown) picture();
-    const std::optional<seld_wire_scaffold> order = pictures_.order();
-    try {
-        if (order) device_.link().hold_open(*order);
-    } catch (const DeviceLost &) {
-        // The next round finds it gone as well, and waits for it.
-    }
+    send_order(device_.link(), pictures_);
 }
 
 void LiveSession::tick(const seld_wire_live_tick &tick)

@@ -441,6 +441,12 @@ void Link::hold_open(const seld_wire_scaffold &scaffold)
     receive_answer(SELD_WIRE_TYPE_status);
 }
 
+void Link::place_strut(const seld_wire_strut &strut)
+{
+    send_message(SELD_WIRE_TYPE_strut, strut, seld_wire_put_strut);
+    receive_answer(SELD_WIRE_TYPE_status);
+}
+
 // Says that the host is there, unless it has spoken since this was last asked. An answer is filed with what else comes.
 void Link::beat()
 {

@@ -79,6 +79,7 @@ class Link
     void ask_rhythm(std::uint8_t action, std::uint16_t value);
     // FREE_RUN: stations of a lesion are held open from the next tick on (docs/lesions.md); `lesion` is 1 and its number. Throws LinkError.
     void hold_open(const seld_wire_scaffold &scaffold);
+    void place_strut(const seld_wire_strut &strut); // FREE_RUN: a ring of a stent's struts, as well
     // The same ticks with their inputs, sensors and flags, also when it threw; and what happened since it was last asked.
     const std::vector<seld_wire_live_tick> &live_ticks() const { return live_ticks_; }
     std::uint32_t ticks_lost() const { return live_.ticks_lost; }

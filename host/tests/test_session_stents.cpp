@@ -154,6 +154,100 @@ void the_core_is_asked_once_for_what_it_does_not_know(void **)
     }
 }
 
+// Takes up all that is asked of struts; returns the rings.
+std::vector<seld_wire_strut> take_struts(SessionStents &stents)
+{
+    std::vector<seld_wire_strut> rings;
+    while (const auto order = stents.strut_order()) {
+        seld_wire_encoders input{};
+        input.strut_number = order->number;
+        input.strut_joined = order->joined;
+        input.strut_x_um = order->x_um;
+        input.strut_y_um = order->y_um;
+        input.strut_z_um = order->z_um;
+        input.strut_inside_um = order->inside_um;
+        input.strut_thickness_um = order->thickness_um;
+        stents.tick(input, {});
+        rings.push_back(*order);
+    }
+    return rings;
+}
+
+// Nothing while the balloon carries it; once let go, one circle a ring as wide as the ring is, from end to end, and no more once they are known.
+void struts_are_told_once_the_stent_is_let_go(void **)
+{
+    SessionStents stents = session_stents();
+    stents.command(0, load);
+    for (std::uint32_t tick = 0; tick <= 400; tick += 40) stents.advance(line_at(tick, 1.55, 1.0));
+    assert_false(stents.strut_order().has_value());
+    for (std::uint32_t tick = 440; tick <= 800; tick += 40) stents.advance(line_at(tick, 0.45, 1.0));
+    const std::vector<seld_wire_strut> rings = take_struts(stents);
+    const StentFigures figures = stent_figures(stents.stents()[0], nullptr);
+    assert_int_equal(rings.size(), figures.rings.size());
+    double length_mm = 0.0;
+    for (std::size_t i = 0; i < rings.size(); ++i) {
+        assert_int_equal(rings[i].number, i + 1);
+        assert_int_equal(rings[i].joined, i + 1 < rings.size());
+        assert_int_equal(rings[i].thickness_um, 81);
+        const double wide_mm = figures.rings[i].diameter_mm / 2;
+        assert_true(std::abs(rings[i].inside_um * 1e-3 - wide_mm) < 0.05);
+        const Vector3d place(rings[i].x_um * 1e-3, rings[i].y_um * 1e-3, rings[i].z_um * 1e-3);
+        const bool is_end = i == 0 || i + 1 == rings.size();
+        assert_true((place - figures.rings[i].centre_mm).norm() < (is_end ? 0.7 : 0.01));
+        if (i == 0) continue;
+        const Vector3d before(rings[i - 1].x_um * 1e-3, rings[i - 1].y_um * 1e-3, rings[i - 1].z_um * 1e-3);
+        length_mm += (place - before).norm();
+    }
+    std::printf("# struts from end to end %.2f mm, along the rings' middles %.2f mm\n", length_mm,
+                figures.length_mm);
+    assert_true(std::abs(length_mm - figures.length_mm) < 1.5);
+    for (std::uint32_t tick = 840; tick < 1000; tick += 40) {
+        stents.advance(line_at(tick, 0.45, 1.0));
+        assert_false(stents.strut_order().has_value());
+    }
+}
+
+// Another stent's balloon in it opens it farther: the rings that are wider are told again; not confirmed, again at the next look.
+void struts_that_are_widened_are_told_again(void **)
+{
+    SessionStents stents = session_stents(2);
+    stents.command(0, load);
+    for (std::uint32_t tick = 0; tick <= 800; tick += 40)
+        stents.advance(line_at(tick, tick > 200 && tick <= 500 ? 1.38 : 0.45, 1.0));
+    const std::vector<seld_wire_strut> rings = take_struts(stents);
+    stents.command(801, load);
+    for (std::uint32_t tick = 840; tick <= 1000; tick += 40) stents.advance(line_at(tick, 1.35, 1.0));
+    const auto first = stents.strut_order();
+    stents.advance(line_at(1040, 1.35, 1.0));
+    const auto again = stents.strut_order();
+    assert_true(first && again && first->number == again->number && first->number <= rings.size());
+    std::printf("# ring %d from %d to %d um\n", first->number, rings.at(first->number - 1u).inside_um,
+                first->inside_um);
+    assert_true(first->inside_um > rings.at(first->number - 1u).inside_um + 20);
+    stents.advance(line_at(1080, 1.35, 1.0));
+    assert_true(take_struts(stents).size() <= rings.size());
+    for (std::uint32_t tick = 1120; tick <= 1200; tick += 40) {
+        stents.advance(line_at(tick, 1.35, 1.0));
+        take_struts(stents);
+    }
+    stents.advance(line_at(1240, 1.35, 1.0));
+    assert_true(take_struts(stents).empty());
+}
+
+// Stents on the shelf share the core's rings evenly; of one with more rings than its share circles are chosen from end to end.
+void stents_share_the_rings_of_the_core(void **)
+{
+    SessionStents stents = session_stents(8);
+    carry_out(stents, 1000);
+    const std::vector<seld_wire_strut> rings = take_struts(stents);
+    assert_int_equal(rings.size(), struts_max / 8);
+    assert_true(rings.back().number == struts_max / 8 && rings.back().joined == 0);
+    SessionStents alone = session_stents();
+    carry_out(alone, 1000);
+    const std::vector<seld_wire_strut> all = take_struts(alone);
+    assert_true(all.front().x_um == rings.front().x_um && all.back().y_um == rings.back().y_um);
+}
+
 // A device that did not take an order up is asked again.
 void what_the_core_did_not_confirm_is_asked_for_again(void **)
 {
@@ -322,6 +416,9 @@ int main()
         cmocka_unit_test(nothing_is_looked_at_before_a_stent_is_loaded),
         cmocka_unit_test(other_pictures_do_not_change_it),
         cmocka_unit_test(the_core_is_asked_once_for_what_it_does_not_know),
+        cmocka_unit_test(struts_are_told_once_the_stent_is_let_go),
+        cmocka_unit_test(struts_that_are_widened_are_told_again),
+        cmocka_unit_test(stents_share_the_rings_of_the_core),
         cmocka_unit_test(what_the_core_did_not_confirm_is_asked_for_again),
         cmocka_unit_test(a_stent_holds_no_more_than_is_open),
         cmocka_unit_test(another_one_is_loaded_outside_only),

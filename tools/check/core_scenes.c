@@ -12,10 +12,11 @@
  * shaped catheters in the tube; every tool leads once, slides and turns against the others. beating: the J wire in the tube, whose
  * middle goes to and fro by 3.6 mm with a heart that is asked for everything once, and breathes. balloon: a wire in a balloon catheter in the
  * fine tube, which its balloon fills and opens at a lesion; pulled while it is up, pushed after it is down, the lesion held open, and burst.
+ * stented: the J wire in the beating tube goes to and fro through and beside a stent that lies on nothing, is widened later, and loses half of its rings.
  * May include: core_scenes.h. Called by: core_hash.c. */
 #include "tools/check/core_scenes.h"
 
-enum { TUBE, FINE, AIR, COAXIAL, BEATING, BALLOON };
+enum { TUBE, FINE, AIR, COAXIAL, BEATING, BALLOON, STENTED };
 enum {
     BRICKS_X = 3,
     BRICKS_Y = 20,
@@ -36,7 +37,8 @@ enum {
 };
 
 const core_scene core_scenes[CORE_SCENE_COUNT] = {{"tube", 4000},    {"fine", 1500},    {"air", 1000},
-                                                  {"coaxial", 3000}, {"beating", 3500}, {"balloon", 3000}};
+                                                  {"coaxial", 3000}, {"beating", 3500}, {"balloon", 3000},
+                                                  {"stented", 4500}};
 
 /* What a scene's lumen is made in. One at a time: core_scene_start makes it anew. */
 static struct {
@@ -190,7 +192,7 @@ static const seld_lumen *make_lumen(uint32_t scene)
         .index = field.index,
         .children = field.children,
         .samples = field.samples,
-        .motion = scene == BEATING ? make_motion() : NULL,
+        .motion = scene == BEATING || scene == STENTED ? make_motion() : NULL,
         .lesion_count = scene == BALLOON ? 1 : 0,
         .lesions = scene == BALLOON ? make_lesion() : NULL,
     };
@@ -295,10 +297,11 @@ static seld_instrument make_balloon_catheter(void)
 bool core_scene_start(uint32_t scene, seld_model *model, seld_state *state)
 {
     const uint32_t inserted_um[CORE_SCENE_COUNT][SELD_TOOL_MAX] = {
-        {40000}, {60000}, {200000}, {60000, 30000, 10000}, {40000}, {90000, 60000}};
+        {40000}, {60000}, {200000}, {60000, 30000, 10000}, {40000}, {90000, 60000}, {40000}};
     const seld_entry entry = {.position_m_q30 = {{0, 8 << 20, 0}}, .direction_q30 = {{0, SELD_ONE_Q30, 0}}};
     const seld_instrument tools[SELD_TOOL_MAX] = {
-        scene == FINE ? make_stiff_wire() : make_j_wire(scene == TUBE || scene == BEATING ? 500000 : 20000),
+        scene == FINE ? make_stiff_wire()
+                      : make_j_wire(scene == TUBE || scene == BEATING || scene == STENTED ? 500000 : 20000),
         scene == BALLOON ? make_balloon_catheter() : make_catheter(300000, 800, 40000),
         make_catheter(600000, 1100, -20000)};
     uint32_t tool_count = scene == COAXIAL ? SELD_TOOL_MAX : (scene == BALLOON ? 2 : 1);
@@ -369,6 +372,29 @@ static seld_input inflated(uint32_t tick, uint32_t variant)
     return input;
 }
 
+/* Twelve rings of a stent, one a tick: 4.8 mm wide, later 6; then the last six are taken away. */
+static seld_strut_order strut_at(uint32_t tick)
+{
+    enum { RINGS = 12, WIDENED = 1850, TAKEN = 3600 };
+    for (uint32_t i = 0; i < RINGS; i++) {
+        const uint32_t inside_um = tick == 1 + i ? 2400 : (tick == WIDENED + i ? 3000 : 0);
+        if (tick == TAKEN + i && i >= RINGS / 2) return (seld_strut_order){.number = 30 + i};
+        if (inside_um == 0) continue;
+        return (seld_strut_order){
+            30 + i, {100 * (int32_t)i, 55000 + 2000 * (int32_t)i, -900}, inside_um, 80, i + 1 < RINGS};
+    }
+    return (seld_strut_order){.number = 0};
+}
+
+/* 45 mm to and fro, and a turn on the way that no two ways begin alike with. */
+static seld_input through_struts(uint32_t tick, uint32_t variant)
+{
+    const uint32_t phase = tick % 1800, place = phase < 900 ? phase : 1800 - phase;
+    seld_input input = {.hands[0] = {(int32_t)place * 53687, tick * (2717987u + variant)}};
+    input.strut = strut_at(tick);
+    return input;
+}
+
 seld_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant)
 {
     if (scene == FINE) { /* 0.5 m/s and 3 turns per second, to and fro every quarter of a second */
@@ -379,6 +405,7 @@ seld_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant)
     }
     if (scene == COAXIAL) return every_tool(tick, variant);
     if (scene == BALLOON) return inflated(tick, variant);
+    if (scene == STENTED) return through_struts(tick, variant);
     if (scene == AIR) return forward_and_back(tick, 600, 107374, 8589935u + variant);
     if (scene == BEATING) {
         seld_input input = forward_and_back(tick, 1200, 64425, 1717987u + variant);

@@ -6,7 +6,7 @@
 
 #include "firmware/core/core_state.h"
 
-enum { CORE_SCENE_COUNT = 6 };
+enum { CORE_SCENE_COUNT = 7 };
 
 typedef struct core_scene {
     const char *name;

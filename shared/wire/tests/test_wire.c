@@ -147,10 +147,18 @@ static void a_step_is_laid_out_as_documented(void **state)
                                               .scaffold_lesion = 1,
                                               .scaffold_first = 4,
                                               .scaffold_last = 12,
-                                              .scaffold_open_q15 = 0x7ffe}}};
-    const uint8_t expected[] = {4, 3, 2, 1, 1, 1, 0,    2,    0,    0xfe, 0xff, 0xff, 0xff, 5,    0,
-                                0, 0, 7, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 0x80, 0,    0,    0,    0,
-                                0, 0, 0, 3, 0, 0, 0,    1,    150,  0,    1,    4,    12,   0xfe, 0x7f};
+                                              .scaffold_open_q15 = 0x7ffe,
+                                              .strut_number = 64,
+                                              .strut_joined = 1,
+                                              .strut_x_um = 1,
+                                              .strut_y_um = -2,
+                                              .strut_z_um = 0x10203,
+                                              .strut_inside_um = 1500,
+                                              .strut_thickness_um = 81}}};
+    const uint8_t expected[] = {4, 3, 2, 1,    1,    1,    0,    2,    0,    0xfe, 0xff, 0xff, 0xff, 5,  0, 0,
+                                0, 7, 0, 0,    0,    0xff, 0xff, 0xff, 0xff, 0x80, 0,    0,    0,    0,  0, 0,
+                                0, 3, 0, 0,    0,    1,    150,  0,    1,    4,    12,   0xfe, 0x7f, 64, 1, 1,
+                                0, 0, 0, 0xfe, 0xff, 0xff, 0xff, 3,    2,    1,    0,    0xdc, 5,    81, 0};
     seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
     assert_true(seld_wire_put_step(&writer, &step));
     assert_int_equal(writer.length, sizeof expected);
