@@ -268,27 +268,33 @@ static void hashed_words(const seld_state_words *words, hashed_range ranges[2])
 
 /* Two 32-bit polynomials over even and odd words, sum of word[i] m^(n-i) with the odd FNV prime m: two operations a word, for
  * every tick. Each step is one to one in the lane and in the word, so a single wrong word never goes unseen. */
+static inline void add_to_lanes(const uint32_t *words, size_t count, uint32_t lane[2])
+{
+    uint32_t even = lane[0], odd = lane[1];
+    size_t i = 0;
+    for (; i + 8 <= count; i += 8) {
+        for (size_t k = 0; k < 8; k += 2) {
+            even = even * 16777619u + words[i + k];
+            odd = odd * 16777619u + words[i + k + 1];
+        }
+    }
+    for (; i < count; i++) {
+        even = even * 16777619u + words[i];
+    }
+    lane[0] = even;
+    lane[1] = odd;
+}
+
 void seld_state_hash_lanes(const seld_state *state, uint32_t lane[2])
 {
     const uint32_t *words = (const uint32_t *)&state->words;
     hashed_range ranges[2];
     hashed_words(&state->words, ranges);
-    uint32_t even = 2166136261u;
-    uint32_t odd = 3405691582u;
-    for (int r = 0; r < 2; r++) {
-        size_t i = ranges[r].first;
-        for (; i + 8 <= ranges[r].end; i += 8) {
-            for (size_t k = 0; k < 8; k += 2) {
-                even = even * 16777619u + words[i + k];
-                odd = odd * 16777619u + words[i + k + 1];
-            }
-        }
-        for (; i < ranges[r].end; i++) {
-            even = even * 16777619u + words[i];
-        }
-    }
-    lane[0] = even ^ (even >> 15);
-    lane[1] = odd ^ (odd >> 15);
+    uint32_t sums[2] = {2166136261u, 3405691582u};
+    add_to_lanes(words, ranges[0].end, sums);
+    add_to_lanes(words + ranges[1].first, ranges[1].end - ranges[1].first, sums);
+    lane[0] = sums[0] ^ (sums[0] >> 15);
+    lane[1] = sums[1] ^ (sums[1] >> 15);
 }
 
 uint64_t seld_state_hash64(const seld_state *state)

@@ -173,9 +173,10 @@ typedef struct seld_work {
 
 /* What presses on a node besides its first contact: struts and wall have it between them. */
 typedef struct seld_second_contact {
-    seld_vec3 normal_q30;
+    uint32_t node;
     int32_t depth_m_q30; /* at x* */
     int32_t stiffness;   /* Q(a) */
+    seld_vec3 normal_q30;
 } seld_second_contact;
 
 enum { SELD_SECOND_MAX = 48 /* nodes between two things; those behind them meet the deeper one only */ };

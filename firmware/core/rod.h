@@ -5,6 +5,9 @@
 
 #include "firmware/core/core_state.h"
 
+/* Kept out of the loops that call it: what happens seldom must not cost the others registers. */
+#define SELD_RARE __attribute__((noinline, cold))
+
 /* num / den for den > 0. Format: same Q in -> Q(q), q <= 30. Overflow: saturates. Error: 2^-29 relative. */
 static inline int32_t seld_quotient(int32_t num, int32_t den, unsigned q)
 {

@@ -153,8 +153,8 @@ static inline const seld_second_contact *second_of(const seld_state *state, cons
 }
 
 /* A node's normal force and that of its second contact after a deviation. Overflow: limited as one is. Format: Q22 N, Q33 m -> Q22 N. */
-static int32_t both_forces(const seld_state *state, const seld_work *work, int32_t force_N_q22,
-                           const seld_vec3 *deviation_m_q33)
+SELD_RARE static int32_t both_forces(const seld_state *state, const seld_work *work, int32_t force_N_q22,
+                                     const seld_vec3 *deviation_m_q33)
 {
     const seld_second_contact *second = second_of(state, work);
     const int32_t depth = seld_sub_sat(second->depth_m_q30, along(deviation_m_q33, &second->normal_q30) >> 3);
@@ -219,8 +219,12 @@ static inline void push_node(const seld_model *model, const seld_node_state *nod
     }
 }
 
-static void push_second(seld_work *work, const seld_second_contact *second)
+SELD_RARE static void push_second(seld_state *state, const seld_second_contact *second)
 {
+    seld_work *work = &state->scratch.nodes[second->node];
+    if (work->touching < 2) {
+        return; /* held */
+    }
     const int32_t push = normal_force(second->depth_m_q30);
     for (int k = 0; k < 3; k++) {
         work->force_N_q22.v[k] =
@@ -303,8 +307,8 @@ static int32_t worst_depth(const seld_vec3 *normal_q30, int32_t depth_m_q30, con
 }
 
 /* Struts take the place of what the wall is to the node when they are deeper; what is less deep and touches as well is its second contact. */
-static bool meet_struts(const seld_model *model, seld_state *state, seld_work *work,
-                        const seld_line_node *line, bool is_at_wall)
+SELD_RARE static bool meet_struts(const seld_model *model, seld_state *state, seld_work *work,
+                                  const seld_line_node *line, bool is_at_wall)
 {
     seld_lumen_sample struts;
     if (!seld_struts_wall(model, &state->words, &state->scratch.pose, &state->scratch, &work->position_m_q30,
@@ -316,13 +320,14 @@ static bool meet_struts(const seld_model *model, seld_state *state, seld_work *w
     const int32_t by_struts = worst_depth(&struts.normal_q30, depth, &drift);
     const int32_t by_wall =
         is_at_wall ? worst_depth(&work->normal_q30, work->depth_m_q30, &drift) : INT32_MIN;
-    seld_second_contact second = {struts.normal_q30, depth, stiffness_at(model, depth)};
+    const uint32_t node = (uint32_t)(work - state->scratch.nodes);
+    seld_second_contact second = {node, depth, stiffness_at(model, depth), struts.normal_q30};
     if (struts.distance_m_q30 > work->distance_m_q30) {
         work->distance_m_q30 = struts.distance_m_q30;
     }
     if (by_struts > by_wall) {
-        second = (seld_second_contact){work->normal_q30, work->depth_m_q30,
-                                       stiffness_at(model, work->depth_m_q30)};
+        second = (seld_second_contact){node, work->depth_m_q30, stiffness_at(model, work->depth_m_q30),
+                                       work->normal_q30};
         work->normal_q30 = struts.normal_q30;
         work->depth_m_q30 = depth;
     }
@@ -413,19 +418,18 @@ void seld_contact_forces(const seld_model *model, seld_state *state)
         if (work->touching) {
             push_node(model, node, work, line);
         }
-        if (work->touching > 1) {
-            push_second(work, second_of(state, work));
-        }
+    }
+    for (uint32_t k = 0; k < state->scratch.second_count; k++) {
+        push_second(state, &state->scratch.second[k]);
     }
 }
 
-/* Wall or struts, whichever is deeper at x*. */
-static bool deepest(const seld_model *model, seld_state *state, seld_work *work, const seld_line_node *line)
+/* Struts instead of the wall, or of nothing, where they are deeper at x*. */
+SELD_RARE static bool or_struts(const seld_model *model, seld_state *state, seld_work *work,
+                                const seld_line_node *line, bool is_known)
 {
-    const bool is_known = sample(model, state, work, line, false);
     seld_lumen_sample struts;
-    if (state->words.struts.used == 0 ||
-        !seld_struts_wall(model, &state->words, &state->scratch.pose, &state->scratch, &work->position_m_q30,
+    if (!seld_struts_wall(model, &state->words, &state->scratch.pose, &state->scratch, &work->position_m_q30,
                           line->radius_m_q30, &struts) ||
         (is_known && struts.distance_m_q30 <= work->distance_m_q30)) {
         return is_known;
@@ -448,8 +452,14 @@ uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t
     const seld_line_node *line = state->line.nodes;
     for (uint32_t i = 0; i < state->words.free_count; i++, work++, node++, line++) {
         bool held = work->touching || work->wall_friction != 0;
-        if (held || work->distance_m_q30 < -line->radius_m_q30 - reach ||
-            !deepest(model, state, work, line)) {
+        if (held || work->distance_m_q30 < -line->radius_m_q30 - reach) {
+            continue;
+        }
+        bool is_known = sample(model, state, work, line, false);
+        if (state->words.struts.used != 0) {
+            is_known = or_struts(model, state, work, line, is_known);
+        }
+        if (!is_known) {
             continue;
         }
         int32_t inwards = along(&work->solution_m_q33, &work->normal_q30);
