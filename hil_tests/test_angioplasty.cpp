@@ -153,14 +153,16 @@ struct Case {
         const auto third = static_cast<std::ptrdiff_t>(open.size() / 3);
         return *std::min_element(open.begin() + third, open.end() - third);
     }
-    // `nodes`: the line at its end; the hashes are not looked at then.
-    ReplayResult replay(const Recording &recording, std::vector<WireNode> *at_end = nullptr) const
+    // `at_end`: gets the line as it is then; the hashes are not looked at.
+    ReplayResult replay(const Recording &recording, std::vector<WireNode> *at_end = nullptr,
+                        double from_s = 0.0) const
     {
         const SceneFile scene = read_scene((folder / "artery.scene").string());
         const RecordingHeader &header = recording.header;
         Device device(scene, header.tools, header.entry, header.rig);
         ReplaySettings settings;
         settings.verifies = at_end == nullptr;
+        settings.from_s = from_s;
         const ReplayResult replayed = replay_recording(device, recording, nullptr, settings);
         if (at_end) {
             device.link().read_nodes();
@@ -355,7 +357,7 @@ void a_wire_beside_a_stent_meets_its_struts(void **)
     Case beside{
         begin_at(42.0) + up_and_down +
         "withdraw catheter until inserted 3 mm at 200 mm/s\nwithdraw wire until inserted 18 mm at 200 mm/s\n"
-        "rotate wire 90 deg\nadvance wire until inserted 40 mm at 40 mm/s\nwait 0.3 s\n"};
+        "rotate wire 90 deg\nadvance wire until inserted 40 mm at 8 mm/s\nwait 0.3 s\n"};
     beside.record = "beside.rec";
     beside.run();
     assert_true(beside.placed.at(0).stage == StentStage::deployed);
@@ -379,6 +381,10 @@ void a_wire_beside_a_stent_meets_its_struts(void **)
     assert_true(held > 0);
     assert_true(through.front().position_m.y() > tip.position_m.y() + 3e-3);
     assert_replays(beside);
+    // From the snapshot at 5 s, which has the rings.
+    const ReplayResult late = beside.replay(recording, nullptr, 5.1);
+    assert_false(late.first_difference_tick.has_value());
+    assert_true(late.hash == beside.result.hash && late.ticks_compared < beside.result.figures.ticks);
 }
 
 // 30 bar on a balloon that bursts at 22: no pressure from then on; the stent has been opened before, and is let go.

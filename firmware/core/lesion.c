@@ -226,6 +226,7 @@ bool seld_lesion_wall(const seld_model *model, const seld_state_words *words, se
         return seld_lesion_contact(model->lumen, &words->lesions, world_m_q30, sample);
     }
     const seld_vec3 reference = seld_motion_pull(motion, pose, world_m_q30);
+    pose->reference_m_q30 = reference;
     if (!seld_lesion_contact(model->lumen, &words->lesions, &reference, sample)) {
         return false;
     }

@@ -311,8 +311,7 @@ SELD_RARE static bool meet_struts(const seld_model *model, seld_state *state, se
                                   const seld_line_node *line, bool is_at_wall)
 {
     seld_lumen_sample struts;
-    if (!seld_struts_wall(model, &state->words, &state->scratch.pose, &state->scratch, &work->position_m_q30,
-                          line->radius_m_q30, &struts)) {
+    if (!seld_struts_here(model, state, &work->position_m_q30, line->radius_m_q30, &struts)) {
         return is_at_wall;
     }
     const int32_t depth = seld_add_sat(struts.distance_m_q30, line->radius_m_q30);
@@ -429,8 +428,7 @@ SELD_RARE static bool or_struts(const seld_model *model, seld_state *state, seld
                                 const seld_line_node *line, bool is_known)
 {
     seld_lumen_sample struts;
-    if (!seld_struts_wall(model, &state->words, &state->scratch.pose, &state->scratch, &work->position_m_q30,
-                          line->radius_m_q30, &struts) ||
+    if (!seld_struts_here(model, state, &work->position_m_q30, line->radius_m_q30, &struts) ||
         (is_known && struts.distance_m_q30 <= work->distance_m_q30)) {
         return is_known;
     }
@@ -585,7 +583,7 @@ bool seld_state_contact_force(const seld_model *model, const seld_state *state, 
     seld_lumen_sample struts, wall = wall_now(model, state, &pose, &n->position_m_q30);
     add_push(&wall, radius, force_N_q22);
     if (state->words.struts.used != 0 &&
-        seld_struts_wall(model, &state->words, &pose, NULL, &n->position_m_q30, radius, &struts)) {
+        seld_struts_wall(model, &state->words, &pose, &n->position_m_q30, radius, &struts)) {
         add_push(&struts, radius, force_N_q22);
     }
     for (int k = 0; k < 3; k++) {

@@ -160,14 +160,11 @@ static bool is_joined(const seld_strut_state *struts, uint32_t i)
     return true;
 }
 
-/* Unit vector along the chain at one of its rings: from the ring before to the one behind. */
-static seld_vec3 along_chain(const seld_strut_state *struts, uint32_t i)
+/* Along the chain at one of its rings, from the ring before to the one behind. Overflow: rings that are joined are less than 2^24 apart. */
+static seld_vec3 along_chain(const seld_strut_state *struts, uint32_t i, bool has_before, bool has_behind)
 {
-    const seld_vec3 none = {{0, 0, 0}};
-    const uint32_t from = i > 0 && is_joined(struts, i - 1) ? i - 1 : i,
-                   to = is_joined(struts, i) ? i + 1 : i;
-    return seld_vec3_normalise(
-        seld_vec3_sub(struts->rings[to].centre_m_q30, struts->rings[from].centre_m_q30), none, NULL);
+    const seld_strut_ring *ring = &struts->rings[i];
+    return seld_vec3_sub(ring[has_behind ? 1 : 0].centre_m_q30, (ring - (has_before ? 1 : 0))->centre_m_q30);
 }
 
 /* The struts at one place of the chain. */
@@ -213,34 +210,60 @@ static section end_at(const seld_strut_ring *ring, const seld_vec3 *out_q30, int
                      ring->thickness_m_q30, 0,        beyond_m_q30};
 }
 
-/* The section of the struts from ring i to the next in which a place lies; false: in another one's, or beyond an end. */
-static bool section_at(const seld_strut_state *struts, uint32_t i, const seld_vec3 *place, section *at)
+static seld_vec3 unit_of(const seld_vec3 *way)
 {
-    const seld_strut_ring *a = &struts->rings[i], *b = a + 1;
-    const seld_vec3 first = along_chain(struts, i), last = along_chain(struts, i + 1);
-    const seld_vec3 off_a = seld_vec3_sub(*place, a->centre_m_q30),
-                    off_b = seld_vec3_sub(*place, b->centre_m_q30);
-    const int32_t behind_a = seld_vec3_dot_unit(&off_a, &first), behind_b = seld_vec3_dot_unit(&off_b, &last);
     const seld_vec3 none = {{0, 0, 0}};
-    if (behind_a < 0) {
-        const seld_vec3 out = seld_vec3_sub(none, first);
-        *at = end_at(a, &out, -behind_a);
-        return i == 0 || !is_joined(struts, i - 1);
-    }
-    if (behind_b >= 0) {
-        *at = end_at(b, &last, behind_b);
-        return !is_joined(struts, i + 1);
-    }
-    const int32_t share = seld_quotient(behind_a, behind_a - behind_b, 30);
+    return seld_vec3_normalise(*way, none, NULL);
+}
+
+/* Between the planes across the chain at two rings. Overflow: within the box a place is less than 2^26 off. */
+static section section_between(const seld_strut_ring *ring, const seld_vec3 *first, const seld_vec3 *last,
+                               const seld_vec3 *off_a, const seld_vec3 *off_b)
+{
+    const seld_strut_ring *a = ring, *b = ring + 1;
+    const int32_t behind_a = seld_vec3_dot_unit(off_a, first), before_b = -seld_vec3_dot_unit(off_b, last);
+    const int32_t from_a = behind_a > 0 ? behind_a : 0, to_b = before_b > 0 ? before_b : 0;
+    const int32_t share = seld_quotient(from_a, from_a + to_b + 1, 30);
+    const seld_vec3 none = {{0, 0, 0}};
     int32_t apart;
     (void)seld_vec3_normalise(seld_vec3_sub(b->centre_m_q30, a->centre_m_q30), none, &apart);
     const int32_t slope = apart > 0 ? seld_quotient(b->inside_m_q30 - a->inside_m_q30, apart, 30) : 0;
-    *at = (section){vector_between(&a->centre_m_q30, &b->centre_m_q30, share),
-                    seld_vec3_normalise(vector_between(&first, &last, share), none, NULL),
-                    between(a->inside_m_q30, b->inside_m_q30, share),
-                    between(a->thickness_m_q30, b->thickness_m_q30, share),
-                    seld_clamp(slope, -STEEP_Q30, STEEP_Q30),
-                    0};
+    const seld_vec3 along = vector_between(first, last, share);
+    return (section){vector_between(&a->centre_m_q30, &b->centre_m_q30, share),
+                     unit_of(&along),
+                     between(a->inside_m_q30, b->inside_m_q30, share),
+                     between(a->thickness_m_q30, b->thickness_m_q30, share),
+                     seld_clamp(slope, -STEEP_Q30, STEEP_Q30),
+                     0};
+}
+
+/* The section of the struts from ring i to the next in which a place lies; false: in another one's, or beyond an end. Signs first: of the
+ * segments near a place all but one or two end there. */
+static bool section_at(const seld_strut_state *struts, uint32_t i, const seld_vec3 *place, section *at)
+{
+    const seld_strut_ring *a = &struts->rings[i], *b = a + 1;
+    const bool has_before = i > 0 && is_joined(struts, i - 1), has_behind = is_joined(struts, i + 1);
+    const seld_vec3 way_a = along_chain(struts, i, has_before, true),
+                    off_a = seld_vec3_sub(*place, a->centre_m_q30);
+    const bool is_before_a = seld_vec3_dot64(off_a, way_a) < 0;
+    if (is_before_a && has_before) {
+        return false;
+    }
+    const seld_vec3 way_b = along_chain(struts, i + 1, true, has_behind),
+                    off_b = seld_vec3_sub(*place, b->centre_m_q30);
+    const bool is_behind_b = seld_vec3_dot64(off_b, way_b) >= 0;
+    if (is_behind_b && !is_before_a && has_behind) {
+        return false;
+    }
+    const seld_vec3 none = {{0, 0, 0}}, first = unit_of(&way_a), last = unit_of(&way_b);
+    if (is_before_a) {
+        const seld_vec3 out = seld_vec3_sub(none, first);
+        *at = end_at(a, &out, seld_vec3_dot_unit(&off_a, &out));
+    } else if (is_behind_b) {
+        *at = end_at(b, &last, seld_vec3_dot_unit(&off_b, &last));
+    } else {
+        *at = section_between(a, &first, &last, &off_a, &off_b);
+    }
     return true;
 }
 
@@ -327,8 +350,9 @@ bool seld_struts_contact(const seld_strut_state *struts, const seld_vec3 *place_
     for (uint32_t i = 0; i + 1 < struts->used; i++) {
         section at;
         seld_lumen_sample here;
-        if (!is_joined(struts, i) || !is_near(&struts->rings[i], place_m_q30, radius_m_q30) ||
-            !section_at(struts, i, place_m_q30, &at) || !contact_of(&at, place_m_q30, radius_m_q30, &here)) {
+        if (!has_bit(struts->joined_bits, i) || !is_near(&struts->rings[i], place_m_q30, radius_m_q30) ||
+            !is_joined(struts, i) || !section_at(struts, i, place_m_q30, &at) ||
+            !contact_of(&at, place_m_q30, radius_m_q30, &here)) {
             continue;
         }
         if (!is_near_one || here.distance_m_q30 > sample->distance_m_q30) {
@@ -339,19 +363,36 @@ bool seld_struts_contact(const seld_strut_state *struts, const seld_vec3 *place_
     return is_near_one;
 }
 
-bool seld_struts_wall(const seld_model *model, const seld_state_words *words, seld_motion_pose *pose,
-                      const seld_scratch *box, const seld_vec3 *world_m_q30, int32_t radius_m_q30,
-                      seld_lumen_sample *sample)
+static void carry(const seld_motion *motion, seld_motion_pose *pose, seld_lumen_sample *sample)
 {
-    const seld_motion *motion = model->lumen->motion;
-    const seld_vec3 reference = motion == NULL ? *world_m_q30 : seld_motion_pull(motion, pose, world_m_q30);
-    if ((box != NULL && !is_in_box(box, &reference)) ||
-        !seld_struts_contact(&words->struts, &reference, radius_m_q30, sample)) {
-        return false;
-    }
     if (motion != NULL) {
         *sample = seld_motion_carry(motion, pose, *sample);
     }
+}
+
+bool seld_struts_here(const seld_model *model, seld_state *state, const seld_vec3 *world_m_q30,
+                      int32_t radius_m_q30, seld_lumen_sample *sample)
+{
+    const seld_motion *motion = model->lumen->motion;
+    seld_motion_pose *pose = &state->scratch.pose;
+    const seld_vec3 *reference = motion == NULL ? world_m_q30 : &pose->reference_m_q30;
+    if (!is_in_box(&state->scratch, reference) ||
+        !seld_struts_contact(&state->words.struts, reference, radius_m_q30, sample)) {
+        return false;
+    }
+    carry(motion, pose, sample);
+    return true;
+}
+
+bool seld_struts_wall(const seld_model *model, const seld_state_words *words, seld_motion_pose *pose,
+                      const seld_vec3 *world_m_q30, int32_t radius_m_q30, seld_lumen_sample *sample)
+{
+    const seld_motion *motion = model->lumen->motion;
+    const seld_vec3 reference = motion == NULL ? *world_m_q30 : seld_motion_pull(motion, pose, world_m_q30);
+    if (!seld_struts_contact(&words->struts, &reference, radius_m_q30, sample)) {
+        return false;
+    }
+    carry(motion, pose, sample);
     return true;
 }
 

@@ -25,11 +25,13 @@ void seld_struts_step(seld_state *state);
 bool seld_struts_contact(const seld_strut_state *struts, const seld_vec3 *place_m_q30, int32_t radius_m_q30,
                          seld_lumen_sample *sample);
 
-/* The same at a place in the world, where the vessel may have moved. `box`: that of this tick, which rules most places out; NULL: none was
- * made. */
+/* The same at a place in the world, where the vessel may have moved. */
 bool seld_struts_wall(const seld_model *model, const seld_state_words *words, seld_motion_pose *pose,
-                      const seld_scratch *box, const seld_vec3 *world_m_q30, int32_t radius_m_q30,
-                      seld_lumen_sample *sample);
+                      const seld_vec3 *world_m_q30, int32_t radius_m_q30, seld_lumen_sample *sample);
+
+/* The same in a tick, right after the wall was looked at there; most places are ruled out by the tick's box. */
+bool seld_struts_here(const seld_model *model, seld_state *state, const seld_vec3 *world_m_q30,
+                      int32_t radius_m_q30, seld_lumen_sample *sample);
 
 bool seld_struts_are_valid(const seld_strut_state *struts);
 

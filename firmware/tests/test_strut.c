@@ -219,7 +219,7 @@ static void struts_go_with_a_beating_vessel(void **state)
                 for (int k = 0; k < 3; k++) world.v[k] += reference.v[k] - back.v[k];
             }
             seld_lumen_sample sample;
-            assert_true(seld_struts_wall(&r->model, &r->state.words, &pose, NULL, &world, 1000, &sample));
+            assert_true(seld_struts_wall(&r->model, &r->state.words, &pose, &world, 1000, &sample));
             worst_m = fmax(worst_m, fabs(sample.distance_m_q30 / Q30));
             farthest_m = fmax(farthest_m, abs(world.v[1] - reference.v[1]) / Q30);
         }
