@@ -246,6 +246,13 @@ int list(const VesselTree &tree)
     return 0;
 }
 
+VesselTree tree_named(const std::string &name)
+{
+    if (name == "aorta") return aorta_tree();
+    if (name == "heart") return heart_tree();
+    return name == "access" ? access_tree() : phantom_tree();
+}
+
 void add_making_options(CLI::App &command, Options &options)
 {
     command.add_option("-o,--output", options.folder, "folder for scene.toml, meshes and centrelines")
@@ -278,6 +285,8 @@ int main(int argc, char **argv)
         "Examples:\n"
         "  anatomy aorta -o out/aorta && bake out/aorta/scene.toml -o out/aorta.seld\n"
         "  anatomy phantom -o out/phantom\n"
+        "  anatomy access -o out/access       a phantom with a long winding way in, to measure instruments "
+        "in\n"
         "  anatomy heart -o out/heart         a beating heart: 24 frames in out/heart/beat\n"
         "  anatomy heart -o out/lad --lesion LAD:75:14:22\n"
         "  anatomy beat lumen.ply --left 14 507 23 --right 0 501 40 --apex 73 434 81 -o out/beat/lumen\n"
@@ -289,6 +298,8 @@ int main(int argc, char **argv)
     auto *aorta = app.add_subcommand(
         "aorta", "a man's arteries from the groins to the arch, with bones, lungs and skin");
     auto *phantom = app.add_subcommand("phantom", "aorto-iliac and renal silicone phantom for benchmarks");
+    auto *access = app.add_subcommand(
+        "access", "silicone phantom with a long winding access, to measure instruments in; lumen only");
     auto *heart = app.add_subcommand(
         "heart", "the same man with coronary arteries and a heart that beats, in 24 frames of one topology");
     auto *beat = app.add_subcommand(
@@ -298,6 +309,7 @@ int main(int argc, char **argv)
     auto *table = app.add_subcommand("list", "stated diameters with position and source, tab separated");
     add_making_options(*aorta, options);
     add_making_options(*phantom, options);
+    add_making_options(*access, options);
     add_making_options(*heart, options);
     heart->add_flag("--heart-only", options.heart_only,
                     "only the heart and its vessels, without scene and lumen");
@@ -306,8 +318,8 @@ int main(int argc, char **argv)
     std::filesystem::path folder;
     checked->add_option("FOLDER", folder, "the folder of OBJ files")->required();
     std::string which = "aorta";
-    table->add_option("anatomy", which, "aorta, heart or phantom")
-        ->check(CLI::IsMember({"aorta", "heart", "phantom"}))
+    table->add_option("anatomy", which, "aorta, heart, phantom or access")
+        ->check(CLI::IsMember({"aorta", "heart", "phantom", "access"}))
         ->capture_default_str();
     try {
         app.parse(argc, argv);
@@ -315,8 +327,7 @@ int main(int argc, char **argv)
         return app.exit(error) == 0 ? 0 : 2;
     }
     try {
-        if (*table)
-            return list(which == "aorta" ? aorta_tree() : which == "heart" ? heart_tree() : phantom_tree());
+        if (*table) return list(tree_named(which));
         if (*checked) return check(folder);
         if (*beat) return make_beat(beat_options);
         openvdb::initialize();
@@ -324,6 +335,7 @@ int main(int argc, char **argv)
         if (*aorta)
             return make(options, aorta_tree(),
                         options.bodies ? patient_bodies(options.fineness) : std::vector<Body>{});
+        if (*access) return make(options, access_tree(), {});
         return make(options, phantom_tree(), phantom_bodies(options.fineness));
     } catch (const std::invalid_argument &error) {
         std::fprintf(stderr, "anatomy: %s\n", error.what());

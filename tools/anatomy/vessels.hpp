@@ -35,6 +35,7 @@ VesselTree heart_tree(); // the same with the coronary arteries
 std::vector<Vessel> coronary_arteries();
 bool is_right_coronary(const std::string &name); // of coronary_arteries()
 VesselTree phantom_tree();
+VesselTree access_tree(); // the phantom with a winding access
 
 Curve vessel_curve(const Vessel &vessel, double step_mm);
 

@@ -50,6 +50,8 @@ ALLOWED = {
     "tools/centreline/tests": ["tools/centreline", "tools/bake", "tools/mesh", "host/model"],
     "tools/anatomy": ["shared", "host/model", "tools/mesh", "tools/bake/mesh.hpp"] + CORE_PUBLIC,
     "tools/case": ["host/model/toml.hpp", "host/model/pending_file.hpp", "shared/wire/wire.h"],
+    "tools/reference_rod": ["tools/case", "tools/vcsim3/lumen.hpp", "host/model/instrument.hpp", "host/model/pending_file.hpp", "shared/wire/wire.h"],
+    "tools/reference_rod/tests": ["tools/reference_rod", "tools/validate/elastica.hpp", "firmware/tests/reference"],
     "tools/case/tests": ["tools/case", "host/tests/folder.hpp"],
     # Pictures, tables and the reader of scenes are those of the thesis' baseline; core_rod.cpp owns the core's memory.
     "tools/calibrate": ["tools/case", "tools/vcsim3", "shared/wire", "host/model", "host/app/interrupt.hpp",

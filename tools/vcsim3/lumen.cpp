@@ -1,5 +1,5 @@
 // Reading a scene file and evaluating its field. The spline's weights at fraction u of a voxel are (1-u)^2/2,
-// 1/2 + u - u^2 and u^2/2; their slopes -(1-u), 1-2u and u.
+// 1/2 + u - u^2 and u^2/2; their slopes -(1-u), 1-2u and u; their bends 1, -2 and 1.
 // May include: lumen.hpp, shared/scene. Called by: whoever needs a vessel.
 #include "tools/vcsim3/lumen.hpp"
 #include "shared/scene/scene.h"
@@ -16,6 +16,7 @@ namespace
 constexpr double far_m = 0.015625;
 constexpr double voxel_m = 1.0 / (1 << (30 - SELD_LUMEN_VOXEL_LOG2_Q30));
 constexpr double brick_m = static_cast<int>(SELD_LUMEN_BRICK_EDGE) * voxel_m;
+constexpr double bends[3] = {1.0, -2.0, 1.0};
 constexpr int row = 10, slice = 100; // coefficients along x, and in a plane
 
 double metres(std::int32_t q30)
@@ -60,17 +61,27 @@ struct Weights {
     }
 };
 
-} // namespace
+// One row of taps along x: value, slope and bend.
+struct Line {
+    double value, slope, bend;
+};
 
-LumenSample sample_lumen(const seld_lumen &lumen, const Vector &position_m)
+Line along_x(const std::int8_t *taps, const Weights &x)
+{
+    return {taps[0] * x.value[0] + taps[1] * x.value[1] + taps[2] * x.value[2],
+            taps[0] * x.slope[0] + taps[1] * x.slope[1] + taps[2] * x.slope[2],
+            static_cast<double>(taps[0] - 2 * taps[1] + taps[2])};
+}
+
+template <bool with_second> LumenField evaluate(const seld_lumen &lumen, const Vector &position_m)
 {
     Eigen::Array3d place;
     for (int k = 0; k < 3; k++) place[k] = (position_m[k] - metres(lumen.origin_m_q30[k])) / brick_m;
     int level = 0;
     const std::uint32_t entry = find_entry(lumen, place, level);
-    LumenSample sample;
-    sample.distance_m = entry == SELD_LUMEN_ENTRY_INSIDE ? -far_m : far_m;
-    if (entry < SELD_LUMEN_ENTRY_FIRST_BRICK) return sample;
+    LumenField field;
+    field.distance_m = entry == SELD_LUMEN_ENTRY_INSIDE ? -far_m : far_m;
+    if (entry < SELD_LUMEN_ENTRY_FIRST_BRICK) return field;
 
     const Eigen::Array3i cell = place.floor().cast<int>().min(SELD_LUMEN_BRICK_EDGE - 1);
     const Weights x(place[0] - cell[0]), y(place[1] - cell[1]), z(place[2] - cell[2]);
@@ -80,21 +91,50 @@ LumenSample sample_lumen(const seld_lumen &lumen, const Vector &position_m)
         cell[2] * slice + cell[1] * row + cell[0];
     double value = 0.0;
     Vector slope = Vector::Zero();
+    Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
     for (int k = 0; k < 3; k++) {
         for (int j = 0; j < 3; j++) {
-            const std::int8_t *taps = c + k * slice + j * row;
-            const double line = taps[0] * x.value[0] + taps[1] * x.value[1] + taps[2] * x.value[2];
-            value += line * y.value[j] * z.value[k];
-            slope.y() += line * y.slope[j] * z.value[k];
-            slope.z() += line * y.value[j] * z.slope[k];
-            slope.x() += (taps[0] * x.slope[0] + taps[1] * x.slope[1] + taps[2] * x.slope[2]) * y.value[j] *
-                         z.value[k];
+            const Line line = along_x(c + k * slice + j * row, x);
+            value += line.value * y.value[j] * z.value[k];
+            slope.y() += line.value * y.slope[j] * z.value[k];
+            slope.z() += line.value * y.value[j] * z.slope[k];
+            slope.x() += line.slope * y.value[j] * z.value[k];
+            if constexpr (with_second) {
+                second(0, 0) += line.bend * y.value[j] * z.value[k];
+                second(1, 1) += line.value * bends[j] * z.value[k];
+                second(2, 2) += line.value * y.value[j] * bends[k];
+                second(0, 1) += line.slope * y.slope[j] * z.value[k];
+                second(0, 2) += line.slope * y.value[j] * z.slope[k];
+                second(1, 2) += line.value * y.slope[j] * z.slope[k];
+            }
         }
     }
-    sample.distance_m = std::ldexp(value * voxel_m / 32.0, -level);
-    const double steepness = slope.norm();
-    if (steepness > 1e-9) sample.inward = -slope / steepness;
+    field.distance_m = std::ldexp(value * voxel_m / 32.0, -level);
+    field.gradient = slope / 32.0;
+    if constexpr (with_second) {
+        second(1, 0) = second(0, 1);
+        second(2, 0) = second(0, 2);
+        second(2, 1) = second(1, 2);
+        field.second_per_m = second * std::ldexp(1.0 / (32.0 * voxel_m), level);
+    }
+    return field;
+}
+
+} // namespace
+
+LumenSample sample_lumen(const seld_lumen &lumen, const Vector &position_m)
+{
+    const LumenField field = evaluate<false>(lumen, position_m);
+    LumenSample sample;
+    sample.distance_m = field.distance_m;
+    const double steepness = field.gradient.norm();
+    if (steepness > 1e-9 / 32.0) sample.inward = -field.gradient / steepness;
     return sample;
+}
+
+LumenField lumen_field(const seld_lumen &lumen, const Vector &position_m)
+{
+    return evaluate<true>(lumen, position_m);
 }
 
 Vessel::Vessel(const std::string &path) : bytes_(read_bytes(path))

@@ -1,6 +1,7 @@
 // The vessel in double precision: the same sparse field of B-spline coefficients that the core reads (lumen.h of the
 // core states the layout), evaluated here independently of the core's arithmetic.
-// May include: shared/scene, the core's lumen.h. Called by: collision, direct, pictures, tests.
+// May include: Eigen, shared/scene, the core's lumen.h. Called by: collision, direct, pictures, tests,
+// tools/reference_rod.
 #pragma once
 #include "tools/vcsim3/rod.hpp"
 extern "C" {
@@ -16,6 +17,14 @@ namespace vcsim3
 struct LumenSample {
     double distance_m = 0.0;        // negative inside the lumen
     Vector inward = Vector::Zero(); // unit normal; zero far from the wall
+};
+
+// The field itself: its gradient is not quite of length 1, and it is what the value's change follows. Second derivatives jump
+// at the borders of voxels. Both are zero far from the wall.
+struct LumenField {
+    double distance_m = 0.0; // negative inside the lumen
+    Vector gradient = Vector::Zero();
+    Eigen::Matrix3d second_per_m = Eigen::Matrix3d::Zero();
 };
 
 // The lumen and where the rod enters. Owns the bytes of its file, so it is neither copied nor moved.
@@ -48,5 +57,7 @@ class Vessel
 
 // The field at a point: value and gradient of 27 coefficients. Far from every wall +-15.6 mm with no normal.
 LumenSample sample_lumen(const seld_lumen &lumen, const Vector &position_m);
+
+LumenField lumen_field(const seld_lumen &lumen, const Vector &position_m);
 
 } // namespace vcsim3

@@ -1,0 +1,37 @@
+// Symmetric matrix whose entries lie within `Band::reach` of the diagonal, its Cholesky factor and the solution of a system.
+// May include: Eigen. Called by: equilibrium, tests.
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+namespace seld::reference
+{
+
+class Band
+{
+  public:
+    static constexpr int reach = 10; // of a joint: three nodes and two edges have 11 unknowns side by side
+
+    void reset(int size); // all zero
+    int size() const { return size_; }
+    // Entry (row, column) with row >= column >= row - reach.
+    double &at(int row, int column)
+    {
+        return entries_[static_cast<std::size_t>(row) * (reach + 1) + column - row + reach];
+    }
+    double at(int row, int column) const
+    {
+        return entries_[static_cast<std::size_t>(row) * (reach + 1) + column - row + reach];
+    }
+
+    // Becomes its own lower Cholesky factor. False where it is not positive definite; its entries are lost then.
+    bool factor();
+    // After factor(): right side -> solution.
+    void solve(Eigen::VectorXd &x) const;
+
+  private:
+    int size_ = 0;
+    std::vector<double> entries_; // row by row, `reach` left of the diagonal and the diagonal
+};
+
+} // namespace seld::reference

@@ -1,0 +1,30 @@
+// Curvature and twist at a joint of a discrete rod with their first and second derivatives.
+// May include: Eigen. Called by: rod, tests.
+#pragma once
+#include <Eigen/Core>
+
+namespace seld::reference
+{
+
+// Unknowns in order: rear node, angle of the rear edge, node, angle of the front edge, front node.
+using Slope = Eigen::Matrix<double, 11, 1>;
+using Second = Eigen::Matrix<double, 11, 11>;
+
+struct Measure {
+    double value = 0.0;
+    Slope slope = Slope::Zero();
+    Second second = Second::Zero();
+};
+
+// Edges as vectors (forward) and their material axes d1.
+struct Joint {
+    Eigen::Vector3d rear, front, rear_d1, front_d1;
+    double twist = 0.0; // of the material frames
+};
+
+// Towards d1, towards t x d1, and twist. `with_second`: also second derivatives. For frames that go along by the smallest
+// turn of their tangent: Bergou et al. 2010, appendix, and Panetta et al., X-Shells, 2019 for the twist's.
+void joint_measures(const Joint &joint, bool with_second, Measure &curvature1, Measure &curvature2,
+                    Measure &twist);
+
+} // namespace seld::reference
