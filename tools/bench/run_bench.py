@@ -19,6 +19,7 @@ import budget
 TABLE = os.path.join("out", "bench.tsv")
 TIME_LIMIT_S = 900
 SESSION = "session.realtime_factor"
+CALIBRATED = "shared/examples/instruments/amplatz_super_stiff.toml"
 
 
 class CannotMeasure(Exception):
@@ -121,6 +122,44 @@ def session_cases(options):
         yield SESSION, "1", context, lambda arguments=arguments: realtime_factor(options, arguments)
 
 
+def make_calibration(options, folder):
+    """A case in the phantom, 300 mm deep at its second depth; its scans are an insertion of the nominal instrument."""
+    phantom = os.path.join(folder, "phantom")
+    run([os.path.join(options.build, "bin", "anatomy"), "phantom", "-o", phantom, "--no-bodies", "--quiet"])
+    text = os.path.join(phantom, "scene.toml")
+    run([os.path.join(options.build, "bin", "bake"), text, "-o", os.path.join(folder, "phantom.scene"), "--points", "1000", "--poses", "0"])
+    with open(text, encoding="utf-8") as file:
+        entry = dict(re.findall(r"^(position_mm|direction) = (\[.*\])", file.read(), re.M))
+    lines = ["format = 1", 'name = "bench"', 'scene = "phantom.scene"', "mouth_mm = " + entry["position_mm"], "direction = " + entry["direction"],
+             'instrument = "%s"' % os.path.abspath(CALIBRATED), "friction_kinetic = 0.1", "friction_static = 0.1", "speed_mm_per_s = 20"]
+    for number, inserted_mm in enumerate((240, 300), 1):
+        lines += ["[[depth]]", 'name = "%d mm"' % inserted_mm, "inserted_mm = %d" % inserted_mm, "turn_deg = 0", 'centreline = "depth_%d.csv"' % number]
+        with open(os.path.join(folder, "depth_%d.csv" % number), "w", encoding="utf-8") as file:
+            file.write("x_mm,y_mm,z_mm\n0,0,0\n1,0,0\n")
+    with open(os.path.join(folder, "case.toml"), "w", encoding="utf-8") as file:
+        file.write("\n".join(lines) + "\n")
+    run([os.path.join(options.build, "bin", "calibrate"), folder, "--evaluate", "-o", folder])
+
+
+def calibration_rate(options, threads):
+    """Insertions per second, as calibrate says them."""
+    with tempfile.TemporaryDirectory() as folder:
+        make_calibration(options, folder)
+        command = [os.path.join(options.build, "bin", "calibrate"), folder, "-o", os.path.join(folder, "fit"), "--threads", str(threads),
+                   "--population", "16", "--generations", "4", "--no-ranges", "--no-page"]
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=TIME_LIMIT_S, check=False)
+        rate = re.search(r"([0-9.]+) per s$", done.stderr, re.M)
+        if done.returncode != 0 or rate is None:
+            raise CannotMeasure("%s: %s" % (" ".join(command), done.stderr.strip()[-300:]))
+        return float(rate.group(1))
+
+
+def calibration_cases(options):
+    for threads in sorted({1, os.cpu_count() or 1}):
+        yield ("calibrate.evaluations_per_s", "1/s", "threads=%d inserted_mm=300" % threads,
+               lambda threads=threads: calibration_rate(options, threads))
+
+
 def budget_rows(options):
     """The Cortex-M7's rows (tools/bench/budget.py), and how many of them could not be measured."""
     try:
@@ -175,6 +214,7 @@ def main():
         return 1
     if not options.only_programs:
         cases += session_cases(options)
+        cases += calibration_cases(options)
     rows, failed = run_cases(cases, options.cases)
     if not options.only_programs and (options.cases in "rod.m7_" or options.cases.startswith("rod.m7")):
         more, missed = budget_rows(options)

@@ -7,6 +7,7 @@
 #include "tools/calibrate/result.hpp"
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <thread>
@@ -226,19 +227,25 @@ int calibrate(const Options &options, MpiJob *job)
     seld::watch_for_interrupt();
     seld::ProgressLine line(!options.quiet);
     std::string doing;
-    std::size_t total = 1;
+    std::size_t total = 1, made = 0; // trials: of the batch under way; of all
     const Progress progress = [&](std::size_t done) { line.show(doing, done, total); };
     const std::unique_ptr<Workers> workers =
         job ? job->workers(options.threads, one, seld::is_interrupted, progress)
             : thread_workers(options.threads, one, seld::is_interrupted, progress);
     const EvaluateShares evaluate = [&](const std::vector<std::vector<double>> &trials) {
         total = trials.size();
+        made += total;
         return workers->evaluate(trials);
     };
     if (!options.quiet) std::fprintf(stderr, "calibrate: %s\n", workers->description().c_str());
     std::vector<Finished> searches;
+    const auto begun = std::chrono::steady_clock::now();
     for (const std::string &method : options.methods)
         searches.push_back(search(options, *method_of(method), setup, evaluate, doing));
+    const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    if (!options.quiet && made > 0)
+        std::fprintf(stderr, "\rcalibrate: %zu insertions in %.1f s, %.2f per s\n", made, took_s,
+                     static_cast<double>(made) / took_s);
     doing = "how well each number is determined";
     const Result result = make_result(setup.c, *setup.evaluator, *setup.careful, *setup.judge, searches,
                                       evaluate, options.identify);
@@ -294,7 +301,8 @@ void add_options(CLI::App &app, Options &options, CLI::Option *&trial)
                    "first depths that are fitted; the others validate")
         ->check(CLI::Range(1, 16))
         ->capture_default_str();
-    app.add_option("--speed-mm-s", options.insertion.speed_mm_per_s, "of the hand; 0: the case's")
+    app.add_option("--speed-mm-s", options.insertion.speed_mm_per_s,
+                   "of the hand, or the case's where that is faster")
         ->check(CLI::Range(0.0, 200.0))
         ->capture_default_str();
     app.add_option("--element-factor", options.insertion.element_factor,

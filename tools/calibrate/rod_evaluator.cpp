@@ -117,7 +117,7 @@ RodEvaluator::RodEvaluator(const insertion::Case &c, const vcsim3::Vessel &vesse
     : case_(c), vessel_(vessel), settings_(settings),
       instrument_(read_instrument(c.path_in(c.instrument).string()))
 {
-    if (settings_.speed_mm_per_s <= 0.0) settings_.speed_mm_per_s = c.speed_mm_per_s;
+    settings_.speed_mm_per_s = std::max(settings_.speed_mm_per_s, c.speed_mm_per_s);
     const seld_wire_instrument &table = instrument_.table;
     const RodValues nominal = nominal_values(table);
     parameters_ = parameters_of(nominal, std::abs(std::log(nominal.tip_over_shaft)) > 1e-3);
@@ -126,6 +126,7 @@ RodEvaluator::RodEvaluator(const insertion::Case &c, const vcsim3::Vessel &vesse
 InsertionSettings careful_settings()
 {
     InsertionSettings settings;
+    settings.speed_mm_per_s = 0.0;
     settings.still_um_per_tick = 0.02;
     settings.settle_max_ticks = 5000;
     settings.element_factor = 0.5;

@@ -14,7 +14,7 @@ namespace seld::calibrate
 // How the hand moves, and when the instrument is at rest. The defaults are measured: docs/calibrate.md, "Short cuts".
 struct InsertionSettings {
     double start_mm = 5.0;          // inserted when the hand begins; the core may need a little more
-    double speed_mm_per_s = 0.0;    // of the hand; 0: the case's
+    double speed_mm_per_s = 30.0;   // of the hand; the case's where that is faster
     double still_um_per_tick = 0.2; // at rest: no node moves more, for `still_ticks`
     int still_ticks = 50;
     int settle_max_ticks = 1000;
