@@ -11,6 +11,8 @@ include tools/reference_rod/reference_rod.mk
 ROD_TESTS      := $(wildcard tools/reference_rod/tests/test_*.cpp)
 CASE_TESTS     := $(wildcard tools/case/tests/test_*.cpp)
 include tools/calibrate/calibrate.mk
+include tools/ct/ct.mk
+CT_TESTS       := $(wildcard tools/ct/tests/test_*.cpp)
 CALIBRATE_TESTS := $(wildcard tools/calibrate/tests/test_*.cpp)
 HIL_TESTS      := $(wildcard hil_tests/*/tests/test_*.cpp)
 SYSTEM_TESTS   := $(wildcard hil_tests/test_*.cpp) # the whole program against real anatomy
@@ -32,11 +34,12 @@ $(foreach t,$(THESIS_TESTS),$(eval $(call test_rule,$(t),tools/vcsim3 host/app h
 $(foreach t,$(VALIDATE_TESTS),$(eval $(call test_rule,$(t),$(VALIDATE_LIBS),,)))
 $(foreach t,$(ROD_TESTS),$(eval $(call test_rule,$(t),tools/validate $(ROD_LIBS),,firmware/tests/reference/tube_lumen.c)))
 $(foreach t,$(CASE_TESTS),$(eval $(call test_rule,$(t),$(CASE_LIBS),,)))
+$(foreach t,$(CT_TESTS),$(eval $(call test_rule,$(t),$(CT_LIBS),$(CT_LINK),$(CT_HOST))))
 $(foreach t,$(CALIBRATE_TESTS),$(eval $(call test_rule,$(t),$(CALIBRATE_LIBS),$(CALIBRATE_LINK),)))
 $(foreach t,$(HIL_TESTS),$(eval $(call test_rule,$(t),$(HIL_LIBS),$(HOST_LINK),$(REFERENCE))))
 $(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/room host/dicom host/xray/gl host/xray host/stent host/effects host/link tools/bake tools/centreline tools/mesh host/model $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
-ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS) $(TOOL_TESTS) $(LINE_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(ROD_TESTS) $(CASE_TESTS) $(CALIBRATE_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
+ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS) $(TOOL_TESTS) $(LINE_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(ROD_TESTS) $(CASE_TESTS) $(CT_TESTS) $(CALIBRATE_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
 
 tests-build: $(ALL_TEST_PROGRAMS) $(HIL_RIG) $(BUILD)/firmware/seldinger-mps2_an500.elf $(BUILD)/firmware/seldinger-imxrt1062.elf ## build the test programs
 tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS),$(call test_program,$(t))) $(BUILD)/firmware/seldinger-mps2_an500.elf $(BUILD)/bin/seldinger ## build those without OpenVDB

@@ -1,0 +1,14 @@
+// An instrument file as the scanner sees it. May include: scanner, host/model/instrument. Called by: commands, tests.
+#pragma once
+#include "tools/ct/scanner.hpp"
+
+namespace seld::ct
+{
+
+// Stretches of constant section from the tip, from the file's knots and layers. Throws seld::FileError, Fault.
+std::vector<ScanStretch> stretches_of(const std::string &instrument_path);
+
+// A round tube of one material. Throws Fault for a material nobody knows.
+std::vector<ScanStretch> plain_stretch(double radius_mm, double bore_mm, const std::string &material);
+
+} // namespace seld::ct

@@ -1,0 +1,72 @@
+// A CT volume: Hounsfield units on a grid with spacing, origin and direction.
+// Three frames: voxel (whole numbers are the middles of voxels), LPS (what scanners and ITK use: +x patient left, +y back,
+// +z head, mm) and the scene's (+x left, +y head, +z front, mm). Only the two functions below know how the last two go
+// together. May include: Eigen and the standard library. Called by: tools/ct.
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace seld::ct
+{
+
+inline Eigen::Vector3d scene_from_lps(const Eigen::Vector3d &lps)
+{
+    return {lps.x(), lps.z(), -lps.y()};
+}
+inline Eigen::Vector3d lps_from_scene(const Eigen::Vector3d &scene)
+{
+    return {scene.x(), -scene.z(), scene.y()};
+}
+
+struct Volume {
+    std::array<int, 3> size = {0, 0, 0};
+    Eigen::Vector3d spacing_mm = Eigen::Vector3d::Ones();
+    Eigen::Vector3d origin_mm = Eigen::Vector3d::Zero();     // LPS, middle of the first voxel
+    Eigen::Matrix3d direction = Eigen::Matrix3d::Identity(); // columns: unit vectors of the axes in LPS
+    std::vector<float> hu;                                   // first axis fastest
+    std::string name;                                        // file or folder, for messages
+    std::vector<std::string> notes;                          // what was put right while reading
+
+    std::size_t count() const
+    {
+        return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) *
+               static_cast<std::size_t>(size[2]);
+    }
+    std::size_t at(int i, int j, int k) const
+    {
+        return (static_cast<std::size_t>(k) * static_cast<std::size_t>(size[1]) +
+                static_cast<std::size_t>(j)) *
+                   static_cast<std::size_t>(size[0]) +
+               static_cast<std::size_t>(i);
+    }
+    bool holds(int i, int j, int k) const
+    {
+        return i >= 0 && j >= 0 && k >= 0 && i < size[0] && j < size[1] && k < size[2];
+    }
+    Eigen::Vector3d lps(const Eigen::Vector3d &voxel) const
+    {
+        return origin_mm + direction * spacing_mm.cwiseProduct(voxel);
+    }
+    Eigen::Vector3d scene(const Eigen::Vector3d &voxel) const { return scene_from_lps(lps(voxel)); }
+    Eigen::Vector3d voxel(const Eigen::Vector3d &scene_mm) const
+    {
+        return (direction.transpose() * (lps_from_scene(scene_mm) - origin_mm)).cwiseQuotient(spacing_mm);
+    }
+    // A shift in voxels becomes one in the scene's millimetres, and its inverse.
+    Eigen::Matrix3d scene_per_voxel() const;
+    // Between voxels by the nearest eight; outside: the value at the border.
+    double value(const Eigen::Vector3d &voxel) const;
+    // The same volume with all voxels set to `fill`, for masks and speeds.
+    Volume like(float fill) const;
+};
+
+// A left-handed grid turned right-handed: the third axis is counted from its other end. Every place keeps its value.
+void make_right_handed(Volume &volume);
+
+// The box [low, high) of voxels as a volume of its own.
+Volume cut_out(const Volume &volume, const std::array<int, 3> &low, const std::array<int, 3> &high);
+
+} // namespace seld::ct
