@@ -43,7 +43,7 @@ class Insertion
     void stiffen_mouth(); // what lies in the sheath does not bend
 
     Rod rod_;
-    const Physics &physics_;
+    Physics physics_;
     Sheath sheath_;
     State state_;
     std::vector<Anchor> anchors_;
