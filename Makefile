@@ -120,12 +120,14 @@ $(BUILD)/obj/%.cpp.o: %.cpp $(if $(PCH),| $(foreach kind,plain pixels quick,$(BU
 	@mkdir -p $(@D)
 	$(Q) $(CXX) $(if $(PCH),-include $(PCH_FOLDER)/headers.hpp) $(CXXFLAGS) $(OPT) -c $< -o $@
 
-# Six files of a folder are compiled as one, which takes two thirds of the time: headers are read once. Not those with flags of their own, nor those
-# that use the same names for themselves. Who edits wants UNITY= once: where such objects are, they stay in use.
+# Six files of these folders are compiled as one, which takes two thirds of the time: headers are read once. Not those with flags of their own, nor those
+# that use the same names for themselves: gcc then says that something is defined twice, and the file belongs into ALONE. Who edits wants UNITY= once: where such objects are, they stay in use.
 UNITY ?= $(if $(wildcard $(BUILD)/obj/host/app/run.cpp.o),,yes)
-ALONE := host/app/cli.cpp host/app/cli_rig.cpp host/app/cli_dicom.cpp host/model/lesion_%.cpp host/model/opened_%.cpp hil_tests/cases/%_cases.cpp tools/vcsim3/figures.cpp tools/calibrate/workers_mpi.cpp tools/ct/volume_%.cpp tools/ct/snake.cpp tools/ct/scanner%.cpp
+JOINED_FOLDERS := host/app host/room host/dicom host/stent host/model tools/centreline tools/centreline/fit tools/bake tools/anatomy
+ALONE := host/app/cli.cpp host/app/cli_rig.cpp host/app/cli_dicom.cpp host/model/lesion_%.cpp host/model/opened_%.cpp tools/bake/form.cpp tools/bake/surface.cpp \
+         tools/anatomy/coronary_tree.cpp tools/anatomy/organs_%.cpp
 SIXES := 1:6 7:12 13:18 19:24 25:30 31:36 37:42 43:48 49:54 55:60 61:66 67:72 73:78 79:84 85:90 91:96 97:102 103:108
-joined  = $(if $(UNITY),$(filter-out $(ALONE),$(filter %.cpp,$(lib_sources))))
+joined  = $(if $(and $(UNITY),$(filter $(1),$(JOINED_FOLDERS))),$(filter-out $(ALONE),$(filter %.cpp,$(lib_sources))))
 # six(folder, 7:12): these files of the folder
 six     = $(wordlist $(word 1,$(subst :, ,$(2))),$(word 2,$(subst :, ,$(2))),$(joined))
 unities = $(foreach range,$(SIXES),$(if $(call six,$(1),$(range)),$(BUILD)/unity/$(1)/unity_$(word 1,$(subst :, ,$(range))).cpp))

@@ -5,6 +5,7 @@
 #include "tools/vcsim3/tables.hpp"
 #include "tools/vcsim3/vessel_picture.hpp"
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace seld::calibrate
@@ -197,8 +198,8 @@ void draw_shapes(const Result &result, const vcsim3::Vessel &vessel, const std::
     const int width =
         std::max(720, static_cast<int>(gap + panel * static_cast<double>(result.depths.size())));
     Canvas canvas(width, static_cast<int>(head + 50 + picture.height()), vcsim3::paper);
-    vcsim3::draw_title(canvas, result.name + ": " + result.instrument,
-                       {"red: reference, green: simulated; seen from the front"});
+    vcsim3::draw_title(canvas, result.instrument,
+                       {result.name, "red: reference, green: simulated; seen from the front"});
     for (std::size_t i = 0; i < result.depths.size(); i++) {
         const DepthResult &depth = result.depths[i];
         const double left = gap + panel * static_cast<double>(i), top = head + 40;
@@ -226,7 +227,9 @@ void draw_curves(const Result &result, const std::string &path)
         }
     vcsim3::draw_title(canvas, "Best objective (mm) by insertions", {result.name});
     vcsim3::Chart chart(canvas, 110, 90, 870, 450,
-                        {low * 0.8, std::min(high, 100.0) * 1.2, true, "objective (mm)"});
+                        {std::pow(10.0, std::floor(std::log10(low))),
+                         std::pow(10.0, std::ceil(std::log10(std::min(high, 100.0)))), true,
+                         "objective (mm)"});
     chart.draw_frame();
     std::vector<std::pair<Colour, std::string>> legend;
     for (const MethodResult &method : result.methods) {

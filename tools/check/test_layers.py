@@ -57,7 +57,7 @@ ALLOWED = {
     "tools/calibrate": ["tools/case", "tools/vcsim3", "shared/wire", "host/model", "host/app/interrupt.hpp",
                         "host/app/progress_line.hpp"] + CORE_PUBLIC,
     "tools/calibrate/tests": ["tools/calibrate", "tools/case", "host/model", "host/tests/folder.hpp"],
-    "tools/ct": ["tools/case", "tools/bake", "tools/mesh", "host/model", "host/xray", "host/app/picture_canvas.hpp"],
+    "tools/ct": ["tools/case", "tools/reference_rod/truth.hpp", "tools/reference_rod/truth_options.hpp", "tools/bake", "tools/mesh", "host/model", "host/xray", "host/app/picture_canvas.hpp"],
     "tools/ct/tests": ["tools/ct", "tools/case", "tools/bake", "tools/mesh", "host/tests/folder.hpp"],
     "tools/mesh": [],
     # core_hash.c owns the core's memory and looks into it; it also runs on a bare board.

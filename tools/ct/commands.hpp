@@ -1,7 +1,8 @@
-// What `ct`'s sub-commands do. May include: everything of tools/ct. Called by: main.
+// What `ct`'s sub-commands do. May include: everything of tools/ct, truth.hpp of tools/reference_rod. Called by: main.
 #pragma once
 #include "tools/ct/scanner.hpp"
 #include "tools/ct/segment.hpp"
+#include "tools/reference_rod/truth.hpp"
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -29,10 +30,12 @@ struct SimulateOptions {
     ScannerSettings scanner;
     PhantomMaterials phantom;
     std::filesystem::path folder;
-    std::string format = "nrrd"; // of the volumes: nrrd, nii.gz, mha, dicom
+    std::string format = "nrrd";   // of the volumes: nrrd, nii.gz, mha, dicom
+    reference::TruthRequest truth; // with an instrument: the case is made first, in this folder
 };
 
-// Scans every depth of a case whose truth/ is there, and writes the scans' names into case.toml. Throws Fault, CaseError.
+// Scans every depth of a case whose truth/ is there, and writes the scans' names into case.toml. Throws Fault, CaseError, and what
+// reference::make_case throws.
 void command_simulate(SimulateOptions options);
 
 struct SegmentCommand {

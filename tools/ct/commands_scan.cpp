@@ -90,8 +90,23 @@ void command_scan(ScanOptions options)
     tell(volume, options.output);
 }
 
+static void make_truth(const SimulateOptions &options)
+{
+    reference::TruthRequest request = options.truth;
+    request.folder = options.folder;
+    request.seed = options.scanner.seed;
+    if (request.scene.empty() || request.surface.empty() || request.depths.empty())
+        throw Fault("--instrument also needs --scene, --surface and a --depth for each scan");
+    const reference::Truth truth = reference::make_case(
+        request, [](const std::string &depth) { std::fprintf(stderr, "  inserted to %s\n", depth.c_str()); });
+    std::printf("%s: EI of the shaft %.4g N m2, alpha %.4g; %d steps, %d not at rest\n",
+                (options.folder / "case.toml").string().c_str(), truth.stiffness.shaft_N_m2,
+                truth.stiffness.tip_over_shaft, truth.run.steps, truth.run.unsettled);
+}
+
 void command_simulate(SimulateOptions options)
 {
+    if (!options.truth.instrument.empty()) make_truth(options);
     insertion::Case c = insertion::read_case(options.folder);
     if (c.surface.empty())
         throw Fault((c.folder / "case.toml").string() +

@@ -1,5 +1,5 @@
 # The program `ct` and its tests: docs/ct.md. Read by tools/testing.mk, whose rules and the Makefile's it uses.
-CT_LIBS := tools/ct tools/case tools/bake tools/centreline tools/mesh host/xray host/model firmware/core shared/scene shared/wire
+CT_LIBS := tools/ct tools/reference_rod tools/vcsim3 tools/case tools/bake tools/centreline tools/mesh host/xray host/model firmware/core shared/scene shared/wire
 CT_HOST := host/app/picture_canvas.cpp host/app/picture_font.cpp host/app/picture_png.cpp
 # The files that know ITK. Its headers accept gcc alone, and bring an Eigen of their own unless told that there is one.
 ITK_FILES   := volume_read volume_write snake

@@ -1,8 +1,8 @@
 // Command line of `ct`: docs/ct.md.
 #include "host/model/text.hpp"
 #include "tools/ct/commands.hpp"
+#include "tools/reference_rod/truth_options.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <thread>
 
@@ -14,6 +14,9 @@ using namespace seld::ct;
 constexpr const char *examples =
     "Examples:\n"
     "  ct simulate out/case                                 scans every depth of a case that has its truth\n"
+    "  ct simulate out/case --instrument rosen.toml --scene out/access.scene --surface out/access.ply \\\n"
+    "      --depth iliac:240:0 --depth aortic:300:0 --depth renal:362:0 --tip-factor 0.7   makes the truth "
+    "first\n"
     "  ct segment scan.nrrd -o out/seg                      lumen, instrument, centreline, report and "
     "pictures\n"
     "  ct segment out/case && ct check out/case             every depth of a case; how far from its truth\n"
@@ -74,16 +77,22 @@ void add_scan(CLI::App &app, ScanOptions &options)
     });
 }
 
-void add_simulate(CLI::App &app, SimulateOptions &options)
+void add_simulate(CLI::App &app, SimulateOptions &options, std::vector<std::string> &depths)
 {
-    CLI::App &command = *app.add_subcommand("simulate", "virtual scans of every depth of a case");
-    command.add_option("CASE", options.folder, "a case's folder with truth/")->required();
+    CLI::App &command =
+        *app.add_subcommand("simulate", "virtual scans of every depth of a case; with --instrument the case "
+                                        "is made first, by an independent rod");
+    command.add_option("CASE", options.folder, "a case's folder with truth/, or the one to be made")
+        ->required();
+    seld::reference::add_truth_options(command, options.truth, depths);
     command.add_option("--format", options.format, "of the volumes")
         ->check(CLI::IsMember({"nrrd", "nii.gz", "mha", "dicom"}))
         ->capture_default_str();
     add_scanner_options(command, options.scanner, options.phantom);
-    command.callback([&options] {
+    command.callback([&] {
         options.scanner.spacing_mm[1] = options.scanner.spacing_mm[0];
+        for (const std::string &text : depths)
+            options.truth.depths.push_back(seld::reference::depth_from(text));
         command_simulate(options);
     });
 }
@@ -134,7 +143,8 @@ int main(int argc, char **argv)
     scan.scanner.threads = simulate.scanner.threads =
         static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1u, 256u));
     add_scan(app, scan);
-    add_simulate(app, simulate);
+    std::vector<std::string> depths;
+    add_simulate(app, simulate, depths);
     SegmentCommand segment;
     std::vector<double> seed, mouth, direction;
     add_segment(app, segment, seed, mouth, direction);
@@ -149,6 +159,9 @@ int main(int argc, char **argv)
         return is_good ? 0 : 1;
     } catch (const CLI::ParseError &error) {
         return app.exit(error) == 0 ? 0 : 2;
+    } catch (const std::invalid_argument &error) {
+        std::fprintf(stderr, "ct: %s\n", error.what());
+        return 2;
     } catch (const std::exception &error) {
         std::fprintf(stderr, "ct: %s\n", error.what());
         return 1;
