@@ -5,7 +5,6 @@
 #   DEBUG=-g                                 what debuggers are told (make test: -g1, lines only)
 #   V=1                                      show whole commands
 #   PCH=                                     no precompiled headers
-#   UNITY=                                   every file of C++ by itself, for who edits them (a build folder stays so; else six are compiled as one)
 #   PACKAGES=skip                            do not look for missing Debian packages
 #   JOBS=4                                   parallel jobs of make test, fuzz and bench (default: one per core)
 BUILD    ?= build
@@ -86,7 +85,7 @@ QUICK := $(BUILD)/obj/host/app/cli.cpp.o $(BUILD)/obj/host/app/cli_rig.cpp.o $(B
          $(foreach main,tools/centreline/fit tools/anatomy tools/bake tools/docs tools/validate tools/vcsim3 hil_tests/rig hil_tests/campaign hil_tests/cases,$(BUILD)/obj/$(main)/main.cpp.o)
 # Under the sanitizers what reads, asks and writes is compiled without optimising, which takes two thirds of the time.
 QUICK += $(if $(SAN),$(foreach folder,host/app host/dicom host/link hil_tests,$(BUILD)/obj/$(folder)/%.cpp.o))
-QUICK += $(if $(SAN),$(patsubst %,$(BUILD)/obj/%.o,$(filter-out host/model/lesion_%.cpp host/model/opened_%.cpp,$(wildcard host/model/*.cpp)) host/model/unity_%.cpp))
+QUICK += $(if $(SAN),$(patsubst %,$(BUILD)/obj/%.o,$(filter-out host/model/lesion_%.cpp host/model/opened_%.cpp,$(wildcard host/model/*.cpp))))
 # So are the tests of it; those that look at pixels are not: they would run longer than they compile.
 QUICK += $(if $(SAN),$(foreach name,bodies contrast dicom dicom_export heart instrument instrument_shape link pending recording rig session session_contrast tools usb,$(BUILD)/obj/host/tests/test_$(name).cpp.o))
 $(QUICK): override OPT := -O0
@@ -120,33 +119,11 @@ $(BUILD)/obj/%.cpp.o: %.cpp $(if $(PCH),| $(foreach kind,plain pixels quick,$(BU
 	@mkdir -p $(@D)
 	$(Q) $(CXX) $(if $(PCH),-include $(PCH_FOLDER)/headers.hpp) $(CXXFLAGS) $(OPT) -c $< -o $@
 
-# Six files of these folders are compiled as one, which takes two thirds of the time: headers are read once. Not those with flags of their own, nor those
-# that use the same names for themselves: gcc then says that something is defined twice, and the file belongs into ALONE. Who edits wants UNITY= once: where such objects are, they stay in use.
-UNITY ?= $(if $(wildcard $(BUILD)/obj/host/app/run.cpp.o),,yes)
-JOINED_FOLDERS := host/app host/room host/dicom host/stent host/model tools/centreline tools/centreline/fit tools/bake tools/anatomy
-ALONE := host/app/cli.cpp host/app/cli_rig.cpp host/app/cli_dicom.cpp host/model/lesion_%.cpp host/model/opened_%.cpp tools/bake/form.cpp tools/bake/surface.cpp \
-         tools/anatomy/coronary_tree.cpp tools/anatomy/organs_%.cpp
-SIXES := 1:6 7:12 13:18 19:24 25:30 31:36 37:42 43:48 49:54 55:60 61:66 67:72 73:78 79:84 85:90 91:96 97:102 103:108
-joined  = $(if $(and $(UNITY),$(filter $(1),$(JOINED_FOLDERS))),$(filter-out $(ALONE),$(filter %.cpp,$(lib_sources))))
-# six(folder, 7:12): these files of the folder
-six     = $(wordlist $(word 1,$(subst :, ,$(2))),$(word 2,$(subst :, ,$(2))),$(joined))
-unities = $(foreach range,$(SIXES),$(if $(call six,$(1),$(range)),$(BUILD)/unity/$(1)/unity_$(word 1,$(subst :, ,$(range))).cpp))
-# Written anew when another file has come in, and only then.
-define unity_file
-$(BUILD)/unity/$(1)/unity_$(word 1,$(subst :, ,$(2))).cpp: FORCE
-	@mkdir -p $$(@D); printf '#include "%s"\n' $(call six,$(1),$(2)) >$$@.new; cmp -s $$@.new $$@ && rm $$@.new || mv $$@.new $$@
-endef
-FORCE:
-$(BUILD)/obj/%.cpp.o: $(BUILD)/unity/%.cpp $(if $(PCH),| $(foreach kind,plain pixels quick,$(BUILD)/pch/$(kind)/headers.hpp.gch))
-	@mkdir -p $(@D)
-	$(Q) $(CXX) $(if $(PCH),-include $(PCH_FOLDER)/headers.hpp) $(CXXFLAGS) $(OPT) -c $< -o $@
-
 define library
-$(foreach range,$(SIXES),$(if $(call six,$(1),$(range)),$(eval $(call unity_file,$(1),$(range)))))
-$(call lib_file,$(1)): $(call objects,$(filter-out $(joined),$(lib_sources))) $(patsubst $(BUILD)/unity/%,$(BUILD)/obj/%.o,$(unities))
+$(call lib_file,$(1)): $(call objects,$(call lib_sources,$(1)))
 	@mkdir -p $$(@D)
 	@rm -f $$@
-	$$(Q) ar rcs $$@ $$(filter %.o,$$^)
+	$$(Q) ar rcs $$@ $$^
 endef
 $(foreach lib,$(LIBS),$(eval $(call library,$(lib))))
 
