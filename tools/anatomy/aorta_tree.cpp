@@ -170,12 +170,7 @@ VesselTree aorta_tree()
     for (const Vessel &vessel : arch_branches()) tree.vessels.push_back(vessel);
     for (Vessel &vessel : tree.vessels) vessel.flow_ml_min = resting_flow_ml_min(vessel.name);
     // Mouth of the sheath: the sample of the right iliac curve nearest to the middle of the femoral head.
-    const Curve curve = vessel_curve(tree.vessels[1], 1.0);
-    size_t mouth = 0;
-    for (size_t i = 0; i < curve.size(); i++)
-        if (curve[i].position_mm.y() > -300.0) mouth = i;
-    tree.entry_position_mm = curve[mouth].position_mm;
-    tree.entry_direction = -curve_tangent(curve, mouth);
+    put_mouth(tree, -300.0);
     return tree;
 }
 

@@ -51,12 +51,7 @@ VesselTree phantom_tree()
              {{60, -2, -8}, 6.0, "", ""},
          }},
     };
-    const Curve curve = vessel_curve(tree.vessels[1], 1.0);
-    size_t mouth = 0;
-    for (size_t i = 0; i < curve.size(); i++)
-        if (curve[i].position_mm.y() > -155.0) mouth = i;
-    tree.entry_position_mm = curve[mouth].position_mm;
-    tree.entry_direction = -curve_tangent(curve, mouth);
+    put_mouth(tree, -155.0);
     return tree;
 }
 

@@ -14,6 +14,16 @@ Curve vessel_curve(const Vessel &vessel, double step_mm)
     return sample_curve(points, radii_mm, step_mm);
 }
 
+void put_mouth(VesselTree &tree, double y_mm)
+{
+    const Curve curve = vessel_curve(tree.vessels[1], 1.0);
+    size_t mouth = 0;
+    for (size_t i = 0; i < curve.size(); i++)
+        if (curve[i].position_mm.y() > y_mm) mouth = i;
+    tree.entry_position_mm = curve[mouth].position_mm;
+    tree.entry_direction = -curve_tangent(curve, mouth);
+}
+
 Solid tree_solid(const VesselTree &tree, double wall_mm)
 {
     constexpr double CORONARY_FILLET_MM = 1.0;

@@ -39,6 +39,9 @@ VesselTree access_tree(); // the phantom with a winding access
 
 Curve vessel_curve(const Vessel &vessel, double step_mm);
 
+/* The mouth of the sheath: the farthest sample, every millimetre along the second vessel, that is above `y_mm`; it enters against the vessel's course. */
+void put_mouth(VesselTree &tree, double y_mm);
+
 /* Blood space of the whole tree, enlarged by wall_mm. */
 Solid tree_solid(const VesselTree &tree, double wall_mm);
 
