@@ -142,7 +142,6 @@ Run insert(const insertion::Case &c, const seld_wire_instrument &table, const Wa
 {
     const Rod rod = cut_rod(table, c.depths.back().inserted_mm * 1e-3, cut);
     Physics physics;
-    if (getenv("KW")) physics.wall_N_per_m2 = atof(getenv("KW"));
     physics.wall = wall;
     physics.friction = friction;
     const double start_mm = 2.0;
