@@ -65,7 +65,7 @@ all: packages-build ## build every program into build/bin
 	@$(MAKE) --no-print-directory PACKAGES=skip $(PROGRAMS)
 
 help: ## this list
-	@awk -F':.*## ' '/^[a-z%-]+:.*## /{printf "  make %-16s %s\n",$$1,$$2}' $(MAKEFILE_LIST)
+	@awk -F':.*## ' '/^[a-z0-9%-]+:.*## /{printf "  make %-16s %s\n",$$1,$$2}' $(MAKEFILE_LIST)
 
 packages-%:
 	@[ "$(PACKAGES)" = skip ] || tools/check/install_packages.sh $*

@@ -10,25 +10,25 @@ $(eval $(call library,tools/calibrate))
 $(eval $(call program,calibrate,tools/calibrate/main.cpp,$(CALIBRATE_LIBS),$(CALIBRATE_LINK)))
 PROGRAMS += $(BUILD)/bin/calibrate
 
-# From an instrument's file to its calibration, without a scan of anybody's: truth by the reference rod, virtual scans, segmentation, fit.
-ACCESS     := out/access.scene
-INSTRUMENT ?= amplatz_super_stiff
-CT_CASE     = out/cases/$(INSTRUMENT)
-CT_DEPTHS  := --depth "iliac bifurcation:240:0" --depth "aortic bifurcation:300:0" --depth "left renal origin:362:0"
+# From instrument files to their calibration, without a scan of anybody's: truth by the reference rod, virtual scans, segmentation, fits.
+ACCESS      := out/access.scene
+INSTRUMENT  ?= amplatz_super_stiff
+INSTRUMENTS ?=
+PRESET      ?= full
+ACCESS_CHECKS ?= # of the baker: --points 1000 --poses 0 checks less
+METHODS     ?= cmaes
+TABLE51_OUT ?= out/table51$(if $(filter-out full,$(PRESET)),_$(PRESET))
+TABLE51      = python3 tools/calibrate/table51.py --build $(BUILD) --scene $(ACCESS) --surface $(ACCESS:.scene=.ply) --preset $(PRESET) -o $(TABLE51_OUT) --methods $(METHODS)
 $(ACCESS) $(ACCESS:.scene=.ply) &: $(BUILD)/bin/anatomy $(BUILD)/bin/bake
 	@mkdir -p out && echo "Making and baking the silicone phantom"
 	@$(BUILD)/bin/anatomy access --quiet -o $(BUILD)/anatomy/access
-	@$(BUILD)/bin/bake $(BUILD)/anatomy/access/scene.toml -o $(ACCESS) --surface $(ACCESS:.scene=.ply)
-out/cases/%/depth_3.csv: shared/examples/instruments/%.toml $(ACCESS) $(BUILD)/bin/ct
-	@$(BUILD)/bin/ct simulate $(@D) --instrument $< --scene $(ACCESS) --surface $(ACCESS:.scene=.ply) $(CT_DEPTHS) --shaft-factor 1.3 --tip-factor 0.7
-	@$(BUILD)/bin/ct segment $(@D)
-out/fits/%/result.json: out/cases/%/depth_3.csv $(BUILD)/bin/calibrate
-	@$(BUILD)/bin/calibrate out/cases/$* -o $(@D)
-.PRECIOUS: out/cases/%/depth_3.csv out/fits/%/result.json
+	@$(BUILD)/bin/bake $(BUILD)/anatomy/access/scene.toml -o $(ACCESS) --surface $(ACCESS:.scene=.ply) $(ACCESS_CHECKS)
 
-calibrate: packages-build ## virtual scans of INSTRUMENT=amplatz_super_stiff in a silicone phantom, segmented and fitted: out/fits/NAME/index.html (minutes)
-	@$(QUIET_MAKE) $(BUILD)/bin/anatomy $(BUILD)/bin/bake $(BUILD)/bin/ct $(BUILD)/bin/calibrate
-	@$(MAKE) --no-print-directory PACKAGES=skip out/fits/$(INSTRUMENT)/result.json
-	@$(BUILD)/bin/ct check $(CT_CASE) || echo "ct check: a bar is missed, see above"
-	@echo "Written: out/fits/$(INSTRUMENT)/index.html out/cases/$(INSTRUMENT)/segmentation/index.html"
-.PHONY: calibrate
+table51: packages-build ## Table 5.1 of the thesis, nine instruments fitted: out/table51/index.html (hours; PRESET=quick: an hour, fast: seconds)
+	@$(QUIET_MAKE) $(foreach p,anatomy bake reference_rod ct calibrate,$(BUILD)/bin/$(p))
+	@$(MAKE) --no-print-directory PACKAGES=skip $(ACCESS)
+	@$(TABLE51) $(if $(INSTRUMENTS),--instruments $(INSTRUMENTS))
+
+calibrate: ## virtual scans of INSTRUMENT=amplatz_super_stiff in a silicone phantom, segmented and fitted: its row of make table51
+	@$(MAKE) --no-print-directory table51 INSTRUMENTS=$(INSTRUMENT)
+.PHONY: table51 calibrate

@@ -33,32 +33,43 @@ std::vector<double> shares_at(const Trial &best, const Side &side, double offset
     return shares;
 }
 
+// Up to the first step that reaches the bound: farther ones are the same trial.
+std::size_t steps_to_bound(const Trial &best, const Side &side)
+{
+    const double room =
+        side.direction > 0.0 ? 1.0 - best.shares[side.parameter] : best.shares[side.parameter];
+    const auto last = std::find_if(ladder.begin(), ladder.end(), [&](double step) { return step >= room; });
+    return last == ladder.end() ? ladder.size() : static_cast<std::size_t>(last - ladder.begin()) + 1;
+}
+
 void climb(std::vector<Side> &sides, const Trial &best, double limit, const EvaluateShares &evaluate)
 {
     std::vector<std::vector<double>> batch;
     for (const Side &side : sides)
-        for (const double offset : ladder) batch.push_back(shares_at(best, side, offset));
+        for (std::size_t k = 0; k < steps_to_bound(best, side); k++)
+            batch.push_back(shares_at(best, side, ladder[k]));
     const std::vector<Verdict> verdicts = evaluate(batch);
-    for (std::size_t s = 0; s < sides.size(); s++)
-        for (std::size_t k = 0; k < ladder.size(); k++) {
-            if (verdicts[s * ladder.size() + k].objective > limit) {
-                sides[s].bad = ladder[k];
-                break;
-            }
-            sides[s].good = ladder[k];
-        }
+    std::size_t first = 0;
+    for (Side &side : sides) {
+        const std::size_t steps = steps_to_bound(best, side);
+        for (std::size_t k = 0; k < steps && side.bad <= 0.0; k++)
+            (verdicts[first + k].objective > limit ? side.bad : side.good) = ladder[k];
+        first += steps;
+    }
 }
 
 void halve(std::vector<Side> &sides, const Trial &best, double limit, const EvaluateShares &evaluate)
 {
     std::vector<std::vector<double>> batch;
     for (const Side &side : sides)
-        batch.push_back(shares_at(best, side, side.bad > 0.0 ? (side.good + side.bad) / 2 : side.good));
+        if (side.bad > 0.0) batch.push_back(shares_at(best, side, (side.good + side.bad) / 2));
+    if (batch.empty()) return;
     const std::vector<Verdict> verdicts = evaluate(batch);
-    for (std::size_t s = 0; s < sides.size(); s++) {
-        if (sides[s].bad <= 0.0) continue;
-        const double middle = (sides[s].good + sides[s].bad) / 2;
-        (verdicts[s].objective > limit ? sides[s].bad : sides[s].good) = middle;
+    std::size_t next = 0;
+    for (Side &side : sides) {
+        if (side.bad <= 0.0) continue;
+        const double middle = (side.good + side.bad) / 2;
+        (verdicts[next++].objective > limit ? side.bad : side.good) = middle;
     }
 }
 

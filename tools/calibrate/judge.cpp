@@ -76,7 +76,7 @@ Judge::Judge(const insertion::Case &c, const JudgeSettings &settings) : settings
         references_mm_.push_back(insertion::read_centreline(c.path_in(depth.centreline)));
     }
     settings_.fit_depths = std::min(settings_.fit_depths, references_mm_.size());
-    if (c.force.empty()) return;
+    if (c.force.empty() || settings_.force_weight_mm <= 0.0) return;
     force_ = insertion::read_force(c.path_in(c.force));
     const double to_mm = inserted_mm_[settings_.fit_depths - 1];
     if (!force_error(force_, force_, settings_.force_from_mm, to_mm, settings_.force_smooth_mm))

@@ -167,7 +167,7 @@ Finished search(const Options &options, Method method, const Setup &setup, const
     const std::size_t count = setup.evaluator->parameters().size();
     std::error_code ignored;
     if (options.resume && fs::exists(file, ignored)) state = read_checkpoint(file, hash, count);
-    while (state.generation < options.search.generations) {
+    while (state.generation < options.search.generations && !has_converged(options.search, state)) {
         char text[120];
         std::snprintf(text, sizeof text, "%s, generation %u of %u", method_token(method),
                       state.generation + 1, options.search.generations);
@@ -280,6 +280,10 @@ void add_options(CLI::App &app, Options &options, CLI::Option *&trial)
     app.add_option("--generations", options.search.generations, "of each method, the first one included")
         ->check(CLI::Range(1u, 100000u))
         ->capture_default_str();
+    app.add_option("--stop-spread-mm", options.search.stop_spread_mm,
+                   "a search also ends when the objectives of its population differ by less; 0: never")
+        ->check(CLI::Range(0.0, 10.0))
+        ->capture_default_str();
     app.add_option("--seed", options.search.seed, "of all that is random")->capture_default_str();
     app.add_option(
            "--threads", options.threads,
@@ -294,7 +298,7 @@ void add_options(CLI::App &app, Options &options, CLI::Option *&trial)
         ->check(CLI::Range(1e-4, 10.0))
         ->capture_default_str();
     app.add_option("--force-weight-mm", options.judge.force_weight_mm,
-                   "objective per relative RMS of the force")
+                   "objective per relative RMS of the force; 0: by shape alone")
         ->check(CLI::Range(0.0, 100.0))
         ->capture_default_str();
     app.add_option("--fit-depths", options.judge.fit_depths,

@@ -1,5 +1,6 @@
 // The only file that knows pagmo and boost.
 #include "tools/calibrate/search.hpp"
+#include <algorithm>
 #include <boost/archive/text_iarchive.hpp>
 #include <boost/archive/text_oarchive.hpp>
 #include <map>
@@ -157,6 +158,15 @@ void advance(const SearchSettings &settings, std::size_t parameter_count, const 
     state.algorithm = to_text(algorithm);
     state.generation++;
     if (late) *late = exchange.late.size();
+}
+
+bool has_converged(const SearchSettings &settings, const SearchState &state)
+{
+    if (settings.stop_spread_mm <= 0.0 || state.population.empty()) return false;
+    const auto [best, worst] = std::minmax_element(
+        state.population.begin(), state.population.end(),
+        [](const Trial &a, const Trial &b) { return a.verdict.objective < b.verdict.objective; });
+    return worst->verdict.objective - best->verdict.objective < settings.stop_spread_mm;
 }
 
 const Trial &best_of(const SearchState &state)

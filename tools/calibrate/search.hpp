@@ -22,6 +22,7 @@ struct SearchSettings {
     unsigned population = 50;  // 8 .. 10000, even
     unsigned generations = 50; // the first one is drawn evenly over the ranges
     std::uint32_t seed = 1;
+    double stop_spread_mm = 0.0; // has_converged() below it; 0: the generations end a search
 };
 
 struct Trial {
@@ -49,6 +50,10 @@ using EvaluateShares = std::function<std::vector<Verdict>(const std::vector<std:
 // One more generation. `late` gets the number of trials that were not in the table, which is 0 unless pagmo has changed its ways.
 void advance(const SearchSettings &settings, std::size_t parameter_count, const EvaluateShares &evaluate,
              SearchState &state, std::size_t *late = nullptr);
+
+// Whether all that the algorithm holds is as good as the best but for `stop_spread_mm`. From the state alone, so a search that was
+// stopped and resumed ends at the same generation.
+bool has_converged(const SearchSettings &settings, const SearchState &state);
 
 // The first of the best trials. The state has at least one.
 const Trial &best_of(const SearchState &state);

@@ -186,8 +186,8 @@ def package_faults(text, makefile):
 def undocumented_targets(makefile):
     """Every phony target and every plain-named rule has a ## comment."""
     phony = set(" ".join(re.findall(r"^\.PHONY:(.*)$", makefile, re.M)).split())
-    rules = set(re.findall(r"^([a-z][a-z-]*):(?!=)", makefile, re.M))
-    told = set(re.findall(r"^([a-z%-]+):.*?## \S", makefile, re.M))
+    rules = set(re.findall(r"^([a-z][a-z0-9-]*):(?!=)", makefile, re.M))
+    told = set(re.findall(r"^([a-z0-9%-]+):.*?## \S", makefile, re.M))
     for name in sorted((phony | rules) - told):
         yield "Makefile: target %s has no ## comment, so `make help` hides it" % name
     for name in sorted(rules - phony):

@@ -14,7 +14,7 @@ namespace
 
 constexpr int width = 1200;
 constexpr double small_text = 1.5;
-constexpr Axis compression_axis{1e-4, 100.0, true, "compression (%)"};
+const Axis compression_axis{1e-4, 100.0, true, "compression (%)"};
 
 bool is_direct(const std::string &token)
 {

@@ -219,6 +219,53 @@ void every_method_finds_the_bottom_of_a_valley(void **)
     }
 }
 
+// By hand: three trials that lie 0.03 apart; then a valley, where the state after the end is the one that was asked for.
+void a_search_has_converged_when_its_population_is_equally_good(void **)
+{
+    SearchState state;
+    SearchSettings settings{Method::cmaes, 20, 200, 1};
+    settings.stop_spread_mm = 0.031;
+    assert_false(has_converged(settings, state));
+    for (const double objective : {0.50, 0.52, 0.53}) state.population.push_back({{}, {objective, 0, 0}});
+    assert_true(has_converged(settings, state));
+    settings.stop_spread_mm = 0.029;
+    assert_false(has_converged(settings, state));
+    settings.stop_spread_mm = 0.0;
+    assert_false(has_converged(settings, state));
+
+    settings.stop_spread_mm = 0.01;
+    state = {};
+    while (state.generation < settings.generations && !has_converged(settings, state))
+        advance(settings, 3, all_of, state);
+    print_message("generation %u of %u, best %g\n", state.generation, settings.generations,
+                  best_of(state).verdict.objective);
+    assert_in_range(state.generation, 5, 60);
+    assert_true(best_of(state).verdict.objective < 0.02);
+}
+
+// The nodes lie 2 mm beside the reference, and the force is twice what was measured.
+void without_a_weight_the_force_trace_is_not_there(void **)
+{
+    const Folder folder("judge");
+    insertion::Case c;
+    c.folder = folder.path;
+    c.force = "force.csv";
+    c.depths = {{"here", 30.0, 0.0, "", "depth_1.csv"}};
+    insertion::write_centreline(folder.file("depth_1.csv"), {{0, 0, 0}, {30, 0, 0}});
+    insertion::write_force(folder.file("force.csv"), {{10, 50}, {20, 50}, {30, 50}});
+    Insertion made;
+    made.nodes_mm = {{{20, 2, 0}, {10, 2, 0}}};
+    made.force = {{10, 100}, {20, 100}, {30, 100}};
+    const Judge with(c, {});
+    assert_true(with.has_force());
+    assert_near(with.judge(made).objective, 2.0 + with.settings().force_weight_mm * 1.0, 1e-9);
+    JudgeSettings settings;
+    settings.force_weight_mm = 0.0;
+    const Judge without(c, settings);
+    assert_false(without.has_force());
+    assert_near(without.judge(made).objective, 2.0, 1e-9);
+}
+
 void another_seed_gives_other_trials(void **)
 {
     assert_false(same(searched({Method::cmaes, 8, 3, 1}, all_of).trials,
@@ -385,6 +432,8 @@ int main()
         cmocka_unit_test(a_preset_made_from_another_one_cannot_be_written),
         cmocka_unit_test(all_trials_of_a_generation_are_evaluated_together),
         cmocka_unit_test(every_method_finds_the_bottom_of_a_valley),
+        cmocka_unit_test(a_search_has_converged_when_its_population_is_equally_good),
+        cmocka_unit_test(without_a_weight_the_force_trace_is_not_there),
         cmocka_unit_test(another_seed_gives_other_trials),
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
         cmocka_unit_test(what_a_trial_throws_comes_back_from_the_workers),

@@ -1,0 +1,277 @@
+#!/usr/bin/env python3
+"""Fit the nine instruments of the thesis' Table 5.1 and write one page (docs/table51.md).
+
+  table51.py -o out/table51 [--preset full|quick|fast] [--instruments NAME ...] [--page-only]
+
+For each instrument: truth by the reference rod with stiffness that its file does not have, virtual scans and their segmentation
+(or, direct, the truth's centrelines with noise), then fits of our rod without and with the force trace, and of the CoRdE baseline.
+Every finished step leaves a file NAME.done with its commands and is not made again by the same ones; a fit that was stopped
+goes on from its last generation. An instrument that fails is named on the page and the others go on. The page is renewed
+after every instrument. Ends with 0 when everything was made, 1 when something failed or was stopped, 2 on a usage error.
+"""
+import argparse
+import json
+import os
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+
+import table51_data
+import table51_page
+
+# How much is done. `short_cuts`: of the insertions, beside calibrate's own (docs/calibrate.md). `rangeless`: fits that do not ask how well
+# each number is determined.
+PRESETS = {
+    "full": {"scans": True, "population": 50, "generations": 50, "instruments": None, "short_cuts": [], "rangeless": ()},
+    "quick": {"scans": False, "population": 16, "generations": 20, "instruments": None,
+              "short_cuts": ["--speed-mm-s", "40", "--element-factor", "1"], "rangeless": ()},
+    "fast": {"scans": False, "population": 8, "generations": 4, "instruments": ["amplatz_super_stiff"],
+             "short_cuts": ["--speed-mm-s", "100", "--element-factor", "1.5"], "rangeless": tuple(table51_data.FITS)},
+}
+SHAPE_NOISE_MM = 0.1
+
+
+class Failed(Exception):
+    """The text says which command failed and what it said last."""
+
+
+class Stopped(Exception):
+    """By Ctrl-C."""
+
+
+def run(command, log):
+    """One program to its end, its standard output into `log`. Progress goes to the terminal where there is one."""
+    quiet = not sys.stderr.isatty()
+    with open(log, "a", encoding="utf-8") as out:
+        out.write("$ %s\n" % shlex.join(command))
+        out.flush()
+        with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out, stderr=out if quiet else None) as child:
+            try:
+                code = child.wait()
+            except KeyboardInterrupt:
+                child.wait()  # it was told too, and keeps what it has finished
+                raise Stopped() from None
+    if code != 0:
+        with open(log, encoding="utf-8", errors="replace") as out:
+            last = [line for line in out.read().splitlines() if line.strip()][-1]
+        raise Failed("%s ended with %d%s" % (command[0], code, ": " + last if not last.startswith("$") else ", see above"))
+
+
+def remove(path):
+    if os.path.exists(path):
+        os.remove(path)
+
+
+def text_of(path):
+    """None where there is no such file."""
+    if not os.path.exists(path):
+        return None
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
+def write(path, text):
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+
+
+def step(row_folder, name, command, announce, unheard=()):
+    """Runs `command` unless it has been run; True if it was, and then announced. What fails leaves NAME.failed. `unheard`: arguments that
+    change nothing of what is made."""
+    log, done, failed = (os.path.join(row_folder, name + ending) for ending in (".log", ".done", ".failed"))
+    wanted = shlex.join(command) + "\n"
+    if text_of(done) == wanted:
+        return False
+    for path in (log, done, failed):
+        remove(path)
+    announce()
+    try:
+        run([*command, *unheard], log)
+    except Failed as failure:
+        write(failed, "%s\n" % failure)
+        raise
+    write(done, wanted)
+    return True
+
+
+class Chain:
+    """The steps of every row with one set of options."""
+
+    def __init__(self, options, depths):
+        self.options, self.depths = options, depths
+        self.preset = dict(PRESETS[options.preset])
+        for name in ("population", "generations"):
+            if getattr(options, name):
+                self.preset[name] = getattr(options, name)
+        if options.scans is not None:
+            self.preset["scans"] = options.scans
+        self.has_corde = "--rod" in subprocess.run([self.program("calibrate"), "--help"], stdout=subprocess.PIPE, text=True,
+                                                   check=False).stdout
+
+    def program(self, name):
+        return os.path.join(self.options.build, "bin", name)
+
+    def case_steps(self, row, case):
+        """(name, what is told, command): the truth, and what calibrate may see of it."""
+        depths = [word for (inserted, name), turn in zip(self.depths, row["turns_deg"])
+                  for word in ("--depth", "%s:%g:%g" % (name, inserted, turn))]
+        truth = [self.program("reference_rod"), "--instrument", "shared/examples/instruments/%s.toml" % row["stem"], "--name", row["name"],
+                 "--scene", self.options.scene, "--surface", self.options.surface, *depths,
+                 "--shaft-factor", "%g" % row["shaft_factor"], "--tip-factor", "%g" % row["tip_factor"], "-o", case]
+        if not self.preset["scans"]:
+            return [("truth", "truth, and its centrelines with noise", truth + ["--shape-noise-mm", "%g" % SHAPE_NOISE_MM])]
+        return [("truth", "truth", truth), ("scans", "virtual scans", [self.program("ct"), "simulate", case]),
+                ("segmentation", "segmentation", [self.program("ct"), "segment", case])]
+
+    def fit_command(self, row_folder, kind):
+        command = [self.program("calibrate"), os.path.join(row_folder, "case"), "-o", os.path.join(row_folder, kind), "--resume",
+                   "--population", "%d" % self.preset["population"], "--generations", "%d" % self.preset["generations"],
+                   "--method", *self.options.methods, *self.preset["short_cuts"]]
+        if kind in self.preset["rangeless"]:
+            command += ["--no-ranges"]
+        if kind != "force":
+            command += ["--force-weight-mm", "0"]
+        if kind == "corde":
+            command += ["--rod", "corde"]
+        return command
+
+    def check_scans(self, row_folder):
+        """Distances of the segmentation from the truth for the page; over a bar is no reason to stop."""
+        log = os.path.join(row_folder, "check.log")
+        remove(log)
+        try:
+            run([self.program("ct"), "check", os.path.join(row_folder, "case")], log)
+        except Failed:
+            pass
+        for name in os.listdir(os.path.join(row_folder, "case")) if not self.options.keep_scans else ():
+            if name.startswith("scan_") and os.path.isfile(os.path.join(row_folder, "case", name)):
+                os.remove(os.path.join(row_folder, "case", name))
+
+    def make_case(self, row, row_folder, say):
+        is_new = False
+        for name, what, command in self.case_steps(row, os.path.join(row_folder, "case")):
+            if is_new:
+                remove(os.path.join(row_folder, name + ".done"))
+            is_new = step(row_folder, name, command, lambda what=what: say(what)) or is_new
+        if not is_new:
+            return
+        for kind in table51_data.FITS:  # of another case
+            remove(os.path.join(row_folder, kind + ".begun"))
+        if self.preset["scans"]:
+            self.check_scans(row_folder)
+
+    def make_fit(self, row_folder, kind, say):
+        """A search goes on from what is there when only its length has changed."""
+        command = self.fit_command(row_folder, kind)
+        begun = os.path.join(row_folder, kind + ".begun")
+        search = shlex.join([word for before, word in zip([""] + command, command) if before != "--generations"]) + "\n"
+        if text_of(begun) != search:
+            remove(os.path.join(row_folder, kind + ".done"))
+            shutil.rmtree(os.path.join(row_folder, kind), ignore_errors=True)
+        write(begun, search)
+        step(row_folder, kind, command, lambda: say("fit: " + table51_data.FITS[kind]),
+             ["--threads", "%d" % self.options.threads] if self.options.threads else [])
+
+    def make_row(self, row, say):
+        """All that can be made of one instrument; True if nothing failed."""
+        row_folder = os.path.join(self.options.output, row["stem"])
+        os.makedirs(row_folder, exist_ok=True)
+        try:
+            self.make_case(row, row_folder, say)
+        except Failed as failure:
+            say("failed: %s" % failure)
+            return False
+        good = True
+        for kind in table51_data.FITS:
+            if kind == "corde" and not self.has_corde:
+                continue
+            try:
+                self.make_fit(row_folder, kind, say)
+            except Failed as failure:
+                say("failed: %s" % failure)
+                good = False
+        return good
+
+    def settings(self):
+        return {"preset": self.options.preset, "scans": self.preset["scans"], "rangeless": list(self.preset["rangeless"]),
+                "shape_noise_mm": None if self.preset["scans"] else SHAPE_NOISE_MM,
+                "depths": [{"inserted_mm": inserted, "name": name} for inserted, name in self.depths]}
+
+
+def write_page(chain, rows):
+    output = chain.options.output
+    collected = table51_data.collect(rows, output)
+    with open(os.path.join(output, "table51.json"), "w", encoding="utf-8") as file:
+        json.dump(table51_data.to_json(collected, chain.settings()), file, indent=1)
+        file.write("\n")
+    table51_data.write_csv(collected, os.path.join(output, "table51.csv"))
+    with open(os.path.join(output, "index.html"), "w", encoding="utf-8") as file:
+        file.write(table51_page.page(collected, chain.settings(), output))
+
+
+def parse(arguments):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-o", "--output", required=True, help="folder for the page, with a folder per instrument in it")
+    parser.add_argument("--preset", choices=PRESETS, default="full", help="how much is done (default: full)")
+    parser.add_argument("--instruments", nargs="+", metavar="NAME", help="only these files of table51.txt")
+    parser.add_argument("--scene", default="out/access.scene", help="the phantom, baked (default: %(default)s)")
+    parser.add_argument("--surface", default="out/access.ply", help="its mesh (default: %(default)s)")
+    parser.add_argument("--table", default=table51_data.TABLE, help="rows and depths (default: %(default)s)")
+    parser.add_argument("--build", default="build", help="folder of the programs (default: %(default)s)")
+    parser.add_argument("--population", type=int, help="trials per generation, instead of the preset's")
+    parser.add_argument("--generations", type=int, help="instead of the preset's")
+    parser.add_argument("--methods", nargs="+", default=["cmaes"], help="of calibrate: cmaes, genetic, differential")
+    parser.add_argument("--scans", action=argparse.BooleanOptionalAction, help="virtual scans and their segmentation, or the "
+                        "truth's centrelines with noise, instead of what the preset does")
+    parser.add_argument("--keep-scans", action="store_true", help="keep the volumes (60 MB and more for each depth)")
+    parser.add_argument("--threads", type=int, help="of calibrate (default: one per core)")
+    parser.add_argument("--page-only", action="store_true", help="make nothing, write the page of what is there")
+    return parser, parser.parse_args(arguments)
+
+
+def chosen(parser, rows, wanted):
+    known = [row["stem"] for row in rows]
+    for name in wanted or ():
+        if name not in known:
+            parser.error("'%s' is not in the table: %s" % (name, ", ".join(known)))
+    return [row for row in rows if not wanted or row["stem"] in wanted]
+
+
+def main(arguments):
+    parser, options = parse(arguments)
+    try:
+        depths, rows = table51_data.read_table(options.table)
+    except (OSError, table51_data.BadTable) as problem:
+        parser.error(str(problem))
+    wanted = chosen(parser, rows, options.instruments or PRESETS[options.preset]["instruments"])
+    os.makedirs(options.output, exist_ok=True)
+    # Those that were made before stay on the page.
+    shown = [row for row in rows if row in wanted or os.path.isdir(os.path.join(options.output, row["stem"]))]
+    chain = Chain(options, depths)
+    failed = []
+    try:
+        for index, row in enumerate([] if options.page_only else wanted, 1):
+            def say(what, index=index, row=row):
+                print("[%d/%d] %s: %s" % (index, len(wanted), row["name"], what), flush=True)
+            if not chain.make_row(row, say):
+                failed.append(row["name"])
+            write_page(chain, shown)
+    except Stopped:
+        write_page(chain, shown)
+        print("table51: stopped; what was finished is kept, the same command goes on there", file=sys.stderr)
+        return 1
+    write_page(chain, shown)
+    print("Written: %s, table51.csv and table51.json beside it" % os.path.join(options.output, "index.html"))
+    if failed:
+        print("table51: failed: %s; the page says where" % ", ".join(failed), file=sys.stderr)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # also where whoever started this ignores it
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except KeyboardInterrupt:
+        sys.exit(1)

@@ -1,0 +1,180 @@
+"""What `make table51` knows: the rows of table51.txt, and what the fits of a row have left in its folder.
+Imported by table51.py and table51_page.py."""
+import csv
+import json
+import math
+import os
+
+FOLDER = os.path.dirname(os.path.abspath(__file__))
+TABLE = os.path.join(FOLDER, "table51.txt")
+# Figures of Table 5.1 in its order: key, head, and what result.json has for it on average.
+FIGURES = (("depth3_rms_mm", "RMS at depth 3", None), ("average_rms_mm", "average RMS", "rms_mm"),
+           ("mean_mm", "mean distance", "mean_mm"), ("deviation_mm", "standard deviation", "deviation_mm"),
+           ("max_mm", "maximum", "max_mm"))
+THESIS_PARAMETERS = ("young_1e7", "radius_1e3", "density_1e5", "kp_1e3")
+# Fits of a row, each a folder: what stands above its column.
+FITS = {"shape": "our rod, shape alone", "force": "our rod, with the force trace", "corde": "CoRdE, shape alone"}
+# Before the fits.
+CASE_STEPS = ("truth", "scans", "segmentation")
+# Parameter of a fit -> its true value in truth/parameters.toml.
+TRUE_NAMES = {"bend_shaft": "shaft_bend_stiffness_N_m2", "alpha": "tip_over_shaft"}
+
+
+class BadTable(Exception):
+    """The text says where table51.txt cannot be read."""
+
+
+def _row(cells):
+    stem, truth, turns, thesis, name = cells
+    truth, turns, thesis = ([float(number) for number in text.split()] for text in (truth, turns, thesis))
+    if len(truth) != 2 or len(thesis) != len(FIGURES) + len(THESIS_PARAMETERS):
+        raise ValueError("wants 2 factors of the truth and 9 figures of the thesis")
+    figures = dict(zip([key for key, _, _ in FIGURES], thesis))
+    figures["parameters"] = dict(zip(THESIS_PARAMETERS, thesis[len(FIGURES):]))
+    return {"stem": stem, "name": name, "shaft_factor": truth[0], "tip_factor": truth[1], "turns_deg": turns, "thesis": figures}
+
+
+def read_table(path=TABLE):
+    """(depths as (inserted_mm, name), rows). Raises BadTable with file and line."""
+    depths, rows = [], []
+    with open(path, encoding="utf-8") as file:
+        for number, line in enumerate(file, 1):
+            line = line.partition("#")[0].strip()
+            try:
+                if line.startswith("depth "):
+                    _, inserted, name = line.split(None, 2)
+                    depths.append((float(inserted), name))
+                elif line:
+                    rows.append(_row([cell.strip() for cell in line.split("|")]))
+                    if len(rows[-1]["turns_deg"]) != len(depths):
+                        raise ValueError("wants one turn for each of the %d depths above it" % len(depths))
+            except ValueError as error:
+                raise BadTable("%s:%d: %s" % (path, number, error)) from error
+    return depths, rows
+
+
+def read_truth(case):
+    """Numbers of CASE/truth/parameters.toml, which no fit ever sees; {} where there is none."""
+    truth = {}
+    try:
+        with open(os.path.join(case, "truth", "parameters.toml"), encoding="utf-8") as file:
+            for line in file:
+                name, equals, value = line.partition("#")[0].partition("=")
+                if equals:
+                    truth[name.strip()] = float(value)
+    except FileNotFoundError:
+        pass
+    return truth
+
+
+def read_fit(folder):
+    """result.json of a fit, or None where it is not finished."""
+    try:
+        with open(os.path.join(folder, "result.json"), encoding="utf-8") as file:
+            return json.load(file)
+    except FileNotFoundError:
+        return None
+
+
+def figures_of(result):
+    """The five figures of Table 5.1 from a result.json."""
+    figures = {key: result["average"][name] for key, _, name in FIGURES if name}
+    figures["depth3_rms_mm"] = result["depths"][-1]["rms_mm"]
+    return {key: figures[key] for key, _, _ in FIGURES}
+
+
+def recovery_of(result, truth):
+    """Parameter -> fitted over true, and whether the fit itself calls it determined."""
+    found = {}
+    for parameter in result["parameters"]:
+        true = truth.get(TRUE_NAMES.get(parameter["name"]))
+        if true:
+            found[parameter["name"]] = {"true": true, "fitted": parameter["fitted"], "fitted_over_true": parameter["fitted"] / true,
+                                        "nominal_over_true": parameter["nominal"] / true, "determined": parameter["determined"]}
+    return found
+
+
+def said(path):
+    """A file's text without its end of line; None where there is none."""
+    if not os.path.exists(path):
+        return None
+    with open(path, encoding="utf-8") as file:
+        return file.read().strip()
+
+
+def collect(rows, output):
+    """Each row with "fits" (kind -> result.json, figures and recovery), "truth", "folder" and "notes" (kind -> why there is none)."""
+    collected = []
+    for row in rows:
+        folder = os.path.join(output, row["stem"])
+        truth = read_truth(os.path.join(folder, "case"))
+        fits, notes = {}, {}
+        for kind in FITS:
+            result = read_fit(os.path.join(folder, kind))
+            if result is not None:
+                fits[kind] = {"result": result, "figures": figures_of(result), "recovery": recovery_of(result, truth)}
+                continue
+            notes[kind] = said(os.path.join(folder, kind + ".failed")) or "not run"
+        for name in CASE_STEPS:
+            why = said(os.path.join(folder, name + ".failed"))
+            if why:
+                fits, notes = {}, {kind: "%s: %s" % (name, why) for kind in FITS}
+        collected.append(dict(row, folder=folder, truth=truth, fits=fits, notes=notes))
+    return collected
+
+
+def averages(rows, kind):
+    """Means of the five figures over the rows that have them: (figures, number of rows). `kind`: a fit, or "thesis"."""
+    sets = [row["thesis"] if kind == "thesis" else row["fits"][kind]["figures"] for row in rows if kind == "thesis" or kind in row["fits"]]
+    if not sets:
+        return {}, 0
+    return {key: math.fsum(figures[key] for figures in sets) / len(sets) for key, _, _ in FIGURES}, len(sets)
+
+
+def thesis_bend_N_m2(thesis):
+    """EI of a row of Table 5.1 in the units of docs/thesis.md: E x 1e7 Pa, radius x 1e-4 m."""
+    numbers = thesis["parameters"]
+    return numbers["young_1e7"] * 1e7 * math.pi / 4.0 * (numbers["radius_1e3"] * 1e-4) ** 4
+
+
+def to_json(rows, settings):
+    """The whole table as one object: what the page shows, in numbers."""
+    out = {"settings": settings, "rows": [], "averages": {}}
+    for row in rows:
+        entry = {"instrument": row["stem"], "name": row["name"], "truth_factors": {"bend_shaft": row["shaft_factor"], "alpha": row["tip_factor"]},
+                 "thesis": row["thesis"], "missing": row["notes"]}
+        for kind, fit in row["fits"].items():
+            keys = ("name", "unit", "fitted", "nominal", "bounds", "range", "range_share", "determined")
+            entry[kind] = dict(fit["figures"], recovery=fit["recovery"], evaluations=fit["result"]["evaluations"],
+                               parameters=[{key: p[key] for key in keys} for p in fit["result"]["parameters"]])
+        out["rows"].append(entry)
+    for kind in (*FITS, "thesis"):
+        figures, count = averages(rows, kind)
+        out["averages"][kind] = dict(figures, instruments=count)
+    return out
+
+
+def write_csv(rows, path):
+    """One line per instrument and one of averages; cells of what was not run are empty."""
+    kinds = (*FITS, "thesis")
+    names = ("bend_shaft", "alpha", "radius", "density")
+    with open(path, "w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["instrument"] + [kind + "_" + key for kind in kinds for key, _, _ in FIGURES]
+                        + [kind + "_" + name for kind in FITS for name in names] + ["thesis_" + name for name in THESIS_PARAMETERS])
+        for row in rows:
+            cells = [row["name"]]
+            for kind in kinds:
+                figures = row["thesis"] if kind == "thesis" else row["fits"].get(kind, {}).get("figures", {})
+                cells += [_cell(figures.get(key)) for key, _, _ in FIGURES]
+            for kind in FITS:
+                result = row["fits"].get(kind, {}).get("result", {"parameters": []})
+                fitted = {p["name"]: p["fitted"] for p in result["parameters"]}
+                cells += [_cell(fitted.get(name)) for name in names]
+            writer.writerow(cells + [row["thesis"]["parameters"][name] for name in THESIS_PARAMETERS])
+        means = [averages(rows, kind)[0] for kind in kinds]
+        writer.writerow(["Average"] + [_cell(figures.get(key)) for figures in means for key, _, _ in FIGURES])
+
+
+def _cell(value):
+    return "" if value is None else "%.5g" % value
