@@ -36,6 +36,8 @@ enum {
     SELD_POSITION_MAX_M_Q30 = 2126008811, /* 1.98 m */
     SELD_STEP_CAP_M_Q33 = 4294967,        /* 0.5 mm of motion per tick besides the feed */
     SELD_RELEASE_STEP_Q30 = 1 << 22,      /* a shaped tip leaves the introducer over 256 ticks, not in one */
+    SELD_TIP_CURVES_M_Q30 = 42949673,     /* 40 mm: how far from the tip a tight curve counts as the tip's */
+    SELD_TIP_CURVE_PER_m = 110,           /* tight: a radius below 9 mm */
     SELD_SPIN_DRAG_N_M_Q26 = 7, /* 1e-10 N m s / 1 ms per edge: about what blood does to a turning wire */
     SELD_TWIST_MAX_N_m = 16,    /* twist stiffness of one joint: 0.03 N m^2 in 2 mm */
     SELD_TURN_OF_CELL_MAX_Q30 = 1288490189, /* 1.2 rad: rest turning of one cell */
