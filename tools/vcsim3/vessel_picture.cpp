@@ -10,7 +10,7 @@ namespace
 {
 
 constexpr Colour wall_colour{120, 150, 190}, touching_colour{20, 160, 60}, free_colour{215, 40, 40};
-constexpr double depth_step_mm = 0.5, rim_mm = 4.0, field_error_mm = 0.5;
+constexpr double depth_step_mm = 0.5, rim_mm = 4.0;
 
 Colour shaded(Colour colour, double light)
 {
@@ -42,13 +42,8 @@ VesselPicture::VesselPicture(const Vessel &vessel, double pixels_per_mm) : pixel
             const double x = left_mm_ + (column + 0.5) / pixels_per_mm,
                          y = top_mm_ - (row + 0.5) / pixels_per_mm;
             double deepest_mm = 0.0; // of the lumen along the line of sight
-            for (double z = low_mm.z(); z < high_mm.z();) {
-                const double distance_mm = 1e3 * vessel.sample(Vector(x, y, z) * 1e-3).distance_m;
-                deepest_mm = std::max(deepest_mm, -distance_mm);
-                // Outside no wall is nearer than the distance.
-                z +=
-                    depth_step_mm * std::max(1.0, std::floor((distance_mm - field_error_mm) / depth_step_mm));
-            }
+            for (double z = low_mm.z(); z < high_mm.z(); z += depth_step_mm)
+                deepest_mm = std::max(deepest_mm, -1e3 * vessel.sample(Vector(x, y, z) * 1e-3).distance_m);
             // Glass looks darkest where it is seen edge on.
             const double edge = std::max(0.0, 1.0 - deepest_mm / rim_mm);
             glass_[static_cast<std::size_t>(row) * width_ + column] =
