@@ -24,11 +24,12 @@ import table51_page
 # How much is done. `short_cuts`: of the insertions, beside calibrate's own (docs/calibrate.md). `rangeless`: fits that do not ask how well
 # each number is determined.
 PRESETS = {
-    "full": {"scans": True, "population": 50, "generations": 50, "instruments": None, "short_cuts": [], "rangeless": ()},
+    "full": {"scans": True, "population": 50, "generations": 50, "instruments": None, "short_cuts": [], "rangeless": (), "truth": []},
     "quick": {"scans": False, "population": 16, "generations": 20, "instruments": None,
-              "short_cuts": ["--speed-mm-s", "40", "--element-factor", "1"], "rangeless": ()},
+              "short_cuts": ["--speed-mm-s", "40"], "rangeless": (), "truth": []},
     "fast": {"scans": False, "population": 8, "generations": 4, "instruments": ["amplatz_super_stiff"],
-             "short_cuts": ["--speed-mm-s", "100", "--element-factor", "1.5"], "rangeless": tuple(table51_data.FITS)},
+             "short_cuts": ["--speed-mm-s", "100", "--element-factor", "1.5"], "rangeless": tuple(table51_data.FITS),
+             "truth": ["--edge-tip-mm", "0.5", "--edge-shaft-mm", "2", "--feed-step-mm", "1"]},
 }
 SHAPE_NOISE_MM = 0.1
 
@@ -119,7 +120,8 @@ class Chain:
                   for word in ("--depth", "%s:%g:%g" % (name, inserted, turn))]
         truth = [self.program("reference_rod"), "--instrument", "shared/examples/instruments/%s.toml" % row["stem"], "--name", row["name"],
                  "--scene", self.options.scene, "--surface", self.options.surface, *depths,
-                 "--shaft-factor", "%g" % row["shaft_factor"], "--tip-factor", "%g" % row["tip_factor"], "-o", case]
+                 "--shaft-factor", "%g" % row["shaft_factor"], "--tip-factor", "%g" % row["tip_factor"],
+                 *self.preset["truth"], "-o", case]
         if not self.preset["scans"]:
             return [("truth", "truth, and its centrelines with noise", truth + ["--shape-noise-mm", "%g" % SHAPE_NOISE_MM])]
         return [("truth", "truth", truth), ("scans", "virtual scans", [self.program("ct"), "simulate", case]),

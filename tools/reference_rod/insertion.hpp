@@ -57,7 +57,7 @@ class Insertion
 Vector zero_turn_axis(const Vector &direction);
 
 struct Step {
-    double feed_m = 1e-3; // longest
+    double feed_m = 0.5e-3; // longest
 };
 
 struct Run {

@@ -37,8 +37,8 @@ struct Rod {
 
 // How a rod is cut.
 struct Cut {
-    double tip_m = 0.5e-3, shaft_m = 2e-3; // longest edge at the tip, and elsewhere
-    double fine_m = 0.0;                   // from the tip; 0: to 5 mm behind the tip's curves, at least 20 mm
+    double tip_m = 0.25e-3, shaft_m = 0.75e-3; // longest edge at the tip, and elsewhere
+    double fine_m = 0.0; // from the tip; 0: to 5 mm behind the tip's curves, at least 20 mm
     // EA = stretch * EI / edge^2 of the softer end: under the force EI / R^2 of a bend of radius R an edge h shortens by
     // (h / R)^2 / stretch, 3e-5 for 2 and 50 mm. Stiffer only takes more iterates.
     double stretch = 64.0;

@@ -26,6 +26,15 @@ inline void add_truth_options(CLI::App &app, TruthRequest &request, std::vector<
     app.add_option("--friction", request.friction, "against the wall")
         ->check(CLI::Range(0.0, 0.6))
         ->capture_default_str();
+    const auto add_mm = [&app](const char *name, double &value_m, const char *what) {
+        app.add_option_function<double>(
+               name, [&value_m](double value_mm) { value_m = value_mm * 1e-3; },
+               std::string(what) + " (default " + std::to_string(value_m * 1e3).substr(0, 4) + ")")
+            ->check(CLI::Range(0.1, 5.0));
+    };
+    add_mm("--edge-tip-mm", request.cut.tip_m, "longest edge of the truth at the tip");
+    add_mm("--edge-shaft-mm", request.cut.shaft_m, "and elsewhere");
+    add_mm("--feed-step-mm", request.step.feed_m, "longest step of the hand");
     app.add_option("--force-noise-mN", request.force_noise_mN, "of the hand's force; negative: not measured")
         ->capture_default_str();
 }
