@@ -32,6 +32,8 @@ PRESETS = {
              "truth": ["--edge-tip-mm", "0.5", "--edge-shaft-mm", "2", "--feed-step-mm", "1"]},
 }
 SHAPE_NOISE_MM = 0.1
+# Population and generations of the CoRdE baseline, whose insertions take seven times as long; without them it is left out.
+CORDE = {"full": (50, 50), "quick": (12, 8), "fast": None}
 
 
 class Failed(Exception):
@@ -103,9 +105,6 @@ class Chain:
     def __init__(self, options, depths):
         self.options, self.depths = options, depths
         self.preset = dict(PRESETS[options.preset])
-        for name in ("population", "generations"):
-            if getattr(options, name):
-                self.preset[name] = getattr(options, name)
         if options.scans is not None:
             self.preset["scans"] = options.scans
         self.has_corde = "--rod" in subprocess.run([self.program("calibrate"), "--help"], stdout=subprocess.PIPE, text=True,
@@ -127,16 +126,25 @@ class Chain:
         return [("truth", "truth", truth), ("scans", "virtual scans", [self.program("ct"), "simulate", case]),
                 ("segmentation", "segmentation", [self.program("ct"), "segment", case])]
 
+    def kinds(self):
+        """Fits to make. An older calibrate has no baseline."""
+        return [kind for kind in table51_data.FITS if kind != "corde" or (self.has_corde and CORDE[self.options.preset])]
+
     def fit_command(self, row_folder, kind):
         command = [self.program("calibrate"), os.path.join(row_folder, "case"), "-o", os.path.join(row_folder, kind), "--resume",
-                   "--population", "%d" % self.preset["population"], "--generations", "%d" % self.preset["generations"],
-                   "--method", *self.options.methods, *self.preset["short_cuts"]]
+                   "--method", *self.options.methods]
+        sizes = {name: self.preset[name] for name in ("population", "generations")}
+        if kind == "corde":
+            sizes = dict(zip(sizes, CORDE[self.options.preset]))
+            command += ["--rod", "corde"]
+        else:
+            command += self.preset["short_cuts"]
+        for name in sizes:
+            command += ["--" + name, "%d" % (getattr(self.options, name) or sizes[name])]
         if kind in self.preset["rangeless"]:
             command += ["--no-ranges"]
         if kind != "force":
             command += ["--force-weight-mm", "0"]
-        if kind == "corde":
-            command += ["--rod", "corde"]
         return command
 
     def check_scans(self, row_folder):
@@ -186,9 +194,7 @@ class Chain:
             say("failed: %s" % failure)
             return False
         good = True
-        for kind in table51_data.FITS:
-            if kind == "corde" and not self.has_corde:
-                continue
+        for kind in self.kinds():
             try:
                 self.make_fit(row_folder, kind, say)
             except Failed as failure:
@@ -227,7 +233,7 @@ def parse(arguments):
     parser.add_argument("--methods", nargs="+", default=["cmaes"], help="of calibrate: cmaes, genetic, differential")
     parser.add_argument("--scans", action=argparse.BooleanOptionalAction, help="virtual scans and their segmentation, or the "
                         "truth's centrelines with noise, instead of what the preset does")
-    parser.add_argument("--keep-scans", action="store_true", help="keep the volumes (60 MB and more for each depth)")
+    parser.add_argument("--keep-scans", action="store_true", help="keep the volumes (30 MB for each depth)")
     parser.add_argument("--threads", type=int, help="of calibrate (default: one per core)")
     parser.add_argument("--page-only", action="store_true", help="make nothing, write the page of what is there")
     return parser, parser.parse_args(arguments)

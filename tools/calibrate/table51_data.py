@@ -157,11 +157,11 @@ def to_json(rows, settings):
 def write_csv(rows, path):
     """One line per instrument and one of averages; cells of what was not run are empty."""
     kinds = (*FITS, "thesis")
-    names = ("bend_shaft", "alpha", "radius", "density")
+    names = {kind: ("young", "alpha", "radius", "density", "kp") if kind == "corde" else ("bend_shaft", "alpha", "radius", "density") for kind in FITS}
     with open(path, "w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["instrument"] + [kind + "_" + key for kind in kinds for key, _, _ in FIGURES]
-                        + [kind + "_" + name for kind in FITS for name in names] + ["thesis_" + name for name in THESIS_PARAMETERS])
+                        + [kind + "_" + name for kind in FITS for name in names[kind]] + ["thesis_" + name for name in THESIS_PARAMETERS])
         for row in rows:
             cells = [row["name"]]
             for kind in kinds:
@@ -170,7 +170,7 @@ def write_csv(rows, path):
             for kind in FITS:
                 result = row["fits"].get(kind, {}).get("result", {"parameters": []})
                 fitted = {p["name"]: p["fitted"] for p in result["parameters"]}
-                cells += [_cell(fitted.get(name)) for name in names]
+                cells += [_cell(fitted.get(name)) for name in names[kind]]
             writer.writerow(cells + [row["thesis"]["parameters"][name] for name in THESIS_PARAMETERS])
         means = [averages(rows, kind)[0] for kind in kinds]
         writer.writerow(["Average"] + [_cell(figures.get(key)) for figures in means for key, _, _ in FIGURES])
