@@ -17,8 +17,9 @@ INSTRUMENTS ?=
 PRESET      ?= full
 ACCESS_CHECKS ?= # of the baker: --points 1000 --poses 0 checks less
 METHODS     ?= cmaes
+FITS        ?= shape force corde
 TABLE51_OUT ?= out/table51$(if $(filter-out full,$(PRESET)),_$(PRESET))
-TABLE51      = python3 tools/calibrate/table51.py --build $(BUILD) --scene $(ACCESS) --surface $(ACCESS:.scene=.ply) --preset $(PRESET) -o $(TABLE51_OUT) --methods $(METHODS)
+TABLE51      = python3 tools/calibrate/table51.py --build $(BUILD) --scene $(ACCESS) --surface $(ACCESS:.scene=.ply) --preset $(PRESET) -o $(TABLE51_OUT) --methods $(METHODS) --fits $(FITS)
 $(ACCESS) $(ACCESS:.scene=.ply) &: $(BUILD)/bin/anatomy $(BUILD)/bin/bake
 	@mkdir -p out && echo "Making and baking the silicone phantom"
 	@$(BUILD)/bin/anatomy access --quiet -o $(BUILD)/anatomy/access
@@ -30,5 +31,5 @@ table51: packages-build ## Table 5.1 of the thesis, nine instruments fitted: out
 	@$(TABLE51) $(if $(INSTRUMENTS),--instruments $(INSTRUMENTS))
 
 calibrate: ## virtual scans of INSTRUMENT=amplatz_super_stiff in a silicone phantom, segmented and fitted: its row of make table51
-	@$(MAKE) --no-print-directory table51 INSTRUMENTS=$(INSTRUMENT)
+	@$(MAKE) --no-print-directory table51 INSTRUMENTS=$(INSTRUMENT) FITS="shape force"
 .PHONY: table51 calibrate

@@ -10,6 +10,8 @@ goes on from its last generation. An instrument that fails is named on the page 
 after every instrument. Ends with 0 when everything was made, 1 when something failed or was stopped, 2 on a usage error.
 """
 import argparse
+import functools
+import hashlib
 import json
 import os
 import shlex
@@ -80,6 +82,15 @@ def write(path, text):
         file.write(text)
 
 
+@functools.cache
+def digest(program):
+    """Which build of a program this is; empty where there is none."""
+    if not os.path.exists(program):
+        return ""
+    with open(program, "rb") as file:
+        return hashlib.sha256(file.read()).hexdigest() + "\n"
+
+
 def step(row_folder, name, command, announce, unheard=()):
     """Runs `command` unless it has been run; True if it was, and then announced. What fails leaves NAME.failed. `unheard`: arguments that
     change nothing of what is made."""
@@ -96,6 +107,7 @@ def step(row_folder, name, command, announce, unheard=()):
         write(failed, "%s\n" % failure)
         raise
     write(done, wanted)
+    write(os.path.join(row_folder, name + ".program"), digest(command[0]))
     return True
 
 
@@ -128,7 +140,7 @@ class Chain:
 
     def kinds(self):
         """Fits to make. An older calibrate has no baseline."""
-        return [kind for kind in table51_data.FITS if kind != "corde" or (self.has_corde and CORDE[self.options.preset])]
+        return [kind for kind in self.options.fits if kind != "corde" or (self.has_corde and CORDE[self.options.preset])]
 
     def fit_command(self, row_folder, kind):
         command = [self.program("calibrate"), os.path.join(row_folder, "case"), "-o", os.path.join(row_folder, kind), "--resume",
@@ -202,8 +214,14 @@ class Chain:
                 good = False
         return good
 
-    def settings(self):
-        return {"preset": self.options.preset, "scans": self.preset["scans"], "rangeless": list(self.preset["rangeless"]),
+    def by_other_builds(self, rows):
+        """What was made before its program was built anew: "Rosen: shape"."""
+        programs = {"truth": "reference_rod", "scans": "ct", "segmentation": "ct", **dict.fromkeys(table51_data.FITS, "calibrate")}
+        return ["%s: %s" % (row["name"], name) for row in rows for name, program in programs.items()
+                if text_of(os.path.join(self.options.output, row["stem"], name + ".program")) not in (None, digest(self.program(program)))]
+
+    def settings(self, rows):
+        return {"by_other_builds": self.by_other_builds(rows), "preset": self.options.preset, "scans": self.preset["scans"], "rangeless": list(self.preset["rangeless"]),
                 "shape_noise_mm": None if self.preset["scans"] else SHAPE_NOISE_MM,
                 "depths": [{"inserted_mm": inserted, "name": name} for inserted, name in self.depths]}
 
@@ -212,11 +230,11 @@ def write_page(chain, rows):
     output = chain.options.output
     collected = table51_data.collect(rows, output)
     with open(os.path.join(output, "table51.json"), "w", encoding="utf-8") as file:
-        json.dump(table51_data.to_json(collected, chain.settings()), file, indent=1)
+        json.dump(table51_data.to_json(collected, chain.settings(rows)), file, indent=1)
         file.write("\n")
     table51_data.write_csv(collected, os.path.join(output, "table51.csv"))
     with open(os.path.join(output, "index.html"), "w", encoding="utf-8") as file:
-        file.write(table51_page.page(collected, chain.settings(), output))
+        file.write(table51_page.page(collected, chain.settings(rows), output))
 
 
 def parse(arguments):
@@ -230,6 +248,8 @@ def parse(arguments):
     parser.add_argument("--build", default="build", help="folder of the programs (default: %(default)s)")
     parser.add_argument("--population", type=int, help="trials per generation, instead of the preset's")
     parser.add_argument("--generations", type=int, help="instead of the preset's")
+    parser.add_argument("--fits", nargs="+", choices=table51_data.FITS, default=list(table51_data.FITS),
+                        help="our rod by shape alone, with the force trace, and CoRdE (default: all)")
     parser.add_argument("--methods", nargs="+", default=["cmaes"], help="of calibrate: cmaes, genetic, differential")
     parser.add_argument("--scans", action=argparse.BooleanOptionalAction, help="virtual scans and their segmentation, or the "
                         "truth's centrelines with noise, instead of what the preset does")

@@ -232,6 +232,11 @@ def pictures(row, output):
     return "\n".join(out)
 
 
+def other_builds(settings):
+    old = settings["by_other_builds"]
+    return '<p class="bad">Made by programs that have been built anew since: %s. Remove their folders to make them again.</p>' % text(", ".join(old)) if old else ""
+
+
 def notes(rows):
     lines = ["<li>%s, %s: %s</li>" % (text(row["name"]), text(FITS[kind]), text(why)) for row in rows for kind, why in row["notes"].items()
              if why != "not run"]
@@ -271,7 +276,7 @@ def introduction(rows, settings):
 def page(rows, settings, output):
     """The whole page; pictures are those in the folders of the fits."""
     parts = ["<!DOCTYPE html>", '<html lang="en"><head><meta charset="utf-8">', "<title>Table 5.1</title>", STYLE, "</head><body>",
-             "<h1>Table 5.1: simulated instruments against their references</h1>", introduction(rows, settings), notes(rows),
+             "<h1>Table 5.1: simulated instruments against their references</h1>", introduction(rows, settings), other_builds(settings), notes(rows),
              "<h2>Table 5.1</h2>", table_5_1(rows),
              "<p>Ours and CoRdE by shape alone, as in the thesis. Averages are over the three depths. Green: RMS at depth 3 at most %g mm, "
              "average at most %g mm. Distances of the simulated nodes to the nearest point of the reference (equation 19).</p>" % (

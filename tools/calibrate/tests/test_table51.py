@@ -169,8 +169,8 @@ def check_chain(tap, rehearsal):
         pass
     code, said = rehearsal.run("--generations", "30", "--instruments", "rosen")
     tap.report("a longer search goes on from the shorter one", code == 0 and len(rehearsal.asked("fits")) == 3 and os.path.exists(trace), said)
-    code, said = rehearsal.run("--population", "32", "--instruments", "rosen")
-    tap.report("another population begins anew", code == 0 and len(rehearsal.asked("fits")) == 3 and not os.path.exists(trace), said)
+    code, said = rehearsal.run("--population", "32", "--instruments", "rosen", "--fits", "shape", "force")
+    tap.report("another population begins anew, in the fits that are wanted", code == 0 and len(rehearsal.asked("fits")) == 2 and not os.path.exists(trace), said)
 
 
 def check_page(tap, rehearsal):
@@ -182,6 +182,13 @@ def check_page(tap, rehearsal):
     mean = sum(row["shape"]["depth3_rms_mm"] for row in table["rows"]) / 9
     tap.report("the last row is the mean of the rows", abs(float(lines[-1]["shape_depth3_rms_mm"]) / mean - 1.0) < 1e-3
                and abs(float(lines[-1]["thesis_depth3_rms_mm"]) - 2.28) < 1e-9, lines[-1])
+    tap.report("nothing is called old", "built anew" not in page)
+    with open(os.path.join(rehearsal.folder, "bin", "reference_rod"), "a", encoding="utf-8") as file:
+        file.write("\n")
+    rehearsal.run("--page-only")
+    page = read(rehearsal.output, "index.html")
+    tap.report("what another build has made is named", "built anew since: Amplatz: truth, Cook Str.: truth" in page and "shape" not in
+               page.partition("built anew since")[2].partition("</p>")[0])
     once = page
     code, said = rehearsal.run("--page-only")
     tap.report("the page is the same bytes from the same results", code == 0 and read(rehearsal.output, "index.html") == once
