@@ -25,7 +25,7 @@ $(ACCESS) $(ACCESS:.scene=.ply) &: $(BUILD)/bin/anatomy $(BUILD)/bin/bake
 	@$(BUILD)/bin/anatomy access --quiet -o $(BUILD)/anatomy/access
 	@$(BUILD)/bin/bake $(BUILD)/anatomy/access/scene.toml -o $(ACCESS) --surface $(ACCESS:.scene=.ply) $(ACCESS_CHECKS)
 
-table51: packages-build ## Table 5.1 of the thesis, nine instruments fitted: out/table51/index.html (hours; PRESET=quick: an hour, fast: seconds)
+table51: packages-build ## Table 5.1 of the thesis, nine instruments fitted: out/table51/index.html (a night; PRESET=quick: an hour, fast: a minute)
 	@$(QUIET_MAKE) $(foreach p,anatomy bake reference_rod ct calibrate,$(BUILD)/bin/$(p))
 	@$(MAKE) --no-print-directory PACKAGES=skip $(ACCESS)
 	@$(TABLE51) $(if $(INSTRUMENTS),--instruments $(INSTRUMENTS))
