@@ -172,13 +172,14 @@ double Case::turn_deg_at(double inserted_mm) const
     return depths.back().turn_deg;
 }
 
-Case read_case(const std::filesystem::path &folder_or_file)
+Case read_case(const std::filesystem::path &folder_or_file, CaseParts wanted)
 {
     std::error_code ignored;
     const std::filesystem::path file = std::filesystem::is_directory(folder_or_file, ignored)
                                            ? folder_or_file / "case.toml"
                                            : folder_or_file;
     const toml::table table = parse(file);
+    const bool wants_all = wanted == CaseParts::all;
     const Reading root{file.string(), "", table};
     root.only({"format", "name", "instrument", "scene", "surface", "mouth_mm", "direction", "gravity_m_s2",
                "friction_kinetic", "friction_static", "speed_mm_per_s", "force", "depth"});
@@ -188,13 +189,20 @@ Case read_case(const std::filesystem::path &folder_or_file)
     c.folder = file.parent_path();
     c.name = root.text("name", true);
     c.instrument = root.text("instrument", true);
-    c.scene = root.text("scene", true);
+    if (wants_all)
+        for (const char *key : {"scene", "mouth_mm", "direction"})
+            if (!table.contains(key))
+                root.refuse(key, "is missing: give it, or let ct segment find it in the case's scans");
+    c.scene = root.text("scene", false);
     c.surface = root.text("surface", false);
     c.force = root.text("force", false);
-    c.mouth_mm = root.vector("mouth_mm");
-    c.direction = root.vector("direction");
-    if (std::abs(c.direction.norm() - 1) > 1e-3) root.refuse("direction", "is not of length 1");
-    c.direction.normalize();
+    c.has_mouth = table.contains("mouth_mm") || table.contains("direction");
+    if (c.has_mouth) {
+        c.mouth_mm = root.vector("mouth_mm");
+        c.direction = root.vector("direction");
+        if (std::abs(c.direction.norm() - 1) > 1e-3) root.refuse("direction", "is not of length 1");
+        c.direction.normalize();
+    }
     if (table.contains("gravity_m_s2")) c.gravity_m_s2 = root.vector("gravity_m_s2");
     if (c.gravity_m_s2.norm() > 20.0) root.refuse("gravity_m_s2", "is more than 20 m/s^2");
     c.friction_kinetic = root.number("friction_kinetic", 0, 1);
@@ -204,6 +212,37 @@ Case read_case(const std::filesystem::path &folder_or_file)
     return c;
 }
 
+// Three numbers as TOML, with the line's end.
+static std::string vector_text(const Eigen::Vector3d &v)
+{
+    return "[" + number_text(v.x()) + ", " + number_text(v.y()) + ", " + number_text(v.z()) + "]\n";
+}
+
+void complete_case(const Case &c)
+{
+    const std::filesystem::path file = c.folder / "case.toml";
+    const toml::table table = parse(file);
+    std::string added; // lines
+    const auto add = [&](const std::string &key, const std::string &value) {
+        if (!table.contains(key)) added += key + " = " + value;
+    };
+    if (!c.surface.empty()) add("surface", toml_quoted(c.surface) + "\n");
+    if (!c.scene.empty()) add("scene", toml_quoted(c.scene) + "\n");
+    if (c.has_mouth) {
+        add("mouth_mm", vector_text(c.mouth_mm));
+        add("direction", vector_text(c.direction));
+    }
+    if (added.empty()) return;
+    std::ifstream stream(file, std::ios::binary);
+    std::string text{std::istreambuf_iterator<char>(stream), {}};
+    // After the line of `format`, which is one of the first table's.
+    const toml::node *format = table.get("format");
+    std::size_t at = 0;
+    for (unsigned line = 0; format && line < format->source().begin.line; ++line)
+        at = std::min(text.find('\n', at), text.size() - 1) + 1;
+    write_whole_file(file.string(), text.insert(at, added));
+}
+
 void write_case(const Case &c)
 {
     std::string text = "format = 1\nname = " + toml_quoted(c.name) +
@@ -211,11 +250,8 @@ void write_case(const Case &c)
                        "\n";
     if (!c.surface.empty()) text += "surface = " + toml_quoted(c.surface) + "\n";
     if (!c.force.empty()) text += "force = " + toml_quoted(c.force) + "\n";
-    const auto vector = [](const Eigen::Vector3d &v) {
-        return "[" + number_text(v.x()) + ", " + number_text(v.y()) + ", " + number_text(v.z()) + "]\n";
-    };
-    text += "mouth_mm = " + vector(c.mouth_mm) + "direction = " + vector(c.direction);
-    if (c.gravity_m_s2 != Eigen::Vector3d::Zero()) text += "gravity_m_s2 = " + vector(c.gravity_m_s2);
+    text += "mouth_mm = " + vector_text(c.mouth_mm) + "direction = " + vector_text(c.direction);
+    if (c.gravity_m_s2 != Eigen::Vector3d::Zero()) text += "gravity_m_s2 = " + vector_text(c.gravity_m_s2);
     text += "friction_kinetic = " + number_text(c.friction_kinetic) +
             "\nfriction_static = " + number_text(c.friction_static) +
             "\nspeed_mm_per_s = " + number_text(c.speed_mm_per_s) + "\n";

@@ -47,6 +47,7 @@ struct Case {
     std::filesystem::path instrument; // nominal instrument file, with ":preset" if it is not `physical`
     std::filesystem::path scene;      // the phantom's lumen, baked: the core reads it
     std::filesystem::path surface;    // the same as a closed mesh in mm; empty when there is none
+    bool has_mouth = true; // false: the next two are not known yet (CaseParts::before_segmentation alone)
     Eigen::Vector3d mouth_mm = Eigen::Vector3d::Zero();   // where the inserter ends
     Eigen::Vector3d direction = Eigen::Vector3d::UnitX(); // unit, into the vessel
     Eigen::Vector3d gravity_m_s2 =
@@ -61,10 +62,15 @@ struct Case {
     double turn_deg_at(double inserted_mm) const;
 };
 
+// What a case must have: all; or what is known with scans alone, to which `ct segment` adds scene, surface and mouth.
+enum class CaseParts { all, before_segmentation };
 // FOLDER/case.toml, or the file itself. Throws CaseError.
-Case read_case(const std::filesystem::path &folder_or_file);
+Case read_case(const std::filesystem::path &folder_or_file, CaseParts wanted = CaseParts::all);
 // Writes FOLDER/case.toml. Throws seld::OutputError.
 void write_case(const Case &c);
+// Adds scene, surface, mouth_mm and direction where FOLDER/case.toml lacks them, and leaves the rest of its text as a person
+// wrote it. Throws CaseError, seld::OutputError.
+void complete_case(const Case &c);
 
 // Ordered points in mm, header x_mm,y_mm,z_mm; further columns are passed over. At least two. Throws CaseError.
 std::vector<Eigen::Vector3d> read_centreline(const std::filesystem::path &file);

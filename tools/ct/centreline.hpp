@@ -9,9 +9,10 @@ namespace seld::ct
 {
 
 struct LineOptions {
-    double threshold_HU = 0;                 // of the instrument; 0: half-way to the brightest
-    std::optional<Eigen::Vector3d> seed_mm;  // a place on the instrument; none: the longest bright thing
-    std::optional<Eigen::Vector3d> mouth_mm; // the line ends at the plane through it ...
+    double threshold_HU = 0;                // of the instrument; 0: half-way to the brightest
+    std::optional<Eigen::Vector3d> seed_mm; // a place on the instrument; none: the longest bright thing
+    std::optional<Eigen::Vector3d>
+        mouth_mm; // tells which end is the tip; begin_at_mouth cuts the line there ...
     Eigen::Vector3d direction = Eigen::Vector3d::UnitY(); // ... across this
 };
 
@@ -35,7 +36,7 @@ struct InstrumentLine {
 // Voxels of the one instrument (1 inside). Throws Fault: no instrument, two instruments.
 Volume find_instrument(const Volume &volume, LineOptions &options);
 
-// Throws Fault: two instruments that touch, nothing in front of the mouth.
+// The whole line in the scan, also behind the mouth. Throws Fault: two instruments that touch, one that is too short.
 InstrumentLine trace_instrument(const Volume &volume, const Volume &mask, const LineOptions &options,
                                 const Report &report);
 

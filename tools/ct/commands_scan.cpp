@@ -59,6 +59,7 @@ Report terminal_report()
     auto begun = std::make_shared<std::string>();
     return [progress, begun](const std::string &stage, double share) {
         constexpr std::size_t steps = 1000;
+        if (bake::Progress::interrupted()) throw Fault("interrupted: what was finished is kept");
         if (*begun != stage) {
             progress->stage(stage, steps);
             *begun = stage;

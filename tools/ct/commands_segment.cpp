@@ -1,6 +1,9 @@
 // `ct segment` and `ct check`: files from scans, and how far they are from the truth.
+#include "host/model/pending_file.hpp"
+#include "tools/bake/bake.hpp"
 #include "tools/case/case.hpp"
 #include "tools/ct/commands.hpp"
+#include "tools/ct/mouth.hpp"
 #include "tools/ct/volume_io.hpp"
 #include <cstdio>
 
@@ -20,32 +23,136 @@ bake::Mesh mesh_of(const fs::path &file)
     return bake::load_mesh(text);
 }
 
-// Every depth's line, and the lumen of the first: there the least of it is hidden by metal.
+// A depth whose instrument is found.
+struct SegmentedDepth {
+    const insertion::Depth *depth;
+    Volume volume;
+    Page page;
+    InstrumentLine line;
+};
+
+SegmentedDepth segment_depth(const insertion::Case &c, const insertion::Depth &depth,
+                             const SegmentOptions &options, const fs::path &folder, const Report &report)
+{
+    const fs::path scan = c.path_in(depth.scan);
+    std::printf("%s: %s\n", depth.name.c_str(), scan.string().c_str());
+    SegmentedDepth result{&depth, read_volume(scan), Page(folder), {}};
+    LineOptions line = options.line;
+    if (c.has_mouth) {
+        line.mouth_mm = c.mouth_mm;
+        line.direction = c.direction;
+    }
+    result.line = segment_line(result.volume, line, result.page, report);
+    return result;
+}
+
+// From the mouth on: pictures, page and the case's own depth_N.csv.
+void finish_depth(const insertion::Case &c, SegmentedDepth &found)
+{
+    const bool begins_at_mouth = begin_at_mouth(found.line, {c.mouth_mm, c.direction}, found.volume.name);
+    if (begins_at_mouth) check_length({found.line.places(), found.depth->inserted_mm, found.volume.name});
+    const std::string facts = line_facts(found.line, found.volume);
+    std::fputs(facts.c_str(), stdout);
+    write_line(found.line, found.volume, found.page, facts);
+    insertion::write_centreline(c.path_in(found.depth->centreline), found.line.places());
+}
+
+// Shorter where the case's folder is above it.
+fs::path path_from(const fs::path &folder, const fs::path &file)
+{
+    const fs::path relative = fs::relative(file, folder.empty() ? fs::path(".") : folder);
+    return relative.empty() || *relative.begin() == ".." ? fs::absolute(file) : relative;
+}
+
+// The scene for calibrate and the simulator from the lumen's mesh.
+void bake_lumen(const insertion::Case &c, const bake::Mesh &lumen, const fs::path &surface,
+                const fs::path &scene)
+{
+    const double wall_mm = bake::TriangleTree(lumen).nearest(c.mouth_mm).distance_mm;
+    char text[400];
+    if (wall_mm > -1) {
+        std::snprintf(text, sizeof text,
+                      ": the mouth at (%.1f, %.1f, %.1f) mm is %.1f mm %s the wall of the lumen that was "
+                      "found, and must be 1 mm inside: mend inserted_mm of the depths in case.toml, or write "
+                      "mouth_mm and direction",
+                      c.mouth_mm.x(), c.mouth_mm.y(), c.mouth_mm.z(), std::abs(wall_mm),
+                      wall_mm > 0 ? "outside" : "from");
+        throw Fault(c.folder.string() + text);
+    }
+    std::snprintf(text, sizeof text,
+                  "[scene]\nname = \"scanned lumen\"\nsource = \"ct segment\"\n\n[lumen]\nmesh = \"%s\"\n"
+                  "unit = \"mm\"\n\n[entry]\nposition_mm = [%.4f, %.4f, %.4f]\n"
+                  "direction = [%.6f, %.6f, %.6f]\n",
+                  surface.filename().c_str(), c.mouth_mm.x(), c.mouth_mm.y(), c.mouth_mm.z(), c.direction.x(),
+                  c.direction.y(), c.direction.z());
+    bake::Options options;
+    options.scene = surface.parent_path() / "scene.toml";
+    options.output = scene;
+    options.points = 20000;
+    options.poses = 1000;
+    write_whole_file(options.scene.string(), text);
+    bake::Progress progress;
+    std::fputs(bake::bake(options, progress).c_str(), stdout);
+}
+
+// The lumen from all scans, and what the case lacks for calibrate: surface, scene, mouth.
+void finish_case(insertion::Case &c, const std::vector<SegmentedDepth> &found, const LumenOptions &options,
+                 const fs::path &folder, const Report &report)
+{
+    std::vector<LumenScan> scans;
+    LineOptions at_mouth;
+    at_mouth.mouth_mm = c.mouth_mm;
+    at_mouth.direction = c.direction;
+    for (const SegmentedDepth &depth : found)
+        scans.push_back(
+            {&depth.volume, depth.line.places(), behind_mouth(at_mouth, depth.line.points.front().place_mm)});
+    Page page(folder);
+    const LumenSurface lumen = segment_lumen(scans, options, page, report);
+    const std::string facts = lumen_facts(lumen);
+    std::fputs(facts.c_str(), stdout);
+    for (const SegmentedDepth &depth : found)
+        page.link(depth.page.folder().filename().string() + "/index.html", depth.depth->name);
+    page.write("Case " + c.name, facts);
+    const fs::path surface = folder / "lumen.ply", scene = folder / "lumen.scene";
+    if (c.surface.empty()) c.surface = path_from(c.folder, surface);
+    if (c.scene.empty()) {
+        bake_lumen(c, lumen.mesh, surface, scene);
+        c.scene = path_from(c.folder, scene);
+    }
+    insertion::complete_case(c);
+}
+
 void segment_case(const SegmentCommand &command)
 {
-    const insertion::Case c = insertion::read_case(command.input);
+    insertion::Case c = insertion::read_case(command.input, insertion::CaseParts::before_segmentation);
     const fs::path folder = command.output.empty() ? c.folder / "segmentation" : command.output;
-    std::size_t done = 0;
+    const Report report = terminal_report();
+    std::vector<SegmentedDepth> found;
     for (std::size_t i = 0; i < c.depths.size(); ++i) {
-        const insertion::Depth &depth = c.depths[i];
-        if (depth.scan.empty()) continue;
-        SegmentOptions options = command.options;
-        options.line.mouth_mm = c.mouth_mm;
-        options.line.direction = c.direction;
-        options.wants_lumen = command.options.wants_lumen && done == 0;
-        const fs::path at = folder / ("depth_" + std::to_string(i + 1));
-        std::printf("%s: %s\n", depth.name.c_str(), c.path_in(depth.scan).string().c_str());
-        const Segmentation result =
-            segment_scan(read_volume(c.path_in(depth.scan)), options, at, terminal_report());
-        insertion::write_centreline(c.path_in(depth.centreline), result.line.places());
-        if (options.wants_lumen)
-            fs::copy_file(at / "lumen.ply", folder / "lumen.ply", fs::copy_options::overwrite_existing);
-        ++done;
+        if (c.depths[i].scan.empty()) continue;
+        found.push_back(segment_depth(c, c.depths[i], command.options,
+                                      folder / ("depth_" + std::to_string(i + 1)), report));
+        if (c.has_mouth) finish_depth(c, found.back());
     }
-    if (done == 0)
+    if (found.empty())
         throw Fault((c.folder / "case.toml").string() +
                     ": no depth has a scan: fill in `scan`, or run ct simulate");
-    std::printf("%s: %zu centrelines written; pictures in %s\n", c.folder.string().c_str(), done,
+    if (!c.has_mouth) {
+        std::vector<InsertedLine> lines;
+        for (const SegmentedDepth &depth : found)
+            lines.push_back({depth.line.places(), depth.depth->inserted_mm, depth.volume.name});
+        const Mouth mouth = find_mouth(lines);
+        c.mouth_mm = mouth.place_mm;
+        c.direction = mouth.direction;
+        c.has_mouth = true;
+        std::printf("mouth       (%.2f, %.2f, %.2f) mm, direction (%.3f, %.3f, %.3f): so far from the tips "
+                    "as is inserted\n",
+                    c.mouth_mm.x(), c.mouth_mm.y(), c.mouth_mm.z(), c.direction.x(), c.direction.y(),
+                    c.direction.z());
+        for (SegmentedDepth &depth : found) finish_depth(c, depth);
+    }
+    if (command.options.wants_lumen) finish_case(c, found, command.options.lumen, folder, report);
+    std::printf("%s: %zu centrelines written; pictures in %s\n", c.folder.string().c_str(), found.size(),
                 folder.string().c_str());
 }
 
@@ -87,10 +194,15 @@ bool command_check(const fs::path &case_folder)
         ++compared;
     }
     const fs::path lumen = c.folder / "segmentation" / "lumen.ply";
-    if (!c.surface.empty() && fs::exists(lumen)) {
+    std::error_code ignored;
+    if (fs::equivalent(c.path_in(c.surface), lumen, ignored)) {
+        std::printf("lumen: not compared, since the case knows no other surface than the segmented one\n");
+    } else if (!c.surface.empty() && fs::exists(lumen)) {
         const bake::Mesh found = mesh_of(lumen), real = mesh_of(c.path_in(c.surface));
-        is_good = tell("lumen, found to truth", surfaces_apart(found, real), 0.3, 0) && is_good;
+        const Apart there = surfaces_apart(found, real);
+        is_good = tell("lumen, found to truth", there, 0.3, 0) && is_good;
         is_good = tell("lumen, truth to found", surfaces_apart(real, found), 0.3, 0) && is_good;
+        std::printf("%-28s %+.3f mm, + is outside the truth\n", "lumen, mean offset", there.offset_mm);
         ++compared;
     }
     if (compared == 0)

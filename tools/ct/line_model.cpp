@@ -19,6 +19,7 @@ constexpr double reach_mm = 2.3, along_sigma_mm = 0.6;
 constexpr double model_error = 0.12; // share of the model that streaks and hardening may take away
 constexpr double cauchy = 2.5;       // residuals beyond so many sigmas count little
 constexpr int fit_steps = 10;
+constexpr std::size_t blur_places = 24; // at which both blurs are fitted
 
 double median(std::vector<double> values)
 {
@@ -153,7 +154,8 @@ AcrossFit LineFit::fit(const std::vector<Frame> &frames, std::size_t index, cons
             const double height = std::exp(at[2] - 0.5 * off.dot(pull));
             const bool is_cut = height > room;
             const double residual = sample.value - model.around_HU - std::min(height, room);
-            const double sigma = std::hypot(model.noise_HU, model_error * std::min(height, room));
+            const double of_model = model_error * std::min(height, room),
+                         sigma = std::sqrt(model.noise_HU * model.noise_HU + of_model * of_model);
             const double scaled = residual / (cauchy * sigma);
             sum += sample.weight * std::log1p(scaled * scaled);
             if (!matrix) continue;
@@ -204,7 +206,7 @@ AcrossFit LineFit::fit(const std::vector<Frame> &frames, std::size_t index, cons
 double LineFit::misfit_of(const std::vector<Frame> &frames, const LineModel &model) const
 {
     double sum = 0;
-    const std::size_t step = std::max<std::size_t>(1, frames.size() / 40);
+    const std::size_t step = std::max<std::size_t>(1, frames.size() / blur_places);
     for (std::size_t i = step / 2; i < frames.size(); i += step) sum += fit(frames, i, model).misfit;
     return sum;
 }
@@ -255,7 +257,7 @@ double LineFit::fit_end(const std::vector<Frame> &frames, double low_mm, double 
         for (const Part &part : parts) {
             const double height =
                 std::min(room, part.height * normal_share((at - part.arc_mm) / part.blur_mm));
-            const double sigma = std::hypot(model.noise_HU, 0.15 * height);
+            const double sigma = std::sqrt(model.noise_HU * model.noise_HU + 0.15 * height * 0.15 * height);
             const double scaled = (part.value - height) / (cauchy * sigma);
             sum += std::log1p(scaled * scaled);
         }

@@ -15,11 +15,9 @@ namespace
 
 constexpr double wall_contrast_least_HU = 40;
 constexpr double opening_mm = 1.1; // of the ball: streaks may thin the wall, not over such a width
-constexpr double closing_mm = 1.3; // of cracks near the instrument
+constexpr double closing_mm = 2.2; // of what streaks and the hidden wall leave open near the instrument
 constexpr double seed_mm = 2.6;    // around the line: fluid is so near, what lies behind the wall is not
-constexpr double streak_mm =
-    9.0;                       // so far from the line values beyond fluid and silicone are taken for streaks
-constexpr double rim_mm = 1.0; // around what is masked, where the fluid's value is looked for
+constexpr double rim_mm = 1.0;     // around what is masked, where the fluid's value is looked for
 
 // The commonest value of voxels in a ring around the line, from a histogram smoothed over 20 HU.
 double commonest(const Volume &volume, const Volume &distance, double from_mm, double to_mm)
@@ -49,11 +47,15 @@ struct Wall {
     double crest_HU, edge_HU; // the wall's highest, and where the way up to it is steepest: its surface
 };
 
+struct Crests {
+    std::vector<double> crests, edges;
+};
+
 // Outwards across the line in 16 directions: the first crest well above the fluid is the wall.
-Wall wall_along(const Volume &volume, const std::vector<Vector3d> &line, double fluid, double from_mm)
+void look_outwards(const Volume &volume, const std::vector<Vector3d> &line, double fluid, double from_mm,
+                   Crests &found)
 {
     constexpr double step = 0.2;
-    std::vector<double> crests, edges;
     for (std::size_t i = 4; i + 4 < line.size(); i += 4) {
         const Vector3d tangent = (line[i + 4] - line[i - 4]).normalized(), side = tangent.unitOrthogonal(),
                        other = tangent.cross(side);
@@ -71,18 +73,28 @@ Wall wall_along(const Volume &volume, const std::vector<Vector3d> &line, double 
                 before = value;
                 crest = std::max(crest, value);
                 if (crest > fluid + wall_contrast_least_HU && value < crest - 0.4 * (crest - fluid)) {
-                    crests.push_back(crest);
-                    edges.push_back(edge);
+                    found.crests.push_back(crest);
+                    found.edges.push_back(edge);
                     break;
                 }
             }
         }
     }
-    if (crests.size() < 20) return {fluid, fluid};
-    const auto middle = static_cast<std::ptrdiff_t>(crests.size() / 2);
-    std::nth_element(crests.begin(), crests.begin() + middle, crests.end());
-    std::nth_element(edges.begin(), edges.begin() + middle, edges.end());
-    return {crests[static_cast<std::size_t>(middle)], edges[static_cast<std::size_t>(middle)]};
+}
+
+double median(std::vector<double> values)
+{
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+Wall wall_along(const Volume &smoothed, const std::vector<LumenScan> &scans, double fluid, double from_mm)
+{
+    Crests found;
+    for (const LumenScan &scan : scans) look_outwards(smoothed, scan.line, fluid, from_mm, found);
+    if (found.crests.size() < 20) return {fluid, fluid};
+    return {median(found.crests), median(found.edges)};
 }
 
 struct Grower {
@@ -210,86 +222,21 @@ void box_of(const Volume &mask, int around, std::array<int, 3> &low, std::array<
 
 } // namespace
 
-Volume distance_volume(const Volume &grid, const std::vector<Vector3d> &line, double reach_mm)
-{
-    Volume result = grid.like(static_cast<float>(reach_mm));
-    for (std::size_t p = 1; p < line.size(); ++p) {
-        const std::vector<Vector3d> piece = {line[p - 1], line[p]};
-        const Vector3d a = grid.voxel(line[p - 1]), b = grid.voxel(line[p]),
-                       sides = Vector3d::Constant(reach_mm).cwiseQuotient(grid.spacing_mm);
-        int low[3], high[3];
-        for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = std::max(0, static_cast<int>(std::floor(std::min(a[axis], b[axis]) - sides[axis])));
-            high[axis] = std::min(grid.size[static_cast<std::size_t>(axis)] - 1,
-                                  static_cast<int>(std::ceil(std::max(a[axis], b[axis]) + sides[axis])));
-        }
-        for (int k = low[2]; k <= high[2]; ++k)
-            for (int j = low[1]; j <= high[1]; ++j)
-                for (int i = low[0]; i <= high[0]; ++i) {
-                    const double away =
-                        distance_from(piece, grid.scene({double(i), double(j), double(k)})).distance_mm;
-                    float &here = result.hu[grid.at(i, j, k)];
-                    here = std::min(here, static_cast<float>(away));
-                }
-    }
-    return result;
-}
-
-void fill_in(Volume &volume, const std::vector<std::size_t> &hidden, double start)
-{
-    for (const std::size_t at : hidden) volume.hu[at] = static_cast<float>(start);
-    const Vector3d weight = volume.spacing_mm.cwiseProduct(volume.spacing_mm).cwiseInverse();
-    const auto row = static_cast<std::size_t>(volume.size[0]),
-               slice = row * static_cast<std::size_t>(volume.size[1]);
-    for (int round = 0; round < 60; ++round)
-        for (const std::size_t at : hidden) {
-            const int i = static_cast<int>(at % row), j = static_cast<int>(at % slice / row),
-                      k = static_cast<int>(at / slice);
-            double values = 0, weights = 0;
-            const auto look = [&](int a, int b, int c, double w) {
-                if (!volume.holds(a, b, c)) return;
-                values += w * static_cast<double>(volume.hu[volume.at(a, b, c)]);
-                weights += w;
-            };
-            look(i - 1, j, k, weight[0]), look(i + 1, j, k, weight[0]), look(i, j - 1, k, weight[1]),
-                look(i, j + 1, k, weight[1]), look(i, j, k - 1, weight[2]), look(i, j, k + 1, weight[2]);
-            volume.hu[at] +=
-                static_cast<float>(1.6 * (values / weights - static_cast<double>(volume.hu[at])));
-        }
-}
-
-// The scan without the instrument: what it hides, and streaks that no fluid and no silicone have, are filled from around.
-Volume without_instrument(const Volume &volume, const Volume &distance, double masked_mm, double fluid)
-{
-    Volume filled = volume;
-    std::vector<std::size_t> hidden;
-    for (std::size_t i = 0; i < filled.hu.size(); ++i) {
-        const double away = static_cast<double>(distance.hu[i]), value = static_cast<double>(filled.hu[i]);
-        if (away < masked_mm || (away < streak_mm && (value > fluid + 280 || value < fluid - 180)))
-            hidden.push_back(i);
-        else
-            filled.hu[i] =
-                std::clamp(filled.hu[i], static_cast<float>(fluid - 300), static_cast<float>(fluid + 400));
-    }
-    fill_in(filled, hidden, fluid);
-    return filled;
-}
-
-Lumen find_lumen(const Volume &volume, const std::vector<Vector3d> &line, const std::vector<Vector3d> &behind,
-                 const LumenOptions &options, const Report &report)
+Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &options, const Report &report)
 {
     Lumen lumen;
     report("lumen", 0);
-    Volume distance = distance_volume(volume, line, streak_mm);
-    Volume hidden = behind.empty() ? distance : distance_volume(volume, behind, streak_mm);
-    for (std::size_t i = 0; i < hidden.hu.size(); ++i) hidden.hu[i] = std::min(hidden.hu[i], distance.hu[i]);
-    lumen.fluid_HU = options.fluid_HU > -1500
-                         ? options.fluid_HU
-                         : commonest(volume, distance, options.masked_mm, options.masked_mm + rim_mm);
-    Volume filled = without_instrument(volume, hidden, options.masked_mm, lumen.fluid_HU);
+    const std::string &name = scans.front().volume->name;
+    lumen.fluid_HU = options.fluid_HU;
+    if (lumen.fluid_HU <= -1500) {
+        const Volume &first = *scans.front().volume;
+        lumen.fluid_HU = commonest(first, distance_volume(first, scans.front().line, streak_mm),
+                                   options.masked_mm, options.masked_mm + rim_mm);
+    }
+    Merged merged = merge_scans(scans, options.masked_mm, lumen.fluid_HU);
     report("lumen", 0.1);
-    lumen.restored = smoothed(filled, options.smooth_mm);
-    const Wall wall = wall_along(lumen.restored, line, lumen.fluid_HU, options.masked_mm);
+    lumen.restored = smoothed(merged.filled, options.smooth_mm);
+    const Wall wall = wall_along(lumen.restored, scans, lumen.fluid_HU, options.masked_mm);
     lumen.wall_HU = wall.crest_HU;
     lumen.edge_HU = wall.edge_HU;
     const double contrast = lumen.wall_HU - lumen.fluid_HU;
@@ -299,19 +246,21 @@ Lumen find_lumen(const Volume &volume, const std::vector<Vector3d> &line, const 
             text, sizeof text,
             ": no wall around the instrument: the fluid has %.0f HU, nothing around it is brighter by %.0f",
             lumen.fluid_HU, wall_contrast_least_HU);
-        throw Fault(volume.name + text + "; give --fluid-HU, or --no-lumen for the line alone");
+        throw Fault(name + text + "; give --fluid-HU, or --no-lumen for the line alone");
     }
-    Volume mask = grown(lumen.restored, distance, lumen.fluid_HU, lumen.edge_HU);
-    close_cracks(mask, distance);
+    Volume mask = grown(lumen.restored, merged.distance, lumen.fluid_HU, lumen.edge_HU);
+    close_cracks(mask, merged.distance);
     report("lumen", 0.3);
     std::array<int, 3> low, high;
     box_of(mask, 6, low, high);
-    for (Volume *part : {&mask, &distance, &filled, &lumen.restored}) *part = cut_out(*part, low, high);
+    for (Volume *part : {&mask, &merged.distance, &merged.filled, &merged.hidden, &lumen.restored})
+        *part = cut_out(*part, low, high);
+    lumen.hidden = std::move(merged.hidden);
     // The steepest of a smooth edge of this height: height / (sigma sqrt(2 pi)); half of it is an edge.
     const double steepest = contrast / (2.5066 * std::hypot(options.smooth_mm, 0.45));
     lumen.edge_HU_per_mm = 0.5 * steepest;
     lumen.first = level_of(mask, lumen.restored, lumen.edge_HU, steepest);
-    lumen.speed = speed_of(gradient_magnitude(filled, options.smooth_mm), lumen.edge_HU_per_mm,
+    lumen.speed = speed_of(gradient_magnitude(merged.filled, options.smooth_mm), lumen.edge_HU_per_mm,
                            0.3 * lumen.edge_HU_per_mm);
     report("lumen", 0.4);
     lumen.level = evolve_snake(lumen.first, lumen.speed, options.snake);
@@ -319,7 +268,7 @@ Lumen find_lumen(const Volume &volume, const std::vector<Vector3d> &line, const 
     // Where the instrument is, there is lumen.
     for (std::size_t i = 0; i < lumen.level.hu.size(); ++i)
         lumen.level.hu[i] =
-            std::min(lumen.level.hu[i], distance.hu[i] - static_cast<float>(options.instrument_mm));
+            std::min(lumen.level.hu[i], merged.distance.hu[i] - static_cast<float>(options.instrument_mm));
     report("lumen", 1);
     return lumen;
 }

@@ -22,9 +22,45 @@ constexpr const char *examples =
     "  ct segment out/case && ct check out/case             every depth of a case; how far from its truth\n"
     "  ct scan lumen.ply wire.csv -o scan.nrrd              one scan of a steel wire in a phantom\n"
     "  ct scan lumen.ply wire.csv -o series --material nitinol      the same as a DICOM series\n"
-    "Volumes: .nrrd, .nii, .nii.gz, .mha, or a folder with a DICOM series. Places are in the scene's axes, "
-    "in mm.\n"
-    "Exit codes: 0 done, 1 the input is unusable (the message says why), 2 usage.\n";
+    "ct SUBCOMMAND --help has the options.\n"
+    "Volumes: .nrrd, .nii, .nii.gz, .mha, or a folder with a DICOM series. Places are in the scene's axes "
+    "(+x patient left, +y head, +z front), in mm.\n"
+    "Ctrl-C keeps what was finished. Exit codes: 0 done, 1 the input is unusable (the message says why), 2 "
+    "usage.\n";
+
+constexpr const char *scan_footer =
+    "Examples:\n"
+    "  ct scan lumen.ply wire.csv -o scan.nrrd                      a steel wire of 0.035 inch\n"
+    "  ct scan lumen.ply wire.csv --instrument rosen.toml -o series     as the file describes it, a DICOM "
+    "series\n"
+    "  ct scan lumen.ply -o empty.nii.gz --views 300                without an instrument, coarser and "
+    "faster\n"
+    "docs/ct.md, \"The scanner\", says what is modelled.\n";
+
+constexpr const char *simulate_footer =
+    "Examples:\n"
+    "  ct simulate out/case                                 scans every depth of a case that has its truth\n"
+    "  ct simulate out/case --format dicom --noise-HU 30    as DICOM series, noisier\n"
+    "  ct simulate out/case --instrument rosen.toml --scene out/access.scene --surface out/access.ply \\\n"
+    "      --depth iliac:240:0 --depth aortic:300:0 --shaft-factor 1.3 --tip-factor 0.7    makes the case "
+    "first\n"
+    "Written: CASE/scan_N, and their names into CASE/case.toml (docs/ct.md).\n";
+
+constexpr const char *segment_footer =
+    "Examples:\n"
+    "  ct segment scan.nrrd -o out/seg                  one scan\n"
+    "  ct segment series --seed 12,-40,3 -o out/seg     the instrument at this place, of a DICOM series\n"
+    "  ct segment out/case                              every scan of a case; the lumen is that of all\n"
+    "A case without scene and mouth_mm gets them: the lumen is baked, and the mouth is where so much of the "
+    "instrument\n"
+    "is inserted as its depths say. calibrate CASE comes next. docs/ct.md has the files and how far to trust "
+    "them.\n";
+
+constexpr const char *check_footer = "Example:\n"
+                                     "  ct check out/case      after ct segment; exit code 1 where a mean or "
+                                     "a greatest distance is over its bar\n"
+                                     "Bars (docs/ct.md): centreline mean 0.2 mm, most 0.6 mm; lumen mean 0.3 "
+                                     "mm; from found to true and back.\n";
 
 void add_scanner_options(CLI::App &command, ScannerSettings &scanner, PhantomMaterials &phantom)
 {
@@ -54,6 +90,7 @@ void add_scanner_options(CLI::App &command, ScannerSettings &scanner, PhantomMat
 void add_scan(CLI::App &app, ScanOptions &options)
 {
     CLI::App &command = *app.add_subcommand("scan", "one virtual scan of a phantom with instruments in it");
+    command.footer(scan_footer);
     command.add_option("MESH", options.mesh, "the lumen as a closed surface in mm: PLY, STL, OBJ or glTF")
         ->required();
     command.add_option("LINE", options.lines,
@@ -82,6 +119,7 @@ void add_simulate(CLI::App &app, SimulateOptions &options, std::vector<std::stri
     CLI::App &command =
         *app.add_subcommand("simulate", "virtual scans of every depth of a case; with --instrument the case "
                                         "is made first, by an independent rod");
+    command.footer(simulate_footer);
     command.add_option("CASE", options.folder, "a case's folder with truth/, or the one to be made")
         ->required();
     seld::reference::add_truth_options(command, options.truth, depths);
@@ -102,6 +140,7 @@ void add_segment(CLI::App &app, SegmentCommand &options, std::vector<double> &se
 {
     CLI::App &command = *app.add_subcommand(
         "segment", "lumen, instrument and centreline from a scan, or from every scan of a case");
+    command.footer(segment_footer);
     command.add_option("SCAN", options.input, "a volume, a folder with a DICOM series, or a case's folder")
         ->required();
     command.add_option("-o,--output", options.output,
@@ -152,6 +191,7 @@ int main(int argc, char **argv)
     bool is_good = true;
     CLI::App &check =
         *app.add_subcommand("check", "distances of a case's centrelines and lumen from its truth");
+    check.footer(check_footer);
     check.add_option("CASE", checked, "a case's folder with truth/")->required();
     check.callback([&] { is_good = command_check(checked); });
     try {

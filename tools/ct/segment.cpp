@@ -1,7 +1,7 @@
 #include "tools/ct/segment.hpp"
 #include "host/model/pending_file.hpp"
 #include "tools/bake/triangle_tree.hpp"
-#include "tools/ct/pictures.hpp"
+#include "tools/ct/mouth.hpp"
 #include "tools/ct/surface.hpp"
 #include "tools/mesh/fault.hpp"
 #include "tools/mesh/simplify.hpp"
@@ -21,29 +21,7 @@ using Eigen::Vector3d;
 
 constexpr double simplify_mm = 0.03;
 
-struct Page {
-    fs::path folder;
-    std::string rows;
-
-    void show(const Picture &picture, const std::string &name, const std::string &what)
-    {
-        picture.save(folder / name);
-        rows += "<figure><img src=\"" + name + "\"><figcaption>" + what + "</figcaption></figure>\n";
-    }
-    void write(const std::string &head, const std::string &facts) const
-    {
-        write_whole_file(
-            (folder / "index.html").string(),
-            "<!doctype html><meta charset=\"utf-8\"><title>" + head +
-                "</title><style>body{font:15px "
-                "sans-serif;margin:24px}figure{display:inline-block;margin:8px;vertical-align:top}"
-                "img{max-width:640px}figcaption{max-width:640px}pre{background:#eee;padding:8px}</"
-                "style>\n<h1>" +
-                head + "</h1>\n<pre>" + facts + "</pre>\n" + rows);
-    }
-};
-
-void write_line(const InstrumentLine &line, const fs::path &file)
+void write_points(const InstrumentLine &line, const fs::path &file)
 {
     std::string text = "x_mm,y_mm,z_mm,unsure_mm,why\n";
     char row[160];
@@ -77,13 +55,11 @@ void write_instrument(const Volume &volume, const Volume &mask, const Instrument
 }
 
 // Where metal hid the wall nothing was seen of it; elsewhere the noise tells.
-std::vector<float> unsure_of(const bake::Mesh &mesh, const Lumen &lumen, const std::vector<Vector3d> &line,
-                             double masked_mm)
+std::vector<float> unsure_of(const bake::Mesh &mesh, const Lumen &lumen)
 {
-    const Volume near = distance_volume(lumen.level, line, masked_mm + 1);
     std::vector<float> unsure;
     for (const Vector3d &vertex : mesh.vertices_mm)
-        unsure.push_back(near.value(near.voxel(vertex)) < masked_mm ? 0.8f : 0.15f);
+        unsure.push_back(lumen.hidden.value(lumen.hidden.voxel(vertex)) > 0.5 ? 0.8f : 0.15f);
     return unsure;
 }
 
@@ -104,47 +80,18 @@ bake::Mesh lumen_mesh(const Lumen &lumen, std::vector<std::string> &notes)
     return mesh;
 }
 
-std::string facts_of(const Segmentation &result, const Lumen &lumen, const Volume &volume)
-{
-    char text[600];
-    double unsure = 0, length = 0;
-    std::size_t doubtful = 0;
-    const std::vector<LinePoint> &points = result.line.points;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        unsure = std::max(unsure, points[i].unsure_mm);
-        doubtful += !points[i].why.empty();
-        if (i > 0) length += (points[i].place_mm - points[i - 1].place_mm).norm();
-    }
-    std::snprintf(
-        text, sizeof text,
-        "volume      %d x %d x %d voxels of %.3f x %.3f x %.3f mm\n"
-        "instrument  over %.0f HU; line of %.1f mm, %zu points, %zu of them unsure (at most %.2f mm)\n"
-        "            blurred by %.2f mm in the slice and %.2f mm across, on %.0f HU\n"
-        "lumen       fluid %.0f HU, wall %.0f HU, surface at %.0f HU, %zu triangles\n",
-        volume.size[0], volume.size[1], volume.size[2], volume.spacing_mm.x(), volume.spacing_mm.y(),
-        volume.spacing_mm.z(), result.line.threshold_HU, length, points.size(), doubtful, unsure,
-        result.line.blur_mm, result.line.blur_slice_mm, result.line.around_HU, lumen.fluid_HU, lumen.wall_HU,
-        lumen.edge_HU, result.lumen.triangles.size());
-    std::string facts = text;
-    for (const std::string &note : result.notes) facts += "note        " + note + "\n";
-    return facts;
-}
-
-void write_report(const Segmentation &result, const Lumen &lumen, const Volume &volume, const fs::path &file)
+void write_report(const InstrumentLine &line, const Volume &volume, const fs::path &file)
 {
     nlohmann::ordered_json json;
     json["scan"] = volume.name;
-    json["threshold_HU"] = result.line.threshold_HU;
-    json["blur_mm"] = {result.line.blur_mm, result.line.blur_slice_mm};
-    json["fluid_HU"] = lumen.fluid_HU;
-    json["wall_HU"] = lumen.wall_HU;
-    json["lumen_triangles"] = result.lumen.triangles.size();
-    json["notes"] = result.notes;
+    json["threshold_HU"] = line.threshold_HU;
+    json["blur_mm"] = {line.blur_mm, line.blur_slice_mm};
+    json["notes"] = line.notes;
     json["unsure"] = nlohmann::json::array();
     double arc = 0;
-    for (std::size_t i = 0; i < result.line.points.size(); ++i) {
-        const LinePoint &point = result.line.points[i];
-        if (i > 0) arc += (point.place_mm - result.line.points[i - 1].place_mm).norm();
+    for (std::size_t i = 0; i < line.points.size(); ++i) {
+        const LinePoint &point = line.points[i];
+        if (i > 0) arc += (point.place_mm - line.points[i - 1].place_mm).norm();
         if (!point.why.empty())
             json["unsure"].push_back(
                 {{"arc_mm", std::round(10 * arc) / 10},
@@ -169,9 +116,10 @@ void show_line(Page &page, const Volume &volume, const InstrumentLine &line)
     }
 }
 
-void show_lumen(Page &page, const Volume &volume, const Lumen &lumen, const InstrumentLine &line)
+// Slices through a place in the lumen: of the picture, the speed, the snake.
+void show_lumen(Page &page, const Lumen &lumen, const Vector3d &place)
 {
-    const Vector3d middle = lumen.level.voxel(line.points[line.points.size() / 2].place_mm);
+    const Vector3d middle = lumen.level.voxel(place);
     for (const int axis : {2, 1}) {
         const int index = std::clamp(static_cast<int>(std::lround(middle[axis])), 0,
                                      lumen.level.size[static_cast<std::size_t>(axis)] - 1);
@@ -186,53 +134,107 @@ void show_lumen(Page &page, const Volume &volume, const Lumen &lumen, const Inst
         page.show(level, "3_snake" + side,
                   "The instrument taken out; the snake before (yellow) and after (red)");
     }
-    const Vector3d whole = volume.voxel(line.points[line.points.size() / 2].place_mm);
-    Picture slice(volume, 2, std::clamp(static_cast<int>(std::lround(whole.z())), 0, volume.size[2] - 1),
-                  lumen.fluid_HU - 200, lumen.wall_HU + 250);
-    slice.caption("SCAN");
-    page.show(slice, "1_scan_slice.png", "The scan as it is, in the slice of the line's middle");
+    for (const int axis : {1, 0}) {
+        Picture whole(lumen.restored, axis, -1, lumen.fluid_HU - 100, lumen.wall_HU + 50);
+        whole.outline(lumen.level, red);
+        whole.caption("LUMEN");
+        page.show(whole, axis == 1 ? "4_lumen_front.png" : "4_lumen_side.png",
+                  "The lumen (red), seen through, over the brightest voxels without the instrument");
+    }
+}
+
+std::string notes_text(const std::vector<std::string> &notes)
+{
+    std::string text;
+    for (const std::string &note : notes) text += "note        " + note + "\n";
+    return text;
 }
 
 } // namespace
 
+InstrumentLine segment_line(const Volume &volume, LineOptions options, Page &page, const Report &report)
+{
+    report("instrument", 0);
+    const Volume mask = find_instrument(volume, options);
+    report("instrument", 1);
+    InstrumentLine line = trace_instrument(volume, mask, options, report);
+    line.notes.insert(line.notes.begin(), volume.notes.begin(), volume.notes.end());
+    write_instrument(volume, mask, line, page.folder() / "instrument.ply");
+    Picture front(volume, 1, -1, 0, options.threshold_HU);
+    front.caption("SCAN, BRIGHTEST");
+    page.show(front, "1_scan_front.png", "The brightest voxels of the scan, from the front");
+    return line;
+}
+
+void write_line(const InstrumentLine &line, const Volume &volume, Page &page, const std::string &facts)
+{
+    write_points(line, page.folder() / "centreline.csv");
+    write_report(line, volume, page.folder() / "report.json");
+    show_line(page, volume, line);
+    page.write("Scan " + volume.name, facts);
+}
+
+std::string line_facts(const InstrumentLine &line, const Volume &volume)
+{
+    char text[500];
+    double unsure = 0, length = 0;
+    std::size_t doubtful = 0;
+    for (std::size_t i = 0; i < line.points.size(); ++i) {
+        unsure = std::max(unsure, line.points[i].unsure_mm);
+        doubtful += !line.points[i].why.empty();
+        if (i > 0) length += (line.points[i].place_mm - line.points[i - 1].place_mm).norm();
+    }
+    std::snprintf(
+        text, sizeof text,
+        "volume      %d x %d x %d voxels of %.3f x %.3f x %.3f mm\n"
+        "instrument  over %.0f HU; line of %.1f mm, %zu points, %zu of them unsure (at most %.2f mm)\n"
+        "            blurred by %.2f mm in the slice and %.2f mm across, on %.0f HU\n",
+        volume.size[0], volume.size[1], volume.size[2], volume.spacing_mm.x(), volume.spacing_mm.y(),
+        volume.spacing_mm.z(), line.threshold_HU, length, line.points.size(), doubtful, unsure, line.blur_mm,
+        line.blur_slice_mm, line.around_HU);
+    return text + notes_text(line.notes);
+}
+
+LumenSurface segment_lumen(const std::vector<LumenScan> &scans, const LumenOptions &options, Page &page,
+                           const Report &report)
+{
+    LumenSurface result;
+    result.lumen = find_lumen(scans, options, report);
+    result.notes = result.lumen.notes;
+    result.mesh = lumen_mesh(result.lumen, result.notes);
+    write_surface(result.mesh, unsure_of(result.mesh, result.lumen), page.folder() / "lumen.ply");
+    const std::vector<Vector3d> &line = scans.back().line;
+    show_lumen(page, result.lumen, line[line.size() / 2]);
+    return result;
+}
+
+std::string lumen_facts(const LumenSurface &surface)
+{
+    char text[200];
+    std::snprintf(
+        text, sizeof text, "lumen       fluid %.0f HU, wall %.0f HU, surface at %.0f HU, %zu triangles\n",
+        surface.lumen.fluid_HU, surface.lumen.wall_HU, surface.lumen.edge_HU, surface.mesh.triangles.size());
+    return text + notes_text(surface.notes);
+}
+
 Segmentation segment_scan(const Volume &volume, const SegmentOptions &options, const fs::path &folder,
                           const Report &report)
 {
-    std::error_code failure;
-    fs::create_directories(folder, failure);
-    if (failure) throw Fault(folder.string() + ": the folder cannot be made: " + failure.message());
-    Page page{folder, {}};
+    Page page(folder);
     Segmentation result;
-    LineOptions line_options = options.line;
-    report("instrument", 0);
-    const Volume mask = find_instrument(volume, line_options);
-    report("instrument", 1);
-    result.line = trace_instrument(volume, mask, line_options, report);
-    result.notes = volume.notes;
-    result.notes.insert(result.notes.end(), result.line.notes.begin(), result.line.notes.end());
-    write_line(result.line, folder / "centreline.csv");
-    write_instrument(volume, mask, result.line, folder / "instrument.ply");
-    Picture front(volume, 1, -1, 0, line_options.threshold_HU);
-    front.caption("SCAN, BRIGHTEST");
-    page.show(front, "1_scan_front.png", "The brightest voxels of the scan, from the front");
-    Lumen lumen;
+    result.line = segment_line(volume, options.line, page, report);
+    if (options.line.mouth_mm)
+        begin_at_mouth(result.line, {*options.line.mouth_mm, options.line.direction}, volume.name);
+    std::string facts = line_facts(result.line, volume);
     if (options.wants_lumen) {
-        // What lies behind the mouth hides the wall too, but need not be in the lumen.
-        std::vector<Vector3d> behind;
-        if (line_options.mouth_mm)
-            behind = {result.line.points.front().place_mm,
-                      result.line.points.front().place_mm - 300 * line_options.direction};
-        lumen = find_lumen(volume, result.line.places(), behind, options.lumen, report);
-        result.lumen = lumen_mesh(lumen, result.notes);
-        write_surface(result.lumen,
-                      unsure_of(result.lumen, lumen, result.line.places(), options.lumen.masked_mm),
-                      folder / "lumen.ply");
-        show_lumen(page, volume, lumen, result.line);
+        const LumenScan scan{&volume, result.line.places(),
+                             behind_mouth(options.line, result.line.points.front().place_mm)};
+        LumenSurface lumen = segment_lumen({scan}, options.lumen, page, report);
+        facts += lumen_facts(lumen);
+        result.lumen = std::move(lumen.mesh);
     }
-    show_line(page, volume, result.line);
-    write_report(result, lumen, volume, folder / "report.json");
-    page.write("Scan " + volume.name, facts_of(result, lumen, volume));
-    std::fputs(facts_of(result, lumen, volume).c_str(), stdout);
+    write_line(result.line, volume, page, facts);
+    std::fputs(facts.c_str(), stdout);
     return result;
 }
 
@@ -248,15 +250,35 @@ Apart lines_apart(const std::vector<Vector3d> &line, const std::vector<Vector3d>
     return apart;
 }
 
+// The mean is over the surface, not over its vertices, which lie closer where it bends: every triangle is asked at places of a
+// grid on it, none wider than this.
 Apart surfaces_apart(const bake::Mesh &surface, const bake::Mesh &reference)
 {
+    constexpr double grid_mm = 1.0;
     const bake::TriangleTree tree(reference);
     Apart apart;
-    for (const Vector3d &vertex : surface.vertices_mm) {
-        const double away = std::abs(tree.nearest(vertex).distance_mm);
-        apart.mean_mm += away / static_cast<double>(surface.vertices_mm.size());
-        apart.max_mm = std::max(apart.max_mm, away);
+    double area = 0;
+    for (const bake::Triangle &triangle : surface.triangles) {
+        const Vector3d &a = surface.vertices_mm[triangle[0]], u = surface.vertices_mm[triangle[1]] - a,
+                       v = surface.vertices_mm[triangle[2]] - a;
+        const int parts =
+            std::clamp(static_cast<int>(std::ceil(std::max(u.norm(), v.norm()) / grid_mm)), 1, 200);
+        const double share = 0.5 * u.cross(v).norm() / (parts * parts);
+        // The middles of the small triangles: upright ones, and those between them.
+        for (int i = 0; i < parts; ++i)
+            for (int j = 0; i + j < parts; ++j)
+                for (const double third : {1.0 / 3, 2.0 / 3}) {
+                    if (third > 0.5 && i + j + 1 >= parts) continue;
+                    const Vector3d place = a + ((i + third) * u + (j + third) * v) / parts;
+                    const double signed_mm = tree.nearest(place).distance_mm, away = std::abs(signed_mm);
+                    apart.mean_mm += share * away;
+                    apart.offset_mm += share * signed_mm;
+                    area += share;
+                    apart.max_mm = std::max(apart.max_mm, away);
+                }
     }
+    apart.mean_mm /= area;
+    apart.offset_mm /= area;
     return apart;
 }
 

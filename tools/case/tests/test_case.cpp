@@ -39,6 +39,17 @@ Case shipped(const std::filesystem::path &folder)
     return c;
 }
 
+// What a reader says, or "" when it says nothing.
+template <class Read> std::string refusal(Read read)
+{
+    try {
+        read();
+    } catch (const CaseError &error) {
+        return error.what();
+    }
+    return {};
+}
+
 void a_case_comes_back_as_it_was_written(void **)
 {
     const Folder folder{"case"};
@@ -52,6 +63,36 @@ void a_case_comes_back_as_it_was_written(void **)
     assert_int_equal(back.depths.size(), 2);
     assert_true(back.depths[0].scan == "d1.nrrd" && back.depths[1].scan.empty());
     assert_true(back.path_in(back.scene) == std::filesystem::path(folder.path) / "phantom.scene");
+}
+
+// As a person begins who has scans alone: scene, surface and mouth are added later, and nothing else of the file changes.
+void a_case_of_scans_alone_is_completed_in_place(void **)
+{
+    const Folder folder{"case"};
+    const std::filesystem::path file = std::filesystem::path(folder.path) / "case.toml";
+    const std::string head = "# my scan\nformat = 1 # the first\n",
+                      rest = "name = \"a\"\ninstrument = \"i.toml\"\nfriction_kinetic = 0.1\n"
+                             "friction_static = 0.1\nspeed_mm_per_s = 20\n\n[[depth]]\nname = \"one\"\n"
+                             "inserted_mm = 60\nturn_deg = 0\nscan = \"s.nrrd\"\ncentreline = \"d.csv\"\n";
+    std::ofstream(file) << head << rest;
+    assert_true(refusal([&] { read_case(folder.path); }).find("ct segment") != std::string::npos);
+    Case c = read_case(folder.path, CaseParts::before_segmentation);
+    assert_true(!c.has_mouth && c.scene.empty() && c.surface.empty());
+    c.has_mouth = true;
+    c.mouth_mm = {1.5, -2, 3};
+    c.direction = {0, 0.6, 0.8};
+    c.scene = "lumen.scene";
+    c.surface = "lumen.ply";
+    complete_case(c);
+    const Case back = read_case(folder.path);
+    assert_true(back.mouth_mm == c.mouth_mm && back.scene == c.scene && back.surface == c.surface);
+    std::ifstream stream(file);
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    assert_int_equal(text.find(head), 0);
+    assert_true(text.find(rest) == text.size() - rest.size());
+    c.scene = "other.scene";
+    complete_case(c);
+    assert_true(read_case(folder.path).scene == "lumen.scene");
 }
 
 void the_hand_turns_evenly_with_the_feed_between_depths(void **)
@@ -73,17 +114,6 @@ void lines_and_forces_come_back_and_further_columns_are_passed_over(void **)
     assert_true(read_centreline(line)[1] == Eigen::Vector3d(1, 2, 3));
     write_force(force, {{0, 0}, {10, 125.5}});
     assert_true(read_force(force)[1].axial_mN == 125.5);
-}
-
-// What a reader says, or "" when it says nothing.
-template <class Read> std::string refusal(Read read)
-{
-    try {
-        read();
-    } catch (const CaseError &error) {
-        return error.what();
-    }
-    return {};
 }
 
 void wrong_cases_are_refused_with_file_line_and_field(void **)
@@ -139,6 +169,7 @@ int main()
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_case_comes_back_as_it_was_written),
+        cmocka_unit_test(a_case_of_scans_alone_is_completed_in_place),
         cmocka_unit_test(the_hand_turns_evenly_with_the_feed_between_depths),
         cmocka_unit_test(lines_and_forces_come_back_and_further_columns_are_passed_over),
         cmocka_unit_test(wrong_cases_are_refused_with_file_line_and_field),
