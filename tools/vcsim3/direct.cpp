@@ -1,20 +1,12 @@
-// May include: direct.hpp, the core's core.h. Called by: compression, timing, tests.
+// May include: direct.hpp, core_blocks.hpp. Called by: compression, timing, tests.
 #include "tools/vcsim3/direct.hpp"
-#include <cmath>
+#include "tools/vcsim3/core_blocks.hpp"
 #include <stdexcept>
-extern "C" {
-#include "firmware/core/core.h"
-}
 
 namespace vcsim3
 {
 namespace
 {
-
-double from_q(std::int32_t value, int bits)
-{
-    return std::ldexp(value, -bits);
-}
 
 std::uint32_t scaled(double value, double scale)
 {
@@ -46,22 +38,8 @@ seld_instrument instrument_of(const DirectProperties &p)
 
 } // namespace
 
-// The core's blocks are owned by bytes, aligned for any of their members.
-struct DirectRod::Core {
-    std::vector<std::max_align_t> model_memory, state_memory;
-    seld_model *model = nullptr;
-    seld_state *state = nullptr;
-    seld_input input{};
-    seld_output output{};
+struct DirectRod::Core : CoreBlocks {
     double hand_m = 0.0;
-
-    Core()
-        : model_memory(seld_model_size() / sizeof(std::max_align_t) + 1),
-          state_memory(seld_state_size() / sizeof(std::max_align_t) + 1),
-          model(reinterpret_cast<seld_model *>(model_memory.data())),
-          state(reinterpret_cast<seld_state *>(state_memory.data()))
-    {
-    }
 };
 
 DirectRod::DirectRod(const DirectProperties &properties, const seld_lumen &lumen, const Vector &mouth_m,
@@ -71,8 +49,8 @@ DirectRod::DirectRod(const DirectProperties &properties, const seld_lumen &lumen
     const seld_instrument instrument = instrument_of(properties);
     seld_entry entry{};
     for (int k = 0; k < 3; k++) {
-        entry.position_m_q30.v[k] = static_cast<std::int32_t>(std::lround(std::ldexp(mouth_m[k], 30)));
-        entry.direction_q30.v[k] = static_cast<std::int32_t>(std::lround(std::ldexp(direction[k], 30)));
+        entry.position_m_q30.v[k] = to_q30(mouth_m[k]);
+        entry.direction_q30.v[k] = to_q30(direction[k]);
     }
     seld_build_place place{};
     const seld_build_status status = seld_model_build(core_->model, &instrument, 1, &lumen, &entry, &place);
@@ -92,7 +70,7 @@ DirectRod::~DirectRod() = default;
 void DirectRod::tick(double feed_m)
 {
     core_->hand_m += feed_m;
-    core_->input.hands[0].feed_m_q30 = static_cast<std::int32_t>(std::lround(std::ldexp(core_->hand_m, 30)));
+    core_->input.hands[0].feed_m_q30 = to_q30(core_->hand_m);
     seld_step(core_->model, core_->state, &core_->input, &core_->output);
 }
 

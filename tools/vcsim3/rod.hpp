@@ -16,21 +16,30 @@ namespace vcsim3
 using Vector = Eigen::Vector3d;
 using Quaternion = Eigen::Quaterniond;
 
-// Constants of a uniform straight rod. All finite and positive unless said.
+// A joint of a rod that is not the same everywhere, or not straight.
+struct JointProperties {
+    double bend_N_m2 = 0.0, twist_N_m2 = 0.0;
+    Vector rest_strain =
+        Vector::Zero(); // u of rod_forces.cpp at rest, 1/m, in the segments' axes: rest_strain()
+};
+
+// Constants of a rod. All finite and positive unless said.
 struct RodProperties {
-    int element_count = 0;           // 2 or more
-    double element_m = 0.0;          // rest length of every segment
-    double bend_N_m2 = 0.0;          // EI
-    double twist_N_m2 = 0.0;         // GJ
-    double parallel_N = 0.0;         // Kp: ties the third director to the segment
-    double mass_kg_per_m = 0.0;      // of the mass points, after the mass scale
-    double inertia_bend_kg_m = 0.0;  // of a segment about a transverse axis per length, after both scales
-    double inertia_twist_kg_m = 0.0; // about its own axis
-    double radius_m = 0.0;           // of the tube that touches the wall
-    double friction = 0.0;           // Coulomb, 0 or more
-    double drag_per_s = 0.0;         // of the points' velocities, 0 or more
-    double spin_drag_per_s = 0.0;    // of the segments' angular velocities, 0 or more
-    double stretch_N = 0.0;          // Ks of the penalty mode; 0: lengths are held by constraints
+    int element_count = 0;               // 2 or more
+    double element_m = 0.0;              // rest length of every segment
+    double bend_N_m2 = 0.0;              // EI
+    double twist_N_m2 = 0.0;             // GJ
+    double parallel_N = 0.0;             // Kp: ties the third director to the segment
+    double mass_kg_per_m = 0.0;          // of the mass points, after the mass scale
+    double inertia_bend_kg_m = 0.0;      // of a segment about a transverse axis per length, after both scales
+    double inertia_twist_kg_m = 0.0;     // about its own axis
+    double radius_m = 0.0;               // of the tube that touches the wall
+    double friction = 0.0;               // Coulomb, 0 or more
+    double drag_per_s = 0.0;             // of the points' velocities, 0 or more
+    double spin_drag_per_s = 0.0;        // of the segments' angular velocities, 0 or more
+    double stretch_N = 0.0;              // Ks of the penalty mode; 0: lengths are held by constraints
+    std::vector<JointProperties> joints; // of node i at [i - 1]; empty: EI and GJ above, and straight
+    Vector weight_N_per_m = Vector::Zero();
 };
 
 // Node i has position and velocity; segment j has orientation (body to world) and angular velocity in its own axes.
@@ -50,6 +59,13 @@ struct Rod {
     double inverse_mass(int node) const { return node < free_count ? 1.0 / node_mass_kg() : 0.0; }
     Vector director(int segment) const { return orientation[segment] * Vector::UnitZ(); }
 };
+
+// The turn of +z to a direction, by the shortest way.
+Quaternion turn_from_z(const Vector &direction);
+
+// Rest strain of a joint whose segment on the hand's side is turned by `turn_rad` (axis times angle, under 2 pi) against that on the
+// tip's side.
+Vector rest_strain(const Vector &turn_rad, double element_m);
 
 // Fills force and torque (in the segment's axes) from the energies of the present shape.
 void add_elastic_forces(Rod &rod);

@@ -1,9 +1,9 @@
 // Energies of CoRdE and their gradients. With l the rest length, e = x[j+1] - x[j], t = e/|e|, d3 the third director:
 //   parallel  l Kp/2 |t - d3|^2                           per segment
-//   bending   l/2 (EI (u1^2 + u2^2) + GJ u3^2)            per joint, u = (4/l) v/(1+w), (w, v) = q[j]* q[j+1]
+//   bending   l/2 (EI (u1^2 + u2^2) + GJ u3^2)            per joint, u = (4/l) v/(1+w), (w, v) = q[j]* q[j+1], less u at rest
 //   stretch   Ks/(2 l) (|e| - l)^2                        per segment, in the penalty mode only
 // u is CoRdE's 2/|q|^2 B q.q' with q the mean of both quaternions and q' their difference over l, which for unit
-// quaternions is 4/l tan(angle/4) about the axis of turning.
+// quaternions is 4/l tan(angle/4) about the axis of turning. The weight acts on every node.
 // May include: rod.hpp. Called by: simulation, tests.
 #include "tools/vcsim3/rod.hpp"
 
@@ -20,9 +20,17 @@ Vector quarter_tangent(const Quaternion &a, const Quaternion &b)
     return sign * relative.vec() / (1.0 + sign * relative.w());
 }
 
-Vector moment_of(const RodProperties &p, const Vector &strain)
+struct Bent {
+    Vector strain, moment; // off rest
+};
+
+Bent bent_from_rest(const RodProperties &p, int node, const Vector &strain)
 {
-    return {p.bend_N_m2 * strain.x(), p.bend_N_m2 * strain.y(), p.twist_N_m2 * strain.z()};
+    if (p.joints.empty())
+        return {strain, {p.bend_N_m2 * strain.x(), p.bend_N_m2 * strain.y(), p.twist_N_m2 * strain.z()}};
+    const JointProperties &joint = p.joints[node - 1];
+    const Vector off = strain - joint.rest_strain;
+    return {off, {joint.bend_N_m2 * off.x(), joint.bend_N_m2 * off.y(), joint.twist_N_m2 * off.z()}};
 }
 
 // The joint at the first held node stands for half a cell only: the other half is inside the inserter.
@@ -35,7 +43,8 @@ void add_joint_torques(Rod &rod, int node)
 {
     const int tip_side = node - 1, hand_side = node;
     const Vector s = quarter_tangent(rod.orientation[tip_side], rod.orientation[hand_side]);
-    const Vector m = joint_weight(rod, node) * moment_of(rod.properties, 4.0 / rod.properties.element_m * s);
+    const Vector m = joint_weight(rod, node) *
+                     bent_from_rest(rod.properties, node, 4.0 / rod.properties.element_m * s).moment;
     const Vector even = (1.0 - s.squaredNorm()) * m + 2.0 * s * s.dot(m);
     const Vector odd = 2.0 * m.cross(s);
     rod.torque[tip_side] += even - odd;
@@ -60,7 +69,8 @@ void add_segment_forces(Rod &rod, int j)
 
 void add_elastic_forces(Rod &rod)
 {
-    std::fill(rod.force.begin(), rod.force.end(), Vector::Zero());
+    const Vector weight_N = rod.properties.element_m * rod.properties.weight_N_per_m;
+    std::fill(rod.force.begin(), rod.force.end(), weight_N);
     std::fill(rod.torque.begin(), rod.torque.end(), Vector::Zero());
     const int segments = std::min(rod.free_count, rod.properties.element_count);
     for (int j = 0; j < segments; j++) add_segment_forces(rod, j);
@@ -85,9 +95,9 @@ Energy energy_of(const Rod &rod)
     for (int node = 0; node < std::min(rod.free_count, rod.node_count()); node++)
         energy.kinetic += 0.5 * rod.node_mass_kg() * rod.velocity[node].squaredNorm();
     for (int node = 1; node <= rod.free_count && node < p.element_count; node++) {
-        const Vector u =
-            4.0 / p.element_m * quarter_tangent(rod.orientation[node - 1], rod.orientation[node]);
-        energy.bend_and_twist += 0.5 * p.element_m * joint_weight(rod, node) * u.dot(moment_of(p, u));
+        const Bent u = bent_from_rest(
+            p, node, 4.0 / p.element_m * quarter_tangent(rod.orientation[node - 1], rod.orientation[node]));
+        energy.bend_and_twist += 0.5 * p.element_m * joint_weight(rod, node) * u.strain.dot(u.moment);
     }
     return energy;
 }

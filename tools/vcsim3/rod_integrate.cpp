@@ -6,10 +6,8 @@
 
 namespace vcsim3
 {
-namespace
-{
 
-// The shortest turn of +z to a direction; for -z half a turn about x. Eigen's FromTwoVectors compiles a singular value decomposition
+// For -z half a turn about x. Eigen's FromTwoVectors compiles a singular value decomposition
 // for that one case, which takes 8 s.
 Quaternion turn_from_z(const Vector &direction)
 {
@@ -20,7 +18,12 @@ Quaternion turn_from_z(const Vector &direction)
     return {0.5 * w, -to.y() * inverse, to.x() * inverse, 0.0};
 }
 
-} // namespace
+Vector rest_strain(const Vector &turn_rad, double element_m)
+{
+    const double angle = turn_rad.norm();
+    if (angle <= 0.0) return Vector::Zero();
+    return 4.0 / element_m * std::tan(0.25 * angle) / angle * turn_rad;
+}
 
 Rod::Rod(const RodProperties &given, const Vector &tip, const Vector &to_hand)
     : properties(given), free_count(given.element_count + 1), position(given.element_count + 1),

@@ -97,12 +97,15 @@ Simulation::Simulation(const RodProperties &properties, const Inserter &inserter
 {
 }
 
-void Simulation::tick(double feed_m)
+void Simulation::tick(double feed_m, double turn_rad)
 {
+    handle_mean_N_ = 0.0;
     for (int i = 0; i < settings_.substeps; i++) {
         inserted_m_ += feed_m / settings_.substeps;
-        inserter_.feed(rod_, inserted_m_, feed_m / tick_s);
+        turn_rad_ += turn_rad / settings_.substeps;
+        inserter_.feed(rod_, inserted_m_, feed_m / tick_s, turn_rad_);
         step(nullptr);
+        handle_mean_N_ += handle_axial_N() / settings_.substeps;
     }
 }
 
@@ -152,7 +155,7 @@ void Simulation::hold_lengths()
 
 std::vector<double> Simulation::save() const
 {
-    std::vector<double> numbers = {static_cast<double>(rod_.free_count), inserted_m_};
+    std::vector<double> numbers = {static_cast<double>(rod_.free_count), inserted_m_, turn_rad_};
     const auto put = [&](const auto &list) {
         for (const auto &item : list) numbers.insert(numbers.end(), item.data(), item.data() + item.size());
     };
@@ -170,7 +173,8 @@ bool Simulation::restore(const std::vector<double> &numbers)
     if (!(numbers[0] >= 0.0 && numbers[0] <= rod_.node_count())) return false;
     rod_.free_count = static_cast<int>(numbers[0]);
     inserted_m_ = numbers[1];
-    const double *next = numbers.data() + 2;
+    turn_rad_ = numbers[2];
+    const double *next = numbers.data() + 3;
     const auto take = [&](auto &list) {
         for (auto &item : list) {
             std::copy(next, next + item.size(), item.data());

@@ -47,16 +47,18 @@ class Simulation
     Simulation(const RodProperties &properties, const Inserter &inserter, const Wall &wall,
                const SimulationSettings &settings, double inserted_m);
 
-    // One millisecond during which the hand feeds `feed_m` at constant speed.
-    void tick(double feed_m);
+    // One millisecond during which the hand feeds `feed_m` and turns by `turn_rad` (right-handed about the feed) at constant speed.
+    void tick(double feed_m, double turn_rad = 0.0);
 
     // One step of 1 ms / substeps with the hand at rest; adds to `times` when given.
     void step(PhaseTimes *times);
 
     const Rod &rod() const { return rod_; }
     double inserted_m() const { return inserted_m_; }
+    double turn_rad() const { return turn_rad_; }
     double step_s() const { return step_s_; }
     double handle_axial_N() const; // of the last step, + pushes the hand back out; noisy, so take a mean
+    double handle_axial_mean_N() const { return handle_mean_N_; } // over the steps of the last tick
 
     // The rod as numbers, and back (of a rod with as many elements); false when they do not fit.
     std::vector<double> save() const;
@@ -74,6 +76,7 @@ class Simulation
     DistanceConstraints distances_;
     std::vector<Contact> contacts_;
     double inserted_m_, step_s_;
+    double turn_rad_ = 0.0, handle_mean_N_ = 0.0;
 };
 
 } // namespace vcsim3

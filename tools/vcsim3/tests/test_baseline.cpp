@@ -1,5 +1,5 @@
 // Claims: the baseline is the rod that docs/thesis.md describes. Its forces are the gradient of its energies, its static
-// shape that of a beam, its constraints conserve momentum and never add energy, one global iteration gives exact lengths,
+// shape that of a beam, also of one that is stiffer at one end, bent by itself and turned by the hand, its constraints conserve momentum and never add energy, one global iteration gives exact lengths,
 // and many local ones converge to it. Shown against closed forms and against the other way of computing the same.
 #include "tools/vcsim3/stability.hpp"
 
@@ -91,6 +91,9 @@ void forces_and_torques_are_the_gradient_of_the_energies(void **)
     Rod rod = shaken_rod(12, draws);
     rod.properties.stretch_N = 300.0;
     rod.free_count = 10; // with a clamp
+    for (int node = 1; node < 12; node++)
+        rod.properties.joints.push_back(
+            {draws.between(1e-5, 3e-5), draws.between(1e-5, 3e-5), draws.vector(100.0)});
     add_elastic_forces(rod);
     const double dx = 1e-9, angle = 1e-6;
     for (int i = 0; i < rod.free_count; i++) {
@@ -124,16 +127,16 @@ void bending_strain_is_the_curvature(void **)
            (elements - 1) * 0.5 * p.element_m * p.bend_N_m2 * u * u, 1e-12);
 }
 
-void cantilever_sags_by_PL3_over_3EI(void **)
+RodProperties damped_rod(int elements)
 {
-    const int elements = 32;
-    RodProperties p = soft_rod(elements + 2);
-    p.drag_per_s = 40.0;
-    p.spin_drag_per_s = 40.0;
-    const Inserter inserter(Vector::Zero(), Vector::UnitX());
-    const double length = elements * p.element_m;
-    Rod rod = inserter.make_rod(p, length);
-    const double load_N = 0.01 * 3.0 * p.bend_N_m2 / (length * length); // sags by 1 % of its length
+    RodProperties p = soft_rod(elements);
+    p.drag_per_s = p.spin_drag_per_s = 40.0;
+    return p;
+}
+
+// For 2 s with a load along y on the tip.
+void settle(Rod &rod, double load_N)
+{
     DistanceConstraints distances({1.0, 0.1});
     const double step_s = 1e-4;
     for (int i = 0; i < 20000; i++) {
@@ -144,11 +147,100 @@ void cantilever_sags_by_PL3_over_3EI(void **)
         distances.solve_global(rod);
         integrate_positions(rod, step_s);
     }
-    const double shear = load_N * length / p.parallel_N; // what the parallel constraint gives way
     at_most("kinetic energy in J", kinetic_energy(rod), 1e-12);
+    at_most("length error", std::abs(length_error(rod)), 1e-6);
+}
+
+void cantilever_sags_by_PL3_over_3EI(void **)
+{
+    const int elements = 32;
+    const RodProperties p = damped_rod(elements + 2);
+    const double length = elements * p.element_m;
+    Rod rod = Inserter(Vector::Zero(), Vector::UnitX()).make_rod(p, length);
+    const double load_N = 0.01 * 3.0 * p.bend_N_m2 / (length * length); // sags by 1 % of its length
+    settle(rod, load_N);
+    const double shear = load_N * length / p.parallel_N; // what the parallel constraint gives way
     within("sag in m", rod.position[0].y(), load_N * std::pow(length, 3) / (3 * p.bend_N_m2) + shear,
            0.005 * 0.01 * length);
-    at_most("length error", std::abs(length_error(rod)), 1e-6);
+}
+
+// A soft front of length a on a stiff rear up to L: P a^3 / 3 EI_front + P (L^3 - a^3) / 3 EI_rear. The joint between them bends half as
+// either.
+void a_cantilever_of_two_stiffnesses_sags_by_both(void **)
+{
+    const int elements = 32, soft = 20;
+    RodProperties p = damped_rod(elements + 2);
+    const double rear = p.bend_N_m2, front = 0.25 * rear, between = 2.0 / (1.0 / rear + 1.0 / front);
+    for (int node = 1; node < p.element_count; node++) {
+        const double bend = node < soft ? front : node > soft ? rear : between;
+        p.joints.push_back({bend, bend, Vector::Zero()});
+    }
+    p.bend_N_m2 = p.twist_N_m2 = 0.0; // unused
+    const double length = elements * p.element_m, a = soft * p.element_m;
+    Rod rod = Inserter(Vector::Zero(), Vector::UnitX()).make_rod(p, length);
+    const double per_N = std::pow(a, 3) / (3 * front) + (std::pow(length, 3) - std::pow(a, 3)) / (3 * rear);
+    const double load_N = 0.01 * length / per_N;
+    settle(rod, load_N);
+    within("sag in m", rod.position[0].y(), load_N * (per_N + length / p.parallel_N), 0.005 * 0.01 * length);
+}
+
+void a_cantilever_sags_under_its_weight_by_qL4_over_8EI(void **)
+{
+    const int elements = 32;
+    RodProperties p = damped_rod(elements + 2);
+    const double length = elements * p.element_m,
+                 per_N_per_m = std::pow(length, 4) / (8 * p.bend_N_m2) + 0.5 * length * length / p.parallel_N;
+    p.weight_N_per_m = Vector(0.0, 0.01 * length / per_N_per_m, 0.0);
+    Rod rod = Inserter(Vector::Zero(), Vector::UnitX()).make_rod(p, length);
+    settle(rod, 0.0);
+    // Every node carries a whole element, the tip too: so much at the end is P L^3 / 3 EI with half an element of weight.
+    const double tip_N = 0.5 * p.element_m * p.weight_N_per_m.y();
+    within("sag in m", rod.position[0].y(),
+           p.weight_N_per_m.y() * per_N_per_m + tip_N * std::pow(length, 3) / (3 * p.bend_N_m2),
+           0.01 * 0.01 * length);
+}
+
+// 10 joints of 12 degrees each at the tip, towards the first axis: chords of a circle.
+constexpr int hook_joints = 10;
+constexpr double hook_step_rad = 12.0 * 3.14159265358979323846 / 180.0;
+
+Rod rod_with_hook(const Inserter &inserter, double turn_rad)
+{
+    const int elements = 16;
+    RodProperties p = damped_rod(elements + 2);
+    for (int node = 1; node < p.element_count; node++) {
+        const double turn = node <= hook_joints ? hook_step_rad : 0.0;
+        p.joints.push_back({p.bend_N_m2, p.twist_N_m2, rest_strain(turn * Vector::UnitY(), p.element_m)});
+    }
+    Rod rod = inserter.make_rod(p, elements * p.element_m);
+    inserter.feed(rod, elements * p.element_m, 0.0, turn_rad);
+    settle(rod, 0.0);
+    return rod;
+}
+
+// From straight it goes into its own shape, and that is the polygon whose segments turn by 12 degrees at each joint.
+void a_free_hook_takes_its_own_shape(void **)
+{
+    const Vector forward = Vector(0.6, 0.0, 0.8), axis = Vector(0.8, 0.0, -0.6);
+    const Rod rod = rod_with_hook(Inserter(Vector::Zero(), forward, axis), 0.0);
+    Vector place = Vector::Zero();
+    double angle = 0.0;
+    for (int i = rod.free_count - 1; i >= 0; i--) {
+        if (i < hook_joints) angle += hook_step_rad;
+        place += rod.properties.element_m * (std::cos(angle) * forward + std::sin(angle) * axis);
+        at_most("off its place in m", (rod.position[i] - place).norm(), 2e-6);
+    }
+}
+
+// Right-handed about the feed: the whole hook, point by point.
+void turning_the_hand_turns_the_hook(void **)
+{
+    const Vector forward = Vector(0.6, 0.0, 0.8), axis = Vector(0.8, 0.0, -0.6);
+    const Inserter inserter(Vector::Zero(), forward, axis);
+    const Rod before = rod_with_hook(inserter, 0.0), after = rod_with_hook(inserter, 1.0);
+    const Eigen::AngleAxisd turn(1.0, forward);
+    for (int i = 0; i < before.free_count; i++)
+        at_most("off its place in m", (after.position[i] - turn * before.position[i]).norm(), 2e-6);
 }
 
 void twisted_rod_springs_back_at_the_frequency_of_a_shaft(void **)
@@ -340,6 +432,10 @@ int main()
         cmocka_unit_test(forces_and_torques_are_the_gradient_of_the_energies),
         cmocka_unit_test(bending_strain_is_the_curvature),
         cmocka_unit_test(cantilever_sags_by_PL3_over_3EI),
+        cmocka_unit_test(a_cantilever_of_two_stiffnesses_sags_by_both),
+        cmocka_unit_test(a_cantilever_sags_under_its_weight_by_qL4_over_8EI),
+        cmocka_unit_test(a_free_hook_takes_its_own_shape),
+        cmocka_unit_test(turning_the_hand_turns_the_hook),
         cmocka_unit_test(twisted_rod_springs_back_at_the_frequency_of_a_shaft),
         cmocka_unit_test(quaternions_keep_unit_length),
         cmocka_unit_test(free_rod_keeps_energy_and_momentum),

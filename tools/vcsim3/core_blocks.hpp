@@ -1,0 +1,45 @@
+// Memory of one core beside a double-precision program, and the core's number formats.
+// May include: the core's core.h. Called by: direct, tools/calibrate/core_rod.
+#pragma once
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+extern "C" {
+#include "firmware/core/core.h"
+}
+
+namespace vcsim3
+{
+
+inline double from_q(std::int32_t value, int bits)
+{
+    return std::ldexp(value, -bits);
+}
+
+// Rounded to nearest; |value| < 2.
+inline std::int32_t to_q30(double value)
+{
+    return static_cast<std::int32_t>(std::lround(std::ldexp(value, 30)));
+}
+
+// Model and state in bytes that are aligned for any of their members, with one tick's input and output. Neither copied nor moved.
+struct CoreBlocks {
+    std::vector<std::max_align_t> model_memory, state_memory;
+    seld_model *model = nullptr;
+    seld_state *state = nullptr;
+    seld_input input{};
+    seld_output output{};
+
+    CoreBlocks()
+        : model_memory(seld_model_size() / sizeof(std::max_align_t) + 1),
+          state_memory(seld_state_size() / sizeof(std::max_align_t) + 1),
+          model(reinterpret_cast<seld_model *>(model_memory.data())),
+          state(reinterpret_cast<seld_state *>(state_memory.data()))
+    {
+    }
+    CoreBlocks(const CoreBlocks &) = delete;
+    CoreBlocks &operator=(const CoreBlocks &) = delete;
+};
+
+} // namespace vcsim3
