@@ -1,26 +1,14 @@
 #include "tools/calibrate/core_rod.hpp"
-#include <cmath>
-#include <cstddef>
-extern "C" {
-#include "firmware/core/core.h"
-}
+#include "tools/vcsim3/core_blocks.hpp"
 
 namespace seld::calibrate
 {
 namespace
 {
 
+using vcsim3::from_q, vcsim3::to_q30;
+
 constexpr double m_of_mm = 1e-3;
-
-double from_q(std::int32_t value, int bits)
-{
-    return std::ldexp(value, -bits);
-}
-
-std::int32_t to_q30(double value)
-{
-    return static_cast<std::int32_t>(std::lround(std::ldexp(value, 30)));
-}
 
 // As the device takes it from the wire (firmware/app/app_setup.c); a balloon is not part of a calibration.
 seld_instrument tool_of(const seld_wire_instrument &table)
@@ -51,23 +39,9 @@ seld_instrument tool_of(const seld_wire_instrument &table)
 
 } // namespace
 
-// The core's blocks are owned by bytes, aligned for any of their members.
-struct CoreRod::Core {
-    std::vector<std::max_align_t> model_memory, state_memory;
-    seld_model *model = nullptr;
-    seld_state *state = nullptr;
-    seld_input input{};
-    seld_output output{};
+struct CoreRod::Core : vcsim3::CoreBlocks {
     double start_mm = 0.0, motion_um = 0.0;
     std::vector<seld_vec3> before;
-
-    Core()
-        : model_memory(seld_model_size() / sizeof(std::max_align_t) + 1),
-          state_memory(seld_state_size() / sizeof(std::max_align_t) + 1),
-          model(reinterpret_cast<seld_model *>(model_memory.data())),
-          state(reinterpret_cast<seld_state *>(state_memory.data()))
-    {
-    }
 
     // Largest motion since `before`, which then becomes now. Nodes keep their numbers: 0 is the tip.
     void measure_motion()

@@ -2,7 +2,7 @@
 // May include: the core's core.h, shared/wire. Called by: rod_evaluator, tests.
 #pragma once
 #include "shared/wire/wire.h"
-#include "tools/calibrate/evaluator.hpp"
+#include "tools/calibrate/hand.hpp"
 extern "C" {
 #include "firmware/core/lumen.h"
 }
@@ -10,22 +10,20 @@ extern "C" {
 namespace seld::calibrate
 {
 
-class CoreRod
+class CoreRod final : public HeldRod
 {
   public:
     // `lumen` must outlive this; nullptr is free space. Throws TrialRefused when the core takes no such tool.
     CoreRod(const seld_wire_instrument &table, const seld_lumen *lumen, const Vector3d &mouth_mm,
             const Vector3d &direction, const Vector3d &gravity_m_s2, double inserted_mm);
-    ~CoreRod();
+    ~CoreRod() override;
 
-    // Where the hand is after the next tick of 1 ms: the length it has pushed in, counted from the mouth, and its angle.
-    void tick(double hand_mm, double turn_deg);
-
-    double inserted_mm() const;
-    double handle_axial_mN() const;         // + pushes the hand back out
-    double motion_um() const;               // largest of any node in the last tick
-    bool is_sound() const;                  // nothing saturated, nothing outside the field
-    std::vector<Vector3d> nodes_mm() const; // those beyond the mouth, tip first
+    void tick(double hand_mm, double turn_deg) override;
+    double inserted_mm() const override;
+    double handle_axial_mN() const override;
+    double motion_um() const override;
+    bool is_sound() const override; // nothing saturated, nothing outside the field
+    std::vector<Vector3d> nodes_mm() const override;
 
   private:
     struct Core;

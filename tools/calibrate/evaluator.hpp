@@ -13,12 +13,13 @@ namespace seld::calibrate
 
 using Eigen::Vector3d;
 
-// One number to fit. The search sees it as a share 0 .. 1 of the way from `low` to `high`, along the logarithm where a factor
-// is what counts.
+// One number to fit, above 0. The search sees it as a share 0 .. 1 of the way from `low` to `high` along the logarithm: a factor is
+// what counts.
 struct Parameter {
     std::string name, unit, text; // "bend_shaft", "N m^2", what it is
-    double low = 0.0, high = 1.0, nominal = 0.5;
-    bool is_logarithmic = true;
+    double low = 0.1, high = 10.0, nominal = 1.0;
+    bool scales_force =
+        false; // all stiffness at once, which a rigid lumen with Coulomb friction does not show in shapes
 
     double value_at(double share) const;
     double share_of(double value) const; // limited to 0 .. 1
@@ -45,11 +46,22 @@ class Evaluator
 {
   public:
     virtual ~Evaluator() = default;
-    virtual const std::vector<Parameter> &parameters() const = 0;
+    const std::vector<Parameter> &parameters() const { return parameters_; }
+    // Throws CaseError when 0 < low < high does not hold or the nominal value lies outside.
+    void set_bounds(std::size_t parameter, double low, double high);
+
+    virtual std::string rod() const = 0; // "core": ours; "corde": the thesis'
+    virtual std::string instrument_name() const = 0;
     // To the first `depth_count` depths of the case. Throws TrialRefused.
     virtual Insertion insert(const std::vector<double> &values, std::size_t depth_count) const = 0;
     // All that changes its answers, as text: it is part of the checkpoint's hash.
     virtual std::string settings_text() const = 0;
+    // The instrument's file with these values and `source` behind them; empty when our simulator has no such rod.
+    virtual std::string instrument_text(const std::vector<double> &values,
+                                        const std::string &source) const = 0;
+
+  protected:
+    std::vector<Parameter> parameters_;
 };
 
 } // namespace seld::calibrate

@@ -3,8 +3,9 @@
 #include "host/app/progress_line.hpp"
 #include "host/model/pending_file.hpp"
 #include "tools/calibrate/checkpoint.hpp"
-#include "tools/calibrate/fitted_instrument.hpp"
+#include "tools/calibrate/corde_evaluator.hpp"
 #include "tools/calibrate/result.hpp"
+#include "tools/calibrate/rod_evaluator.hpp"
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -29,15 +30,16 @@ constexpr const char *examples =
     "  mpirun -n 16 build/bin/calibrate out/case -o out/fit --resume    over the ranks of an MPI job\n"
     "  calibrate out/case -o out/fit --bounds alpha=0.01..0.5 --bounds density=7000..9000\n"
     "  calibrate out/case --evaluate alpha=0.1                         one insertion, its errors\n"
+    "  calibrate out/case -o out/corde --rod corde                     the thesis' own rod instead of ours\n"
     "Exit codes: 0 done, 1 failed or stopped, 2 usage.\n";
 
 struct Options {
-    std::string folder, output;
+    std::string folder, output, rod = "core";
     std::vector<std::string> methods = {"cmaes"}, bounds, trial;
     bool is_trial = false, resume = false, quiet = false, with_page = true;
     unsigned threads = 0;
     SearchSettings search;
-    InsertionSettings insertion;
+    std::optional<double> speed_mm_per_s, element_factor; // absent: the rod's own
     JudgeSettings judge;
     IdentifySettings identify;
 };
@@ -78,7 +80,7 @@ std::pair<std::size_t, std::string> named(const std::string &text, const std::ve
 struct Setup {
     insertion::Case c;
     std::unique_ptr<vcsim3::Vessel> vessel;
-    std::unique_ptr<RodEvaluator> evaluator, careful;
+    std::unique_ptr<Evaluator> evaluator, careful;
     std::unique_ptr<Judge> judge;
 
     explicit Setup(const Options &options) : c(insertion::read_case(options.folder))
@@ -89,8 +91,11 @@ struct Setup {
             throw insertion::CaseError(scene.string() +
                                        ": no such scene: `bake` makes it from the phantom's mesh");
         vessel = std::make_unique<vcsim3::Vessel>(scene.string());
-        evaluator = std::make_unique<RodEvaluator>(c, *vessel, options.insertion);
-        careful = std::make_unique<RodEvaluator>(c, *vessel, careful_settings());
+        if (options.rod == "corde") {
+            make_evaluators<CordeEvaluator>(options, corde_settings(), careful_corde_settings());
+        } else {
+            make_evaluators<RodEvaluator>(options, {}, careful_settings());
+        }
         judge = std::make_unique<Judge>(c, options.judge);
         for (const std::string &bound : options.bounds) {
             const auto [index, range] = named(bound, evaluator->parameters());
@@ -99,6 +104,15 @@ struct Setup {
             evaluator->set_bounds(index, number_of(range.substr(0, dots), bound),
                                   number_of(range.substr(dots + 2), bound));
         }
+    }
+
+    template <class Kind, class Settings>
+    void make_evaluators(const Options &options, Settings settings, const Settings &careful_ones)
+    {
+        settings.speed_mm_per_s = options.speed_mm_per_s.value_or(settings.speed_mm_per_s);
+        settings.element_factor = options.element_factor.value_or(settings.element_factor);
+        evaluator = std::make_unique<Kind>(c, *vessel, settings);
+        careful = std::make_unique<Kind>(c, *vessel, careful_ones);
     }
 
     Verdict evaluate(const std::vector<double> &shares) const
@@ -181,16 +195,13 @@ Finished search(const Options &options, Method method, const Setup &setup, const
 void write_outputs(const Options &options, const Setup &setup, const Result &result)
 {
     const fs::path folder = options.output;
-    const insertion::Case &c = setup.c;
-    const std::string nominal = c.path_in(c.instrument).string();
-    const seld_wire_instrument fitted =
-        virtual_instrument(seld::read_instrument(nominal).table, result.values, c);
-    seld::write_whole_file(
-        (folder / "instrument.toml").string(),
-        fitted_instrument_text(nominal, fitted, "fitted by calibrate from case " + c.name));
-    seld::read_instrument((folder / "instrument.toml").string()); // what cannot be loaded is not handed over
+    if (!result.instrument_file.empty()) {
+        const std::string file = (folder / "instrument.toml").string();
+        seld::write_whole_file(file, result.instrument_file);
+        seld::read_instrument(file); // what cannot be loaded is not handed over
+    }
     for (std::size_t i = 0; i < result.depths.size(); i++)
-        write_shape(options, c, i, result.depths[i].simulated_mm);
+        write_shape(options, setup.c, i, result.depths[i].simulated_mm);
     seld::write_whole_file((folder / "result.json").string(), to_json(result));
     if (!options.with_page) return;
     draw_shapes(result, *setup.vessel, (folder / "shapes.png").string());
@@ -209,8 +220,10 @@ void say(const Result &result, const Options &options)
                     depth.distances.max_mm, depth.is_fitted ? "" : " (validation)");
     std::printf("average: RMS %.3f mm, mean %.3f mm, deviation %.3f mm, max %.3f mm\n", result.average.rms_mm,
                 result.average.mean_mm, result.average.deviation_mm, result.average.max_mm);
-    std::printf("Written: %s/%sresult.json, instrument.toml\n", options.output.c_str(),
-                options.with_page ? "index.html, " : "");
+    std::printf("Written: %s/%sresult.json%s\n", options.output.c_str(),
+                options.with_page ? "index.html, " : "",
+                result.instrument_file.empty() ? "; no instrument file, as our simulator has no such rod"
+                                               : ", instrument.toml");
 }
 
 int calibrate(const Options &options, MpiJob *job)
@@ -270,6 +283,9 @@ void add_options(CLI::App &app, Options &options, CLI::Option *&trial)
 {
     app.add_option("CASE", options.folder, "folder of a case: docs/ct.md")->required();
     app.add_option("-o,--output", options.output, "folder for instrument, page, figures and checkpoints");
+    app.add_option("--rod", options.rod, "core: our rod; corde: the thesis' (no instrument file is written)")
+        ->check(CLI::IsMember({"core", "corde"}))
+        ->capture_default_str();
     app.add_option("--method", options.methods, "cmaes, genetic, differential; several are compared")
         ->check(CLI::Validator(check_method, "METHOD"))
         ->capture_default_str();
@@ -305,14 +321,13 @@ void add_options(CLI::App &app, Options &options, CLI::Option *&trial)
                    "first depths that are fitted; the others validate")
         ->check(CLI::Range(1, 16))
         ->capture_default_str();
-    app.add_option("--speed-mm-s", options.insertion.speed_mm_per_s,
-                   "of the hand, or the case's where that is faster")
-        ->check(CLI::Range(0.0, 200.0))
-        ->capture_default_str();
-    app.add_option("--element-factor", options.insertion.element_factor,
-                   "elements as multiples of the instrument file's")
-        ->check(CLI::Range(0.2, 4.0))
-        ->capture_default_str();
+    app.add_option("--speed-mm-s", options.speed_mm_per_s,
+                   "of the hand, or the case's where that is faster; else the rod's own: docs/calibrate.md")
+        ->check(CLI::Range(0.0, 200.0));
+    app.add_option(
+           "--element-factor", options.element_factor,
+           "elements as multiples of the instrument file's (core) or of 3 mm (corde); else the rod's own")
+        ->check(CLI::Range(0.2, 4.0));
     app.add_flag("!--no-ranges", options.identify.is_wanted,
                  "leave out how well each parameter is determined");
     app.add_flag("!--no-page", options.with_page, "leave out page and pictures");

@@ -14,19 +14,13 @@ std::vector<double> values_of(const std::vector<Parameter> &parameters, const st
     return values;
 }
 
-// In a rigid lumen with Coulomb friction shapes depend on ratios of EI alone (FACTS, section 10).
-bool is_absolute_stiffness(const Parameter &parameter)
-{
-    return parameter.name == "bend_shaft";
-}
-
 ParameterResult judged(const Parameter &parameter, double share, const Identified &identified, bool has_force)
 {
     ParameterResult result{parameter, parameter.value_at(share), identified, identified.is_determined, "",
                            0.0};
-    if (is_absolute_stiffness(parameter) && !has_force) {
+    if (parameter.scales_force && !has_force) {
         result.is_determined = false;
-        result.why = "no force trace: a rigid lumen shows ratios of EI only";
+        result.why = "no force trace: a rigid lumen shows ratios of stiffness only";
     } else if (!result.is_determined) {
         result.why = "the data leave it open: it can go over nearly all of its range";
     }
@@ -102,19 +96,20 @@ const Finished &best_search(const std::vector<Finished> &searches)
 
 } // namespace
 
-Result make_result(const insertion::Case &c, const RodEvaluator &evaluator, const RodEvaluator &careful,
+Result make_result(const insertion::Case &c, const Evaluator &evaluator, const Evaluator &careful,
                    const Judge &judge, const std::vector<Finished> &searches, const EvaluateShares &evaluate,
                    const IdentifySettings &settings)
 {
     const Finished &chosen = best_search(searches);
     const Trial &best = best_of(chosen.state);
     if (best.verdict.is_refused())
-        throw TrialRefused("no trial could be made: every insertion was refused by the core; does the case's "
+        throw TrialRefused("no trial could be made: every insertion was refused; does the case's "
                            "mouth lie in the "
                            "lumen, and does its instrument fit there?");
     Result result;
     result.name = c.name;
-    result.instrument = evaluator.instrument().name;
+    result.instrument = evaluator.instrument_name();
+    result.rod = evaluator.rod();
     result.search = chosen.settings;
     result.noise_mm = settings.noise_mm;
     result.has_force = judge.has_force();
@@ -130,7 +125,7 @@ Result make_result(const insertion::Case &c, const RodEvaluator &evaluator, cons
     std::vector<double> shares;
     for (const ParameterResult &p : result.parameters) shares.push_back(p.parameter.share_of(p.kept));
     const std::vector<double> values = values_of(parameters, shares);
-    result.values = evaluator.values_of(values);
+    result.instrument_file = evaluator.instrument_text(values, "fitted by calibrate from case " + c.name);
     result.depths = depths_of(c, judge, evaluator.insert(values, c.depths.size()),
                               careful.insert(values, c.depths.size()));
     result.average = average_of(result.depths);

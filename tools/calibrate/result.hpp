@@ -1,8 +1,8 @@
 // What a calibration has found, before it is written: the same for any number of workers, so nothing of the machine or the clock.
-// May include: search.hpp, identify.hpp, rod_evaluator.hpp. Called by: main, result_files, tests.
+// May include: search.hpp, identify.hpp, vcsim3's lumen.hpp (pictures). Called by: main, result_files, tests.
 #pragma once
 #include "tools/calibrate/identify.hpp"
-#include "tools/calibrate/rod_evaluator.hpp"
+#include "tools/vcsim3/lumen.hpp"
 
 namespace seld::calibrate
 {
@@ -34,8 +34,8 @@ struct MethodResult {
 };
 
 struct Result {
-    std::string name, instrument;
-    SearchSettings search; // of the best method
+    std::string name, instrument, rod; // of the case; Evaluator::rod()
+    SearchSettings search;             // of the best method
     double noise_mm = 0.0;
     bool has_force = false;
     Verdict best, kept; // at the optimum; with the instrument as it is written
@@ -44,7 +44,7 @@ struct Result {
     std::vector<DepthResult> depths;
     Distances average; // means over all depths of their figures
     std::vector<MethodResult> methods;
-    RodValues values; // that are kept
+    std::string instrument_file; // text with the kept values; empty: our simulator has no such rod
 };
 
 struct Finished {
@@ -53,7 +53,7 @@ struct Finished {
 };
 
 // From the best of the searches. Trials of the identification and the last insertions go to `evaluate`.
-Result make_result(const insertion::Case &c, const RodEvaluator &evaluator, const RodEvaluator &careful,
+Result make_result(const insertion::Case &c, const Evaluator &evaluator, const Evaluator &careful,
                    const Judge &judge, const std::vector<Finished> &searches, const EvaluateShares &evaluate,
                    const IdentifySettings &settings);
 

@@ -140,6 +140,7 @@ std::string to_json(const Result &result)
 {
     Json json = {{"case", result.name},
                  {"instrument", result.instrument},
+                 {"rod", result.rod},
                  {"method", method_token(result.search.method)},
                  {"population", result.search.population},
                  {"generations", result.search.generations},
@@ -168,9 +169,10 @@ std::string to_json(const Result &result)
 std::string page_html(const Result &result)
 {
     std::string text = vcsim3::page_head("Calibration: " + escaped(result.name));
-    text += "<p>" + escaped(result.instrument) + ", fitted by <code>calibrate</code> (" +
-            method_token(result.search.method) + ", " + std::to_string(result.evaluations) +
-            " insertions, seed " + std::to_string(result.search.seed) +
+    text += "<p>" + escaped(result.instrument) + ", " +
+            (result.rod == "core" ? "our rod" : "the thesis' rod (CoRdE)") +
+            ", fitted by <code>calibrate</code> (" + method_token(result.search.method) + ", " +
+            std::to_string(result.evaluations) + " insertions, seed " + std::to_string(result.search.seed) +
             "). The error is equation 19 of the thesis, averaged over the fitted depths: " +
             number(result.kept.error_mm, 3) + " mm. Method and limits: <code>docs/calibrate.md</code>.</p>\n";
     text += "<h2>Parameters</h2>\n" + vcsim3::to_html(parameter_table(result)) +
@@ -185,9 +187,10 @@ std::string page_html(const Result &result)
     text +=
         "<h2>Shapes</h2>\n<p><img src=\"shapes.png\" alt=\"phantom, reference red, simulated green\"></p>\n";
     text += "<h2>Searches</h2>\n<p><img src=\"curves.png\" alt=\"best objective by evaluations\"></p>\n";
-    return text + "<p>Data: <a href=\"result.json\">result.json</a>, <a "
-                  "href=\"instrument.toml\">instrument.toml</a>.</p>\n"
-                  "</body></html>\n";
+    text += "<p>Data: <a href=\"result.json\">result.json</a>";
+    text += result.instrument_file.empty() ? "; no instrument file, as our simulator has no such rod"
+                                           : ", <a href=\"instrument.toml\">instrument.toml</a>";
+    return text + ".</p>\n</body></html>\n";
 }
 
 void draw_shapes(const Result &result, const vcsim3::Vessel &vessel, const std::string &path)

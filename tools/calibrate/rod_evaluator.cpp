@@ -15,12 +15,9 @@ namespace
 // density from an eighth to eight times. Those of the core hold behind them.
 constexpr double bend_factor = 10.0, alpha_factor = 10.0, radius_factor = 1.25, density_factor = 8.0;
 constexpr double alpha_max = 4.0;
-constexpr int turn_ticks = 200; // to bring the tip into its first plane, before the hand feeds
-constexpr int force_every = 4;  // ticks
 constexpr double outside_mm =
     60.0; // of the instrument outside at the deepest place: what is behind it does nothing
 constexpr double coarser = 1.25, coarsest = 2.0; // elements, where the core takes no finer ones
-constexpr double arrived_mm = 0.01, turn_step_deg = 0.5;
 
 const seld_wire_knot &shaft_of(const seld_wire_instrument &table)
 {
@@ -37,17 +34,10 @@ std::uint32_t limited(double value, double low, double high)
     return static_cast<std::uint32_t>(std::lround(std::clamp(value, low, high)));
 }
 
-std::string number(double value)
-{
-    char text[40];
-    std::snprintf(text, sizeof text, "%.9g", value);
-    return text;
-}
-
 Parameter around(const std::string &name, const std::string &unit, const std::string &text, double nominal,
                  double factor)
 {
-    return {name, unit, text, nominal / factor, nominal * factor, nominal, true};
+    return {name, unit, text, nominal / factor, nominal * factor, nominal};
 }
 
 std::vector<Parameter> parameters_of(const RodValues &nominal, bool has_tip)
@@ -57,6 +47,7 @@ std::vector<Parameter> parameters_of(const RodValues &nominal, bool has_tip)
         around("radius", "mm", "outer radius of the shaft", nominal.radius_mm, radius_factor),
         around("density", "kg/m^3", "mass over the metal's cross-section", nominal.density_kg_m3,
                density_factor)};
+    list.front().scales_force = true;
     if (has_tip) {
         Parameter alpha =
             around("alpha", "1", "EI of the tip over EI of the shaft", nominal.tip_over_shaft, alpha_factor);
@@ -133,17 +124,6 @@ InsertionSettings careful_settings()
     return settings;
 }
 
-void RodEvaluator::set_bounds(std::size_t parameter, double low, double high)
-{
-    Parameter &p = parameters_.at(parameter);
-    if (!(low > 0.0) || !(low < high) || p.nominal < low || p.nominal > high)
-        throw insertion::CaseError("bounds of " + p.name +
-                                   ": give LOW..HIGH above 0 with the file's value, " + number(p.nominal) +
-                                   " " + p.unit + ", between them");
-    p.low = low;
-    p.high = high;
-}
-
 RodValues RodEvaluator::values_of(const std::vector<double> &values) const
 {
     RodValues all = nominal_values(instrument_.table);
@@ -155,71 +135,6 @@ RodValues RodEvaluator::values_of(const std::vector<double> &values) const
     }
     return all;
 }
-
-namespace
-{
-
-// One insertion under way.
-class Hand
-{
-  public:
-    Hand(CoreRod &rod, const insertion::Case &c, const InsertionSettings &settings, Insertion &result)
-        : rod_(rod), case_(c), settings_(settings), result_(result), hand_mm_(rod.inserted_mm())
-    {
-    }
-
-    // The tip comes into the plane of the first depth while the hand does not feed.
-    void turn_first()
-    {
-        const double to_deg = case_.depths.front().turn_deg;
-        const int ticks = std::max(turn_ticks, static_cast<int>(std::abs(to_deg) / turn_step_deg));
-        for (int i = 1; i <= ticks; i++) tick(hand_mm_, to_deg * i / ticks);
-    }
-
-    void feed_to(double inserted_mm)
-    {
-        while (hand_mm_ < inserted_mm) {
-            hand_mm_ = std::min(inserted_mm, hand_mm_ + settings_.speed_mm_per_s * 1e-3);
-            tick(hand_mm_, case_.turn_deg_at(hand_mm_));
-        }
-    }
-
-    // Until no node moves.
-    void rest()
-    {
-        const double turn_deg = case_.turn_deg_at(hand_mm_);
-        int still = 0, ticks = 0;
-        while (still < settings_.still_ticks && ticks < settings_.settle_max_ticks) {
-            tick(hand_mm_, turn_deg);
-            ticks++;
-            const bool is_still =
-                rod_.motion_um() <= settings_.still_um_per_tick && hand_mm_ - rod_.inserted_mm() < arrived_mm;
-            still = is_still ? still + 1 : 0;
-        }
-        if (still < settings_.still_ticks) result_.is_settled = false;
-        result_.settle_ticks.push_back(ticks);
-    }
-
-  private:
-    void tick(double hand_mm, double turn_deg)
-    {
-        rod_.tick(hand_mm, turn_deg);
-        if (!rod_.is_sound())
-            throw TrialRefused("the instrument left the lumen's field or the core's number range");
-        const double inserted_mm = rod_.inserted_mm();
-        const bool is_new = result_.force.empty() || inserted_mm > result_.force.back().inserted_mm;
-        if (result_.ticks++ % force_every == 0 && is_new)
-            result_.force.push_back({inserted_mm, rod_.handle_axial_mN()});
-    }
-
-    CoreRod &rod_;
-    const insertion::Case &case_;
-    const InsertionSettings &settings_;
-    Insertion &result_;
-    double hand_mm_;
-};
-
-} // namespace
 
 // The core with elements of the wanted length; longer ones where stiffness and mass leave its number format with short ones.
 std::unique_ptr<CoreRod> RodEvaluator::make_rod(const seld_wire_instrument &table) const
@@ -242,36 +157,18 @@ Insertion RodEvaluator::insert(const std::vector<double> &values, std::size_t de
     const seld_wire_instrument table =
         shortened(virtual_instrument(instrument_.table, values_of(values), case_),
                   case_.depths.back().inserted_mm + outside_mm);
-    const std::unique_ptr<CoreRod> rod = make_rod(table);
-    Insertion result;
-    Hand hand(*rod, case_, settings_, result);
-    hand.turn_first();
-    for (std::size_t i = 0; i < depth_count && i < case_.depths.size(); i++) {
-        hand.feed_to(case_.depths[i].inserted_mm);
-        hand.rest();
-        result.nodes_mm.push_back(rod->nodes_mm());
-    }
-    return result;
+    return insert_by_hand(*make_rod(table), case_, settings_, depth_count);
 }
 
 std::string RodEvaluator::settings_text() const
 {
-    const InsertionSettings &s = settings_;
-    return "rod 1 start " + number(s.start_mm) + " speed " + number(s.speed_mm_per_s) + " still " +
-           number(s.still_um_per_tick) + " for " + std::to_string(s.still_ticks) + " at most " +
-           std::to_string(s.settle_max_ticks) + " elements " + number(s.element_factor);
+    return "rod 1 " + settings_.text();
 }
 
-double Parameter::value_at(double share) const
+std::string RodEvaluator::instrument_text(const std::vector<double> &values, const std::string &source) const
 {
-    return is_logarithmic ? low * std::pow(high / low, share) : low + (high - low) * share;
-}
-
-double Parameter::share_of(double value) const
-{
-    const double share =
-        is_logarithmic ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
-    return std::clamp(share, 0.0, 1.0);
+    return fitted_instrument_text(case_.path_in(case_.instrument).string(),
+                                  virtual_instrument(instrument_.table, values_of(values), case_), source);
 }
 
 } // namespace seld::calibrate

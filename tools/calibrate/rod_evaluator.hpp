@@ -11,16 +11,6 @@
 namespace seld::calibrate
 {
 
-// How the hand moves, and when the instrument is at rest. The defaults are measured: docs/calibrate.md, "Short cuts".
-struct InsertionSettings {
-    double start_mm = 5.0;          // inserted when the hand begins; the core may need a little more
-    double speed_mm_per_s = 30.0;   // of the hand; the case's where that is faster
-    double still_um_per_tick = 0.2; // at rest: no node moves more, for `still_ticks`
-    int still_ticks = 50;
-    int settle_max_ticks = 1000;
-    double element_factor = 0.7; // elements so many times longer than the file's
-};
-
 // Without short cuts: elements half as long as the file's where the core takes them, and a long rest.
 InsertionSettings careful_settings();
 
@@ -46,13 +36,11 @@ class RodEvaluator final : public Evaluator
     // `vessel` must outlive this. Reads the instrument's file. Throws CaseError, FileError.
     RodEvaluator(const insertion::Case &c, const vcsim3::Vessel &vessel, const InsertionSettings &settings);
 
-    const std::vector<Parameter> &parameters() const override { return parameters_; }
+    std::string rod() const override { return "core"; }
+    std::string instrument_name() const override { return instrument_.name; }
     Insertion insert(const std::vector<double> &values, std::size_t depth_count) const override;
     std::string settings_text() const override;
-
-    // Throws CaseError when 0 < low < high does not hold or the nominal value lies outside.
-    void set_bounds(std::size_t parameter, double low, double high);
-    const Instrument &instrument() const { return instrument_; }
+    std::string instrument_text(const std::vector<double> &values, const std::string &source) const override;
     RodValues values_of(const std::vector<double> &values) const;
 
   private:
@@ -62,7 +50,6 @@ class RodEvaluator final : public Evaluator
     const vcsim3::Vessel &vessel_;
     InsertionSettings settings_;
     Instrument instrument_;
-    std::vector<Parameter> parameters_;
 };
 
 } // namespace seld::calibrate

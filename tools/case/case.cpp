@@ -146,14 +146,14 @@ std::string toml_quoted(const std::filesystem::path &path)
     return text + '"';
 }
 
+} // namespace
+
 std::string number_text(double value)
 {
     char text[40];
     std::snprintf(text, sizeof text, "%.9g", value);
     return text;
 }
-
-} // namespace
 
 std::filesystem::path Case::path_in(const std::filesystem::path &path) const
 {

@@ -80,4 +80,7 @@ void write_centreline(const std::filesystem::path &file, const std::vector<Eigen
 std::vector<ForceSample> read_force(const std::filesystem::path &file);
 void write_force(const std::filesystem::path &file, const std::vector<ForceSample> &samples);
 
+// Nine digits, as all files of a case have their numbers.
+std::string number_text(double value);
+
 } // namespace seld::insertion

@@ -111,11 +111,10 @@ void the_force_error_is_relative_and_passes_over_single_peaks(void **)
 
 void parameters_and_shares_are_each_others_inverse(void **)
 {
-    const Parameter log{"a", "1", "", 0.01, 1.0, 0.1, true}, linear{"b", "1", "", 2.0, 6.0, 3.0, false};
-    assert_near(log.value_at(0.5), 0.1, 1e-12);
-    assert_near(log.share_of(0.1), 0.5, 1e-12);
-    assert_near(linear.value_at(0.25), 3.0, 1e-12);
-    assert_near(linear.share_of(100.0), 1.0, 0.0);
+    const Parameter parameter{"a", "1", "", 0.01, 1.0, 0.1};
+    assert_near(parameter.value_at(0.5), 0.1, 1e-12);
+    assert_near(parameter.share_of(0.1), 0.5, 1e-12);
+    assert_near(parameter.share_of(100.0), 1.0, 0.0);
 }
 
 // EI of tip and shaft, radius and mass per length, straight from their definitions.
@@ -378,11 +377,11 @@ void the_hash_tells_borders_and_numbers(void **)
 
 // --- what is determined ----------------------------------------------------------------------------------------------------
 
-// Objective |x - 0.4| + 0 y: a rise of 0.05 bounds x by 0.35 and 0.45 within a step of the halving (0.04 / 16), and y by nothing.
+// Objective |x - 0.4| + 0 y, in shares: a rise of 0.05 bounds x by 0.35 and 0.45 within a step of the halving (0.04 / 16), and y by
+// nothing.
 void what_the_data_leave_open_is_said_to_be_undetermined(void **)
 {
-    const std::vector<Parameter> parameters = {{"x", "", "", 0.0, 1.0, 0.5, false},
-                                               {"y", "", "", 0.0, 1.0, 0.5, false}};
+    const std::vector<Parameter> parameters = {{"x", "", "", 1.0, 10.0, 3.0}, {"y", "", "", 1.0, 10.0, 3.0}};
     const EvaluateShares evaluate = [](const std::vector<std::vector<double>> &trials) {
         std::vector<Verdict> verdicts;
         for (const auto &trial : trials)
@@ -391,8 +390,8 @@ void what_the_data_leave_open_is_said_to_be_undetermined(void **)
     };
     const Trial best{{0.4, 0.7}, {0.0, 0.0, 0.0}};
     const std::vector<Identified> found = identify(parameters, best, {best}, evaluate, {});
-    assert_near(found[0].low, 0.35, 0.0026);
-    assert_near(found[0].high, 0.45, 0.0026);
+    assert_near(parameters[0].share_of(found[0].low), 0.35, 0.0026);
+    assert_near(parameters[0].share_of(found[0].high), 0.45, 0.0026);
     assert_true(found[0].is_determined);
     assert_near(found[1].span_share, 1.0, 1e-12);
     assert_false(found[1].is_determined);
@@ -401,8 +400,7 @@ void what_the_data_leave_open_is_said_to_be_undetermined(void **)
 // Objective |x - y| at x = y = 0.5: alone each is bounded; the search's trials along x = y show that both are open.
 void numbers_that_make_up_for_each_other_are_undetermined(void **)
 {
-    const std::vector<Parameter> parameters = {{"x", "", "", 0.0, 1.0, 0.5, false},
-                                               {"y", "", "", 0.0, 1.0, 0.5, false}};
+    const std::vector<Parameter> parameters = {{"x", "", "", 1.0, 10.0, 3.0}, {"y", "", "", 1.0, 10.0, 3.0}};
     const EvaluateShares evaluate = [](const std::vector<std::vector<double>> &trials) {
         std::vector<Verdict> verdicts;
         for (const auto &trial : trials) verdicts.push_back({std::abs(trial[0] - trial[1]), 0.0, 0.0});

@@ -96,6 +96,11 @@ short="--population 8 --generations 2 --no-ranges --quiet"
 fit page --method genetic cmaes differential && [ -s "$work/page/shapes.png" ] && [ -s "$work/page/curves.png" ] && grep -q "undetermined" "$work/page/index.html"
 report "three methods are compared on a page, EI without a force trace undetermined" $?
 
+fit corde --rod corde && grep -q '"rod": "corde"' "$work/corde/result.json" && grep -q '"name": "kp"' "$work/corde/result.json" && [ ! -e "$work/corde/instrument.toml" ]
+report "the thesis' rod is fitted by the same search, without an instrument file" $?
+refuses "a checkpoint of the other rod is refused" 1 "other settings" "$work/case" -o "$work/corde" --resume --quiet
+refuses "an unknown rod is a usage error" 2 "core,corde\|corde" "$work/case" -o "$work/x" --rod elastica
+
 refuses "a folder without a case is named" 1 "case.toml\|no such file" "$work/nowhere" -o "$work/x"
 refuses "an output folder is needed" 2 "--output" "$work/case"
 refuses "an unknown method is a usage error" 2 "no method" "$work/case" -o "$work/x" --method simplex

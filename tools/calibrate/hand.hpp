@@ -1,0 +1,42 @@
+// The hand that inserts: the case's protocol, whichever rod it holds.
+// May include: evaluator.hpp. Called by: rod_evaluator, corde_evaluator.
+#pragma once
+#include "tools/calibrate/evaluator.hpp"
+
+namespace seld::calibrate
+{
+
+// A rod with one end in the hand, advanced by ticks of 1 ms.
+class HeldRod
+{
+  public:
+    virtual ~HeldRod() = default;
+    // Where the hand is after the next tick: the length it has pushed in, counted from the mouth, and its angle, right-handed about
+    // the feed.
+    virtual void tick(double hand_mm, double turn_deg) = 0;
+
+    virtual double inserted_mm() const = 0;
+    virtual double handle_axial_mN() const = 0;         // + pushes the hand back out
+    virtual double motion_um() const = 0;               // largest of any node in the last tick
+    virtual bool is_sound() const = 0;                  // no number out of range, nothing outside the vessel
+    virtual std::vector<Vector3d> nodes_mm() const = 0; // those beyond the mouth, tip first
+};
+
+// How the hand moves, when the rod is at rest, and how fine it is. Defaults for our rod; docs/calibrate.md, "Short cuts", has what
+// they cost.
+struct InsertionSettings {
+    double start_mm = 5.0;          // inserted when the hand begins; the core may need a little more
+    double speed_mm_per_s = 30.0;   // of the hand; the case's where that is faster
+    double still_um_per_tick = 0.2; // at rest: no node moves more, for `still_ticks`
+    int still_ticks = 50;
+    int settle_max_ticks = 1000;
+    double element_factor = 0.7; // elements so many times longer than those that the rod has by itself
+
+    std::string text() const; // for Evaluator::settings_text
+};
+
+// From where the rod is to the first `depth_count` depths, with a rest at each. Throws TrialRefused when the rod is not sound.
+Insertion insert_by_hand(HeldRod &rod, const insertion::Case &c, const InsertionSettings &settings,
+                         std::size_t depth_count);
+
+} // namespace seld::calibrate
