@@ -87,6 +87,11 @@ CoreRod::CoreRod(const seld_wire_instrument &table, const seld_lumen *lumen, con
 
 CoreRod::~CoreRod() = default;
 
+unsigned CoreRod::version()
+{
+    return SELD_CORE_VERSION;
+}
+
 void CoreRod::tick(double hand_mm, double turn_deg)
 {
     Core &c = *core_;

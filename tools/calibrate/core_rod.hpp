@@ -16,6 +16,8 @@ class CoreRod final : public HeldRod
     // `lumen` must outlive this; nullptr is free space. Throws TrialRefused when the core takes no such tool.
     CoreRod(const seld_wire_instrument &table, const seld_lumen *lumen, const Vector3d &mouth_mm,
             const Vector3d &direction, const Vector3d &gravity_m_s2, double inserted_mm);
+    // Same version, same inputs, same hashes.
+    static unsigned version();
     ~CoreRod() override;
 
     void tick(double hand_mm, double turn_deg) override;

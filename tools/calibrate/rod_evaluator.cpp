@@ -162,7 +162,7 @@ Insertion RodEvaluator::insert(const std::vector<double> &values, std::size_t de
 
 std::string RodEvaluator::settings_text() const
 {
-    return "rod 1 " + settings_.text();
+    return "rod 1 core " + std::to_string(CoreRod::version()) + " " + settings_.text();
 }
 
 std::string RodEvaluator::instrument_text(const std::vector<double> &values, const std::string &source) const

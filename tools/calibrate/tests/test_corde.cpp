@@ -3,6 +3,7 @@
 #include "host/tests/folder.hpp"
 #include "tools/calibrate/corde_evaluator.hpp"
 #include "tools/calibrate/core_rod.hpp"
+#include "tools/calibrate/rod_evaluator.hpp"
 #include "tools/calibrate/search.hpp"
 #include <algorithm>
 #include <cmath>
@@ -223,6 +224,17 @@ void a_fit_finds_the_tips_stiffness_with_the_same_bits_from_any_threads(void **)
     assert_near(found, 0.5, 0.1);
 }
 
+// A checkpoint holds what trials gave, so its hash must know the core that gave it, and which rod it was.
+void settings_name_the_rod_and_the_core(void **)
+{
+    const Space space;
+    const RodEvaluator ours(free_case("rosen"), *space.vessel, InsertionSettings());
+    const CordeEvaluator thesis(free_case("rosen"), *space.vessel, corde_settings());
+    assert_true(ours.settings_text().find("core " + std::to_string(CoreRod::version()) + " ") !=
+                std::string::npos);
+    assert_true(thesis.settings_text().find("corde ") == 0);
+}
+
 void bounds_without_the_nominal_value_are_refused(void **)
 {
     const Space space;
@@ -285,6 +297,7 @@ int main()
         cmocka_unit_test(every_trial_gets_a_step_that_is_stable),
         cmocka_unit_test(a_bent_tip_lies_where_our_rods_tip_lies),
         cmocka_unit_test(a_fit_finds_the_tips_stiffness_with_the_same_bits_from_any_threads),
+        cmocka_unit_test(settings_name_the_rod_and_the_core),
         cmocka_unit_test(bounds_without_the_nominal_value_are_refused),
         cmocka_unit_test(bounds_hold_the_row_of_the_thesis_table),
         cmocka_unit_test(a_rod_that_leaves_the_vessel_is_refused),
