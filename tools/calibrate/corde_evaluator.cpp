@@ -68,10 +68,7 @@ CordeSettings corde_settings()
 CordeSettings careful_corde_settings()
 {
     CordeSettings settings;
-    settings.speed_mm_per_s = 0.0;
-    settings.still_um_per_tick = 0.02;
-    settings.settle_max_ticks = 5000;
-    settings.element_factor = 0.5;
+    static_cast<InsertionSettings &>(settings) = careful_settings();
     settings.substeps_max = 32;
     return settings;
 }

@@ -14,13 +14,7 @@ namespace
 {
 
 namespace fs = std::filesystem;
-
-std::string number(double value)
-{
-    char text[32];
-    std::snprintf(text, sizeof text, "%.9g", value);
-    return text;
-}
+using insertion::number_text;
 
 void copy_whole(const fs::path &from, const fs::path &to)
 {
@@ -66,21 +60,21 @@ void write_parameters(const TruthRequest &request, const Truth &truth)
 {
     std::ostringstream file;
     file << "# What the reference rod (docs/reference_rod.md) was made with. calibrate never reads it.\n"
-         << "shaft_bend_stiffness_N_m2 = " << number(truth.stiffness.shaft_N_m2) << "\n"
-         << "tip_over_shaft = " << number(truth.stiffness.tip_over_shaft) << "\n"
-         << "friction = " << number(request.friction) << "\n"
-         << "nominal_shaft_bend_stiffness_N_m2 = " << number(truth.nominal.shaft_N_m2) << "\n"
-         << "nominal_tip_over_shaft = " << number(truth.nominal.tip_over_shaft) << "\n"
-         << "shape_noise_mm = " << number(std::max(0.0, request.shape_noise_mm)) << "\n"
-         << "force_noise_mN = " << number(std::max(0.0, request.force_noise_mN)) << "\n"
+         << "shaft_bend_stiffness_N_m2 = " << number_text(truth.stiffness.shaft_N_m2) << "\n"
+         << "tip_over_shaft = " << number_text(truth.stiffness.tip_over_shaft) << "\n"
+         << "friction = " << number_text(request.friction) << "\n"
+         << "nominal_shaft_bend_stiffness_N_m2 = " << number_text(truth.nominal.shaft_N_m2) << "\n"
+         << "nominal_tip_over_shaft = " << number_text(truth.nominal.tip_over_shaft) << "\n"
+         << "shape_noise_mm = " << number_text(std::max(0.0, request.shape_noise_mm)) << "\n"
+         << "force_noise_mN = " << number_text(std::max(0.0, request.force_noise_mN)) << "\n"
          << "seed = " << request.seed << "\n"
-         << "edge_tip_mm = " << number(request.cut.tip_m * 1e3) << "\n"
-         << "edge_shaft_mm = " << number(request.cut.shaft_m * 1e3) << "\n"
-         << "feed_step_mm = " << number(request.step.feed_m * 1e3) << "\n"
+         << "edge_tip_mm = " << number_text(request.cut.tip_m * 1e3) << "\n"
+         << "edge_shaft_mm = " << number_text(request.cut.shaft_m * 1e3) << "\n"
+         << "feed_step_mm = " << number_text(request.step.feed_m * 1e3) << "\n"
          << "steps = " << truth.run.steps << "\n"
          << "steps_not_at_rest = " << truth.run.unsettled << "\n"
-         << "residual_mN = " << number(truth.run.residual_mN) << "\n"
-         << "contact_depth_mm = " << number(truth.run.depth_mm) << "\n";
+         << "residual_mN = " << number_text(truth.run.residual_mN) << "\n"
+         << "contact_depth_mm = " << number_text(truth.run.depth_mm) << "\n";
     write_whole_file((request.folder / "truth" / "parameters.toml").string(), file.str());
 }
 
