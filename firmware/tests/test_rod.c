@@ -228,7 +228,7 @@ static void curved_wire_without_load_takes_its_circle(void **context)
 }
 
 /* A half circle of 1.5 mm (a Rosen's J) on soft wire, fed at 30 mm/s through free space and drawn back: its tip stays 2 R off
- * the axis. Tolerance 0.1 mm: drag bends the 75 mm of soft wire by 0.02 mm. A tip that slid along its own curve swung 50 mm
+ * the axis. Tolerance 0.1 mm: 0.05 mm are left of its settling when the hand starts. A tip that slid along its own curve swung 50 mm
  * aside. */
 static void tight_tip_keeps_its_shape_while_it_is_fed(void **context)
 {
