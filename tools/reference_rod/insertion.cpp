@@ -82,10 +82,29 @@ void Insertion::stiffen_mouth()
 {
     constexpr double least = 0.02; // of a cell
     rod_.joint_m = rod_.cell_m;
-    for (int j = std::max(1, free_ - 1); j <= std::min(free_, rod_.nodes() - 2); j++) {
-        const double front_m = rod_.arc_m[j] - 0.5 * rod_.length_m(j - 1);
-        rod_.joint_m[j] = std::clamp(inserted_m_ - front_m, least * rod_.cell_m[j], rod_.cell_m[j]);
-    }
+    for (int j = std::max(1, free_ - 1); j <= std::min(free_, rod_.nodes() - 2); j++)
+        rod_.joint_m[j] = std::clamp(inserted_m_ - cell_front_m(j), least * rod_.cell_m[j], rod_.cell_m[j]);
+}
+
+double Insertion::cell_front_m(int joint) const
+{
+    return rod_.arc_m[joint] - 0.5 * rod_.length_m(joint - 1);
+}
+
+// What holds the nodes in the sheath, and the push of a sleeve on a rod that is bent where it leaves it, EI kappa^2 / 2 (Bigoni et al.,
+// Eshelby-like forces acting on elastic structures, 2015): with every step more of the rod may bend. Without the second the hand's
+// work would not be the energy that the rod stores.
+double Insertion::held_N() const
+{
+    double force_N = 0.0;
+    for (int i = free_; i < std::min(free_ + 2, rod_.nodes()); i++)
+        force_N += outcome_.slope.segment<3>(4 * i).dot(sheath_.direction);
+    int mouth = std::clamp(free_, 1, rod_.nodes() - 2); // the joint whose cell the mouth divides
+    while (mouth > 1 && cell_front_m(mouth) > inserted_m_) mouth--;
+    const Vector &front = state_.tangent[mouth - 1], &rear = state_.tangent[mouth];
+    const double curvature_per_m =
+        2.0 * rear.cross(front).norm() / (1.0 + rear.dot(front)) / rod_.joint_m[mouth];
+    return force_N - 0.5 * rod_.bend_N_m2[mouth] * curvature_per_m * curvature_per_m;
 }
 
 bool Insertion::step(double inserted_m, double turn_rad)
@@ -99,7 +118,7 @@ bool Insertion::step(double inserted_m, double turn_rad)
 
 bool Insertion::advance(double inserted_m, double turn_rad)
 {
-    constexpr int halvings_max = 2;
+    constexpr int halvings_max = 6;
     const double from_m = inserted_m_, from_rad = turn_rad_;
     double done = 0.0, share = 1.0;
     bool at_rest = true;
@@ -124,9 +143,7 @@ bool Insertion::advance(double inserted_m, double turn_rad)
         residual_N_ = std::max(residual_N_, outcome_.residual_N);
         done = next;
     }
-    hand_N_ = 0.0;
-    for (int i = free_; i < std::min(free_ + 2, rod_.nodes()); i++)
-        hand_N_ += outcome_.slope.segment<3>(4 * i).dot(sheath_.direction);
+    hand_N_ = held_N();
     return at_rest;
 }
 

@@ -25,7 +25,10 @@ class Insertion
     bool advance(double inserted_m, double turn_rad);
 
     double inserted_m() const { return inserted_m_; }
-    double hand_N() const { return hand_N_; } // along the sheath, + pushes the hand back out
+    double hand_N() const
+    {
+        return hand_N_;
+    } // along the sheath, + pushes the hand back out; its work is what the rod stores
     int free_nodes() const { return free_; }
     const State &state() const { return state_; }
     const Outcome &outcome() const { return outcome_; }
@@ -41,6 +44,8 @@ class Insertion
     void place(double inserted_m, double turn_rad); // first guess, and the held nodes
     Vector followed(int node, double feed_m) const;
     void stiffen_mouth(); // what lies in the sheath does not bend
+    double cell_front_m(int joint) const;
+    double held_N() const;
 
     Rod rod_;
     Physics physics_;

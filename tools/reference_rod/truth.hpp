@@ -13,15 +13,15 @@ namespace seld::reference
 {
 
 struct TruthRequest {
-    std::filesystem::path instrument; // file, with ":preset" if it is not `physical`
-    std::filesystem::path scene;      // baked lumen
-    std::filesystem::path surface;    // closed mesh of it; empty: none
-    std::filesystem::path folder;     // of the case
-    std::string name;                 // empty: instrument and scene
-    double shaft_factor = 1.0;        // the truth's EI of the shaft over the file's
-    double tip_factor = 1.0;          // the truth's alpha over the file's
-    double friction = 0.1;            // of the whole instrument against the wall
-    double speed_mm_per_s = 20.0;
+    std::filesystem::path instrument;     // file, with ":preset" if it is not `physical`
+    std::filesystem::path scene;          // baked lumen
+    std::filesystem::path surface;        // closed mesh of it; empty: none
+    std::filesystem::path folder;         // of the case
+    std::string name;                     // empty: instrument and scene
+    double shaft_factor = 1.0;            // the truth's EI of the shaft over the file's
+    double tip_factor = 1.0;              // the truth's alpha over the file's
+    double friction = 0.1;                // of the whole instrument against the wall
+    double speed_mm_per_s = 10.0;         // of the hand
     std::vector<insertion::Depth> depths; // name, inserted_mm and turn_deg are read; scans stay empty
     double shape_noise_mm = -1.0;         // negative: no depth_N.csv, which a scan shall give
     double force_noise_mN = 1.0;          // standard deviation; negative: no force is measured

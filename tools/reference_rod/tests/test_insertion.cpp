@@ -1,5 +1,5 @@
 // Claims: the field's derivatives are those of the field; friction on a plane is mu times the load; in a rigid bent tube the
-// shape does not depend on the scale of EI and the force does in proportion; finer cutting and feeding change little; a rod
+// shape does not depend on the scale of EI and the force does in proportion; the work of the hand is the energy that is stored; finer cutting and feeding change little; a rod
 // at rest does not creep; the noise is the normal one and repeats.
 #include "tools/reference_rod/truth.hpp"
 extern "C" {
@@ -182,7 +182,47 @@ void finer_cutting_and_feeding_change_little(void **)
     assert_below("half the edges: mm rms", shape_off_mm(cut, plain), 0.05);
     assert_below("half the feed step: mm rms", shape_off_mm(fed, plain), 0.05);
     assert_below("half the edges: force, share", std::abs(force_sum_mN(cut) / force_sum_mN(plain) - 1.0),
-                 0.08);
+                 0.01);
+}
+
+// Without friction the hand's work is what the rod stores (and what the wall does: a thousandth). 1.5 %: the trapezium rule over steps in
+// which a node comes free. It was 13 % more without the push of the sleeve on a rod that is bent where it leaves it.
+void the_work_of_the_hand_is_the_energy_that_the_rod_stores(void **)
+{
+    const Rod rod = cut_rod(wire(1.0), 0.1, {0.5e-3, 1e-3});
+    Physics physics;
+    physics.wall = tube().wall();
+    Insertion line(rod, physics, {}, 2e-3, 0.0);
+    double work_J = 0.0, before_N = 0.0;
+    const double step_m = 0.25e-3;
+    while (line.inserted_m() < 0.09 - 1e-9) {
+        assert_true(line.advance(line.inserted_m() + step_m, 0.0));
+        work_J += 0.5 * (before_N + line.hand_N()) * step_m;
+        before_N = line.hand_N();
+    }
+    const double stored_J = elastic_energy(rod, line.state(), line.free_nodes() + 1, nullptr, nullptr);
+    std::printf("# work %.6g mJ, stored %.6g mJ\n", work_J * 1e3, stored_J * 1e3);
+    assert_below("work over stored energy, less 1", std::abs(work_J / stored_J - 1.0), 0.015);
+}
+
+// A J straightened by the sheath pulls itself out of it with the energy per length that it stores there, EI kappa^2 / 2.
+void free_j_pulls_itself_out_of_the_sheath(void **)
+{
+    const double bend_N_m2 = 1e-5, curvature_per_m = 100.0;
+    Rod rod = uniform_rod(bend_N_m2, bend_N_m2, 4e-4, 0.04, 0.5e-3);
+    for (int i = 0; i < rod.nodes(); i++)
+        rod.rest_curvature1[i] = 2.0 * std::tan(0.5 * curvature_per_m * rod.cell_m[i]);
+    Insertion line(rod, {}, {}, 2e-3, 0.0);
+    double sum_N = 0.0;
+    int count = 0;
+    while (line.inserted_m() < 0.025) {
+        assert_true(line.advance(line.inserted_m() + 0.2e-3, 0.0));
+        sum_N += line.hand_N();
+        count++;
+    }
+    assert_below("off from -EI kappa^2 / 2, share",
+                 std::abs(sum_N / count / (-0.5 * bend_N_m2 * curvature_per_m * curvature_per_m) - 1.0),
+                 0.01);
 }
 
 // Friction makes the hand push harder; without any the hand feels only what the bends store.
@@ -235,6 +275,8 @@ int main()
         cmocka_unit_test(friction_on_a_plane_is_the_coefficient_times_the_load),
         cmocka_unit_test(shape_does_not_know_the_scale_of_stiffness_and_force_does),
         cmocka_unit_test(finer_cutting_and_feeding_change_little),
+        cmocka_unit_test(the_work_of_the_hand_is_the_energy_that_the_rod_stores),
+        cmocka_unit_test(free_j_pulls_itself_out_of_the_sheath),
         cmocka_unit_test(friction_is_felt_by_the_hand),
         cmocka_unit_test(rod_at_rest_does_not_creep),
         cmocka_unit_test(noise_is_normal_and_repeats),
