@@ -116,13 +116,11 @@ CordeRod::CordeRod(const CordeModel &model, const insertion::Case &c, const vcsi
                   vcsim3::Inserter(c.mouth_mm * 1e-3, c.direction, zero_turn_axis(c.direction)), wall,
                   simulation_settings(model, settings), settings.start_mm * 1e-3)
 {
-    measure_motion();
 }
 
 void CordeRod::tick(double hand_mm, double turn_deg)
 {
     simulation_.tick(hand_mm * 1e-3 - simulation_.inserted_m(), turn_deg * radian - simulation_.turn_rad());
-    measure_motion();
 }
 
 double CordeRod::inserted_mm() const
@@ -151,17 +149,6 @@ std::vector<Vector3d> CordeRod::nodes_mm() const
     for (int i = 0; i < std::min(rod.free_count, rod.node_count()); i++)
         nodes.push_back(rod.position[i] * 1e3);
     return nodes;
-}
-
-// Largest of any node since the last tick. Nodes keep their numbers: 0 is the tip.
-void CordeRod::measure_motion()
-{
-    const vcsim3::Rod &rod = simulation_.rod();
-    double most_m = 0.0;
-    for (std::size_t i = 0; i < before_m_.size(); i++)
-        most_m = std::max(most_m, (rod.position[i] - before_m_[i]).cwiseAbs().maxCoeff());
-    before_m_.assign(rod.position.begin(), rod.position.begin() + std::min(rod.free_count, rod.node_count()));
-    motion_um_ = most_m * 1e6;
 }
 
 } // namespace seld::calibrate

@@ -49,16 +49,11 @@ class CordeRod final : public HeldRod
     void tick(double hand_mm, double turn_deg) override;
     double inserted_mm() const override;
     double handle_axial_mN() const override; // mean of the last tick
-    double motion_um() const override { return motion_um_; }
     bool is_sound() const override;
     std::vector<Vector3d> nodes_mm() const override;
 
   private:
-    void measure_motion();
-
     vcsim3::Simulation simulation_;
-    std::vector<Vector3d> before_m_;
-    double motion_um_ = 0.0;
 };
 
 } // namespace seld::calibrate

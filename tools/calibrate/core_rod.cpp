@@ -40,25 +40,7 @@ seld_instrument tool_of(const seld_wire_instrument &table)
 } // namespace
 
 struct CoreRod::Core : vcsim3::CoreBlocks {
-    double start_mm = 0.0, motion_um = 0.0;
-    std::vector<seld_vec3> before;
-
-    // Largest motion since `before`, which then becomes now. Nodes keep their numbers: 0 is the tip.
-    void measure_motion()
-    {
-        const std::uint32_t count = seld_state_free_count(state);
-        std::int64_t most = 0;
-        for (std::uint32_t i = 0; i < count; i++) {
-            const seld_vec3 now = seld_state_position(state, i);
-            for (int k = 0; k < 3 && i < before.size(); k++)
-                most = std::max(most, std::abs(std::int64_t(now.v[k]) - before[i].v[k]));
-            if (i < before.size())
-                before[i] = now;
-            else
-                before.push_back(now);
-        }
-        motion_um = std::ldexp(double(most), -30) * 1e6;
-    }
+    double start_mm = 0.0;
 };
 
 CoreRod::CoreRod(const seld_wire_instrument &table, const seld_lumen *lumen, const Vector3d &mouth_mm,
@@ -100,7 +82,6 @@ void CoreRod::tick(double hand_mm, double turn_deg)
     c.input.hands[0].turn32 =
         static_cast<std::uint32_t>(static_cast<std::int64_t>(std::llround(std::ldexp(turns, 32))));
     seld_step(c.model, c.state, &c.input, &c.output);
-    c.measure_motion();
 }
 
 double CoreRod::inserted_mm() const
@@ -111,11 +92,6 @@ double CoreRod::inserted_mm() const
 double CoreRod::handle_axial_mN() const
 {
     return from_q(core_->output.tools[0].axial_N_q22, 22) * 1e3;
-}
-
-double CoreRod::motion_um() const
-{
-    return core_->motion_um;
 }
 
 bool CoreRod::is_sound() const

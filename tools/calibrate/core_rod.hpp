@@ -23,7 +23,6 @@ class CoreRod final : public HeldRod
     void tick(double hand_mm, double turn_deg) override;
     double inserted_mm() const override;
     double handle_axial_mN() const override;
-    double motion_um() const override;
     bool is_sound() const override; // nothing saturated, nothing outside the field
     std::vector<Vector3d> nodes_mm() const override;
 

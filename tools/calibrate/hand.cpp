@@ -1,6 +1,7 @@
 #include "tools/calibrate/hand.hpp"
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace seld::calibrate
 {
@@ -9,6 +10,8 @@ namespace
 
 constexpr int turn_ticks = 200; // to bring the tip into its first plane, before the hand feeds
 constexpr int force_every = 4;  // ticks
+constexpr int sample_every =
+    5; // ticks, of a place at rest: odd, as a contact may be there in every second tick
 constexpr double arrived_mm = 0.01, turn_step_deg = 0.5;
 
 // One insertion under way.
@@ -31,28 +34,65 @@ class Hand
     void feed_to(double inserted_mm)
     {
         while (hand_mm_ < inserted_mm) {
-            hand_mm_ = std::min(inserted_mm, hand_mm_ + settings_.speed_mm_per_s * 1e-3);
+            const bool is_near = inserted_mm - hand_mm_ <= settings_.approach_mm;
+            const double speed_mm_per_s = is_near ? near_speed_mm_per_s() : settings_.speed_mm_per_s;
+            hand_mm_ = std::min(inserted_mm, hand_mm_ + speed_mm_per_s * 1e-3);
             tick(hand_mm_, case_.turn_deg_at(hand_mm_));
         }
     }
 
-    // Until no node moves.
     void rest()
     {
-        const double turn_deg = case_.turn_deg_at(hand_mm_);
-        int still = 0, ticks = 0;
-        while (still < settings_.still_ticks && ticks < settings_.settle_max_ticks) {
-            tick(hand_mm_, turn_deg);
-            ticks++;
-            const bool is_still =
-                rod_.motion_um() <= settings_.still_um_per_tick && hand_mm_ - rod_.inserted_mm() < arrived_mm;
-            still = is_still ? still + 1 : 0;
+        const double still_mm = settings_.still_um_per_tick * settings_.rest_window_ticks * 1e-3;
+        std::vector<Vector3d> before;
+        bool is_still = false;
+        int ticks = 0;
+        for (; !is_still && ticks < settings_.settle_max_ticks; ticks += settings_.rest_window_ticks) {
+            std::vector<Vector3d> mean = mean_over_window();
+            is_still = hand_mm_ - rod_.inserted_mm() < arrived_mm && largest_way(before, mean) <= still_mm;
+            before = std::move(mean);
         }
-        if (still < settings_.still_ticks) result_.is_settled = false;
+        if (!is_still) result_.is_settled = false;
         result_.settle_ticks.push_back(ticks);
     }
 
   private:
+    // No faster than the case's hand where that is slower still.
+    double near_speed_mm_per_s() const
+    {
+        return std::min(settings_.speed_mm_per_s,
+                        std::max(settings_.approach_mm_per_s, case_.speed_mm_per_s));
+    }
+
+    // Of every node, over the next ticks; nothing where their number changes, as it does while the rod follows the hand.
+    std::vector<Vector3d> mean_over_window()
+    {
+        const double turn_deg = case_.turn_deg_at(hand_mm_);
+        std::vector<Vector3d> sum;
+        int samples = 0;
+        bool is_one_set = true;
+        for (int i = 1; i <= settings_.rest_window_ticks; i++) {
+            tick(hand_mm_, turn_deg);
+            if (i % sample_every != 0) continue;
+            const std::vector<Vector3d> nodes = rod_.nodes_mm();
+            if (sum.empty()) sum.assign(nodes.size(), Vector3d::Zero());
+            is_one_set = is_one_set && nodes.size() == sum.size();
+            for (std::size_t k = 0; is_one_set && k < nodes.size(); k++) sum[k] += nodes[k];
+            samples++;
+        }
+        if (!is_one_set) return {};
+        for (Vector3d &node : sum) node /= samples;
+        return sum;
+    }
+
+    static double largest_way(const std::vector<Vector3d> &from, const std::vector<Vector3d> &to)
+    {
+        if (from.empty() || from.size() != to.size()) return std::numeric_limits<double>::infinity();
+        double most = 0.0;
+        for (std::size_t i = 0; i < to.size(); i++) most = std::max(most, (to[i] - from[i]).norm());
+        return most;
+    }
+
     void tick(double hand_mm, double turn_deg)
     {
         rod_.tick(hand_mm, turn_deg);
@@ -75,9 +115,10 @@ class Hand
 std::string InsertionSettings::text() const
 {
     const auto number = insertion::number_text;
-    return "start " + number(start_mm) + " speed " + number(speed_mm_per_s) + " still " +
-           number(still_um_per_tick) + " for " + std::to_string(still_ticks) + " at most " +
-           std::to_string(settle_max_ticks) + " elements " + number(element_factor);
+    return "start " + number(start_mm) + " speed " + number(speed_mm_per_s) + " last " + number(approach_mm) +
+           " at " + number(approach_mm_per_s) + " still " + number(still_um_per_tick) + " over " +
+           std::to_string(rest_window_ticks) + " at most " + std::to_string(settle_max_ticks) + " elements " +
+           number(element_factor);
 }
 
 Insertion insert_by_hand(HeldRod &rod, const insertion::Case &c, const InsertionSettings &settings,

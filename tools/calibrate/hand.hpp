@@ -17,7 +17,6 @@ class HeldRod
 
     virtual double inserted_mm() const = 0;
     virtual double handle_axial_mN() const = 0;         // + pushes the hand back out
-    virtual double motion_um() const = 0;               // largest of any node in the last tick
     virtual bool is_sound() const = 0;                  // no number out of range, nothing outside the vessel
     virtual std::vector<Vector3d> nodes_mm() const = 0; // those beyond the mouth, tip first
 };
@@ -25,12 +24,16 @@ class HeldRod
 // How the hand moves, when the rod is at rest, and how fine it is. Defaults for our rod; docs/calibrate.md, "Short cuts", has what
 // they cost.
 struct InsertionSettings {
-    double start_mm = 5.0;          // inserted when the hand begins; the core may need a little more
-    double speed_mm_per_s = 30.0;   // of the hand; the case's where that is faster
-    double still_um_per_tick = 0.2; // at rest: no node moves more, for `still_ticks`
-    int still_ticks = 50;
+    double start_mm = 5.0;        // inserted when the hand begins; the core may need a little more
+    double speed_mm_per_s = 40.0; // of the hand; the case's where that is faster
+    // What friction remembers is the last way: at most this fast there, before every depth.
+    double approach_mm = 10.0, approach_mm_per_s = 10.0;
+    // At rest: from one `rest_window_ticks` to the next no node's mean place moves more than so much per tick. A mean, as a soft tip on a
+    // wall may tremble for ever where it is.
+    double still_um_per_tick = 0.2;
+    int rest_window_ticks = 50;
     int settle_max_ticks = 1000;
-    double element_factor = 0.7; // elements so many times longer than those that the rod has by itself
+    double element_factor = 0.5; // elements so many times longer than those that the rod has by itself
 
     std::string text() const; // for Evaluator::settings_text
 };

@@ -39,7 +39,7 @@ struct Options {
     bool is_trial = false, resume = false, quiet = false, with_page = true;
     unsigned threads = 0;
     SearchSettings search;
-    std::optional<double> speed_mm_per_s, element_factor; // absent: the rod's own
+    std::optional<double> speed_mm_per_s, approach_mm, element_factor; // absent: the rod's own
     JudgeSettings judge;
     IdentifySettings identify;
 };
@@ -110,6 +110,7 @@ struct Setup {
     void make_evaluators(const Options &options, Settings settings, const Settings &careful_ones)
     {
         settings.speed_mm_per_s = options.speed_mm_per_s.value_or(settings.speed_mm_per_s);
+        settings.approach_mm = options.approach_mm.value_or(settings.approach_mm);
         settings.element_factor = options.element_factor.value_or(settings.element_factor);
         evaluator = std::make_unique<Kind>(c, *vessel, settings);
         careful = std::make_unique<Kind>(c, *vessel, careful_ones);
@@ -324,6 +325,9 @@ void add_options(CLI::App &app, Options &options, CLI::Option *&trial)
     app.add_option("--speed-mm-s", options.speed_mm_per_s,
                    "of the hand, or the case's where that is faster; else the rod's own: docs/calibrate.md")
         ->check(CLI::Range(0.0, 200.0));
+    app.add_option("--approach-mm", options.approach_mm,
+                   "last way to each depth, which the hand goes at 10 mm/s; else the rod's own")
+        ->check(CLI::Range(0.0, 100.0));
     app.add_option(
            "--element-factor", options.element_factor,
            "elements as multiples of the instrument file's (core) or of 3 mm (corde); else the rod's own")
