@@ -1,15 +1,17 @@
 /* Wall contact and friction (docs/rod.md, "contact"). At the predicted configuration x*:
  *   depth = phi + r, n = inward normal; touching when depth > 0 or when the drift will make it so
  *   normal: k_n n n^T in the matrix, k_c depth (+ k_deep beyond 0.2 mm) along n on the right
- *   friction: bristle z with stiffness k_f = min(k_t, mu N / |z + way|) (lagged secant: true stick, no chatter).
+ *   friction: bristle z with stiffness k_f = min(k_t, mu N / |z + way|) (lagged secant: true stick, no chatter); while it does not
+ *   stick mu N grows from tick to tick by a limited factor.
  * The way of the surface is that of the node, plus what the outer tool slides against the line, plus what it turns:
  * r theta along n x t. So one limit mu N bounds sliding and turning together, and a wire that slides turns freely.
  * After the solve z takes the way and is limited to mu N / k_t.
  * Struts of a stent (strut.h) are met as the wall is. Between struts and wall a node has two contacts: both normals are in the matrix, the
  * deeper one carries the bristle, and friction has the sum of both forces.
- * May include: rod.h. Called by: core_step.c. */
+ * May include: rod.h, rod_friction.h. Called by: core_step.c. */
 #include "firmware/core/lesion.h"
 #include "firmware/core/rod.h"
+#include "firmware/core/rod_friction.h"
 #include "firmware/core/strut.h"
 
 enum {
@@ -17,18 +19,6 @@ enum {
         4, /* of ways along the normal, which decide beside the distance whether a node can touch */
     NORMAL_MAX_N_Q22 = 1 << 29, /* 128 N: bounds a bristle to 66 mm, below 2^30 in Q33 */
 };
-
-/* No less than the length: half of the largest magnitude and of their sum. Overflow: saturates. */
-static int32_t length_at_most(const seld_vec3 *a)
-{
-    int64_t sum = 0, most = 0;
-    for (int k = 0; k < 3; k++) {
-        const int64_t size = a->v[k] < 0 ? -(int64_t)a->v[k] : a->v[k];
-        sum += size;
-        most = size > most ? size : most;
-    }
-    return seld_sat32((sum + most + 1) / 2);
-}
 
 /* Component along n. Format: Q33 . Q30 -> Q33. Overflow: impossible, displacements stay below 2^30 (125 mm). */
 static inline int32_t along(const seld_vec3 *a, const seld_vec3 *n)
@@ -61,42 +51,6 @@ static inline int32_t normal_force(int32_t depth_m_q30)
         return (int32_t)force;
     }
     return force > 0 ? NORMAL_MAX_N_Q22 : -NORMAL_MAX_N_Q22;
-}
-
-static inline int32_t friction_of(const seld_node_state *node, const seld_line_node *line)
-{
-    return node->contact == SELD_CONTACT_SLIPS ? line->kinetic_q30 : line->static_q30;
-}
-
-/* Bristle at its limit mu N / k_t. Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 / 2^20. Overflow: impossible, 128 N. */
-static inline int32_t bristle_limit(int32_t limit_N_q22)
-{
-    return limit_N_q22 + seld_mulh(limit_N_q22, 25166 << 12);
-}
-
-/* 1 / |a| from |a|^2 > 0 as reciprocal root and shift: 1/|a| = root_q30 2^(half_lead - 62). */
-static inline int32_t inverse_root(int64_t square, unsigned *half_lead)
-{
-    unsigned lead = (unsigned)__builtin_clzll((uint64_t)square) & ~1u;
-    *half_lead = lead >> 1;
-    return seld_rsqrt_q30((uint32_t)(((uint64_t)square << lead) >> 32));
-}
-
-/* k_f in Q(a): k_t while the bristle's reach is within its limit, else mu N / reach.
- * Format: N Q22 / m Q33 -> Q(a): N root 2^(half_lead - 62) 2^(11 + a). */
-static inline int32_t friction_stiffness(const seld_model *model, int32_t limit_N_q22,
-                                         const seld_vec3 *reach_m_q33)
-{
-    int32_t most = bristle_limit(limit_N_q22);
-    int64_t square = seld_vec3_dot64(*reach_m_q33, *reach_m_q33);
-    if (square <= seld_product(most, most)) {
-        return model->friction;
-    }
-    unsigned half_lead;
-    int32_t root = inverse_root(square, &half_lead);
-    int64_t stiffness =
-        seld_asr64(seld_product(limit_N_q22, root), 51 - model->stiffness_exponent - half_lead);
-    return stiffness > model->friction ? model->friction : (int32_t)stiffness;
 }
 
 /* How far the outer tool slides along the line at node i, Q33 m; towards the tip. */
@@ -174,6 +128,9 @@ static inline void touch(const seld_model *model, seld_state *state, const seld_
         force = both_forces(state, work, force, expected);
     }
     int32_t limit = seld_scale_q30(force, friction_of(node, line));
+    if (node->contact != SELD_CONTACT_STICKS) {
+        limit = growing_limit(node, limit);
+    }
     seld_vec3 way = surface_way(model, state, node, work, line);
     if (model->lumen->motion != NULL) {
         take_wall_step(model, state, &way);
