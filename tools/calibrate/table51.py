@@ -29,8 +29,8 @@ PRESETS = {
     "full": {"scans": True, "population": 50, "generations": 50, "instruments": None, "short_cuts": [], "rangeless": (), "truth": []},
     "quick": {"scans": False, "population": 16, "generations": 20, "instruments": None,
               "short_cuts": [], "rangeless": (), "truth": []},
-    "fast": {"scans": False, "population": 8, "generations": 4, "instruments": ["amplatz_super_stiff"],
-             "short_cuts": ["--speed-mm-s", "100", "--approach-mm", "0", "--element-factor", "1.5"], "rangeless": tuple(table51_data.FITS),
+    "fast": {"scans": False, "population": 8, "generations": 8, "instruments": ["amplatz_super_stiff"],
+             "short_cuts": ["--speed-mm-s", "100", "--approach-mm", "3", "--element-factor", "1.5"], "rangeless": tuple(table51_data.FITS),
              "truth": ["--edge-tip-mm", "0.5", "--edge-shaft-mm", "2", "--feed-step-mm", "1"]},
 }
 SHAPE_NOISE_MM = 0.02  # as far as a segmented scan is off: docs/ct.md
