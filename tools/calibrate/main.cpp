@@ -38,7 +38,8 @@ struct Options {
     std::vector<std::string> methods = {"cmaes"}, bounds, trial;
     bool is_trial = false, resume = false, quiet = false, with_page = true;
     unsigned threads = 0;
-    SearchSettings search;
+    SearchSettings search;                           // but for its method and what is absent here:
+    std::optional<unsigned> population, generations; // the method's, and what the budget has room for
     std::optional<double> speed_mm_per_s, approach_mm, element_factor; // absent: the rod's own
     JudgeSettings judge;
     IdentifySettings identify;
@@ -169,12 +170,20 @@ int evaluate_once(const Options &options, const Setup &setup)
     return 0;
 }
 
+SearchSettings settings_of(const Options &options, Method method)
+{
+    SearchSettings settings = options.search;
+    settings.method = method;
+    settings.population = options.population.value_or(default_population(method));
+    settings.generations = options.generations.value_or(std::max(1u, trial_budget / settings.population));
+    return settings;
+}
+
 // One method to the end of its budget, with a checkpoint after every generation.
 Finished search(const Options &options, Method method, const Setup &setup, const EvaluateShares &evaluate,
                 std::string &doing)
 {
-    Finished finished{options.search, {}};
-    finished.settings.method = method;
+    Finished finished{settings_of(options, method), {}};
     SearchState &state = finished.state;
     const std::string file =
         (fs::path(options.output) / ("checkpoint_" + std::string(method_token(method)) + ".txt")).string();
@@ -182,10 +191,10 @@ Finished search(const Options &options, Method method, const Setup &setup, const
     const std::size_t count = setup.evaluator->parameters().size();
     std::error_code ignored;
     if (options.resume && fs::exists(file, ignored)) state = read_checkpoint(file, hash, count);
-    while (state.generation < options.search.generations && !has_converged(options.search, state)) {
+    while (state.generation < finished.settings.generations && !has_converged(finished.settings, state)) {
         char text[120];
         std::snprintf(text, sizeof text, "%s, generation %u of %u", method_token(method),
-                      state.generation + 1, options.search.generations);
+                      state.generation + 1, finished.settings.generations);
         doing = text;
         advance(finished.settings, count, evaluate, state);
         write_checkpoint(file, hash, finished.settings, state);
@@ -290,13 +299,13 @@ void add_options(CLI::App &app, Options &options, CLI::Option *&trial)
     app.add_option("--method", options.methods, "cmaes, genetic, differential; several are compared")
         ->check(CLI::Validator(check_method, "METHOD"))
         ->capture_default_str();
-    app.add_option("--population", options.search.population, "trials per generation, an even number")
+    app.add_option("--population", options.population,
+                   "trials per generation, an even number; else 16 for cmaes, 50 for the others")
         ->check(CLI::Range(8u, 10000u))
-        ->check(CLI::Validator(check_even, "EVEN"))
-        ->capture_default_str();
-    app.add_option("--generations", options.search.generations, "of each method, the first one included")
-        ->check(CLI::Range(1u, 100000u))
-        ->capture_default_str();
+        ->check(CLI::Validator(check_even, "EVEN"));
+    app.add_option("--generations", options.generations,
+                   "of each method, the first one included; else as many as make 2500 trials")
+        ->check(CLI::Range(1u, 100000u));
     app.add_option("--stop-spread-mm", options.search.stop_spread_mm,
                    "a search also ends when the objectives of its population differ by less; 0: never")
         ->check(CLI::Range(0.0, 10.0))

@@ -130,7 +130,7 @@ Result make_result(const insertion::Case &c, const Evaluator &evaluator, const E
                               careful.insert(values, c.depths.size()));
     result.average = average_of(result.depths);
     for (const Finished &search : searches)
-        result.methods.push_back({search.settings.method, best_of(search.state).verdict.objective,
+        result.methods.push_back({search.settings, best_of(search.state).verdict.objective,
                                   curve_of(search.state, search.settings.population)});
     return result;
 }

@@ -28,7 +28,7 @@ struct ParameterResult {
 };
 
 struct MethodResult {
-    Method method = Method::cmaes;
+    SearchSettings search;
     double best = 0.0;
     std::vector<GenerationFigures> curve;
 };

@@ -66,7 +66,10 @@ Json json_of(const DepthResult &depth)
 
 Json json_of(const MethodResult &method)
 {
-    Json json = {{"method", method_token(method.method)}, {"objective", method.best}};
+    Json json = {{"method", method_token(method.search.method)},
+                 {"population", method.search.population},
+                 {"generations", method.search.generations},
+                 {"objective", method.best}};
     Json curve = Json::array();
     for (const GenerationFigures &g : method.curve)
         curve.push_back({{"evaluations", g.evaluations},
@@ -142,8 +145,6 @@ std::string to_json(const Result &result)
                  {"instrument", result.instrument},
                  {"rod", result.rod},
                  {"method", method_token(result.search.method)},
-                 {"population", result.search.population},
-                 {"generations", result.search.generations},
                  {"seed", result.search.seed},
                  {"evaluations", result.evaluations},
                  {"noise_mm", result.noise_mm},
@@ -236,7 +237,7 @@ void draw_curves(const Result &result, const std::string &path)
     chart.draw_frame();
     std::vector<std::pair<Colour, std::string>> legend;
     for (const MethodResult &method : result.methods) {
-        const Colour colour = method_colours[static_cast<std::size_t>(method.method)];
+        const Colour colour = method_colours[static_cast<std::size_t>(method.search.method)];
         const auto x_of = [&](double evaluations) {
             return chart.left() + (chart.right() - chart.left()) * evaluations / most;
         };
@@ -245,8 +246,8 @@ void draw_curves(const Result &result, const std::string &path)
             canvas.line(x_of(a.evaluations), chart.y_of(a.best), x_of(b.evaluations), chart.y_of(b.best), 2.0,
                         colour);
         }
-        legend.emplace_back(colour,
-                            std::string(method_token(method.method)) + ": " + number(method.best, 3) + " mm");
+        legend.emplace_back(colour, std::string(method_token(method.search.method)) + ": " +
+                                        number(method.best, 3) + " mm");
     }
     for (int i = 0; i <= 5; i++)
         canvas.text(chart.left() + (chart.right() - chart.left()) * i / 5.0, chart.bottom() + 10,

@@ -117,6 +117,11 @@ const char *method_token(Method method)
     return method == Method::genetic ? "genetic" : method == Method::cmaes ? "cmaes" : "differential";
 }
 
+unsigned default_population(Method method)
+{
+    return method == Method::cmaes ? 16 : 50;
+}
+
 std::optional<Method> method_of(const std::string &token)
 {
     for (const Method method : {Method::genetic, Method::cmaes, Method::differential})

@@ -1,5 +1,5 @@
 // The search for the best numbers by pagmo: the thesis' genetic algorithm, and beside it CMA-ES and differential evolution with the
-// same population and budget. Trials are shares 0 .. 1 of the parameters' ranges.
+// same budget. Trials are shares 0 .. 1 of the parameters' ranges.
 //
 // pagmo's algorithms ask for one trial after the other. So a generation is made twice: a copy of the algorithm is advanced with
 // a problem that only notes what it is asked (all of a generation is drawn before the answers matter), the workers evaluate
@@ -16,6 +16,12 @@ namespace seld::calibrate
 enum class Method { genetic, cmaes, differential };
 const char *method_token(Method method); // "genetic", "cmaes", "differential"
 std::optional<Method> method_of(const std::string &token);
+
+// Of one search, as in the thesis: 50 generations of 50.
+constexpr unsigned trial_budget = 2500;
+// Trials per generation that suit a method: the thesis' 50; a third of that for CMA-ES, which learns from every generation and needs
+// few for five numbers or less (docs/calibrate.md, "Search").
+unsigned default_population(Method method);
 
 struct SearchSettings {
     Method method = Method::cmaes;

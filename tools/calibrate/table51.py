@@ -23,10 +23,10 @@ import sys
 import table51_data
 import table51_page
 
-# How much is done. `short_cuts`: of the insertions, beside calibrate's own (docs/calibrate.md). `rangeless`: fits that do not ask how well
+# How much is done. `population` and `generations`: None is calibrate's own, 2,500 trials. `short_cuts`: of the insertions, beside calibrate's own (docs/calibrate.md). `rangeless`: fits that do not ask how well
 # each number is determined.
 PRESETS = {
-    "full": {"scans": True, "population": 50, "generations": 50, "instruments": None, "short_cuts": [], "rangeless": (), "truth": []},
+    "full": {"scans": True, "population": None, "generations": None, "instruments": None, "short_cuts": [], "rangeless": (), "truth": []},
     "quick": {"scans": False, "population": 16, "generations": 20, "instruments": None,
               "short_cuts": [], "rangeless": (), "truth": []},
     "fast": {"scans": False, "population": 8, "generations": 8, "instruments": ["amplatz_super_stiff"],
@@ -35,7 +35,7 @@ PRESETS = {
 }
 SHAPE_NOISE_MM = 0.02  # as far as a segmented scan is off: docs/ct.md
 # Population and generations of the CoRdE baseline, whose insertions take seven times as long; without them it is left out.
-CORDE = {"full": (50, 50), "quick": (12, 8), "fast": None}
+CORDE = {"full": (None, None), "quick": (12, 8), "fast": None}
 
 
 class Failed(Exception):
@@ -152,7 +152,8 @@ class Chain:
         else:
             command += self.preset["short_cuts"]
         for name in sizes:
-            command += ["--" + name, "%d" % (getattr(self.options, name) or sizes[name])]
+            count = getattr(self.options, name) or sizes[name]
+            command += ["--" + name, "%d" % count] if count else []
         if kind in self.preset["rangeless"]:
             command += ["--no-ranges"]
         if kind != "force":
