@@ -1,8 +1,8 @@
 #include "host/app/instrument_list.hpp"
+#include "host/model/format.hpp"
 #include "host/model/pending_file.hpp"
 #include "host/model/text.hpp"
 #include <algorithm>
-#include <cstdarg>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -14,16 +14,6 @@ namespace
 {
 
 namespace fs = std::filesystem;
-
-[[gnu::format(printf, 1, 2)]] std::string format(const char *pattern, ...)
-{
-    char text[240];
-    va_list arguments;
-    va_start(arguments, pattern);
-    std::vsnprintf(text, sizeof text, pattern, arguments);
-    va_end(arguments);
-    return text;
-}
 
 std::string joined(const std::vector<std::string> &words)
 {
@@ -196,15 +186,15 @@ std::string instruments_text(const std::vector<ListedInstrument> &list)
     }
     const int name_width = static_cast<int>(width), shape_width = static_cast<int>(shape);
     std::string text =
-        format("%-*s  %-8s %9s %6s %6s %9s %9s  %-*s  %s\n", name_width, "instrument", "kind", "length mm",
-               "OD mm", "ID mm", "EI tip", "EI shaft", shape_width, "shape", "presets");
+        formatted("%-*s  %-8s %9s %6s %6s %9s %9s  %-*s  %s\n", name_width, "instrument", "kind", "length mm",
+                  "OD mm", "ID mm", "EI tip", "EI shaft", shape_width, "shape", "presets");
     for (const ListedInstrument &item : list) {
         const Instrument &one = item.instrument;
-        const std::string inner = one.kind == InstrumentKind::wire ? "-" : format("%.2f", inner_mm(one));
-        text += format("%-*s  %-8s %9.0f %6.2f %6s %9.2e %9.2e  %-*s  ", name_width, one.name.c_str(),
-                       kind_name(one.kind), one.length_m * 1e3, outer_mm(one), inner.c_str(),
-                       at_tip(one, Stiffness::bend), at_shaft(one, Stiffness::bend), shape_width,
-                       one.shape_name.c_str());
+        const std::string inner = one.kind == InstrumentKind::wire ? "-" : formatted("%.2f", inner_mm(one));
+        text += formatted("%-*s  %-8s %9.0f %6.2f %6s %9.2e %9.2e  %-*s  ", name_width, one.name.c_str(),
+                          kind_name(one.kind), one.length_m * 1e3, outer_mm(one), inner.c_str(),
+                          at_tip(one, Stiffness::bend), at_shaft(one, Stiffness::bend), shape_width,
+                          one.shape_name.c_str());
         text += joined(one.presets) + "\n";
     }
     return text + "EI in N m^2; OD, ID: outer and inner diameter of the shaft\n";
@@ -225,17 +215,17 @@ std::string instruments_markdown(const std::vector<ListedInstrument> &list)
     for (const ListedInstrument &item : list) {
         const Instrument &one = item.instrument;
         const seld_wire_knot &tip = one.table.knots[0], &hub = one.table.knots[one.table.knots_count - 1];
-        const std::string inner = one.kind == InstrumentKind::wire ? "" : format(" / %.2f", inner_mm(one));
+        const std::string inner = one.kind == InstrumentKind::wire ? "" : formatted(" / %.2f", inner_mm(one));
         std::string fit = "-";
         for (const Instrument &other : item.others) {
-            if (other.thesis) fit = format("%.2e", at_shaft(other, Stiffness::bend));
+            if (other.thesis) fit = formatted("%.2e", at_shaft(other, Stiffness::bend));
         }
-        text += format("| `%s` | %s | %.0f | %.2f%s ", fs::path(item.file).stem().c_str(), one.name.c_str(),
-                       one.length_m * 1e3, outer_mm(one), inner.c_str());
-        text += format("| %.2e | %.2e | %.2e | %.2f, %.2f | %s | %s |\n", at_tip(one, Stiffness::bend),
-                       at_shaft(one, Stiffness::bend), at_shaft(one, Stiffness::twist),
-                       tip.friction_kinetic_milli * 1e-3, hub.friction_kinetic_milli * 1e-3,
-                       one.shape_name.c_str(), fit.c_str());
+        text += formatted("| `%s` | %s | %.0f | %.2f%s ", fs::path(item.file).stem().c_str(),
+                          one.name.c_str(), one.length_m * 1e3, outer_mm(one), inner.c_str());
+        text += formatted("| %.2e | %.2e | %.2e | %.2f, %.2f | %s | %s |\n", at_tip(one, Stiffness::bend),
+                          at_shaft(one, Stiffness::bend), at_shaft(one, Stiffness::twist),
+                          tip.friction_kinetic_milli * 1e-3, hub.friction_kinetic_milli * 1e-3,
+                          one.shape_name.c_str(), fit.c_str());
     }
     return text;
 }

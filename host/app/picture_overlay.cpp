@@ -1,9 +1,9 @@
 // Display around the picture. Letters are drawn at 512-picture size and grow with larger pictures.
 #include "host/app/picture_overlay.hpp"
 #include "host/app/picture_font.hpp"
+#include "host/model/format.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 
 namespace seld
@@ -55,16 +55,6 @@ void draw_letters(Image &rgb, int x, int y, std::string_view text, int scale, Co
     }
 }
 
-[[gnu::format(printf, 1, 2)]] std::string format(const char *pattern, ...)
-{
-    char text[160];
-    va_list arguments;
-    va_start(arguments, pattern);
-    std::vsnprintf(text, sizeof text, pattern, arguments);
-    va_end(arguments);
-    return text;
-}
-
 double finite_or_zero(double value)
 {
     return std::isfinite(value) ? value : 0.0;
@@ -81,8 +71,8 @@ std::string angles(const CArm &carm)
 {
     const long primary = std::lround(std::clamp(finite_or_zero(carm.primary_deg), -999.0, 999.0));
     const long secondary = std::lround(std::clamp(finite_or_zero(carm.secondary_deg), -999.0, 999.0));
-    return format("%s %ld\x7f  %s %ld\x7f", primary < 0 ? "RAO" : "LAO", std::labs(primary),
-                  secondary < 0 ? "CAU" : "CRA", std::labs(secondary));
+    return formatted("%s %ld\x7f  %s %ld\x7f", primary < 0 ? "RAO" : "LAO", std::labs(primary),
+                     secondary < 0 ? "CAU" : "CRA", std::labs(secondary));
 }
 
 const char *name_of(RunKind kind)
@@ -95,13 +85,13 @@ std::string state_of(const RoomStatus &room)
 {
     switch (room.source) {
     case ScreenSource::live:
-        return format("X-RAY ON  %s %g/s", name_of(room.kind), room.pulses_per_s);
+        return formatted("X-RAY ON  %s %g/s", name_of(room.kind), room.pulses_per_s);
     case ScreenSource::held:
         return "LAST IMAGE HOLD";
     case ScreenSource::loop:
-        return format("RUN %d LOOP  %d/%d", room.run, room.frame + 1, room.frames);
+        return formatted("RUN %d LOOP  %d/%d", room.run, room.frame + 1, room.frames);
     case ScreenSource::still:
-        return format("RUN %d FRAME  %d/%d", room.run, room.frame + 1, room.frames);
+        return formatted("RUN %d FRAME  %d/%d", room.run, room.frame + 1, room.frames);
     case ScreenSource::nothing:
         break;
     }
@@ -113,11 +103,11 @@ std::vector<std::string> processing_of(const RoomStatus &room)
 {
     std::vector<std::string> lines;
     if (room.is_subtracted && room.mask_first == room.mask_last)
-        lines.push_back(format("DSA  mask %d", room.mask_first + 1));
+        lines.push_back(formatted("DSA  mask %d", room.mask_first + 1));
     else if (room.is_subtracted)
-        lines.push_back(format("DSA  mask %d-%d", room.mask_first + 1, room.mask_last + 1));
+        lines.push_back(formatted("DSA  mask %d-%d", room.mask_first + 1, room.mask_last + 1));
     if (room.is_subtracted && (room.shift_right_px != 0.0 || room.shift_up_px != 0.0))
-        lines.push_back(format("mask shifted %+.1f %+.1f px", room.shift_right_px, room.shift_up_px));
+        lines.push_back(formatted("mask shifted %+.1f %+.1f px", room.shift_right_px, room.shift_up_px));
     if (room.roadmap == RoadmapState::waits) lines.push_back("ROADMAP: press the pedal");
     if (room.roadmap == RoadmapState::collects) lines.push_back("ROADMAP: collecting");
     if (room.roadmap == RoadmapState::shown) lines.push_back("ROADMAP");
@@ -128,7 +118,7 @@ std::vector<std::string> processing_of(const RoomStatus &room)
 std::string clock(double time_s)
 {
     const long tenths = std::lround(std::clamp(finite_or_zero(time_s), 0.0, 1e6) * 10.0);
-    return format("%02ld:%02ld.%ld", tenths / 600, tenths / 10 % 60, tenths % 10);
+    return formatted("%02ld:%02ld.%ld", tenths / 600, tenths / 10 % 60, tenths % 10);
 }
 
 class Display
@@ -166,12 +156,12 @@ class Display
         const RoomStatus &room = info_.room;
         left(margin_, angles(room.carm), room.is_blocked ? red : room.is_moving ? amber : white);
         left(margin_ + line_,
-             format("SID %.0f  FD %.0f cm", finite_or_zero(room.carm.source_detector_m) * 100.0,
-                    finite_or_zero(room.carm.field_m) * 100.0),
+             formatted("SID %.0f  FD %.0f cm", finite_or_zero(room.carm.source_detector_m) * 100.0,
+                       finite_or_zero(room.carm.field_m) * 100.0),
              dim);
         left(margin_ + 2 * line_,
-             format("FL %g p/s  %s %g/s", room.fluoro_pulses_per_s, name_of(room.program),
-                    room.program_pulses_per_s),
+             formatted("FL %g p/s  %s %g/s", room.fluoro_pulses_per_s, name_of(room.program),
+                       room.program_pulses_per_s),
              dim);
         int y = margin_ + 3 * line_;
         for (const std::string &text : processing_of(room)) {
@@ -189,14 +179,14 @@ class Display
         const double wide = finite_or_zero(balloon.diameter_max_mm),
                      narrow = finite_or_zero(balloon.diameter_min_mm);
         constexpr double waist_mm = 0.05;
-        const std::string pressure = format("BALLOON %.1f bar", finite_or_zero(balloon.pressure_bar));
+        const std::string pressure = formatted("BALLOON %.1f bar", finite_or_zero(balloon.pressure_bar));
         left(y, balloon.is_burst ? "BALLOON BURST" : pressure,
              balloon.is_burst             ? red
              : balloon.pressure_bar > 0.0 ? amber
                                           : dim);
         left(y + line_,
-             wide - narrow > waist_mm ? format("  %.2f mm, waist %.2f mm", wide, narrow)
-                                      : format("  %.2f mm", wide),
+             wide - narrow > waist_mm ? formatted("  %.2f mm, waist %.2f mm", wide, narrow)
+                                      : formatted("  %.2f mm", wide),
              balloon.pressure_bar > 0.0 ? white : dim);
         if (!balloon.stent.empty())
             left(y + 2 * line_, "STENT " + balloon.stent, balloon.stent.starts_with("lost") ? red : white);
@@ -207,29 +197,29 @@ class Display
     {
         const RoomStatus &room = info_.room;
         right(margin_, state_of(room), room.is_beam_on ? amber : dim);
-        right(margin_ + line_, format("FL %.1f min", finite_or_zero(info_.fluoro_min)), white);
+        right(margin_ + line_, formatted("FL %.1f min", finite_or_zero(info_.fluoro_min)), white);
         right(margin_ + 2 * line_,
               info_.kerma_rate_mGy_min > 0.0
-                  ? format("%.1f mGy  %.1f mGy/min", finite_or_zero(info_.kerma_mGy),
-                           finite_or_zero(info_.kerma_rate_mGy_min))
-                  : format("%.1f mGy", finite_or_zero(info_.kerma_mGy)),
+                  ? formatted("%.1f mGy  %.1f mGy/min", finite_or_zero(info_.kerma_mGy),
+                              finite_or_zero(info_.kerma_rate_mGy_min))
+                  : formatted("%.1f mGy", finite_or_zero(info_.kerma_mGy)),
               info_.dose_alert_Gy > 0.0 ? red : white);
-        right(margin_ + 3 * line_, format("%.2f Gy cm2", finite_or_zero(info_.kap_Gy_cm2)), white);
+        right(margin_ + 3 * line_, formatted("%.2f Gy cm2", finite_or_zero(info_.kap_Gy_cm2)), white);
         if (room.source != ScreenSource::nothing && (room.is_beam_on || room.source == ScreenSource::held)) {
             const XrayTechnique &with = room.technique;
             right(margin_ + 4 * line_,
-                  format("%.0f kV  %.0f mA  %.1f ms", with.tube_voltage_kV, with.tube_current_mA,
-                         with.pulse_ms),
+                  formatted("%.0f kV  %.0f mA  %.1f ms", with.tube_voltage_kV, with.tube_current_mA,
+                            with.pulse_ms),
                   room.is_underexposed ? amber : dim);
         }
         if (info_.contrast_ml > 0.0 || info_.contrast_ml_s > 0.0)
             right(margin_ + 5 * line_,
                   info_.contrast_ml_s > 0.0
-                      ? format("INJECTION %.1f ml  %.1f ml/s", info_.contrast_ml, info_.contrast_ml_s)
-                      : format("CONTRAST %.1f ml", info_.contrast_ml),
+                      ? formatted("INJECTION %.1f ml  %.1f ml/s", info_.contrast_ml, info_.contrast_ml_s)
+                      : formatted("CONTRAST %.1f ml", info_.contrast_ml),
                   info_.contrast_ml_s > 0.0 ? amber : white);
         if (info_.dose_alert_Gy > 0.0)
-            right(margin_ + 6 * line_, format("DOSE ABOVE %g Gy", info_.dose_alert_Gy), red);
+            right(margin_ + 6 * line_, formatted("DOSE ABOVE %g Gy", info_.dose_alert_Gy), red);
     }
 
     // Bottom: the session's time on the right, what the hands feel on the left.
@@ -261,20 +251,21 @@ class Display
         const int x = margin_ + (name_letters + 4) * letter;
         draw_text(
             rgb_, x, y,
-            format("%4.0f mm %+5.0f\x7f", rounded(tool.inserted_mm, 1.0), rounded(tool.turned_deg, 1.0)),
+            formatted("%4.0f mm %+5.0f\x7f", rounded(tool.inserted_mm, 1.0), rounded(tool.turned_deg, 1.0)),
             scale_, white);
-        draw_text(rgb_, x + 16 * letter, y,
-                  format("%5.2f N %5.1f mNm", rounded(tool.axial_N, 100.0), rounded(tool.torque_mN_m, 10.0)),
-                  scale_, force_colour(tool.axial_N));
+        draw_text(
+            rgb_, x + 16 * letter, y,
+            formatted("%5.2f N %5.1f mNm", rounded(tool.axial_N, 100.0), rounded(tool.torque_mN_m, 10.0)),
+            scale_, force_colour(tool.axial_N));
     }
 
     static std::string place(const OverlayTool &tool)
     {
-        return format("%.0f mm  %+.0f\x7f", rounded(tool.inserted_mm, 1.0), rounded(tool.turned_deg, 1.0));
+        return formatted("%.0f mm  %+.0f\x7f", rounded(tool.inserted_mm, 1.0), rounded(tool.turned_deg, 1.0));
     }
     static std::string force(const OverlayTool &tool)
     {
-        return format("%.2f N  %.1f mNm", rounded(tool.axial_N, 100.0), rounded(tool.torque_mN_m, 10.0));
+        return formatted("%.2f N  %.1f mNm", rounded(tool.axial_N, 100.0), rounded(tool.torque_mN_m, 10.0));
     }
 
     double force_share(double axial_N) const
@@ -321,14 +312,14 @@ class Display
         dim_box(rgb_, x - 2 * scale_, ecg_y - line_, x + width + 2 * scale_, bottom + 2 * scale_);
         const double rate = pulse.rate_per_min();
         draw_text(rgb_, x, ecg_y - line_ + scale_,
-                  rate > 0.0 ? format("ECG %.0f/min", rate) : std::string("ECG no beat"), scale_,
+                  rate > 0.0 ? formatted("ECG %.0f/min", rate) : std::string("ECG no beat"), scale_,
                   rate > 0.0 ? green : red);
         if (pulse.holds_breath())
             draw_text(rgb_, x + width - text_width("BREATH HELD", scale_), ecg_y - line_ + scale_,
                       "BREATH HELD", scale_, amber);
         draw_text(rgb_, x, pressure_y - line_ + scale_,
                   pulse.systolic_mmHg() > 0.0
-                      ? format("AO %.0f/%.0f mmHg", pulse.systolic_mmHg(), pulse.diastolic_mmHg())
+                      ? formatted("AO %.0f/%.0f mmHg", pulse.systolic_mmHg(), pulse.diastolic_mmHg())
                       : std::string("AO"),
                   scale_, pink);
         draw_trace(x, ecg_y, width, lane, green,

@@ -1,9 +1,9 @@
 // The score as one HTML page: everything in it, nothing from elsewhere.
 #include "host/app/score.hpp"
+#include "host/model/format.hpp"
 #include "host/model/pending_file.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 
 namespace seld
@@ -28,38 +28,10 @@ const char *const style =
     "img{width:300px;height:300px;background:#000}figcaption{font-size:.85em;color:#66727f;max-width:300px}"
     "svg text{font:11px sans-serif;fill:#66727f}@media print{body{margin:0}}";
 
-std::string formatted(const char *format, ...)
-{
-    char text[512];
-    va_list values;
-    va_start(values, format);
-    std::vsnprintf(text, sizeof text, format, values);
-    va_end(values);
-    return text;
-}
-
-std::string escaped(const std::string &text)
-{
-    std::string safe;
-    for (char c : text) {
-        if (c == '&')
-            safe += "&amp;";
-        else if (c == '<')
-            safe += "&lt;";
-        else if (c == '>')
-            safe += "&gt;";
-        else if (c == '"')
-            safe += "&quot;";
-        else
-            safe += c;
-    }
-    return safe;
-}
-
 std::string text_at(const Json &from, const char *key)
 {
     return from.is_object() && from.contains(key) && from[key].is_string()
-               ? escaped(from[key].get<std::string>())
+               ? html_text(from[key].get<std::string>())
                : std::string();
 }
 
@@ -92,8 +64,8 @@ std::string pictures_of(const std::vector<ScorePicture> &pictures)
 {
     std::string html;
     for (const ScorePicture &picture : pictures)
-        html += "<figure><img alt=\"" + escaped(picture.caption) + "\" src=\"data:image/png;base64," +
-                base64(encode_png(picture.image)) + "\"><figcaption>" + escaped(picture.caption) +
+        html += "<figure><img alt=\"" + html_text(picture.caption) + "\" src=\"data:image/png;base64," +
+                base64(encode_png(picture.image)) + "\"><figcaption>" + html_text(picture.caption) +
                 "</figcaption></figure>\n";
     return html.empty() ? "" : "<h2>Pictures</h2>\n" + html;
 }

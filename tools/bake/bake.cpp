@@ -1,5 +1,6 @@
 // The pipeline: text -> surface -> field -> measurements -> bodies -> files.
 #include "tools/bake/bake.hpp"
+#include "host/model/format.hpp"
 #include "host/model/output_files.hpp"
 #include "tools/bake/branches.hpp"
 #include "tools/bake/fault.hpp"
@@ -7,7 +8,6 @@
 #include "tools/bake/lesion.hpp"
 
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 #include <optional>
 
@@ -17,16 +17,6 @@ namespace
 {
 
 constexpr std::size_t nesting_samples = 2000; // vertices of each body
-
-__attribute__((format(printf, 1, 2))) std::string line(const char *format, ...)
-{
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    std::vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    return std::string(text) + "\n";
-}
 
 std::string notes_of(const Mesh &mesh)
 {
@@ -109,34 +99,35 @@ try {
 
 std::string field_report(const Field &field, const FieldError &error)
 {
-    std::string text = line(
+    std::string text = formatted_line(
         "bricks            %u (%u of 0.977 mm, %u of 0.488 mm, %u of 0.244 mm voxels), lattice %u x %u x %u",
         field.lumen.brick_count, field.bricks_of_level[0], field.bricks_of_level[1], field.bricks_of_level[2],
         field.lumen.brick_count_xyz[0], field.lumen.brick_count_xyz[1], field.lumen.brick_count_xyz[2]);
-    text += line("field error       50 %% %.4f, 99 %% %.4f, 99.9 %% %.4f, largest %.4f mm at %s (%zu points "
-                 "within %.1f mm)",
-                 error.median_mm, error.percent99_mm, error.permille999_mm, error.largest.mm,
-                 place_text(error.largest.place_mm).c_str(), error.points, error_band_mm);
+    text += formatted_line(
+        "field error       50 %% %.4f, 99 %% %.4f, 99.9 %% %.4f, largest %.4f mm at %s (%zu points "
+        "within %.1f mm)",
+        error.median_mm, error.percent99_mm, error.permille999_mm, error.largest.mm,
+        place_text(error.largest.place_mm).c_str(), error.points, error_band_mm);
     return text;
 }
 
 std::string referee_report(const Referee &referee, std::uint64_t seed)
 {
     if (referee.poses == 0) return "libccd            no capsule of 0.835 mm radius fits into this lumen\n";
-    return line("libccd            worst disagreement %.4f mm at %s (%zu capsules of radius %.3f and length "
-                "%.0f mm, %zu "
-                "touching, seed %llu)",
-                referee.disagreement.mm, place_text(referee.disagreement.place_mm).c_str(), referee.poses,
-                referee.radius_mm, referee.length_mm, referee.touching,
-                static_cast<unsigned long long>(seed));
+    return formatted_line(
+        "libccd            worst disagreement %.4f mm at %s (%zu capsules of radius %.3f and length "
+        "%.0f mm, %zu "
+        "touching, seed %llu)",
+        referee.disagreement.mm, place_text(referee.disagreement.place_mm).c_str(), referee.poses,
+        referee.radius_mm, referee.length_mm, referee.touching, static_cast<unsigned long long>(seed));
 }
 
 std::string lattice_report(const seld_lattice &lattice, std::size_t numbers)
 {
-    std::string text = line("lattice %u x %u x %u nodes, %.2f mm apart, %.2f MiB", lattice.count_xyz[0],
-                            lattice.count_xyz[1], lattice.count_xyz[2],
-                            std::ldexp(mm_per_q30, static_cast<int>(lattice.spacing_log2_q30)),
-                            static_cast<double>(numbers) * 2 / 1048576);
+    std::string text = formatted_line("lattice %u x %u x %u nodes, %.2f mm apart, %.2f MiB",
+                                      lattice.count_xyz[0], lattice.count_xyz[1], lattice.count_xyz[2],
+                                      std::ldexp(mm_per_q30, static_cast<int>(lattice.spacing_log2_q30)),
+                                      static_cast<double>(numbers) * 2 / 1048576);
     text.pop_back(); // the line's end
     return text;
 }
@@ -145,18 +136,18 @@ std::string lattice_report(const seld_lattice &lattice, std::size_t numbers)
 std::string motion_report(const Motion &motion, std::size_t pose, const std::vector<FrameError> &errors)
 {
     std::string text = "motion            " + lattice_report(motion.lattices.beat, motion.rows.size()) +
-                       line("; pose of keyframe %zu", pose);
+                       formatted_line("; pose of keyframe %zu", pose);
     if (!motion.inhaled.empty())
         text += "breath            " + lattice_report(motion.lattices.breath, motion.inhaled.size()) + "\n";
     const Steepness steepest = steepness(motion);
-    text += line(
+    text += formatted_line(
         "  steepest  %.2f of a spacing per spacing in a beat, allowed %.3f; %.2f in a breath, allowed %.3f",
         steepest.heart.mm, heart_steepness_max, steepest.breath.mm, breath_steepness_max);
     Worst small, large, along;
     for (std::size_t k = 0; k < errors.size(); ++k) {
         const FrameError &e = errors[k];
         const std::string name = k < frames_count ? "frame " + std::to_string(k) : "inhaled";
-        text += line(
+        text += formatted_line(
             "  %-9s moved lumen and moved mesh: rms %.3f, at most %.3f mm in vessels below %.1f mm radius, "
             "%.3f mm elsewhere; along the wall %.3f mm",
             name.c_str(), e.rms_mm, e.small.mm, small_vessel_mm, e.large.mm, e.along.mm);
@@ -164,12 +155,12 @@ std::string motion_report(const Motion &motion, std::size_t pose, const std::vec
         large.take(e.large.mm, e.large.place_mm);
         along.take(e.along.mm, e.along.place_mm);
     }
-    text += line("  worst     %.3f mm at %s in small vessels, %.3f mm at %s elsewhere", small.mm,
-                 place_text(small.place_mm).c_str(), large.mm, place_text(large.place_mm).c_str());
+    text += formatted_line("  worst     %.3f mm at %s in small vessels, %.3f mm at %s elsewhere", small.mm,
+                           place_text(small.place_mm).c_str(), large.mm, place_text(large.place_mm).c_str());
     if (small.mm > 0.3 || large.mm > 1.0)
-        text +=
-            line("warning: the moved lumen is farther from the frames than 0.3 mm in small vessels or 1 mm "
-                 "elsewhere: lower spacing_mm");
+        text += formatted_line(
+            "warning: the moved lumen is farther from the frames than 0.3 mm in small vessels or 1 mm "
+            "elsewhere: lower spacing_mm");
     return text;
 }
 
@@ -190,9 +181,10 @@ std::string entry_report(const Motion &motion, const Eigen::Vector3d &entry_mm)
     constexpr double still_mm = 0.1;
     const double way_mm = (motion.to_reference_mm(entry_mm) - entry_mm).norm();
     if (way_mm < still_mm) return "";
-    return line("warning: [entry] at %s lies where the vessel moves by %.1f mm, and the sheath stands still: "
-                "take another place",
-                place_text(entry_mm).c_str(), way_mm);
+    return formatted_line(
+        "warning: [entry] at %s lies where the vessel moves by %.1f mm, and the sheath stands still: "
+        "take another place",
+        place_text(entry_mm).c_str(), way_mm);
 }
 
 // Bodies that move, and the tree, from keyframe 0, where they are described, to the pose from which all motion starts.
@@ -262,23 +254,23 @@ std::string bake(const Options &options, Progress &progress)
 {
     const SceneText text = read_scene_text(options.scene, options.folders);
     check_files(text, options);
-    std::string report = line("scene             %s", text.name.c_str());
+    std::string report = formatted_line("scene             %s", text.name.c_str());
     Mesh surface = lumen_surface(text, report, progress);
     VesselTree vessels = tree_of(text, report);
     place_lesions(vessels, text.lesions);
     narrow(surface, vessels);
     if (!vessels.lesions.empty()) check_crossing(surface, progress);
     const TriangleTree tree(surface);
-    report += line("surface           %zu triangles, %.1f cm2, %.1f ml", surface.triangles.size(),
-                   area_mm2(surface) / 100, volume_mm3(surface) / 1000);
+    report += formatted_line("surface           %zu triangles, %.1f cm2, %.1f ml", surface.triangles.size(),
+                             area_mm2(surface) / 100, volume_mm3(surface) / 1000);
     const Worst narrowest = smallest_radius(tree, 20000);
-    report +=
-        line("smallest lumen    radius %.2f mm at %s", narrowest.mm, place_text(narrowest.place_mm).c_str());
+    report += formatted_line("smallest lumen    radius %.2f mm at %s", narrowest.mm,
+                             place_text(narrowest.place_mm).c_str());
     report += lesions_report(vessels, tree);
     const CurvePoint entry = entry_of(text, tree);
-    report +=
-        line("entry             %s, direction (%.3f, %.3f, %.3f)", place_text(entry.position_mm).c_str(),
-             entry.direction.x(), entry.direction.y(), entry.direction.z());
+    report += formatted_line("entry             %s, direction (%.3f, %.3f, %.3f)",
+                             place_text(entry.position_mm).c_str(), entry.direction.x(), entry.direction.y(),
+                             entry.direction.z());
 
     std::optional<Frames> frames;
     std::optional<Motion> motion;
@@ -320,11 +312,11 @@ std::string bake(const Options &options, Progress &progress)
     if (!options.surface.empty()) write_ply(surface, options.surface);
     if (has_picture) {
         write_whole(bodies_file(options.output), picture);
-        report += line("written           %s, %zu bytes, %zu bodies", bodies_file(options.output).c_str(),
-                       picture.size(), bodies.size());
+        report += formatted_line("written           %s, %zu bytes, %zu bodies",
+                                 bodies_file(options.output).c_str(), picture.size(), bodies.size());
     }
     write_whole(options.output, scene);
-    report += line("written           %s, %zu bytes", options.output.c_str(), scene.size());
+    report += formatted_line("written           %s, %zu bytes", options.output.c_str(), scene.size());
     return report;
 }
 

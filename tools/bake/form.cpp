@@ -1,12 +1,12 @@
 // Making bodies, and measuring what became of them.
 #include "tools/bake/form.hpp"
+#include "host/model/format.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/solid.hpp"
 #include "tools/mesh/simplify.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 #include <memory>
 
@@ -14,16 +14,6 @@ namespace seld::bake
 {
 namespace
 {
-
-__attribute__((format(printf, 1, 2))) std::string line(const char *format, ...)
-{
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    std::vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    return std::string(text) + "\n";
-}
 
 // Evenly spread numbers in 0..1 without randomness (van der Corput).
 double spread(std::size_t index, std::size_t base)
@@ -119,8 +109,8 @@ Mesh remade(const BodyText &body, const Mesh &mesh, const std::vector<BakedBody>
 std::string form_report(const BodyText &body, const Mesh &before, const Mesh &after)
 {
     if (body.form.solid_mm == 0 || body.is_marrow) return "";
-    return line("solid             %s: %.1f -> %.1f cm3 in voxels of %.2f mm", body.name.c_str(),
-                volume_mm3(before) / 1000, volume_mm3(after) / 1000, body.form.solid_mm);
+    return formatted_line("solid             %s: %.1f -> %.1f cm3 in voxels of %.2f mm", body.name.c_str(),
+                          volume_mm3(before) / 1000, volume_mm3(after) / 1000, body.form.solid_mm);
 }
 
 } // namespace
@@ -164,11 +154,11 @@ Mesh form_body(const BodyText &body, const std::vector<BakedBody> &made, std::st
     if (body.form.error_mm == 0) return mesh;
     const std::size_t before = mesh.triangles.size();
     const Deviation found = decimate(mesh, body.form.error_mm);
-    report +=
-        line("decimated         %s: %zu -> %zu triangles, off by %.3f mm on average, at most %.3f mm at %s "
-             "(%zu points, allowed %.2f)",
-             body.name.c_str(), before, mesh.triangles.size(), found.mean_mm, found.largest_mm,
-             place_text(found.place_mm).c_str(), found.points, body.form.error_mm);
+    report += formatted_line(
+        "decimated         %s: %zu -> %zu triangles, off by %.3f mm on average, at most %.3f mm at %s "
+        "(%zu points, allowed %.2f)",
+        body.name.c_str(), before, mesh.triangles.size(), found.mean_mm, found.largest_mm,
+        place_text(found.place_mm).c_str(), found.points, body.form.error_mm);
     return mesh;
 }
 
@@ -219,11 +209,12 @@ std::string nesting_report(const std::vector<BakedBody> &bodies, std::size_t sam
                 continue;
             const Deviation found = worst(bodies[i].mesh, all[k], is_parent ? 1 : -1, samples);
             if (found.largest_mm <= tolerated_mm) continue;
-            report += line("warning: body '%s' reaches %.1f mm %s '%s' at %s: %s", bodies[i].name.c_str(),
-                           found.largest_mm, is_parent ? "out of" : "into", bodies[k].name.c_str(),
-                           place_text(found.place_mm).c_str(),
-                           is_parent ? "move it, or correct `inside`"
-                                     : "move it, put one inside the other, or take one out by `less`");
+            report +=
+                formatted_line("warning: body '%s' reaches %.1f mm %s '%s' at %s: %s", bodies[i].name.c_str(),
+                               found.largest_mm, is_parent ? "out of" : "into", bodies[k].name.c_str(),
+                               place_text(found.place_mm).c_str(),
+                               is_parent ? "move it, or correct `inside`"
+                                         : "move it, put one inside the other, or take one out by `less`");
         }
     return report;
 }

@@ -1,4 +1,5 @@
 // A result as JSON, as a page and as pictures, by the thesis baseline's canvas, charts and tables.
+#include "host/model/format.hpp"
 #include "tools/calibrate/result.hpp"
 #include "tools/vcsim3/chart.hpp"
 #include "tools/vcsim3/page.hpp"
@@ -120,13 +121,6 @@ vcsim3::Table depth_table(const Result &result)
     return table;
 }
 
-std::string escaped(const std::string &text)
-{
-    std::string safe;
-    for (const char c : text) safe += c == '&' ? "&amp;" : c == '<' ? "&lt;" : std::string(1, c);
-    return safe;
-}
-
 void draw_line(Canvas &canvas, const vcsim3::VesselPicture &picture, double left, double top,
                const std::vector<Vector3d> &line_mm, double thickness, Colour colour)
 {
@@ -169,8 +163,8 @@ std::string to_json(const Result &result)
 
 std::string page_html(const Result &result)
 {
-    std::string text = vcsim3::page_head("Calibration: " + escaped(result.name));
-    text += "<p>" + escaped(result.instrument) + ", " +
+    std::string text = vcsim3::page_head("Calibration: " + html_text(result.name));
+    text += "<p>" + html_text(result.instrument) + ", " +
             (result.rod == "core" ? "our rod" : "the thesis' rod (CoRdE)") +
             ", fitted by <code>calibrate</code> (" + method_token(result.search.method) + ", " +
             std::to_string(result.evaluations) + " insertions, seed " + std::to_string(result.search.seed) +

@@ -1,8 +1,8 @@
 #include "tools/ct/mouth.hpp"
+#include "host/model/format.hpp"
 #include "tools/mesh/fault.hpp"
 #include <Eigen/SVD>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 
 namespace seld::ct
@@ -18,16 +18,6 @@ constexpr double length_share = 0.04; // by which a line's length may differ fro
 constexpr double length_mm = 6;       // ... or this, whichever is more
 constexpr double depths_mm = 6;       // by which the mouths of the depths may differ
 constexpr double straight_mm = 12;    // of the line at the mouth, whose direction is the inserter's
-
-__attribute__((format(printf, 1, 2))) std::string text(const char *format, ...)
-{
-    char line[300];
-    va_list arguments;
-    va_start(arguments, format);
-    std::vsnprintf(line, sizeof line, format, arguments);
-    va_end(arguments);
-    return line;
-}
 
 double length_of(const std::vector<Vector3d> &line)
 {
@@ -99,9 +89,10 @@ bool begin_at_mouth(InstrumentLine &line, const Mouth &mouth, const std::string 
     }
     const double beside = (begin - mouth.place_mm).norm();
     if (beside > beside_mm)
-        throw Fault(name + text(": the instrument passes %.0f mm beside the mouth at (%.0f, %.0f, %.0f) mm: "
-                                "mouth_mm is not in the scene's axes, or the scan's axes are mirrored",
-                                beside, mouth.place_mm.x(), mouth.place_mm.y(), mouth.place_mm.z()));
+        throw Fault(name +
+                    formatted(": the instrument passes %.0f mm beside the mouth at (%.0f, %.0f, %.0f) mm: "
+                              "mouth_mm is not in the scene's axes, or the scan's axes are mirrored",
+                              beside, mouth.place_mm.x(), mouth.place_mm.y(), mouth.place_mm.z()));
     LinePoint start = points[first];
     start.place_mm = begin;
     points.erase(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(first));
@@ -119,10 +110,11 @@ Mouth find_mouth(const std::vector<InsertedLine> &lines)
     for (const InsertedLine &line : lines) {
         const double shown = length_of(line.places);
         if (shown < line.inserted_mm)
-            throw Fault(line.name + text(": shows %.1f mm of the instrument, and %.1f mm are inserted, so "
-                                         "that the mouth is not in it: write mouth_mm and direction into "
-                                         "case.toml, or mend inserted_mm",
-                                         shown, line.inserted_mm));
+            throw Fault(line.name +
+                        formatted(": shows %.1f mm of the instrument, and %.1f mm are inserted, so "
+                                  "that the mouth is not in it: write mouth_mm and direction into "
+                                  "case.toml, or mend inserted_mm",
+                                  shown, line.inserted_mm));
         places.push_back(before_tip(line.places, line.inserted_mm));
         mouth.place_mm += places.back() / static_cast<double>(lines.size());
         mouth.direction += direction_at(line);
@@ -130,11 +122,12 @@ Mouth find_mouth(const std::vector<InsertedLine> &lines)
     mouth.direction.normalize();
     for (std::size_t i = 0; i < places.size(); ++i)
         if (const double apart = (places[i] - places.front()).norm(); apart > depths_mm)
-            throw Fault(lines[i].name + text(": by inserted_mm the mouth is %.0f mm away from where %s has "
-                                             "it: inserted_mm, the scan's spacing or its place is wrong, "
-                                             "or its axes are mirrored; mend it, or write mouth_mm and "
-                                             "direction into case.toml",
-                                             apart, lines.front().name.c_str()));
+            throw Fault(lines[i].name +
+                        formatted(": by inserted_mm the mouth is %.0f mm away from where %s has "
+                                  "it: inserted_mm, the scan's spacing or its place is wrong, "
+                                  "or its axes are mirrored; mend it, or write mouth_mm and "
+                                  "direction into case.toml",
+                                  apart, lines.front().name.c_str()));
     return mouth;
 }
 
@@ -143,10 +136,10 @@ void check_length(const InsertedLine &line)
     const double shown = length_of(line.places), apart = std::abs(shown - line.inserted_mm);
     if (apart > std::max(length_mm, length_share * line.inserted_mm))
         throw Fault(line.name +
-                    text(": the line from the mouth to the tip is %.1f mm long, the case says "
-                         "that %.1f mm are inserted: the scan's spacing, inserted_mm or the mouth "
-                         "is wrong, or it is another depth's scan",
-                         shown, line.inserted_mm));
+                    formatted(": the line from the mouth to the tip is %.1f mm long, the case says "
+                              "that %.1f mm are inserted: the scan's spacing, inserted_mm or the mouth "
+                              "is wrong, or it is another depth's scan",
+                              shown, line.inserted_mm));
 }
 
 std::vector<Vector3d> behind_mouth(const LineOptions &options, const Vector3d &begin_mm)

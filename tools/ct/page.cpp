@@ -1,27 +1,10 @@
 #include "tools/ct/page.hpp"
+#include "host/model/format.hpp"
 #include "host/model/pending_file.hpp"
 #include "tools/mesh/fault.hpp"
 
 namespace seld::ct
 {
-
-namespace
-{
-
-std::string escaped(const std::string &text)
-{
-    std::string result;
-    for (const char c : text)
-        if (c == '<')
-            result += "&lt;";
-        else if (c == '&')
-            result += "&amp;";
-        else
-            result += c;
-    return result;
-}
-
-} // namespace
 
 Page::Page(const std::filesystem::path &folder) : folder_(folder)
 {
@@ -33,22 +16,23 @@ Page::Page(const std::filesystem::path &folder) : folder_(folder)
 void Page::show(const Picture &picture, const std::string &name, const std::string &what)
 {
     picture.save(folder_ / name);
-    figures_ += "<figure><img src=\"" + name + "\"><figcaption>" + escaped(what) + "</figcaption></figure>\n";
+    figures_ +=
+        "<figure><img src=\"" + name + "\"><figcaption>" + html_text(what) + "</figcaption></figure>\n";
 }
 
 void Page::link(const std::string &to, const std::string &name)
 {
-    links_ += "<li><a href=\"" + to + "\">" + escaped(name) + "</a></li>\n";
+    links_ += "<li><a href=\"" + to + "\">" + html_text(name) + "</a></li>\n";
 }
 
 void Page::write(const std::string &head, const std::string &facts) const
 {
     write_whole_file((folder_ / "index.html").string(),
-                     "<!doctype html><meta charset=\"utf-8\"><title>" + escaped(head) +
+                     "<!doctype html><meta charset=\"utf-8\"><title>" + html_text(head) +
                          "</title><style>body{font:15px sans-serif;margin:24px}"
                          "figure{display:inline-block;margin:8px;vertical-align:top}img{max-width:640px}"
                          "figcaption{max-width:640px}pre{background:#eee;padding:8px}</style>\n<h1>" +
-                         escaped(head) + "</h1>\n<pre>" + escaped(facts) + "</pre>\n<ul>" + links_ +
+                         html_text(head) + "</h1>\n<pre>" + html_text(facts) + "</pre>\n<ul>" + links_ +
                          "</ul>\n" + figures_);
 }
 

@@ -1,4 +1,5 @@
 #include "tools/validate/plot.hpp"
+#include "host/model/format.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -131,13 +132,13 @@ std::string axes(const Plot &plot, const Axis &x, const Axis &y)
     out += format("<rect x='%.1f' y='%.1f' width='%.1f' height='%.1f' fill='none' stroke='#444'/>\n", x.from,
                   y.to, x.to - x.from, y.from - y.to);
     out += format("<text x='%.1f' y='%.1f' text-anchor='middle'>", (x.from + x.to) / 2, y.from + 38) +
-           escaped(plot.x_label) + "</text>\n";
+           html_text(plot.x_label) + "</text>\n";
     double middle = (y.from + y.to) / 2;
     out += format("<text x='16' y='%.1f' text-anchor='middle' transform='rotate(-90 16 %.1f)'>", middle,
                   middle) +
-           escaped(plot.y_label) + "</text>\n";
+           html_text(plot.y_label) + "</text>\n";
     out += format("<text x='%.1f' y='20' text-anchor='middle' font-weight='bold'>", (x.from + x.to) / 2) +
-           escaped(plot.title) + "</text>\n";
+           html_text(plot.title) + "</text>\n";
     return out;
 }
 
@@ -176,7 +177,7 @@ std::string legend(const Plot &plot, double line_y)
                           line_y - 4, at + 20, line_y - 4) +
                    colour + "'/>";
         }
-        out += format("<text x='%.1f' y='%.1f'>", at + 25, line_y) + escaped(s.label) + "</text>\n";
+        out += format("<text x='%.1f' y='%.1f'>", at + 25, line_y) + html_text(s.label) + "</text>\n";
         at += 38 + 6.0 * double(s.label.size());
     }
     return out;
@@ -198,15 +199,6 @@ std::string svg(const Plot &plot)
         out += curve(plot, plot.series[i], colour_of(plot, i), x, y);
     }
     return out + legend(plot, height - 8) + "</svg>\n";
-}
-
-std::string escaped(const std::string &text)
-{
-    std::string out;
-    for (char c : text) {
-        out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
-    }
-    return out;
 }
 
 std::string short_number(double value)

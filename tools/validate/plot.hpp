@@ -24,9 +24,6 @@ struct Plot {
 // A whole <svg> element. Values that are not finite are left out.
 std::string svg(const Plot &plot);
 
-// Text for HTML and SVG: &, < and > replaced.
-std::string escaped(const std::string &text);
-
 // A number for people: four significant digits, no trailing zeros.
 std::string short_number(double value);
 

@@ -1,4 +1,5 @@
 #include "tools/validate/report.hpp"
+#include "host/model/format.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -76,8 +77,8 @@ const char *const style =
 
 std::string cell(const std::string &text, const char *kind = "")
 {
-    return std::string("<td") + (kind[0] ? " class='" + std::string(kind) + "'" : "") + ">" + escaped(text) +
-           "</td>";
+    return std::string("<td") + (kind[0] ? " class='" + std::string(kind) + "'" : "") + ">" +
+           html_text(text) + "</td>";
 }
 
 std::string rows_table(const Result &result)
@@ -98,11 +99,11 @@ std::string rows_table(const Result &result)
 
 std::string section(const Result &result)
 {
-    std::string out = "<h2 id='" + result.name + "'>" + escaped(result.title) + "</h2>\n<p>" +
-                      escaped(result.setup) + "</p>\n";
-    out +=
-        "<p>Reference: " + escaped(result.formula) + " <small>(" + escaped(result.source) + ")</small></p>\n";
-    if (!result.failure.empty()) out += "<p class='FAIL'>stopped: " + escaped(result.failure) + "</p>\n";
+    std::string out = "<h2 id='" + result.name + "'>" + html_text(result.title) + "</h2>\n<p>" +
+                      html_text(result.setup) + "</p>\n";
+    out += "<p>Reference: " + html_text(result.formula) + " <small>(" + html_text(result.source) +
+           ")</small></p>\n";
+    if (!result.failure.empty()) out += "<p class='FAIL'>stopped: " + html_text(result.failure) + "</p>\n";
     out += rows_table(result);
     for (const Plot &plot : result.plots) out += svg(plot);
     return out;
@@ -146,7 +147,7 @@ std::string html(const std::vector<Result> &results, const std::string &command)
         }
         const Row *worst = worst_row(result);
         std::string kind = result.passed() ? "pass" : "FAIL";
-        summary += "<tr><td><a href='#" + result.name + "'>" + escaped(result.title) + "</a></td>" +
+        summary += "<tr><td><a href='#" + result.name + "'>" + html_text(result.title) + "</a></td>" +
                    cell(worst ? worst->name.substr(result.name.size() + 1) : "") +
                    cell(worst ? short_number(worst->error) + " " + worst->error_unit : "", "n") +
                    cell(worst ? short_number(worst->tolerance) + " " + worst->error_unit : "", "n") +
@@ -160,7 +161,7 @@ std::string html(const std::vector<Result> &results, const std::string &command)
            std::to_string(figures - bars) +
            " more are reported. Every reference is computed without the core, in double precision. Command: "
            "<code>" +
-           escaped(command) +
+           html_text(command) +
            "</code></p>\n<table><tr><th>case</th><th>figure nearest to its tolerance</th><th>error</th>"
            "<th>allowed</th><th></th></tr>\n" +
            summary + "</table>\n" + sections + "</body></html>\n";

@@ -1,0 +1,17 @@
+// Text from numbers, and text for pages. May include: nothing. Called by: whoever writes for people.
+#pragma once
+#include <string>
+
+namespace seld
+{
+
+// As printf, of any length. A format that is no good for its values does not compile.
+[[gnu::format(printf, 1, 2)]] std::string formatted(const char *format, ...);
+
+// The same with an end of line.
+[[gnu::format(printf, 1, 2)]] std::string formatted_line(const char *format, ...);
+
+// Text as HTML and SVG show it, in an element or in an attribute between double quotes: &, <, > and " replaced.
+std::string html_text(const std::string &text);
+
+} // namespace seld
