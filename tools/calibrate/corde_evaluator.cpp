@@ -69,6 +69,7 @@ CordeSettings careful_corde_settings()
 {
     CordeSettings settings;
     static_cast<InsertionSettings &>(settings) = careful_settings();
+    settings.element_factor = 0.5;
     settings.substeps_max = 32;
     return settings;
 }

@@ -120,7 +120,7 @@ InsertionSettings careful_settings()
     settings.speed_mm_per_s = 0.0;
     settings.still_um_per_tick = 0.02;
     settings.settle_max_ticks = 5000;
-    settings.element_factor = 0.5;
+    settings.element_factor = 0.35;
     return settings;
 }
 
