@@ -25,9 +25,9 @@ enum {
     SELD_CONTACT_STIFFNESS_N_m = 5000,       /* normal penalty; 2e4 chatters at r = 1.5 mm */
     SELD_CONTACT_STIFFNESS_DEEP_N_m = 20000, /* added beyond SELD_CONTACT_DEEP */
     SELD_FRICTION_STIFFNESS_N_m = 2000,      /* bristle */
-    SELD_FRICTION_GROWTH = 8,                /* of what slips, in a tick: 0.2 mN are 0.8 N after four */
-    SELD_FRICTION_FRESH_N_Q22 = 839,         /* 0.2 mN: of a node that has just touched */
-    SELD_WALL_ROUND_PER_m = 1000,            /* 1 / 1 mm: curvature of the wall that the matrix allows for */
+    SELD_FRICTION_GROWTH = 8, /* of what does not stick, over its last force: 0.2 mN are 0.8 N after four */
+    SELD_FRICTION_FRESH_N_Q22 = 839, /* 0.2 mN: of a node that has just touched */
+    SELD_WALL_ROUND_PER_m = 1000,    /* 1 / 1 mm: curvature of the wall that the matrix allows for */
     SELD_WALL_ROUND_MAX_N = 20,
     SELD_HOLD_STIFFNESS_N_m = 200000,     /* of a held tip; within LOAD_RESERVE_N_m of core_build.c */
     SELD_CONTACT_DEEP_M_Q30 = 214748,     /* 0.2 mm */

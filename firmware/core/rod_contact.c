@@ -2,7 +2,7 @@
  *   depth = phi + r, n = inward normal; touching when depth > 0 or when the drift will make it so
  *   normal: k_n n n^T in the matrix, k_c depth (+ k_deep beyond 0.2 mm) along n on the right
  *   friction: bristle z with stiffness k_f = min(k_t, mu N / |z + way|) (lagged secant: true stick, no chatter); while it does not
- *   stick mu N grows from tick to tick by a limited factor.
+ *   stick mu N is limited to some times what it was after the last solve.
  * The way of the surface is that of the node, plus what the outer tool slides against the line, plus what it turns:
  * r theta along n x t. So one limit mu N bounds sliding and turning together, and a wire that slides turns freely.
  * After the solve z takes the way and is limited to mu N / k_t.

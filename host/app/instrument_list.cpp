@@ -3,7 +3,6 @@
 #include "host/model/pending_file.hpp"
 #include "host/model/text.hpp"
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 

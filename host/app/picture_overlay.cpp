@@ -4,7 +4,6 @@
 #include "host/model/format.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace seld
 {

@@ -4,7 +4,6 @@
 #include "host/model/pending_file.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace seld
 {

@@ -8,7 +8,6 @@
 #include "tools/bake/lesion.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 namespace seld::bake
@@ -124,12 +123,10 @@ std::string referee_report(const Referee &referee, std::uint64_t seed)
 
 std::string lattice_report(const seld_lattice &lattice, std::size_t numbers)
 {
-    std::string text = formatted_line("lattice %u x %u x %u nodes, %.2f mm apart, %.2f MiB",
-                                      lattice.count_xyz[0], lattice.count_xyz[1], lattice.count_xyz[2],
-                                      std::ldexp(mm_per_q30, static_cast<int>(lattice.spacing_log2_q30)),
-                                      static_cast<double>(numbers) * 2 / 1048576);
-    text.pop_back(); // the line's end
-    return text;
+    return formatted("lattice %u x %u x %u nodes, %.2f mm apart, %.2f MiB", lattice.count_xyz[0],
+                     lattice.count_xyz[1], lattice.count_xyz[2],
+                     std::ldexp(mm_per_q30, static_cast<int>(lattice.spacing_log2_q30)),
+                     static_cast<double>(numbers) * 2 / 1048576);
 }
 
 // One line per frame: how far the moved lumen is from the moved mesh, as the core sees it.

@@ -60,6 +60,7 @@ CordeSettings corde_settings()
 {
     CordeSettings settings;
     settings.element_factor = 1.0;
+    settings.speed_mm_per_s = 30.0;
     settings.still_um_per_tick = 0.5;
     settings.settle_max_ticks = 2000;
     return settings;

@@ -27,11 +27,12 @@ struct Parameter {
 
 // The instrument where it rests, and what the hand has felt on the way.
 struct Insertion {
-    std::vector<std::vector<Vector3d>> nodes_mm; // one list per depth: those beyond the mouth, tip first
-    std::vector<insertion::ForceSample> force;   // rising; every tick or every few
-    std::vector<int> settle_ticks;               // per depth
-    bool is_settled = true;                      // false: still moving when its time was over
-    long ticks = 0;                              // of the whole insertion
+    std::vector<std::vector<Vector3d>>
+        nodes_mm; // one list per depth: those beyond the mouth, tip first: where they are on average at rest
+    std::vector<insertion::ForceSample> force; // rising; every tick or every few
+    std::vector<int> settle_ticks;             // per depth
+    bool is_settled = true;                    // false: still moving when its time was over
+    long ticks = 0;                            // of the whole insertion
 };
 
 // Why an instrument cannot be tried with these numbers: the core refuses it, or it went to pieces.

@@ -9,7 +9,10 @@ namespace
 {
 
 constexpr int turn_ticks = 200; // to bring the tip into its first plane, before the hand feeds
-constexpr int force_every = 4;  // ticks
+constexpr double force_every_mm =
+    0.1; // by way, so that a slow stretch does not outweigh a fast one in a median
+constexpr int still_in_a_row =
+    2; // windows no farther than allowed from the one before: one may be where a swing turns back
 constexpr int sample_every =
     5; // ticks, of a place at rest: odd, as a contact may be there in every second tick
 constexpr double arrived_mm = 0.01, turn_step_deg = 0.5;
@@ -41,23 +44,27 @@ class Hand
         }
     }
 
-    void rest()
+    // Mean places at rest: the tip may be anywhere on its way about them.
+    std::vector<Vector3d> rest()
     {
         const double still_mm = settings_.still_um_per_tick * settings_.rest_window_ticks * 1e-3;
         std::vector<Vector3d> before;
-        bool is_still = false;
-        int ticks = 0;
-        for (; !is_still && ticks < settings_.settle_max_ticks; ticks += settings_.rest_window_ticks) {
+        int ticks = 0, still = 0;
+        while (still < still_in_a_row && ticks < settings_.settle_max_ticks) {
             std::vector<Vector3d> mean = mean_over_window();
-            is_still = hand_mm_ - rod_.inserted_mm() < arrived_mm && largest_way(before, mean) <= still_mm;
+            ticks += settings_.rest_window_ticks;
+            const bool is_still =
+                hand_mm_ - rod_.inserted_mm() < arrived_mm && largest_way(before, mean) <= still_mm;
+            still = is_still ? still + 1 : 0;
             before = std::move(mean);
         }
-        if (!is_still) result_.is_settled = false;
+        if (still < still_in_a_row) result_.is_settled = false;
         result_.settle_ticks.push_back(ticks);
+        return before.empty() ? rod_.nodes_mm() : before;
     }
 
   private:
-    // No faster than the case's hand where that is slower still.
+    // The case's where that is faster, never more than on the way.
     double near_speed_mm_per_s() const
     {
         return std::min(settings_.speed_mm_per_s,
@@ -98,8 +105,8 @@ class Hand
         rod_.tick(hand_mm, turn_deg);
         if (!rod_.is_sound()) throw TrialRefused("the instrument left the vessel or the rod's number range");
         const double inserted_mm = rod_.inserted_mm();
-        const bool is_new = result_.force.empty() || inserted_mm > result_.force.back().inserted_mm;
-        if (result_.ticks++ % force_every == 0 && is_new)
+        result_.ticks++;
+        if (result_.force.empty() || inserted_mm >= result_.force.back().inserted_mm + force_every_mm)
             result_.force.push_back({inserted_mm, rod_.handle_axial_mN()});
     }
 
@@ -129,8 +136,7 @@ Insertion insert_by_hand(HeldRod &rod, const insertion::Case &c, const Insertion
     hand.turn_first();
     for (std::size_t i = 0; i < depth_count && i < c.depths.size(); i++) {
         hand.feed_to(c.depths[i].inserted_mm);
-        hand.rest();
-        result.nodes_mm.push_back(rod.nodes_mm());
+        result.nodes_mm.push_back(hand.rest());
     }
     return result;
 }

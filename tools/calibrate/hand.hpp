@@ -26,9 +26,9 @@ class HeldRod
 struct InsertionSettings {
     double start_mm = 5.0;        // inserted when the hand begins; the core may need a little more
     double speed_mm_per_s = 40.0; // of the hand; the case's where that is faster
-    // What friction remembers is the last way: at most this fast there, before every depth.
+    // What friction remembers is the last way: so fast there, before every depth, or as the case where that is faster.
     double approach_mm = 10.0, approach_mm_per_s = 10.0;
-    // At rest: from one `rest_window_ticks` to the next no node's mean place moves more than so much per tick. A mean, as a soft tip on a
+    // At rest: over three times `rest_window_ticks` no node's mean place moves more than so much per tick. A mean, as a soft tip on a
     // wall may tremble for ever where it is.
     double still_um_per_tick = 0.2;
     int rest_window_ticks = 50;

@@ -172,11 +172,7 @@ int evaluate_once(const Options &options, const Setup &setup)
 
 SearchSettings settings_of(const Options &options, Method method)
 {
-    SearchSettings settings = options.search;
-    settings.method = method;
-    settings.population = options.population.value_or(default_population(method));
-    settings.generations = options.generations.value_or(std::max(1u, trial_budget / settings.population));
-    return settings;
+    return sized(options.search, method, options.population, options.generations);
 }
 
 // One method to the end of its budget, with a checkpoint after every generation.
@@ -303,8 +299,9 @@ void add_options(CLI::App &app, Options &options, CLI::Option *&trial)
                    "trials per generation, an even number; else 16 for cmaes, 50 for the others")
         ->check(CLI::Range(8u, 10000u))
         ->check(CLI::Validator(check_even, "EVEN"));
-    app.add_option("--generations", options.generations,
-                   "of each method, the first one included; else as many as make 2500 trials")
+    app.add_option(
+           "--generations", options.generations,
+           "of each method, the first one included; else as many as make 2500 trials, but 50 at least")
         ->check(CLI::Range(1u, 100000u));
     app.add_option("--stop-spread-mm", options.search.stop_spread_mm,
                    "a search also ends when the objectives of its population differ by less; 0: never")
@@ -335,7 +332,8 @@ void add_options(CLI::App &app, Options &options, CLI::Option *&trial)
                    "of the hand, or the case's where that is faster; else the rod's own: docs/calibrate.md")
         ->check(CLI::Range(0.0, 200.0));
     app.add_option("--approach-mm", options.approach_mm,
-                   "last way to each depth, which the hand goes at 10 mm/s; else the rod's own")
+                   "last way to each depth, gone at 10 mm/s or the case's speed where that is faster; else "
+                   "the rod's own")
         ->check(CLI::Range(0.0, 100.0));
     app.add_option(
            "--element-factor", options.element_factor,

@@ -122,6 +122,17 @@ unsigned default_population(Method method)
     return method == Method::cmaes ? 16 : 50;
 }
 
+SearchSettings sized(SearchSettings settings, Method method, std::optional<unsigned> population,
+                     std::optional<unsigned> generations)
+{
+    constexpr unsigned least_generations = 50; // what is drawn at random once is no search
+    settings.method = method;
+    settings.population = population.value_or(default_population(method));
+    settings.generations =
+        generations.value_or(std::max(least_generations, trial_budget / settings.population));
+    return settings;
+}
+
 std::optional<Method> method_of(const std::string &token)
 {
     for (const Method method : {Method::genetic, Method::cmaes, Method::differential})

@@ -31,6 +31,10 @@ struct SearchSettings {
     double stop_spread_mm = 0.0; // has_converged() below it; 0: the generations end a search
 };
 
+// `settings` for a method: with its population and as many generations as the budget has room for, but 50 at least, where none are given.
+SearchSettings sized(SearchSettings settings, Method method, std::optional<unsigned> population,
+                     std::optional<unsigned> generations);
+
 struct Trial {
     std::vector<double> shares;
     Verdict verdict;

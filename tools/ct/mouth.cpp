@@ -3,7 +3,6 @@
 #include "tools/mesh/fault.hpp"
 #include <Eigen/SVD>
 #include <cmath>
-#include <cstdio>
 
 namespace seld::ct
 {

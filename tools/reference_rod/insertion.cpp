@@ -93,7 +93,8 @@ double Insertion::cell_front_m(int joint) const
 
 // What holds the nodes in the sheath, and the push of a sleeve on a rod that is bent where it leaves it, EI kappa^2 / 2 (Bigoni et al.,
 // Eshelby-like forces acting on elastic structures, 2015): with every step more of the rod may bend. Without the second the hand's
-// work would not be the energy that the rod stores.
+// work would not be the energy that the rod stores. Of bending alone: twist at the mouth would add GJ m^2 / 2 (m per metre), below a
+// millinewton here.
 double Insertion::held_N() const
 {
     double force_N = 0.0;

@@ -28,7 +28,7 @@ class Insertion
     double hand_N() const
     {
         return hand_N_;
-    } // along the sheath, + pushes the hand back out; its work is what the rod stores
+    } // along the sheath, + pushes the hand back out; its work without friction is what the rod stores
     int free_nodes() const { return free_; }
     const State &state() const { return state_; }
     const Outcome &outcome() const { return outcome_; }

@@ -31,13 +31,6 @@ struct Axis {
     }
 };
 
-std::string format(const char *form, double a, double b = 0, double c = 0, double d = 0)
-{
-    char text[256];
-    std::snprintf(text, sizeof text, form, a, b, c, d);
-    return text;
-}
-
 double round_step(double span)
 {
     double unit = std::pow(10, std::floor(std::log10(span / 5)));
@@ -118,26 +111,26 @@ std::string axes(const Plot &plot, const Axis &x, const Axis &y)
 {
     std::string out;
     for (double v : ticks(x)) {
-        out += format("<line x1='%.1f' y1='%.1f' x2='%.1f' y2='%.1f' stroke='#ddd'/>", x.at(v), y.from,
-                      x.at(v), y.to);
-        out += format("<text x='%.1f' y='%.1f' text-anchor='middle'>", x.at(v), y.from + 17) +
+        out += formatted("<line x1='%.1f' y1='%.1f' x2='%.1f' y2='%.1f' stroke='#ddd'/>", x.at(v), y.from,
+                         x.at(v), y.to);
+        out += formatted("<text x='%.1f' y='%.1f' text-anchor='middle'>", x.at(v), y.from + 17) +
                short_number(v) + "</text>\n";
     }
     for (double v : ticks(y)) {
-        out += format("<line x1='%.1f' y1='%.1f' x2='%.1f' y2='%.1f' stroke='#ddd'/>", x.from, y.at(v), x.to,
-                      y.at(v));
-        out += format("<text x='%.1f' y='%.1f' text-anchor='end'>", x.from - 6, y.at(v) + 4) +
+        out += formatted("<line x1='%.1f' y1='%.1f' x2='%.1f' y2='%.1f' stroke='#ddd'/>", x.from, y.at(v),
+                         x.to, y.at(v));
+        out += formatted("<text x='%.1f' y='%.1f' text-anchor='end'>", x.from - 6, y.at(v) + 4) +
                short_number(v) + "</text>\n";
     }
-    out += format("<rect x='%.1f' y='%.1f' width='%.1f' height='%.1f' fill='none' stroke='#444'/>\n", x.from,
-                  y.to, x.to - x.from, y.from - y.to);
-    out += format("<text x='%.1f' y='%.1f' text-anchor='middle'>", (x.from + x.to) / 2, y.from + 38) +
+    out += formatted("<rect x='%.1f' y='%.1f' width='%.1f' height='%.1f' fill='none' stroke='#444'/>\n",
+                     x.from, y.to, x.to - x.from, y.from - y.to);
+    out += formatted("<text x='%.1f' y='%.1f' text-anchor='middle'>", (x.from + x.to) / 2, y.from + 38) +
            html_text(plot.x_label) + "</text>\n";
     double middle = (y.from + y.to) / 2;
-    out += format("<text x='16' y='%.1f' text-anchor='middle' transform='rotate(-90 16 %.1f)'>", middle,
-                  middle) +
+    out += formatted("<text x='16' y='%.1f' text-anchor='middle' transform='rotate(-90 16 %.1f)'>", middle,
+                     middle) +
            html_text(plot.y_label) + "</text>\n";
-    out += format("<text x='%.1f' y='20' text-anchor='middle' font-weight='bold'>", (x.from + x.to) / 2) +
+    out += formatted("<text x='%.1f' y='20' text-anchor='middle' font-weight='bold'>", (x.from + x.to) / 2) +
            html_text(plot.title) + "</text>\n";
     return out;
 }
@@ -148,10 +141,10 @@ std::string curve(const Plot &plot, const Series &s, const char *colour, const A
     for (std::size_t i = 0; i < s.x.size() && i < s.y.size(); i++) {
         if (!shown(plot, s.x[i], s.y[i])) continue;
         if (s.dots) {
-            out += format("<circle cx='%.1f' cy='%.1f' r='3' fill='", x.at(s.x[i]), y.at(s.y[i])) + colour +
-                   "'/>";
+            out += formatted("<circle cx='%.1f' cy='%.1f' r='3' fill='", x.at(s.x[i]), y.at(s.y[i])) +
+                   colour + "'/>";
         } else {
-            points += format("%.1f,%.1f ", x.at(s.x[i]), y.at(s.y[i]));
+            points += formatted("%.1f,%.1f ", x.at(s.x[i]), y.at(s.y[i]));
         }
     }
     if (!points.empty()) {
@@ -171,13 +164,14 @@ std::string legend(const Plot &plot, double line_y)
         const char *colour = colour_of(plot, i);
         if (s.label.empty()) continue;
         if (s.dots) {
-            out += format("<circle cx='%.1f' cy='%.1f' r='3' fill='", at + 10, line_y - 4) + colour + "'/>";
+            out +=
+                formatted("<circle cx='%.1f' cy='%.1f' r='3' fill='", at + 10, line_y - 4) + colour + "'/>";
         } else {
-            out += format("<line x1='%.1f' y1='%.1f' x2='%.1f' y2='%.1f' stroke-width='1.6' stroke='", at,
-                          line_y - 4, at + 20, line_y - 4) +
+            out += formatted("<line x1='%.1f' y1='%.1f' x2='%.1f' y2='%.1f' stroke-width='1.6' stroke='", at,
+                             line_y - 4, at + 20, line_y - 4) +
                    colour + "'/>";
         }
-        out += format("<text x='%.1f' y='%.1f'>", at + 25, line_y) + html_text(s.label) + "</text>\n";
+        out += formatted("<text x='%.1f' y='%.1f'>", at + 25, line_y) + html_text(s.label) + "</text>\n";
         at += 38 + 6.0 * double(s.label.size());
     }
     return out;
@@ -191,8 +185,9 @@ std::string svg(const Plot &plot)
     Axis y{0, 1, height - bottom, top, false};
     find_ranges(plot, x, y);
     std::string out =
-        format("<svg xmlns='http://www.w3.org/2000/svg' width='%.0f' height='%.0f' viewBox='0 0 %.0f %.0f' ",
-               width, height, width, height) +
+        formatted(
+            "<svg xmlns='http://www.w3.org/2000/svg' width='%.0f' height='%.0f' viewBox='0 0 %.0f %.0f' ",
+            width, height, width, height) +
         "font-family='sans-serif' font-size='12'><rect width='100%' height='100%' fill='white'/>\n";
     out += axes(plot, x, y);
     for (std::size_t i = 0; i < plot.series.size(); i++) {

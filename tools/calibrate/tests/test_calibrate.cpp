@@ -265,6 +265,20 @@ void without_a_weight_the_force_trace_is_not_there(void **)
     assert_near(without.judge(made).objective, 2.0, 1e-9);
 }
 
+// The same budget for all three: the thesis' 50 of 50, and more generations of fewer for CMA-ES.
+void without_a_size_a_search_has_the_budget_of_the_thesis(void **)
+{
+    const SearchSettings genetic = sized({}, Method::genetic, {}, {}),
+                         cmaes = sized({}, Method::cmaes, {}, {});
+    assert_int_equal(genetic.population, 50);
+    assert_int_equal(genetic.generations, 50);
+    assert_int_equal(cmaes.population, 16);
+    assert_int_equal(cmaes.generations, 156);
+    assert_true(sized({}, Method::differential, {}, {}).method == Method::differential);
+    assert_int_equal(sized({}, Method::cmaes, 1000, {}).generations, 50); // not two draws at random
+    assert_int_equal(sized({}, Method::cmaes, {}, 20).generations, 20);
+}
+
 void another_seed_gives_other_trials(void **)
 {
     assert_false(same(searched({Method::cmaes, 8, 3, 1}, all_of).trials,
@@ -432,6 +446,7 @@ int main()
         cmocka_unit_test(every_method_finds_the_bottom_of_a_valley),
         cmocka_unit_test(a_search_has_converged_when_its_population_is_equally_good),
         cmocka_unit_test(without_a_weight_the_force_trace_is_not_there),
+        cmocka_unit_test(without_a_size_a_search_has_the_budget_of_the_thesis),
         cmocka_unit_test(another_seed_gives_other_trials),
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
         cmocka_unit_test(what_a_trial_throws_comes_back_from_the_workers),

@@ -103,23 +103,24 @@ Insertion rested(ScriptedRod &rod, InsertionSettings settings = settings_of(50.0
     return insert_by_hand(rod, case_to({20.0}, 10.0), settings, 1);
 }
 
-// Two windows, the fewest that can be compared.
-void a_still_rod_is_at_rest_after_two_windows(void **)
+void a_still_rod_is_at_rest_after_three_windows(void **)
 {
     ScriptedRod rod;
     const Insertion made = rested(rod);
     assert_true(made.is_settled);
-    assert_int_equal(made.settle_ticks.at(0), 100);
+    assert_int_equal(made.settle_ticks.at(0), 150);
 }
 
-// 25 um aside in every second tick, as a J on a wall does (docs/rod.md): a hundred times the limit in each tick.
+// 25 um aside in every second tick, as a J on a wall does (docs/rod.md): a hundred times the limit in each tick. In the next window it is aside
+// in the others, which samples of every second tick would take for a move.
 void a_tip_that_trembles_in_its_place_is_at_rest(void **)
 {
     ScriptedRod rod;
-    rod.aside_mm = [](int ticks) { return ticks % 2 ? 25.0 * um : 0.0; };
+    rod.aside_mm = [](int ticks) { return (ticks + ticks / 50) % 2 ? 25.0 * um : 0.0; };
     const Insertion made = rested(rod);
     assert_true(made.is_settled);
-    assert_int_equal(made.settle_ticks.at(0), 100);
+    assert_int_equal(made.settle_ticks.at(0), 150);
+    assert_near(made.nodes_mm.at(0).at(0).y(), 12.5 * um, 3.0 * um); // its mean place, from ten samples
 }
 
 // 0.3 um per tick for 400 ticks, and then not any more.
@@ -129,7 +130,15 @@ void a_creeping_rod_is_waited_for(void **)
     rod.aside_mm = [](int ticks) { return 0.3 * um * std::min(ticks, 400); };
     const Insertion made = rested(rod);
     assert_true(made.is_settled);
-    assert_in_range(made.settle_ticks.at(0), 450, 550);
+    assert_in_range(made.settle_ticks.at(0), 500, 600);
+}
+
+// Two windows on either side of the turn have the same mean.
+void a_swing_is_not_at_rest_where_it_turns_back(void **)
+{
+    ScriptedRod rod;
+    rod.aside_mm = [](int ticks) { return std::cos(2.0 * 3.14159265 * (ticks - 50) / 400.0); }; // mm
+    assert_false(rested(rod).is_settled);
 }
 
 void a_rod_that_never_rests_is_said_to_be_unsettled(void **)
@@ -153,6 +162,20 @@ void rest_is_judged_by_the_way_per_tick(void **)
 
 // --- force --------------------------------------------------------------------------------------------------------------
 
+// As often on the slow stretch as on the fast one.
+void force_is_sampled_by_way(void **)
+{
+    ScriptedRod rod;
+    const Insertion made = insert_by_hand(rod, case_to({40.0}, 10.0), settings_of(50.0), 1);
+    int slow = 0, fast = 0;
+    for (const insertion::ForceSample &sample : made.force) {
+        fast += sample.inserted_mm > 10.0 && sample.inserted_mm <= 20.0;
+        slow += sample.inserted_mm > 30.0 && sample.inserted_mm <= 40.0;
+    }
+    assert_in_range(fast, 60, 110); // every 0.15 and 0.1 mm
+    assert_in_range(slow, 90, 110);
+}
+
 void force_is_kept_by_what_was_inserted_and_rises(void **)
 {
     ScriptedRod rod;
@@ -172,11 +195,13 @@ int main()
         cmocka_unit_test(last_way_to_each_depth_is_slow),
         cmocka_unit_test(last_way_is_as_fast_as_the_cases_hand),
         cmocka_unit_test(a_hand_that_is_slow_everywhere_stays_so),
-        cmocka_unit_test(a_still_rod_is_at_rest_after_two_windows),
+        cmocka_unit_test(a_still_rod_is_at_rest_after_three_windows),
         cmocka_unit_test(a_tip_that_trembles_in_its_place_is_at_rest),
         cmocka_unit_test(a_creeping_rod_is_waited_for),
+        cmocka_unit_test(a_swing_is_not_at_rest_where_it_turns_back),
         cmocka_unit_test(a_rod_that_never_rests_is_said_to_be_unsettled),
         cmocka_unit_test(rest_is_judged_by_the_way_per_tick),
+        cmocka_unit_test(force_is_sampled_by_way),
         cmocka_unit_test(force_is_kept_by_what_was_inserted_and_rises),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
