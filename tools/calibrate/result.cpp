@@ -51,8 +51,19 @@ Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, con
     return best;
 }
 
+// Without short cuts, where the core's numbers have room for such short elements: no fit is lost for want of it.
+std::optional<Insertion> careful_insertion(const Evaluator &careful, const std::vector<double> &values,
+                                           std::size_t depth_count)
+{
+    try {
+        return careful.insert(values, depth_count);
+    } catch (const TrialRefused &) {
+        return std::nullopt;
+    }
+}
+
 std::vector<DepthResult> depths_of(const insertion::Case &c, const Judge &judge, const Insertion &made,
-                                   const Insertion &careful)
+                                   const std::optional<Insertion> &careful)
 {
     std::vector<DepthResult> depths;
     for (std::size_t i = 0; i < c.depths.size(); i++) {
@@ -65,9 +76,11 @@ std::vector<DepthResult> depths_of(const insertion::Case &c, const Judge &judge,
         depth.distances = distances_of(depth.simulated_mm, depth.reference_mm);
         depth.settle_ticks = made.settle_ticks.at(i);
         if (judge.has_force()) depth.force_error = judge.force_error_to(made, i);
-        std::vector<Vector3d> line = careful.nodes_mm.at(i);
-        line.push_back(c.mouth_mm);
-        depth.short_cuts_mm = distances_of(depth.simulated_mm, line).rms_mm;
+        if (careful) {
+            std::vector<Vector3d> line = careful->nodes_mm.at(i);
+            line.push_back(c.mouth_mm);
+            depth.short_cuts_mm = distances_of(depth.simulated_mm, line).rms_mm;
+        }
         depths.push_back(std::move(depth));
     }
     return depths;
@@ -127,7 +140,7 @@ Result make_result(const insertion::Case &c, const Evaluator &evaluator, const E
     const std::vector<double> values = values_of(parameters, shares);
     result.instrument_file = evaluator.instrument_text(values, "fitted by calibrate from case " + c.name);
     result.depths = depths_of(c, judge, evaluator.insert(values, c.depths.size()),
-                              careful.insert(values, c.depths.size()));
+                              careful_insertion(careful, values, c.depths.size()));
     result.average = average_of(result.depths);
     for (const Finished &search : searches)
         result.methods.push_back({search.settings, best_of(search.state).verdict.objective,

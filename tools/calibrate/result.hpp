@@ -14,7 +14,8 @@ struct DepthResult {
     Distances distances;
     std::optional<double> force_error; // relative, from the mouth to here
     int settle_ticks = 0;
-    double short_cuts_mm = 0.0; // RMS distance to the same insertion made without them
+    std::optional<double>
+        short_cuts_mm; // RMS distance to the same insertion made without them; absent where that cannot be made
     std::vector<Vector3d> simulated_mm, reference_mm;
 };
 

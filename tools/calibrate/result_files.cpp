@@ -60,7 +60,7 @@ Json json_of(const DepthResult &depth)
     json.update(json_of(depth.distances));
     if (depth.force_error) json["force_error"] = *depth.force_error;
     json["settle_ticks"] = depth.settle_ticks;
-    json["short_cuts_mm"] = depth.short_cuts_mm;
+    if (depth.short_cuts_mm) json["short_cuts_mm"] = *depth.short_cuts_mm;
     json["simulated_mm"] = json_of(depth.simulated_mm);
     return json;
 }
@@ -116,7 +116,8 @@ vcsim3::Table depth_table(const Result &result)
     for (const DepthResult &depth : result.depths)
         add({depth.name + (depth.is_fitted ? "" : " (validation)"), number(depth.inserted_mm)},
             depth.distances,
-            {depth.force_error ? number(*depth.force_error, 3) : "-", number(depth.short_cuts_mm, 2)});
+            {depth.force_error ? number(*depth.force_error, 3) : "-",
+             depth.short_cuts_mm ? number(*depth.short_cuts_mm, 2) : "-"});
     add({"average", ""}, result.average, {"", ""});
     return table;
 }

@@ -5,6 +5,7 @@
 #include "tools/calibrate/checkpoint.hpp"
 #include "tools/calibrate/fitted_instrument.hpp"
 #include "tools/calibrate/identify.hpp"
+#include "tools/calibrate/result.hpp"
 #include "tools/calibrate/rod_evaluator.hpp"
 #include <cmath>
 #include <fstream>
@@ -279,6 +280,56 @@ void without_a_size_a_search_has_the_budget_of_the_thesis(void **)
     assert_int_equal(sized({}, Method::cmaes, {}, 20).generations, 20);
 }
 
+// A rod that lies where the reference does, or none at all.
+struct ScriptedEvaluator final : Evaluator {
+    bool refuses = false;
+
+    explicit ScriptedEvaluator(bool is_refused) : refuses(is_refused)
+    {
+        parameters_ = {{"alpha", "1", "of the tip", 0.1, 10.0, 1.0}};
+    }
+    std::string rod() const override { return "core"; }
+    std::string instrument_name() const override { return "scripted"; }
+    std::string settings_text() const override { return ""; }
+    std::string instrument_text(const std::vector<double> &, const std::string &) const override
+    {
+        return "";
+    }
+    Insertion insert(const std::vector<double> &, std::size_t) const override
+    {
+        if (refuses) throw TrialRefused("elements too short for the number format");
+        Insertion made;
+        made.nodes_mm = {{{20, 0, 0}, {10, 0, 0}}};
+        made.settle_ticks = {150};
+        return made;
+    }
+};
+
+// Short elements may leave the core's number format: then that figure is missing, and nothing else.
+void a_fit_is_not_lost_where_its_short_cuts_cannot_be_measured(void **)
+{
+    const Folder folder("careful");
+    insertion::Case c;
+    c.folder = folder.path;
+    c.depths = {{"here", 30.0, 0.0, "", "depth_1.csv"}};
+    insertion::write_centreline(folder.file("depth_1.csv"), {{0, 0, 0}, {30, 0, 0}});
+    const Judge judge(c, {});
+    const ScriptedEvaluator sound(false), refused(true);
+    Finished search;
+    search.state.trials = {{{0.5}, {0.0, 0.0, 0.0}}};
+    const EvaluateShares evaluate = [](const std::vector<std::vector<double>> &trials) {
+        return std::vector<Verdict>(trials.size());
+    };
+    IdentifySettings settings;
+    settings.is_wanted = false;
+    const Result with = make_result(c, sound, sound, judge, {search}, evaluate, settings);
+    const Result without = make_result(c, sound, refused, judge, {search}, evaluate, settings);
+    assert_true(with.depths.at(0).short_cuts_mm.has_value());
+    assert_false(without.depths.at(0).short_cuts_mm.has_value());
+    assert_near(without.depths.at(0).distances.rms_mm, 0.0, 1e-9);
+    assert_true(to_json(without).find("short_cuts_mm") == std::string::npos);
+}
+
 void another_seed_gives_other_trials(void **)
 {
     assert_false(same(searched({Method::cmaes, 8, 3, 1}, all_of).trials,
@@ -447,6 +498,7 @@ int main()
         cmocka_unit_test(a_search_has_converged_when_its_population_is_equally_good),
         cmocka_unit_test(without_a_weight_the_force_trace_is_not_there),
         cmocka_unit_test(without_a_size_a_search_has_the_budget_of_the_thesis),
+        cmocka_unit_test(a_fit_is_not_lost_where_its_short_cuts_cannot_be_measured),
         cmocka_unit_test(another_seed_gives_other_trials),
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
         cmocka_unit_test(what_a_trial_throws_comes_back_from_the_workers),
