@@ -2,22 +2,15 @@
 #include "hil_tests/cases/tube_scene.h"
 #include "host/app/device.hpp"
 #include "host/link/sim_transport.hpp"
+#include "host/model/format.hpp"
 #include "host/model/instrument.hpp"
 #include <cstdarg>
-#include <cstdio>
 
 namespace hil
 {
 
 namespace
 {
-
-std::string vtext(const char *format, va_list values)
-{
-    char buffer[400];
-    std::vsnprintf(buffer, sizeof buffer, format, values);
-    return buffer;
-}
 
 constexpr std::uint32_t host_every_ms = 8;
 
@@ -37,7 +30,7 @@ std::string text(const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    std::string result = vtext(format, values);
+    std::string result = seld::formatted_with(format, values);
     va_end(values);
     return result;
 }
@@ -47,7 +40,7 @@ void check(bool is_true, const char *format, ...)
     if (is_true) return;
     va_list values;
     va_start(values, format);
-    std::string result = vtext(format, values);
+    std::string result = seld::formatted_with(format, values);
     va_end(values);
     throw Failure(result);
 }

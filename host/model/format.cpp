@@ -1,14 +1,10 @@
 #include "host/model/format.hpp"
-#include <cstdarg>
 #include <cstdio>
 
 namespace seld
 {
 
-namespace
-{
-
-std::string filled(const char *format, va_list values)
+std::string formatted_with(const char *format, va_list values)
 {
     va_list again;
     va_copy(again, values);
@@ -19,13 +15,11 @@ std::string filled(const char *format, va_list values)
     return text;
 }
 
-} // namespace
-
 std::string formatted(const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    std::string text = filled(format, values);
+    std::string text = formatted_with(format, values);
     va_end(values);
     return text;
 }
@@ -34,7 +28,7 @@ std::string formatted_line(const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    std::string text = filled(format, values);
+    std::string text = formatted_with(format, values);
     va_end(values);
     return text + "\n";
 }

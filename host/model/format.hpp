@@ -1,5 +1,6 @@
 // Text from numbers, and text for pages. May include: nothing. Called by: whoever writes for people.
 #pragma once
+#include <cstdarg>
 #include <string>
 
 namespace seld
@@ -7,6 +8,8 @@ namespace seld
 
 // As printf, of any length. A format that is no good for its values does not compile.
 [[gnu::format(printf, 1, 2)]] std::string formatted(const char *format, ...);
+
+[[gnu::format(printf, 1, 0)]] std::string formatted_with(const char *format, va_list values);
 
 // The same with an end of line.
 [[gnu::format(printf, 1, 2)]] std::string formatted_line(const char *format, ...);

@@ -170,16 +170,11 @@ int evaluate_once(const Options &options, const Setup &setup)
     return 0;
 }
 
-SearchSettings settings_of(const Options &options, Method method)
-{
-    return sized(options.search, method, options.population, options.generations);
-}
-
 // One method to the end of its budget, with a checkpoint after every generation.
 Finished search(const Options &options, Method method, const Setup &setup, const EvaluateShares &evaluate,
                 std::string &doing)
 {
-    Finished finished{settings_of(options, method), {}};
+    Finished finished{sized(options.search, method, options.population, options.generations), {}};
     SearchState &state = finished.state;
     const std::string file =
         (fs::path(options.output) / ("checkpoint_" + std::string(method_token(method)) + ".txt")).string();

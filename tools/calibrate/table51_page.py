@@ -256,7 +256,7 @@ def segmentation(rows, output):
 def searches(rows):
     """What the fits say of themselves."""
     found = [fit["result"] for row in rows for fit in row["fits"].values()]
-    kinds = sorted({(search["method"], search.get("population", 0), search.get("generations", 0)) for result in found for search in result["searches"]})
+    kinds = sorted({(search["method"], search.get("population", result.get("population", 0)), search.get("generations", result.get("generations", 0))) for result in found for search in result["searches"]})
     return "; ".join("%s, %d generations of %d" % (text(method), generations, population) for method, population, generations in kinds) or "none yet"
 
 
