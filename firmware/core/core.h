@@ -23,7 +23,7 @@
 #endif
 
 enum {
-    SELD_CORE_VERSION = 12,      /* changes whenever the same inputs may give another hash */
+    SELD_CORE_VERSION = 13,      /* changes whenever the same inputs may give another hash */
     SELD_TOOL_MAX = 3,           /* coaxial tools of one line */
     SELD_KNOT_MAX = 32,          /* knots of one instrument */
     SELD_BALLOON_POINT_MAX = 12, /* of a balloon's table */

@@ -128,6 +128,10 @@ void seld_rod_feed(const seld_model *model, seld_state *state, const seld_input 
 void seld_rod_stretch(const seld_model *model, seld_state *state);
 void seld_rod_bend(const seld_model *model, seld_state *state);
 
+/* rod_tip.c: number of nodes from the tip that go on as one rigid body in this tick, at most free_count - 1, and how far
+ * each will turn with it: in `slide_m_q33` of the scratch. */
+uint32_t seld_tip_predict(const seld_model *model, seld_state *state, uint32_t free_count);
+
 /* The joint at node i as this tick sees it: clipped at the mouth for i = na-1 and na. */
 static inline const seld_joint *seld_rod_joint(const seld_state *state, uint32_t i)
 {

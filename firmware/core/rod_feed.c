@@ -191,32 +191,9 @@ static void free_node(seld_state *state, uint32_t i)
     }
 }
 
-/* Number of nodes from the tip that go on as one rigid body: to the last joint, within 40 mm, whose rest shape is curved more
- * tightly than 110 / m (a J, a pigtail, the first bend of a guide). Sliding along its own curve would turn such a tip by ds / R in
- * each tick, and the solve, whose matrix holds rest turns fixed in space, gives that back over EI kappa^2 s / (EI / L) ticks:
- * a J of 1.5 mm on 50 mm of soft wire lay 20 mm behind at 30 mm/s. Overflow: turns are below 1.3 rad, a cell below 2^24 m Q30. */
-static uint32_t count_rigid(const seld_model *model, const seld_state *state, uint32_t free_count)
-{
-    uint32_t rigid = 0;
-    for (uint32_t i = 1; i < free_count && model->mesh[i].arc_m_q30 < SELD_TIP_CURVES_M_Q30; i++) {
-        const seld_joint *joint = &state->line.nodes[i].joint;
-        if (joint->curved == 0) {
-            continue;
-        }
-        int64_t tight = (int64_t)(model->mesh[i].cell_end_m_q30 - model->mesh[i - 1].cell_end_m_q30) *
-                        SELD_TIP_CURVE_PER_m;
-        for (uint32_t k = 0; k < model->tool_count; k++) {
-            int64_t turn1 = joint->turn1_q30[k], turn2 = joint->turn2_q30[k];
-            if (turn1 * turn1 + turn2 * turn2 >= tight * tight) {
-                rigid = i + 1;
-            }
-        }
-    }
-    return rigid < free_count ? rigid : free_count - 1;
-}
-
-/* x* = x - T ds with the mean T of the two tangents at node `guide`, and the inertia's right side m/h^2 ((1 - gamma h) u - slide).
- * Overflow: displacements per tick stay below 2^24 m Q33 (feed and cap), their eightfold below 2^27. */
+/* x* = x - T ds with the mean T of the two tangents at node `guide`, plus the turn of a rigid tip that the scratch holds, and the
+ * inertia's right side m/h^2 ((1 - gamma h) u - slide).
+ * Overflow: displacements per tick stay below 2^24 m Q33 (feed 0.5, turn 0.6, cap 0.75 mm), their eightfold below 2^27. */
 static void slide_node(const seld_model *model, seld_state *state, uint32_t i, uint32_t guide)
 {
     seld_node_state *node = &state->words.nodes[i];
@@ -229,6 +206,9 @@ static void slide_node(const seld_model *model, seld_state *state, uint32_t i, u
     for (int k = 0; k < 3; k++) {
         int32_t tangent = seld_asr32(ahead->v[k], 1) + seld_asr32(behind->v[k], 1);
         int32_t slide = seld_mulh(back_m_q35, tangent);
+        if (guide != i) {
+            slide += work->slide_m_q33.v[k];
+        }
         int32_t drift = node->step_m_q33.v[k] - slide;
         int32_t kept = seld_mulh_add(drift, node->step_m_q33.v[k], -4 * SELD_DAMPING_KEEP_Q30);
         work->slide_m_q33.v[k] = slide;
@@ -317,7 +297,7 @@ void seld_rod_feed(const seld_model *model, seld_state *state, const seld_input 
     words->free_count = now;
     seld_line_update(model, state);
     uint32_t sliding = before < now ? before : now;
-    uint32_t rigid = state->scratch.feed_m_q33 != 0 ? count_rigid(model, state, sliding) : 0;
+    uint32_t rigid = seld_tip_predict(model, state, sliding);
     for (uint32_t i = 0; i < sliding; i++) {
         slide_node(model, state, i, i < rigid ? rigid : i);
     }
