@@ -36,7 +36,7 @@ enum {
     SELD_TURN_MAX_TURN32 = 13671000,      /* 0.02 rad per tick = 20 rad/s */
     SELD_DAMPING_KEEP_Q30 = 21474836,     /* 20/s x 1 ms = 0.02: blood's drag, mass proportional */
     SELD_POSITION_MAX_M_Q30 = 2126008811, /* 1.98 m */
-    SELD_STEP_CAP_M_Q33 = 4294967,        /* 0.5 mm of motion per tick besides the feed */
+    SELD_STEP_CAP_M_Q33 = 4294967,        /* 0.5 mm of motion per tick besides what is predicted */
     SELD_RELEASE_STEP_Q30 = 1 << 22,      /* a shaped tip leaves the introducer over 256 ticks, not in one */
     SELD_TIP_CURVES_M_Q30 = 42949673,     /* 40 mm: how far from the tip a tight curve counts as the tip's */
     SELD_TIP_CURVE_PER_m = 110,           /* tight: a radius below 9 mm */

@@ -140,7 +140,7 @@ typedef struct seld_factor {
 } seld_factor;
 
 typedef struct seld_work {
-    /* predicted configuration x* = x - T ds: the line slid along itself by this tick's feed */
+    /* predicted configuration x* = x - T ds: the line slid along itself by this tick's feed; a tight tip goes on turning */
     seld_vec3 position_m_q30;
     seld_vec3 slide_m_q33; /* x* - x */
     union {
@@ -148,8 +148,9 @@ typedef struct seld_work {
         seld_vec3
             around_q30; /* once a touching node is found: normal x tangent, the way of a turning surface */
     };
-    int32_t strain_q30;     /* edge, at x* */
-    int32_t geometric;      /* edge: tension / length in Q(a), 0 in compression */
+    int32_t strain_q30; /* edge, at x* */
+    int32_t
+        geometric; /* edge: tension / length in Q(a), 0 in compression, and what twist adds beside a rest shape */
     int32_t torque_N_m_q30; /* joint: twisting moment of all tools */
     seld_vec3 force_N_q22;  /* right side */
     seld_vec3 normal_q30;

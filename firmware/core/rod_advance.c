@@ -3,7 +3,7 @@
 #include "firmware/core/rod.h"
 
 /* +-1.98 m, so that a tick's slide can be added without overflow. Beyond it only in a scene without walls. Overflow of the
- * sum: impossible, a tick's motion is below 2^20 in Q30. */
+ * sum: impossible, a tick's motion is below 2^21 in Q30. */
 static int32_t limit_position(int32_t m_q30)
 {
     return seld_clamp(m_q30, -SELD_POSITION_MAX_M_Q30, SELD_POSITION_MAX_M_Q30);

@@ -193,7 +193,7 @@ static void free_node(seld_state *state, uint32_t i)
 
 /* x* = x - T ds with the mean T of the two tangents at node `guide`, plus the turn of a rigid tip that the scratch holds, and the
  * inertia's right side m/h^2 ((1 - gamma h) u - slide).
- * Overflow: displacements per tick stay below 2^24 m Q33 (feed 0.5, turn 0.6, cap 0.75 mm), their eightfold below 2^27. */
+ * Overflow: displacements per tick stay below 2^24 m Q33 (feed 0.5, turn 0.6, cap 0.75 mm), differences below 2^25, their eightfold below 2^28. */
 static void slide_node(const seld_model *model, seld_state *state, uint32_t i, uint32_t guide)
 {
     seld_node_state *node = &state->words.nodes[i];

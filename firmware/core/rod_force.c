@@ -1,7 +1,7 @@
 /* Elastic forces at the predicted configuration x* (docs/rod.md, "energy" and "rows"); the matrix is in rod_solve.c.
  *
  * Edge: w = (x*[i+1] - x*[i]) / l, strain from |w|^2 by series (no root), F = EA strain,
- *       S = (k_s - k_g) t t^T + k_g I with k_g = max(F, 0) / l.
+ *       S = (k_s - k_g) t t^T + k_g I with k_g = max(F, 0) / l plus what twist adds there, at most k_s.
  * Joint: b = w[i] - w[i-1], v = W (b - g), f[i-1] -= a v, f[i] += (a + c) v, f[i+1] -= c v, g summed over the
  * tools' rest turnings; the tools' twisting moment tau bends the line by F = tau kb / 2, kb = 2 t x t' / (1 + t.t').
  * May include: rod.h. Called by:
@@ -130,10 +130,11 @@ void seld_rod_rest_turn(const seld_joint *joint, uint32_t tool, int32_t release_
 }
 
 /* 1 / (1 + c) in Q30 and 1 - c: for small turning 1/2 + lack/4 + lack^2/8, good to 1e-4 at 40 degrees; beyond a right angle
- * both stay at that of one. Overflow: impossible, 7/8 at most. */
+ * both stay at that of one. The cosine of nearly straight edges may be rounded to more than one: lack is 0 to 1.
+ * Overflow: impossible, 7/8 at most. */
 static int32_t inverse_of_one_and(int32_t cosine_q30, int32_t *lack_q30)
 {
-    const int32_t lack = cosine_q30 > 0 ? SELD_ONE_Q30 - cosine_q30 : SELD_ONE_Q30;
+    const int32_t lack = SELD_ONE_Q30 - seld_clamp(cosine_q30, 0, SELD_ONE_Q30);
     *lack_q30 = lack;
     return (SELD_ONE_Q30 >> 1) + (lack >> 2) + (seld_scale_q30(lack, lack) >> 3);
 }
@@ -153,14 +154,15 @@ static seld_vec3 twist_force(int32_t torque_N_m_q30, const seld_vec3 *before, co
 
 /* Tilting the two edges of a bent joint out of its plane by d and d' twists it by |kb| / 2 |d + d'|, and where a rest shape holds
  * the frames, GJ resists that. The right side has the force; the matrix gets k |kb|^2 / 4 (|d|^2 + |d'|^2), half of the resistance or
- * more, so that a step does not overshoot: without it a J of 1.5 mm swung by 11 um to and fro for ever (docs/rod.md, "rows").
- * Overflow: saturates; with k_g no more than the edge's spring. */
+ * more, so that a swing does not grow and what else is in the matrix ends it: without it a J of 1.5 mm swung by 11 um to and fro for ever
+ * (docs/rod.md, "rows"). Tools without a rest shape there are not held and give nothing.
+ * Overflow: the sum is limited to 32 bits, its product with at most 7/8 fits; with k_g no more than the edge's spring. */
 static void resist_twist(const seld_model *model, seld_state *state, const seld_joint *joint, uint32_t i)
 {
     const seld_node_state *node = &state->words.nodes[i];
     int64_t twist_N_m_q26 = 0;
     for (uint32_t k = 0; k < model->tool_count; k++) {
-        twist_N_m_q26 += joint->twist_N_m_q26[k];
+        twist_N_m_q26 += joint->curved >> k & 1u ? joint->twist_N_m_q26[k] : 0;
     }
     int32_t lack = 0;
     const int32_t inverse =

@@ -7,11 +7,12 @@
 #include "firmware/core/rod.h"
 
 enum {
-    TURN_LOST_SHIFT = 4,     /* a sixteenth of the last tick's turn does not go on */
-    WAY_MAX_M_Q33 = 1717987, /* 0.2 mm: of a node by one of the three turns */
+    TURN_LOST_SHIFT = 4, /* a sixteenth of the last tick's turn does not go on */
+    WAY_MAX_M_Q33 =
+        1717987, /* 0.2 mm: of a node by one of the three turns; more, and a step might be more than a state may hold */
     LEVER_LEAST_M2_Q60 =
         1 << 30,           /* (0.03 mm)^2: sum of squared distances from an axis below which nothing turns */
-    AXIS_LEAST_M_Q24 = 64, /* 4 um: of the mean distance that a plane is taken from, times nodes */
+    AXIS_LEAST_M_Q24 = 64, /* 4 um: of the sum of distances that a plane is taken from */
 };
 
 /* Number of nodes from the tip that go on as one rigid body: to the last joint, within 40 mm, whose rest shape is curved more
@@ -39,8 +40,8 @@ static uint32_t count_rigid(const seld_model *model, const seld_state *state, ui
 }
 
 /* Takes the turn about an axis through node `root` out of what is left of the tip's motion and adds what is kept of it to the
- * slide. Least squares: angle = sum (a x r).w / sum (a x r)^2. Returns the sum of a x r, Q24 m.
- * Overflow: arms are below 2^26.4 in Q30 (80 mm, where restored edges are twice as long), motions below 2^25.9 in Q33, nodes below 2^8:
+ * slide. `drift_m_q33` holds that motion here, against the root's. Least squares: angle = sum (a x r).w / sum (a x r)^2. Returns the sum of a x r, Q24 m.
+ * Overflow: arms are below 2^26.7 in Q30 (96 mm, where restored edges are twice as long), motions below 2^25.9 in Q33, nodes below 2^8:
  * sums below 2^62. */
 static seld_vec3 turn_about(seld_state *state, uint32_t root, const seld_vec3 *axis_q30)
 {
@@ -59,9 +60,9 @@ static seld_vec3 turn_about(seld_state *state, uint32_t root, const seld_vec3 *a
             sum[k] += around.v[k];
         }
     }
-    seld_vec3 mean = {{seld_sat32(sum[0] >> 6), seld_sat32(sum[1] >> 6), seld_sat32(sum[2] >> 6)}};
+    const seld_vec3 total = {{seld_sat32(sum[0] >> 6), seld_sat32(sum[1] >> 6), seld_sat32(sum[2] >> 6)}};
     if (square < LEVER_LEAST_M2_Q60) {
-        return mean;
+        return total;
     }
     unsigned shift = 34 - seld_clz64((uint64_t)square); /* square in 30 bits */
     int32_t turn_q30 =
@@ -75,10 +76,10 @@ static seld_vec3 turn_about(seld_state *state, uint32_t root, const seld_vec3 *a
         for (int k = 0; k < 3; k++) {
             int32_t way_m_q33 = (int32_t)seld_rshift_round64((int64_t)around.v[k] * turn_q30, 27);
             work->drift_m_q33.v[k] -= way_m_q33;
-            work->slide_m_q33.v[k] += way_m_q33 - seld_asr32(way_m_q33, TURN_LOST_SHIFT);
+            work->slide_m_q33.v[k] += way_m_q33 - seld_mulh(way_m_q33, 1 << (32 - TURN_LOST_SHIFT));
         }
     }
-    return mean;
+    return total;
 }
 
 uint32_t seld_tip_predict(const seld_model *model, seld_state *state, uint32_t free_count)
@@ -95,7 +96,7 @@ uint32_t seld_tip_predict(const seld_model *model, seld_state *state, uint32_t f
         work->slide_m_q33 = (seld_vec3){{0, 0, 0}};
         work->drift_m_q33 = seld_vec3_sub(state->words.nodes[i].step_m_q33, root->step_m_q33);
     }
-    if (touching != SELD_CONTACT_NONE) {
+    if (touching != SELD_CONTACT_NONE || model->hold.pinned || model->hold.turn) {
         return rigid;
     }
     /* About the line behind the tip, then across it: in the tip's plane, and out of it. */

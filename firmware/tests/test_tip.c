@@ -1,11 +1,10 @@
 /* Claims: a wire with a rest shape takes it, turns with the hand, keeps it while it is fed, and rests on a wall.
- * Shown against closed forms (circles, the hand's own angle) and by the motion of its nodes. docs/rod.md, "feed", "twist". */
+ * Shown against closed forms (circles, the hand's own angle) and by the motion of its nodes. docs/rod.md, "Feed", "Rows", "Twist". */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 #include <cmocka.h>
@@ -22,6 +21,7 @@ typedef struct rig {
     seld_output output;
 } rig;
 
+/* Without a lumen also without gravity. */
 static rig *rig_make(const seld_instrument *wire, const seld_lumen *lumen, uint32_t inserted_um)
 {
     rig *r = calloc(1, sizeof *r);
@@ -102,7 +102,7 @@ static void curved_tip_follows_the_hand_in_free_space(void **context)
 }
 
 /* A J of 1.5 mm radius (a Rosen's) 200 mm out, turned at half a turn a second: how far behind the hand it is. Tolerance 6 degrees:
- * 5.1 are left, 0.7 of them the filter of the hand. A tip that was not expected to go on turning was 23
+ * 5.4 are left, 0.7 of them the filter of the hand. A tip that was not expected to go on turning was 23
  * behind. */
 static void a_tight_j_keeps_up_with_a_turning_hand(void **context)
 {
@@ -160,7 +160,7 @@ static void tight_tip_keeps_its_shape_while_it_is_fed(void **context)
 }
 
 /* The same J on the wall of a tube, three seconds after the hand has stopped: no node moves by more than a micrometre a tick, as
- * a wire without a tip (0.8: it still slides). Without the twist's resistance in the matrix it swung by 11 um to and fro. */
+ * a wire without a tip (0.1 measured). Without the twist's resistance in the matrix it swung by 11 um to and fro. */
 static void a_tight_j_rests_on_the_wall(void **context)
 {
     (void)context;
