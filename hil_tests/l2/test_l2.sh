@@ -8,6 +8,20 @@ preload="$(ldd "$folder/mock_bus" | awk '/libasan/ { print $3 }') libumockdev-pr
 count=0
 status=0
 
+# run_on_bus COMMAND...: its output in $output, its state as the result. umockdev before its pull request 254 (Debian 12 has it so) ends itself
+# when a listener goes away while it is told of a device; that is no verdict on ours, so it is tried again, twice at most.
+run_on_bus() {
+    for try in 1 2 3; do
+        output=$("$@" 2>&1)
+        state=$?
+        case "$output" in
+        *"uevent_sender sendmsg_one: sendmsg failed: Connection refused"*) echo "# umockdev ended itself in try $try" ;;
+        *) break ;;
+        esac
+    done
+    return $state
+}
+
 # one DEVICE NAME PROGRAM ARGUMENT...: the program's own verdict, its figures as notes
 one() {
     device="$1"
@@ -15,7 +29,7 @@ one() {
     program="$3"
     shift 3
     count=$((count + 1))
-    if output=$(ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$folder/mock_bus" "$device" -- "$program" "$@" 2>&1); then
+    if run_on_bus env ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$folder/mock_bus" "$device" -- "$program" "$@"; then
         echo "ok $count - ${name}_on_a_mocked_bus"
         echo "$output" | grep '^# link'
     else
@@ -33,8 +47,8 @@ one --app the_whole_app_passes "$folder/app_check"
 count=$((count + 1))
 image="${BUILD:-build}/firmware/seldinger-mps2_an500.elf"
 here="$(dirname "$0")"
-if output=$("$here/../usb/with_image.py" "$image" env ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 \
-    "$folder/mock_bus" --mailbox '{mailbox}' -- "$folder/app_check" 2>&1); then
+if run_on_bus "$here/../usb/with_image.py" "$image" env ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 \
+    "$folder/mock_bus" --mailbox '{mailbox}' -- "$folder/app_check"; then
     echo "ok $count - the_image_passes_on_a_mocked_bus"
     echo "$output" | grep '^# link'
 else
