@@ -12,40 +12,12 @@
 
 #include <cmocka.h>
 
-#include "firmware/core/core_state.h"
 #include "firmware/tests/reference/cantilever.h"
 #include "firmware/tests/reference/long_run.h"
 #include "firmware/tests/reference/random.h"
-#include "firmware/tests/reference/tube_lumen.h"
+#include "firmware/tests/reference/rod_rig.h"
 
 static const double Q30 = 1073741824.0;
-
-typedef struct rig {
-    seld_model model;
-    seld_state state;
-    seld_input input;
-    seld_output output;
-} rig;
-
-static rig *rig_make(const seld_instrument *wire, const seld_lumen *lumen, uint32_t inserted_um)
-{
-    rig *r = calloc(1, sizeof *r);
-    seld_entry entry = reference_entry();
-    seld_build_place place;
-    assert_int_equal(seld_model_build(&r->model, wire, 1, lumen, &entry, &place), SELD_BUILD_OK);
-    seld_state_init(&r->model, &r->state, &inserted_um);
-    return r;
-}
-
-static void rig_step(rig *r)
-{
-    seld_step(&r->model, &r->state, &r->input, &r->output);
-}
-
-static void check_below(const char *what, double value, double most)
-{
-    if (!(value <= most)) fail_msg("%s = %g, allowed %g", what, value, most);
-}
 
 /* --- elastica: FACTS of docs/validation.md, cases 1 and 2 ------------------------------------------------------ */
 

@@ -9,38 +9,15 @@
 
 #include <cmocka.h>
 
-#include "firmware/core/core_state.h"
-#include "firmware/tests/reference/tube_lumen.h"
+#include "firmware/tests/reference/rod_rig.h"
 
 static const double Q30 = 1073741824.0;
 
-typedef struct rig {
-    seld_model model;
-    seld_state state;
-    seld_input input;
-    seld_output output;
-} rig;
-
-/* Without a lumen also without gravity. */
-static rig *rig_make(const seld_instrument *wire, const seld_lumen *lumen, uint32_t inserted_um)
+static rig *rig_in_air(const seld_instrument *wire, uint32_t inserted_um)
 {
-    rig *r = calloc(1, sizeof *r);
-    seld_entry entry = reference_entry();
-    seld_build_place place;
-    assert_int_equal(seld_model_build(&r->model, wire, 1, lumen, &entry, &place), SELD_BUILD_OK);
-    seld_state_init(&r->model, &r->state, &inserted_um);
-    if (lumen == NULL) seld_model_set_gravity(&r->model, 0, 0, 0);
+    rig *r = rig_make(wire, NULL, inserted_um);
+    seld_model_set_gravity(&r->model, 0, 0, 0);
     return r;
-}
-
-static void rig_step(rig *r)
-{
-    seld_step(&r->model, &r->state, &r->input, &r->output);
-}
-
-static void check_below(const char *what, double value, double most)
-{
-    if (!(value <= most)) fail_msg("%s = %g, allowed %g", what, value, most);
 }
 
 /* A wire of the softest tip with a half circle of this radius at its end; EI goes from 80 to 200 mm to that of the shaft. */
@@ -85,7 +62,7 @@ static void curved_tip_follows_the_hand_in_free_space(void **context)
     wire.knots[1] = wire.knots[2] = wire.knots[0];
     wire.knots[1].arc_um = wire.knots[2].arc_um = 20000;
     wire.knots[0].rest_curvature1_per_m_milli = wire.knots[1].rest_curvature1_per_m_milli = 60000;
-    rig *r = rig_make(&wire, NULL, 100000);
+    rig *r = rig_in_air(&wire, 100000);
     double angle[2];
     for (int turned = 0; turned < 2; turned++) {
         for (int t = 0; t < 3000; t++) {
@@ -109,7 +86,7 @@ static void a_tight_j_keeps_up_with_a_turning_hand(void **context)
     (void)context;
     const double turn_deg = 0.18; /* per tick */
     seld_instrument wire = make_j(0.0015, 3e-4);
-    rig *r = rig_make(&wire, NULL, 200000);
+    rig *r = rig_in_air(&wire, 200000);
     for (int t = 0; t < 1500; t++) rig_step(r);
     const double from_deg = tip_angle_deg(r);
     double most_deg = 0;
@@ -130,7 +107,7 @@ static void curved_wire_without_load_takes_its_circle(void **context)
     seld_instrument wire = reference_wire(1e-4, 150000, 1000, 0);
     wire.knots[0].rest_curvature1_per_m_milli = wire.knots[1].rest_curvature1_per_m_milli =
         20000; /* R 50 mm */
-    rig *r = rig_make(&wire, NULL, 100000);
+    rig *r = rig_in_air(&wire, 100000);
     for (int t = 0; t < 4000; t++) rig_step(r);
     seld_vec3 p = seld_state_position(&r->state, 0);
     double chord = sqrt(pow(p.v[0] / Q30, 2) + pow(p.v[1] / Q30, 2) + pow(p.v[2] / Q30, 2));
@@ -147,7 +124,7 @@ static void tight_tip_keeps_its_shape_while_it_is_fed(void **context)
     (void)context;
     const double radius_m = 0.0015;
     seld_instrument wire = make_j(radius_m, 2e-6);
-    rig *r = rig_make(&wire, NULL, 60000);
+    rig *r = rig_in_air(&wire, 60000);
     for (int t = 0; t < 2000; t++) {
         if (t >= 1000) r->input.hands[0].feed_m_q30 += (t < 1500 ? 1 : -1) * (int32_t)(3e-5 * Q30);
         rig_step(r);

@@ -12,23 +12,15 @@
 
 #include <cmocka.h>
 
-#include "firmware/core/core_state.h"
 #include "firmware/tests/reference/long_run.h"
 #include "firmware/tests/reference/random.h"
 #include "firmware/tests/reference/random_hands.h"
-#include "firmware/tests/reference/tube_lumen.h"
+#include "firmware/tests/reference/rod_rig.h"
 
 static const double Q30 = 1073741824.0;
 static const double pi = 3.14159265358979;
 
 enum { WIRE, CATHETER, GUIDE };
-
-typedef struct rig {
-    seld_model model;
-    seld_state state;
-    seld_input input;
-    seld_output output;
-} rig;
 
 /* A tool with a bent end: rest curvature over the first `bent_mm`, straight and `shaft` stiff behind it. */
 typedef struct tool_plan {
@@ -75,22 +67,12 @@ static void judkins(seld_instrument *tool)
     tool->knot_count = 11;
 }
 
-static rig *rig_make(const tool_plan *plans, uint32_t count, const seld_lumen *lumen,
-                     const uint32_t *inserted_um)
+static rig *rig_planned(const tool_plan *plans, uint32_t count, const seld_lumen *lumen,
+                        const uint32_t *inserted_um)
 {
-    rig *r = calloc(1, sizeof *r);
     seld_instrument tools[SELD_TOOL_MAX];
-    seld_entry entry = reference_entry();
-    seld_build_place place;
     for (uint32_t k = 0; k < count; k++) tools[k] = make_tool(&plans[k]);
-    assert_int_equal(seld_model_build(&r->model, tools, count, lumen, &entry, &place), SELD_BUILD_OK);
-    seld_state_init(&r->model, &r->state, inserted_um);
-    return r;
-}
-
-static void rig_step(rig *r)
-{
-    seld_step(&r->model, &r->state, &r->input, &r->output);
+    return rig_of(tools, count, lumen, inserted_um);
 }
 
 static void rest(rig *r, int ticks)
@@ -166,11 +148,6 @@ static void check_near(const char *what, double value, double expected, double t
         fail_msg("%s = %g, expected %g +- %g", what, value, expected, tolerance);
 }
 
-static void check_below(const char *what, double value, double most)
-{
-    if (!(value <= most)) fail_msg("%s = %g, allowed %g", what, value, most);
-}
-
 static const tool_plan j_wire = {1e-4, 2e-4, 60, 30, 445, 0, 0, 0};
 static const tool_plan straight_wire = {1.2e-3, 1.2e-3, 0, 30, 445, 0, 0, 0};
 static const tool_plan straight_catheter = {4e-4, 4e-4, 0, 30, 800, 500, 0, 0};
@@ -181,7 +158,7 @@ static rig *rig_in_air(const tool_plan *wire, const tool_plan *catheter, uint32_
 {
     const tool_plan plans[] = {*wire, *catheter};
     const uint32_t inserted_um[] = {wire_um, catheter_um};
-    rig *r = rig_make(plans, 2, NULL, inserted_um);
+    rig *r = rig_planned(plans, 2, NULL, inserted_um);
     seld_model_set_gravity(&r->model, 0, 0, 0);
     return r;
 }
@@ -223,7 +200,7 @@ static void stiffness_and_weight_add_where_tools_overlap(void **context)
     (void)context;
     const tool_plan plans[] = {straight_wire, straight_catheter};
     const uint32_t inserted_um[] = {100000, 100000};
-    rig *r = rig_make(plans, 2, NULL, inserted_um);
+    rig *r = rig_planned(plans, 2, NULL, inserted_um);
     rest(r, 6000);
     double length_m = r->output.tools[0].inserted_m_q30 / Q30;
     double sag_m = -seld_state_position(&r->state, 0).v[2] / Q30;
@@ -327,7 +304,7 @@ static void a_catheter_tracks_over_the_wire_round_the_bends(void **context)
     reference_tube *tube = reference_three_bends(0.004, 0);
     const tool_plan plans[] = {{1e-5, 3e-4, 0, 30, 445, 0, 0.1, 0}, {2e-4, 3e-4, 0, 30, 800, 500, 0.1, 0.05}};
     const uint32_t inserted_um[] = {60000, 20000};
-    rig *r = rig_make(plans, 2, &tube->lumen, inserted_um);
+    rig *r = rig_planned(plans, 2, &tube->lumen, inserted_um);
     move_tool(r, WIRE, 0.44, 0.15);
     seld_vec3 before = seld_state_position(&r->state, 0);
     double deepest_mm = 0;
@@ -375,7 +352,7 @@ static double resting_torque(double friction, double sliding_m_s)
     reference_tube *tube = reference_tube_make(&straight, 1, 0.002, 1);
     const tool_plan plan = {1e-4, 1e-4, 0, 30, 445, 0, friction, 0};
     const uint32_t inserted_um = 400000;
-    rig *r = rig_make(&plan, 1, &tube->lumen, &inserted_um);
+    rig *r = rig_planned(&plan, 1, &tube->lumen, &inserted_um);
     rest(r, 1500);
     double torque = 0;
     for (int t = 0; t < 1500; t++) {
@@ -420,7 +397,7 @@ static void contact_forces_of_the_nodes_carry_the_weight(void **context)
     reference_tube *tube = reference_tube_make(&straight, 1, 0.002, 1);
     const tool_plan plan = {1e-5, 1e-5, 0, 30, 445, 0, 0.2, 0};
     const uint32_t inserted_um = 400000;
-    rig *r = rig_make(&plan, 1, &tube->lumen, &inserted_um);
+    rig *r = rig_planned(&plan, 1, &tube->lumen, &inserted_um);
     rest(r, 4000);
     double up_N = 0;
     for (uint32_t i = 0; i < seld_state_free_count(&r->state); i++) {
@@ -457,7 +434,7 @@ static void three_tools_are_restored_bit_for_bit(void **context)
 {
     (void)context;
     const uint32_t inserted_um[] = {150000, 120000, 90000};
-    rig *r = rig_make(three_shaped, 3, NULL, inserted_um);
+    rig *r = rig_planned(three_shaped, 3, NULL, inserted_um);
     for (int t = 0; t < 1000; t++) {
         r->input.hands[t % 3].feed_m_q30 += 150000;
         r->input.hands[(t + 1) % 3].turn32 += 9000000;
@@ -490,7 +467,7 @@ static void a_line_that_is_kept_is_the_line_built_afresh(void **context)
 {
     (void)context;
     const uint32_t inserted_um[] = {150000, 120000, 160000};
-    rig *kept = rig_make(three_shaped, 3, NULL, inserted_um);
+    rig *kept = rig_planned(three_shaped, 3, NULL, inserted_um);
     rig *afresh = malloc(sizeof *afresh);
     *afresh = *kept;
     reference_random random = {7};
