@@ -6,6 +6,7 @@
 #   V=1                                      show whole commands
 #   PCH=                                     no precompiled headers
 #   PACKAGES=skip                            do not look for missing Debian packages
+#   YES=1                                    install missing ones without a question (CI=true does the same)
 #   JOBS=4                                   parallel jobs of make test, fuzz and bench (default: one per core)
 BUILD    ?= build
 CC       := $(if $(filter default,$(origin CC)),gcc,$(CC))
@@ -21,16 +22,18 @@ USB_ID   ?= 1209:0001
 
 WARN     := -Wall -Wextra -Wshadow -Werror
 SANFLAGS := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer)
-CFLAGS   := -std=c11 $(DEBUG) $(WARN) -Wpedantic -Wvla -Wmissing-prototypes -I. -MMD -MP $(SANFLAGS)
+# The same bytes from every folder: what a compiler writes down of this one is "." (docs/dependencies.md, "The same bytes twice").
+SAME     := -ffile-prefix-map=$(CURDIR)=.
+CFLAGS   := -std=c11 $(SAME) $(DEBUG) $(WARN) -Wpedantic -Wvla -Wmissing-prototypes -I. -MMD -MP $(SANFLAGS)
 PCH      ?= $(if $(findstring clang,$(CXX))$(CCACHE_DIR),,1)
 # gcc 12 sees overlapping copies in std::string's operator+ at -O3 that are not there (its bug 105329), and in a precompiled header it
 # forgets that such finds lie in its own library. Without one (PCH=, and with clang) they are heard.
 CXXWARN  := $(if $(findstring clang,$(CXX)),,-Wno-restrict $(if $(PCH),-Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread))
-CXXFLAGS := -std=c++20 $(DEBUG) $(WARN) $(CXXWARN) -I. -isystem /usr/include/eigen3 -MMD -MP -ffp-contract=off $(SANFLAGS)
+CXXFLAGS := -std=c++20 $(SAME) $(DEBUG) $(WARN) $(CXXWARN) -I. -isystem /usr/include/eigen3 -MMD -MP -ffp-contract=off $(SANFLAGS)
 LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
-LIBS       := tools/case hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/room host/dicom host/xray/gl host/xray host/stent host/effects host/link host/model tools/anatomy tools/centreline/fit tools/bake tools/centreline tools/mesh tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
+LIBS       := tools/case hil_tests/soak hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/room host/dicom host/xray/gl host/xray host/stent host/effects host/link host/model tools/anatomy tools/centreline/fit tools/bake tools/centreline tools/mesh tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
               firmware/port/mailbox firmware/app/usb firmware/core shared/scene shared/wire
 lib_file    = $(BUILD)/lib/lib$(subst /,_,$(1)).a
 lib_sources = $(filter-out %/main.cpp,$(wildcard $(1)/*.c $(1)/*.cpp))
@@ -47,7 +50,7 @@ ANATOMY_LIBS  := tools/anatomy $(BAKE_LIBS)
 VALIDATE_LIBS := tools/validate host/model firmware/core
 CASE_LIBS     := tools/case host/model firmware/core shared/scene shared/wire
 VCSIM3_LIBS   := tools/vcsim3 host/app host/model firmware/core shared/scene shared/wire
-HIL_LIBS      := hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant hil_tests/usb $(HOST_LIBS) firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
+HIL_LIBS      := hil_tests/soak hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant hil_tests/usb $(HOST_LIBS) firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
 HIL_REFERENCE := firmware/tests/reference/tube_lumen.c
 VDB_LINK      := -lopenvdb -ltbb -lImath-3_1
 BAKE_LINK     := $(VDB_LINK) -lassimp -lccd -lpugixml -lz
@@ -56,7 +59,7 @@ HOST_LINK     := -lpng -lglfw -lusb-1.0 -ldl -ldcmdata -lofstd -lccd
 
 PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/centreline $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
-.PHONY: gallery coronary coronary-real demo-pci dissector all run window test validate validate-centreline bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig hil-faults hil-loop hil-emulator hil-machines install-udev bench-xray-peers
+.PHONY: docs-pictures gallery coronary coronary-real demo-pci dissector all run window test validate validate-centreline bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig hil-faults hil-loop hil-emulator hil-machines install-udev bench-xray-peers
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -67,8 +70,9 @@ all: packages-build ## build every program into build/bin
 help: ## this list
 	@awk -F':.*## ' '/^[a-z0-9%-]+:.*## /{printf "  make %-16s %s\n",$$1,$$2}' $(MAKEFILE_LIST)
 
+# Several sections at once, packages-build+run, are one question.
 packages-%:
-	@[ "$(PACKAGES)" = skip ] || tools/check/install_packages.sh $*
+	@[ "$(PACKAGES)" = skip ] || MAKE_GOALS="$(MAKECMDGOALS)" tools/check/install_packages.sh $(subst +, ,$*)
 
 # Recipes start with $(Q): one short line instead of the command, unless V=1.
 Q = @$(if $(V),,echo "  $(@:$(BUILD)/%=%)";)$(if $(V),set -x;)
@@ -81,14 +85,14 @@ USB_ID_FLAGS := -DSELD_USB_VENDOR_ID=0x$(word 1,$(subst :, ,$(USB_ID))) -DSELD_U
 $(BUILD)/obj/firmware/app/usb/%.c.o $(BUILD)/obj/hil_tests/library/%.c.o: CFLAGS += $(USB_ID_FLAGS)
 $(BUILD)/obj/host/link/%.cpp.o $(BUILD)/obj/host/app/%.cpp.o: CXXFLAGS += $(USB_ID_FLAGS)
 # The command line's parser is half a minute of templates that run once: not optimised, half of that.
-QUICK := $(BUILD)/obj/host/app/cli.cpp.o $(BUILD)/obj/host/app/cli_rig.cpp.o $(BUILD)/obj/host/app/cli_dicom.cpp.o \
-         $(foreach main,tools/centreline/fit tools/anatomy tools/bake tools/docs tools/validate tools/vcsim3 hil_tests/rig hil_tests/campaign hil_tests/cases,$(BUILD)/obj/$(main)/main.cpp.o)
+UNOPTIMISED := $(BUILD)/obj/host/app/cli.cpp.o $(BUILD)/obj/host/app/cli_rig.cpp.o $(BUILD)/obj/host/app/cli_dicom.cpp.o \
+         $(foreach main,tools/centreline/fit tools/anatomy tools/bake tools/docs tools/validate tools/vcsim3 hil_tests/rig hil_tests/soak hil_tests/campaign hil_tests/cases,$(BUILD)/obj/$(main)/main.cpp.o)
 # Under the sanitizers what reads, asks and writes is compiled without optimising, which takes two thirds of the time.
-QUICK += $(if $(SAN),$(foreach folder,host/app host/dicom host/link hil_tests,$(BUILD)/obj/$(folder)/%.cpp.o))
-QUICK += $(if $(SAN),$(patsubst %,$(BUILD)/obj/%.o,$(filter-out host/model/lesion_%.cpp host/model/opened_%.cpp,$(wildcard host/model/*.cpp))))
+UNOPTIMISED += $(if $(SAN),$(foreach folder,host/app host/dicom host/link hil_tests,$(BUILD)/obj/$(folder)/%.cpp.o))
+UNOPTIMISED += $(if $(SAN),$(patsubst %,$(BUILD)/obj/%.o,$(filter-out host/model/lesion_%.cpp host/model/opened_%.cpp,$(wildcard host/model/*.cpp))))
 # So are the tests of it; those that look at pixels are not: they would run longer than they compile.
-QUICK += $(if $(SAN),$(foreach name,bodies contrast dicom dicom_export heart instrument instrument_shape link pending recording rig session session_contrast tools usb,$(BUILD)/obj/host/tests/test_$(name).cpp.o))
-$(QUICK): override OPT := -O0
+UNOPTIMISED += $(if $(SAN),$(foreach name,bodies contrast dicom dicom_export heart instrument instrument_shape link pending recording rig session session_contrast tools usb,$(BUILD)/obj/host/tests/test_$(name).cpp.o))
+$(UNOPTIMISED): override OPT := -O0
 # Frames and codecs are loops over bytes, where comparing is half of a fuzzer's time and teaches it nothing.
 $(BUILD)/obj/shared/wire/%.c.o: CFLAGS += $(if $(findstring fuzzer,$(SAN)),-fno-sanitize-coverage=trace-cmp)
 # Loops over pixels become vector code; neither flag changes a value.
@@ -102,7 +106,7 @@ $(BUILD)/obj/%.c.o: %.c
 PCH_HEADERS := Eigen/Core Eigen/Geometry algorithm array cmath cstdint cstdio filesystem fstream functional map memory optional set span sstream string thread vector
 PCH_FOLDER   = $(BUILD)/pch/plain
 $(BUILD)/obj/host/xray/%.cpp.o $(BUILD)/obj/host/room/%.cpp.o: PCH_FOLDER = $(BUILD)/pch/pixels
-$(QUICK): PCH_FOLDER = $(BUILD)/pch/quick
+$(UNOPTIMISED): PCH_FOLDER = $(BUILD)/pch/quick
 # Taken here, since what one object sets for itself would reach what it waits for.
 PCH_FLAGS_plain  := $(filter-out -MMD -MP,$(CXXFLAGS)) $(OPT)
 PCH_FLAGS_quick  := $(filter-out -MMD -MP,$(CXXFLAGS)) -O0
@@ -123,7 +127,7 @@ define library
 $(call lib_file,$(1)): $(call objects,$(call lib_sources,$(1)))
 	@mkdir -p $$(@D)
 	@rm -f $$@
-	$$(Q) ar rcs $$@ $$^
+	$$(Q) ar rcsD $$@ $$^
 endef
 $(foreach lib,$(LIBS),$(eval $(call library,$(lib))))
 
@@ -172,7 +176,7 @@ $(DEMO_OUT) &: $(SCENE) $(DEMO) $(WIRE) $(BUILD)/bin/seldinger
 	@$(BUILD)/bin/seldinger run --scene $(SCENE) --instrument $(WIRE) --session $(DEMO) --record out/demo.rec \
 	    --json out/demo.json --png out/demo.png --mp4 out/demo.mp4
 
-run: packages-build packages-run ## build, make the anatomy, run the demo into out/, and open the window where there is a display
+run: packages-build+run ## build, make the anatomy, run the demo into out/, and open the window where there is a display
 	@$(QUIET_MAKE) $(PROGRAMS)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(DEMO_OUT)
 	@echo "Written: out/demo.mp4 out/demo.png out/demo.rec out/demo.json"
@@ -180,7 +184,7 @@ run: packages-build packages-run ## build, make the anatomy, run the demo into o
 	    echo "The demo is complete; only the window did not open."; \
 	else echo "No display, so no window: 'make window' opens it where there is one."; fi
 
-window: packages-build packages-run ## push and turn a wire by keyboard (needs a display)
+window: packages-build+run ## push and turn a wire by keyboard (needs a display)
 	@$(QUIET_MAKE) $(PROGRAMS)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
 	@$(BUILD)/bin/seldinger view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec
@@ -238,7 +242,7 @@ GALLERY       := pelvis arch chest loin
 GALLERY_DOCS  := docs/images/gallery
 RENAL_TOOLS   := --tool shared/examples/instruments/bentson.toml --tool shared/examples/instruments/pigtail_5f.toml
 # Of the session: filling, both arteries filled, washing out, roadmap.
-RENAL_SECONDS := 11.2 11.9 12.6 15.0
+RENAL_SECONDS := 11.7 12.4 13.1 15.5
 gallery: packages-build packages-run ## renew the pictures of docs/gallery.md
 	@$(QUIET_MAKE) $(PROGRAMS)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
@@ -260,6 +264,9 @@ gallery: packages-build packages-run ## renew the pictures of docs/gallery.md
 
 include tools/testing.mk
 include tools/pci.mk
+include tools/supply/supply.mk
+include hil_tests/passivity.mk
+include hil_tests/soak/soak.mk
 
 # --- validation: docs/validation.md --------------------------------------------------------------------------------
 validate: packages-build ## compare the rod with closed forms; writes out/validation.html and .tsv, renews docs/validation.md
@@ -307,11 +314,11 @@ bench-xray-peers: packages-build packages-xraypeers ## our transmission pictures
 
 bench: packages-build packages-run packages-bench packages-matrix ## measure; writes out/bench.tsv and prints it (CASES=text: only names with it)
 	@$(QUIET_MAKE) $(PROGRAMS) $(HEART) $(foreach b,$(BENCHES) $(HOST_BENCHES),$(call bench_program,$(b))) $(M7_IMAGE) $(BUDGET_MAKE)
-	@tools/bench/run_bench.py --build $(BUILD) --cases '$(CASES)' $(foreach b,$(BENCHES) $(HOST_BENCHES),$(call bench_program,$(b)))
+	@tools/bench/run_bench.py --build $(BUILD) $(if $(QUICK),--quick) --cases '$(CASES)' $(foreach b,$(BENCHES) $(HOST_BENCHES),$(call bench_program,$(b)))
 
 # --- Cortex-M7 image: docs/bench.md, "The Cortex-M7's budget" ---------------------------------------------------------
 M7_CC      := arm-none-eabi-gcc
-M7_FLAGS   := -mcpu=cortex-m7 -mthumb -mfloat-abi=soft -std=c11 $(DEBUG) $(WARN) -I. -MMD -MP -ffreestanding -fno-tree-loop-distribute-patterns \
+M7_FLAGS   := -mcpu=cortex-m7 -mthumb -mfloat-abi=soft -std=c11 $(SAME) $(DEBUG) $(WARN) -I. -MMD -MP -ffreestanding -fno-tree-loop-distribute-patterns \
               -fstack-usage -fcallgraph-info=su
 M7_SOURCES := $(wildcard firmware/core/*.c firmware/port/mps2_an500/*.c)
 M7_IMAGE   := $(BUILD)/m7/budget_image.elf
@@ -453,7 +460,7 @@ out/coronary_right_vcsim3.mp4: out/coronary_right.mp4
 	@$(BUILD)/bin/seldinger run --scene $(HEART) --tool $(WIRE) --tool shared/examples/instruments/guide_ntr_6f.toml \
 	    --session shared/examples/sessions/coronary_right.session --style vcsim3 --mp4 $@ > $(@:.mp4=.log)
 $(SCREEN_FIGURE): out/coronary_right_vcsim3.mp4 out/coronary_right.mp4
-	@mkdir -p $(@D) && ffmpeg -v error -y -ss 36.6 -i $< -ss 36.6 -i $(word 2,$^) -filter_complex hstack -frames:v 1 $@
+	@mkdir -p $(@D) && ffmpeg -v error -y -ss 45.6 -i $< -ss 45.6 -i $(word 2,$^) -filter_complex hstack -frames:v 1 $@
 MEDIUM_FIGURE := out/thesis/figure_5_8.png
 $(MEDIUM_FIGURE): out/coronary_right.png out/coronary.png
 	@mkdir -p $(@D) && ffmpeg -v error -y -i out/coronary_right.png -i out/coronary.png -filter_complex hstack $@
@@ -470,9 +477,15 @@ thesis: packages-build packages-run packages-bench ## Figures 5.6 to 5.10 and 5.
 	@$(MAKE) --no-print-directory PACKAGES=skip $(LINE_FIGURE)
 	@$(BUILD)/bin/vcsim3 figures --scene $(PHANTOM_SCENE) -o out/thesis --threads $(JOBS) --instructions
 
+docs-pictures: packages-build packages-run ## make the pictures of README and docs anew, each with its stamp (NAMES=..., minutes)
+	@$(QUIET_MAKE) $(PROGRAMS)
+	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE) $(HEART)
+	@tools/docs/pictures.py --write $(NAMES)
+
 docs: packages-build ## write the generated tables of docs/wire.md, usb.md, faults.md and instruments.md, and its picture
 	@$(QUIET_MAKE) $(BUILD)/bin/docs $(BUILD)/bin/seldinger
 	@$(BUILD)/bin/docs --write
+	@tools/docs/printed.py --write --build $(BUILD)
 	@$(BUILD)/bin/seldinger instruments --table docs/instruments.md --png docs/images/instruments.png > /dev/null
 
 dissector: packages-build ## write out/seldinger.lua, which lets Wireshark read the wire (docs/wire.md)
@@ -488,6 +501,8 @@ install-udev: ## let users of this machine open a rig on USB (as root, or DESTDI
 	@sed 's/=="1209"/=="$(word 1,$(subst :, ,$(USB_ID)))"/; s/=="0001"/=="$(word 2,$(subst :, ,$(USB_ID)))"/' tools/udev/60-seldinger.rules > $(UDEV_RULES)
 	@if [ -z "$(DESTDIR)" ]; then udevadm control --reload && udevadm trigger --subsystem-match=usb --subsystem-match=hidraw; fi
 	@echo "Written: $(UDEV_RULES). Plug the rig out and in."
+
+include tools/bars/bars.mk
 
 clean: ## remove build/ and out/
 	rm -rf build out

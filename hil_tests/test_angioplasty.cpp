@@ -310,12 +310,13 @@ void inflated_in_the_guide_it_stays_on_its_balloon(void **)
     assert_replays(guided);
 }
 
-// Friction of 0.1 on the wall force of 10 bar holds the hand back; a pull of 10 mm takes the balloon some of the way, with the stent on it, which
-// is let go there when the pressure goes.
+// Friction of 0.1 on the wall force of 8 bar holds the hand back by 5.3 N, and the balloon goes with the hand, with the stent on it, which is
+// let go there when the pressure goes. The line is stretched by 0.77 % then. From 10 bar it is held by 6.2 N and comes loose in one go when 9 bar
+// are left, which stretches it by 1.30 % under 10 N: beyond the limit of 1 % where a run ends as out of range (range_watch.hpp).
 void pulled_without_deflation_the_balloon_holds_its_stent(void **)
 {
     Case pulled{begin_at(lesion_mm) +
-                "inflate to 10 bar at 25 bar/s\nwithdraw catheter 10 mm at 50 mm/s\ndeflate at 25 bar/s\n"
+                "inflate to 8 bar at 25 bar/s\nwithdraw catheter 10 mm at 50 mm/s\ndeflate at 25 bar/s\n"
                 "wait 0.6 s\n"};
     pulled.run();
     const StentResult &stent = pulled.placed.at(0);
@@ -326,9 +327,10 @@ void pulled_without_deflation_the_balloon_holds_its_stent(void **)
                 std::string(stent_stage_text(stent.stage)).c_str());
     const double wall_N = pulled.result.figures.balloon.wall_max_N;
     assert_true(catheter.axial_max_N > 0.08 * wall_N && catheter.axial_max_N < 0.15 * wall_N);
+    assert_false(pulled.result.figures.range.is_left());
     assert_true(stent.stage == StentStage::deployed && stent.lesions.size() == 1);
-    const double from_mm = stent.lesions[0].coverage.from_mm; // 61.1 where it was mounted
-    assert_true(from_mm > 51.1 && from_mm < 61.0 && stent.lesions[0].coverage.misses() == (from_mm < 58.2));
+    const double from_mm = stent.lesions[0].coverage.from_mm; // 61.1 where it was mounted, 51.1 after 10 mm
+    assert_true(std::abs(from_mm - 51.1) < 0.5 && stent.lesions[0].coverage.misses());
     assert_replays(pulled);
 }
 

@@ -11,11 +11,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <string>
 #include <unistd.h>
 #include <vector>
 
 #include "host/app/run.hpp"
+#include "host/app/session_effects.hpp"
 #include "host/model/bodies.hpp"
 #include "host/model/instrument.hpp"
 #include <nlohmann/json.hpp>
@@ -74,7 +76,12 @@ Vector3d place_m(const seld::WireFrame &wire, double arc_m)
 class Watch : public seld::SteadySink
 {
   public:
-    explicit Watch(const seld::VesselTree &tree) : SteadySink(10), tree_(tree) {}
+    Watch(const seld::VesselTree &tree, seld::SessionEffects &effects)
+        : SteadySink(10), tree_(tree), effects_(effects)
+    {
+    }
+
+    void look(const seld::SessionFrame &frame) override { effects_.look(frame); }
 
     void tick(const seld_wire_encoders &, const seld_wire_tick_state &state) override
     {
@@ -121,6 +128,7 @@ class Watch : public seld::SteadySink
     }
 
     const seld::VesselTree &tree_;
+    seld::SessionEffects &effects_; // knows how narrow the lesion is, which the script expects something of
 };
 
 void check(const char *what, double value, double least, double most)
@@ -144,8 +152,18 @@ void treat(const char *scene_name, const std::string &session_name,
     const seld::Session session = seld::read_session("shared/examples/sessions/" + session_name);
     seld::Device device(scene, tools, seld::entry_of(scene, tools.size(), session.inserted_um),
                         seld::host_rig());
-    Watch watch(bodies.vessels);
-    const seld::RunResult result = seld::run_session(device, session, nullptr, &watch, {});
+    seld::PictureSettings files;
+    files.bodies_path = fs::path(file).replace_extension(".bodies").string();
+    files.scene_path = file.string();
+    seld::SessionEffects effects(files, tools);
+    const std::unique_ptr<seld::TipPlaces> tips = seld::read_tip_places(files.bodies_path, files.scene_path);
+    const seld::EffectsWitness witness(tips->map(), effects.contrast(), nullptr);
+    Watch watch(bodies.vessels, effects);
+    seld::RunSettings settings;
+    settings.tips = tips.get();
+    settings.witness = &witness;
+    const seld::RunResult result = seld::run_session(device, session, nullptr, &watch, settings);
+    if (!result.failures.empty()) fail_msg("%s", result.failures[0].c_str());
     assert_true(result.given_up_lines.empty());
     assert_false(watch.burst);
     assert_true(watch.frames_filled >= 4);
@@ -201,7 +219,8 @@ template <typename Answer> void copy_changed(const std::string &from, const std:
 {
     std::ifstream in(from);
     std::ofstream out(folder / to);
-    for (std::string line; std::getline(in, line);) out << answer(line) << "\n";
+    for (std::string line; std::getline(in, line);)
+        if (line.rfind("expect", 0) != 0) out << answer(line) << "\n"; // another course has another end
 }
 
 // What the score says of the short session with a stent: metrics by name.
@@ -261,8 +280,10 @@ void a_stent_of_a_size_too_small_stands_off_the_wall(void **)
     };
     copy_changed(balloon_file, "balloon_2_5.toml", smaller);
     copy_changed(stent_file, "stent_2_5.toml", smaller);
-    const nlohmann::json score = score_of_session(stent_session, (folder / "balloon_2_5.toml").string(),
-                                                  (folder / "stent_2_5.toml").string());
+    copy_changed(stent_session, "same.session", [](const std::string &line) { return line; });
+    const nlohmann::json score =
+        score_of_session((folder / "same.session").string(), (folder / "balloon_2_5.toml").string(),
+                         (folder / "stent_2_5.toml").string());
     check("residual stenosis, %", score["residual_stenosis_pct"], 15, 40);
     check("struts on the wall, %", score["apposition_pct"], 0, 92); // in the throat it lies on the plaque
     check("score", score["percent"], 0, 90);

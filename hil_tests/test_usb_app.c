@@ -221,6 +221,37 @@ static void settings_by_hid_obey_the_rules_of_the_wire(void **state)
     assert_int_equal(device.app.sequence_gaps, 0);
 }
 
+static usb_result set_gain(uint32_t gain_milli)
+{
+    seld_hid_calibration calibration;
+    const uint16_t value = 0x0300 | SELD_HID_ID_calibration;
+    assert_int_equal(hid(0xa1, 1, value, 64), USB_OK);
+    assert_true(seld_hid_decode_calibration(bytes + 1, count - 1, &calibration));
+    calibration.tracks[0].force_gain_milli = gain_milli;
+    seld_wire_writer writer = seld_wire_writer_make(bytes + 1, sizeof bytes - 1);
+    seld_hid_put_calibration(&writer, &calibration);
+    return hid(0x21, 9, value, 1 + SELD_HID_BYTES_calibration);
+}
+
+/* 800 N/m is what 1 N s/m bears at 0.5 ms of lag: the report that doubles what the hand feels of it is refused as the wire's `rig` is. */
+static void a_gain_that_is_not_passive_is_refused_by_hid(void **state)
+{
+    (void)state;
+    seld_wire_status status;
+    seld_wire_track track = client_plain_track();
+    track.actuator_lag_us = 500;
+    track.coupling_N_per_m = 800;
+    track.coupling_uN_m_per_rad = track.coupling_nN_m_s_per_rad = 0;
+    client_hello(&host, seld_wire_schema_hash());
+    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_hello_reply);
+    client_rig(&host, &track, 1);
+    assert_true(client_expect_status(&host, &status));
+    assert_int_equal(set_gain(2000), USB_STALLED);
+    assert_int_equal(device.app.tracks[0].wire.force_gain_milli, 1000);
+    assert_int_equal(set_gain(500), USB_OK);
+    assert_int_equal(device.app.tracks[0].wire.force_gain_milli, 500);
+}
+
 /* The state report of a FREE_RUN session follows tick by tick. */
 static void free_run_ticks_come_by_hid_one_by_one(void **state)
 {
@@ -249,6 +280,7 @@ int main(void)
         TEST(hid_shows_the_state_and_takes_power_away),
         TEST(stop_by_hid_passes_a_frame_that_is_half_there),
         TEST(settings_by_hid_obey_the_rules_of_the_wire),
+        TEST(a_gain_that_is_not_passive_is_refused_by_hid),
         TEST(free_run_ticks_come_by_hid_one_by_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

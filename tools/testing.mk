@@ -12,9 +12,11 @@ ROD_TESTS      := $(wildcard tools/reference_rod/tests/test_*.cpp)
 CASE_TESTS     := $(wildcard tools/case/tests/test_*.cpp)
 include tools/calibrate/calibrate.mk
 include tools/ct/ct.mk
+include tools/importers/importers.mk
 CT_TESTS       := $(wildcard tools/ct/tests/test_*.cpp)
 CALIBRATE_TESTS := $(wildcard tools/calibrate/tests/test_*.cpp)
 HIL_TESTS      := $(wildcard hil_tests/*/tests/test_*.cpp)
+include hil_tests/lies/lies.mk
 SYSTEM_TESTS   := $(wildcard hil_tests/test_*.cpp) # the whole program against real anatomy
 SCRIPT_TESTS   := $(wildcard tools/check/test_*.sh tools/check/test_*.py host/tests/test_*.sh tools/*/tests/test_*.sh tools/*/tests/test_*.py hil_tests/*/test_*.sh)
 test_program    = $(patsubst %,$(BUILD)/test/%,$(basename $(1)))
@@ -36,7 +38,7 @@ $(foreach t,$(ROD_TESTS),$(eval $(call test_rule,$(t),tools/validate $(ROD_LIBS)
 $(foreach t,$(CASE_TESTS),$(eval $(call test_rule,$(t),$(CASE_LIBS),,)))
 $(foreach t,$(CT_TESTS),$(eval $(call test_rule,$(t),$(CT_LIBS),$(CT_LINK),$(CT_HOST))))
 $(foreach t,$(CALIBRATE_TESTS),$(eval $(call test_rule,$(t),$(CALIBRATE_LIBS),$(CALIBRATE_LINK),)))
-$(foreach t,$(HIL_TESTS),$(eval $(call test_rule,$(t),$(HIL_LIBS),$(HOST_LINK),$(REFERENCE))))
+$(foreach t,$(HIL_TESTS),$(eval $(call test_rule,$(t),$(HIL_LIBS),$(HOST_LINK),$(REFERENCE) $(if $(findstring hil_tests/lies/,$(t)),$(LIES_SOURCES)))))
 $(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/room host/dicom host/xray/gl host/xray host/stent host/effects host/link tools/bake tools/centreline tools/mesh host/model $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
 ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS) $(TOOL_TESTS) $(LINE_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(ROD_TESTS) $(CASE_TESTS) $(CT_TESTS) $(CALIBRATE_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
@@ -75,17 +77,17 @@ hil-guest: packages-build packages-run packages-usb packages-hil ## level L3: th
 	@$(HIL_PROGRAM) --level L3 $(HIL_L3)
 
 # A fuzz target (fuzz_*.c) is one libFuzzer program and one that writes its first inputs: docs/testing.md.
-FUZZ_TARGETS := $(wildcard firmware/tests/fuzz_*.c shared/*/tests/fuzz_*.c hil_tests/fuzz_*.c host/tests/fuzz_*.cpp)
+FUZZ_TARGETS := $(wildcard firmware/tests/fuzz_*.c shared/*/tests/fuzz_*.c hil_tests/fuzz_*.c host/tests/fuzz_*.cpp tools/*/tests/fuzz_*.cpp)
 # Those of the host need these files of it, and nothing that a window or a film needs.
-FUZZ_HOST    := host/link/link.cpp host/app/recording.cpp host/model/text.cpp host/room/command.cpp host/stent/design.cpp
-FUZZ_LINKED   = $(if $(filter host/%,$(1)),$(FUZZ_HOST),$(REFERENCE))
+FUZZ_HOST    := host/link/link.cpp host/link/link_hello.cpp host/link/link_receive.cpp host/link/patience.cpp host/model/interrupt.cpp host/model/pending_file.cpp host/app/recording.cpp host/model/text.cpp host/model/terminal.cpp host/model/format.cpp host/room/command.cpp host/stent/design.cpp host/model/toml.cpp
+FUZZ_LINKED   = $(if $(filter host/%,$(1)),$(FUZZ_HOST),$(if $(filter tools/%,$(1)),$(FUZZ_TOOLS),$(REFERENCE)))
 define fuzz_rule
 $(call test_program,$(1)): $(call objects,$(1) $(call FUZZ_LINKED,$(1))) $(foreach lib,$(DEVICE_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $$(@D)
-	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) -lm -fsanitize=fuzzer
+	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) -lm $(if $(filter tools/%,$(1)),-lpugixml -lz) -fsanitize=fuzzer
 $(call test_program,$(1))_seeds: $(call objects,$(1) tools/check/fuzz_seeds.c $(call FUZZ_LINKED,$(1))) $(foreach lib,$(DEVICE_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $$(@D)
-	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) -lm
+	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) -lm $(if $(filter tools/%,$(1)),-lpugixml -lz)
 endef
 $(foreach t,$(FUZZ_TARGETS),$(eval $(call fuzz_rule,$(t))))
 fuzz-programs: $(foreach t,$(FUZZ_TARGETS),$(call test_program,$(t)) $(call test_program,$(t))_seeds) ## build the fuzz targets (needs clang)
@@ -98,7 +100,7 @@ SAN_MAKE   = $(TEST_MAKE) BUILD=$(BUILD)/san CC=clang CXX=clang++ PCH=$(if $(CCA
 FUZZ_MAKE  = $(TEST_MAKE) BUILD=$(BUILD)/fuzz CC=clang CXX=clang++ SAN=fuzzer-no-link,address,undefined OPT=-O2 CORE_OPT=-O2
 
 # What does not build is reported by run_tests.py as failed, with everything else run all the same.
-test: packages-build packages-test packages-matrix packages-usb ## build and run every test, also under the sanitizers, and a short fuzz run
+test: packages-build+test+matrix+usb ## build and run every test, also under the sanitizers, and a short fuzz run
 	@status=0; \
 	$(TEST_MAKE) -k $(PROGRAMS) tests-build || status=1; \
 	$(SAN_MAKE) -k tests-build-san hil-programs || status=1; \

@@ -25,21 +25,37 @@ void seld_app_init(seld_app *app, const seld_port *port)
     app->state = SELD_WIRE_STATE_INIT;
     app->mode = SELD_WIRE_MODE_LOCKSTEP;
     seld_wire_decoder_init(&app->decoder);
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++)
-        seld_app_track_default(&app->tracks[k], port->force_uN_per_count);
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) seld_app_track_default(&app->tracks[k], port);
     seld_app_hands_reset(app);
     seld_app_coupling_reset(app);
     seld_app_motors_off(app);
 }
 
-/* A host that speaks another language may not command anything, even in the middle of a session. */
+static void host_spoke(seld_app *app)
+{
+    if (app->silent_ticks >= SELD_APP_HOST_SILENT_ticks) seld_app_notice(app, SELD_WIRE_EVENT_HOST, 0, 0, 0);
+    app->silent_ticks = 0;
+}
+
+/* A host is there that leads motors with power: its silence has not ended the forces yet. */
+static bool is_led(const seld_app *app)
+{
+    return app->is_driving && app->silent_ticks < SELD_APP_HOST_SILENT_ticks + SELD_APP_FADE_ticks;
+}
+
+/* A program that begins its own conversation in the middle of that would end the other's with its next word, RESET: it is refused, which
+ * is no sign of life of the one that leads. A host that speaks another language may not command anything, even in the middle of a session. */
 static void hello(seld_app *app, const uint8_t *payload, size_t length)
 {
     seld_wire_hello hello;
     SELD_REJECT_IF(app, SELD_WIRE_TYPE_hello, !seld_wire_decode_hello(payload, length, &hello),
                    SELD_REJECT_MALFORMED, length, SELD_WIRE_BYTES_hello);
-    app->is_greeted =
+    const bool is_understood =
         hello.protocol_major == SELD_WIRE_PROTOCOL_MAJOR && hello.schema_hash == seld_wire_schema_hash();
+    SELD_REJECT_IF(app, SELD_WIRE_TYPE_hello, is_understood && is_led(app), SELD_REJECT_BUSY,
+                   app->silent_ticks, 0);
+    app->is_greeted = is_understood;
+    if (is_understood) host_spoke(app);
     app->arm_code = 0; /* what another conversation was allowed is not for this one */
     app->motors_armed = false;
     if (app->is_greeted && app->state == SELD_WIRE_STATE_INIT) seld_app_set_state(app, SELD_WIRE_STATE_READY);
@@ -164,12 +180,6 @@ static void dispatch(seld_app *app, uint16_t type, const uint8_t *payload, size_
     }
 }
 
-static void host_spoke(seld_app *app)
-{
-    if (app->silent_ticks >= SELD_APP_HOST_SILENT_ticks) seld_app_notice(app, SELD_WIRE_EVENT_HOST, 0, 0, 0);
-    app->silent_ticks = 0;
-}
-
 static void take_frame(seld_app *app)
 {
     uint16_t sequence = app->decoder.header.sequence;
@@ -178,7 +188,7 @@ static void take_frame(seld_app *app)
     if (app->sequence_is_known && !follows) app->sequence_gaps++;
     app->sequence_in = sequence;
     app->sequence_is_known = true;
-    if (app->is_greeted) host_spoke(app);
+    if (app->is_greeted && app->decoder.header.type != SELD_WIRE_TYPE_hello) host_spoke(app);
     app->answers = sequence;
     dispatch(app, app->decoder.header.type, app->decoder.payload, app->decoder.payload_bytes);
     app->answers = 0;

@@ -99,6 +99,22 @@ typedef struct seld_app_energy {
     bool is_set;
 } seld_app_energy;
 
+/* From one turn of a carriage to the next. */
+typedef struct seld_app_swing {
+    uint32_t ticks;
+    int32_t low_mN, high_mN; /* of what the motor was given */
+    int64_t way_nm, hand_pJ; /* + into the patient; what the hand put in */
+    int64_t hand_mN_ms;      /* sum of the hand's force */
+} seld_app_swing;
+
+/* A carriage that goes forth and back. */
+typedef struct seld_app_cycle {
+    seld_app_swing now, last;
+    int64_t at_nm, far_nm; /* from the last turn: where it is, and the farthest */
+    int32_t direction;     /* 0: not known yet */
+    uint32_t driven_ticks; /* of swings that the motor kept up */
+} seld_app_cycle;
+
 /* What the checks of one track remember; only while a rig is attached. */
 typedef struct seld_app_watch {
     int32_t asked_mN[SELD_APP_ASKED_ticks]; /* ring of what was asked for */
@@ -109,6 +125,12 @@ typedef struct seld_app_watch {
     bool stands;
     bool had_force_sensor;
     seld_port_hand last;
+    int32_t moved[SELD_APP_ASKED_ticks]; /* ring of what the carriage moved, counts + into the patient */
+    uint32_t loose_ticks;                /* of a force that no hand holds, less those of one that is held */
+    uint32_t untouched_ticks, fast_ticks, passivity_ticks;
+    int32_t speed_begin_um_s; /* when the hand let go */
+    int64_t impulse_uN_s;     /* of the motor since then */
+    seld_app_cycle cycle;
 } seld_app_watch;
 
 /* One tool's encoders and actuators, set by the `rig` message. */
@@ -118,7 +140,10 @@ typedef struct seld_app_track {
     uint64_t rotation_turn48_per_count; /* one turn = 2^48 */
     uint32_t translation_jump_counts;   /* largest believable change in one tick */
     uint32_t rotation_jump_counts;
-    uint32_t force_built_uN_per_count; /* the port's */
+    seld_wire_track built;       /* as the rig's builder stated it */
+    seld_wire_track vouched;     /* as somebody at the rig, or a coupling that was taken, had it last */
+    uint32_t scale_pm_per_count; /* what a count is: the builder's word, or that of somebody at the rig */
+    uint32_t scale_counts_per_turn;
     int32_t force_limit_mN;
     int32_t torque_limit_uN_m;
     seld_app_axis axes[2]; /* along and about the line */
@@ -183,6 +208,7 @@ typedef struct seld_app {
     /* session */
     seld_app_hand hands[SELD_TOOL_MAX];
     seld_port_motor motors[SELD_TOOL_MAX]; /* asked for; in LOCKSTEP only reported */
+    seld_port_motor driven[SELD_TOOL_MAX]; /* given to the port at the last edge; 0 without power */
     seld_app_spring springs[SELD_TOOL_MAX][2];
     seld_app_energy energies[SELD_TOOL_MAX];
     bool has_stop;
@@ -202,6 +228,7 @@ typedef struct seld_app {
     uint32_t asked_at; /* place in the rings of what was asked for */
     uint32_t buttons;  /* of the last tick */
     uint32_t edge_us, backlog_us, tick_us_max, tick_overruns, passivity_ticks;
+    uint32_t edges_done; /* by seld_app_timer, to their very end: what a port feeds its watchdog by */
     bool has_edge, was_late;
 
     seld_app_queue queue;

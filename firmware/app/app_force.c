@@ -3,13 +3,15 @@
 #include "firmware/app/app_internal.h"
 
 enum {
-    STORED_MAX_pJ_HIGH =
-        50, /* in 10^9 pJ = mJ: what wires and coupling may store and give back: 8 N on 1 N/mm is 32 mJ */
-    GIVEN_MAX_pJ_HIGH = 10, /* what they may give that they held before START */
+    STORED_MAX_mJ = 50, /* what wires and coupling may store and give back: 8 N on 1 N/mm is 32 mJ */
+    GIVEN_MAX_mJ = 10,  /* what they may give that they held before START */
     SCALE_ONE = 1 << 16,
     SCALE_DOWN = SCALE_ONE / 32, /* per tick: gone in 32 ms */
     SCALE_UP = SCALE_ONE / 1024, /* back in a second */
 };
+
+static const int64_t stored_max_pJ = STORED_MAX_mJ * (int64_t)1000000000,
+                     given_max_pJ = GIVEN_MAX_mJ * (int64_t)1000000000;
 
 static int32_t limited(int64_t value, int64_t low, int64_t high)
 {
@@ -40,12 +42,17 @@ static int64_t work_pJ(const seld_port_motor *motor, int32_t way_m_q30, int32_t 
     return along + about;
 }
 
+/* The hand got more than it put in and what may have been stored. */
+bool seld_app_gives_energy(const seld_app_energy *energy)
+{
+    return energy->taken_pJ < -given_max_pJ;
+}
+
 /* Share of the force that keeps the track passive. What was put in long ago is not credited without bound, and what was
- * given without reason is forgiven slowly, so that a track never stays dead. */
+ * given without reason is forgiven slowly, so that a track never stays dead. A track with power that stays there stops
+ * (app_carriage.c). */
 static void observe_energy(seld_app *app, uint32_t k, const seld_hand_pose *hand)
 {
-    const int64_t stored_max = STORED_MAX_pJ_HIGH * (int64_t)1000000000,
-                  given_max = GIVEN_MAX_pJ_HIGH * (int64_t)1000000000;
     seld_app_energy *energy = &app->energies[k];
     int32_t way = seld_wire_i32_from_u32((uint32_t)hand->feed_m_q30 - (uint32_t)energy->hand_m_q30);
     int32_t turn = seld_wire_i32_from_u32(hand->turn32 - energy->hand_turn32);
@@ -54,14 +61,14 @@ static void observe_energy(seld_app *app, uint32_t k, const seld_hand_pose *hand
     energy->hand_m_q30 = hand->feed_m_q30;
     energy->hand_turn32 = hand->turn32;
     energy->taken_pJ += work;
-    if (energy->taken_pJ > stored_max) energy->taken_pJ = stored_max;
+    if (energy->taken_pJ > stored_max_pJ) energy->taken_pJ = stored_max_pJ;
     if (energy->taken_pJ < 0) energy->taken_pJ -= energy->taken_pJ / 4096;
-    if (energy->taken_pJ >= -given_max) {
+    if (!seld_app_gives_energy(energy)) {
         energy->scale_q16 =
             energy->scale_q16 + SCALE_UP > SCALE_ONE ? SCALE_ONE : energy->scale_q16 + SCALE_UP;
         return;
     }
-    if (energy->taken_pJ < -2 * given_max) energy->taken_pJ = -2 * given_max;
+    if (energy->taken_pJ < -2 * given_max_pJ) energy->taken_pJ = -2 * given_max_pJ;
     if (work < 0) energy->scale_q16 = energy->scale_q16 > SCALE_DOWN ? energy->scale_q16 - SCALE_DOWN : 0;
     app->passivity_ticks++;
     seld_app_fault(app, SELD_FAULT_CODE_PASSIVITY, (int32_t)k,
@@ -137,13 +144,17 @@ static uint8_t lamp(uint8_t state)
     return state == SELD_WIRE_STATE_ARMED ? SELD_PORT_LAMP_ARMED : SELD_PORT_LAMP_IDLE;
 }
 
-/* A track is driven along or about its line only through a coupling: the rod itself is stiffer than any rig renders. */
-seld_port_motor seld_app_motor_driven(const seld_app *app, uint32_t k)
+/* A track is driven along or about its line only through a coupling: the rod itself is stiffer than any rig renders. And it is driven
+ * only as far as somebody holds it. */
+static seld_port_motor drive(seld_app *app, uint32_t k)
 {
-    const seld_app_axis *axes = app->tracks[k].axes;
+    const seld_app_track *track = &app->tracks[k];
     if (!app->is_driving || k >= app->tool_count) return (seld_port_motor){0, 0};
-    return (seld_port_motor){axes[SELD_APP_ALONG].stiffness > 0 ? app->motors[k].axial_mN : 0,
-                             axes[SELD_APP_ABOUT].stiffness > 0 ? app->motors[k].torque_uN_m : 0};
+    const int32_t asked_mN = track->axes[SELD_APP_ALONG].stiffness > 0 ? app->motors[k].axial_mN : 0;
+    const int32_t bound_mN = seld_app_carriage_bound(app, k, asked_mN);
+    return (seld_port_motor){approach(app->driven[k].axial_mN, limited(asked_mN, -bound_mN, bound_mN),
+                                      (int32_t)track->wire.force_slew_mN_per_tick, track->force_limit_mN),
+                             track->axes[SELD_APP_ABOUT].stiffness > 0 ? app->motors[k].torque_uN_m : 0};
 }
 
 /* Once per edge. While driving: the forces, and one flip of the drive line, which keeps the power stage on for another
@@ -152,7 +163,7 @@ void seld_app_outputs_write(seld_app *app)
 {
     seld_port_outputs outputs = {.enable = app->is_driving, .lamp = lamp(app->state)};
     for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
-        outputs.motors[k] = seld_app_motor_driven(app, k);
+        outputs.motors[k] = app->driven[k] = drive(app, k);
         app->watches[k].asked_mN[app->asked_at] = outputs.motors[k].axial_mN;
     }
     app->asked_at = (app->asked_at + 1) % SELD_APP_ASKED_ticks;
@@ -167,6 +178,7 @@ void seld_app_motors_off(seld_app *app)
     const seld_port_outputs outputs = {.drive = app->drive_level, .lamp = lamp(app->state)};
     if (app->is_driving) app->idle_ticks = 0;
     app->is_driving = app->motors_armed = false;
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) app->driven[k] = (seld_port_motor){0, 0};
     app->arm_code = 0;
     app->port->outputs(app->port->context, &outputs);
 }

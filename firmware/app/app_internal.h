@@ -68,7 +68,7 @@ uint32_t seld_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, seld_lum
 /* app_rig.c: configuration of the tracks */
 void seld_app_rig(seld_app *app, const uint8_t *payload, size_t length);
 void seld_app_rig_take(seld_app *app, const seld_wire_rig *wire);
-void seld_app_track_default(seld_app_track *track, uint32_t force_uN_per_count);
+void seld_app_track_default(seld_app_track *track, const seld_port *port);
 
 /* app_command.c: states and modes */
 void seld_app_command(seld_app *app, const uint8_t *payload, size_t length);
@@ -113,10 +113,10 @@ void seld_app_coupling_reset(seld_app *app);
 
 /* app_force.c: gain -> passivity -> slew limit -> force limit -> fade, and the outputs */
 void seld_app_motors_update(seld_app *app, const seld_input *hands, const seld_output *output);
+bool seld_app_gives_energy(const seld_app_energy *energy);
 void seld_app_motors_reset(seld_app *app);
 void seld_app_motors_off(seld_app *app);
 void seld_app_outputs_write(seld_app *app);
-seld_port_motor seld_app_motor_driven(const seld_app *app, uint32_t track);
 
 /* app_safety.c: what can hurt a finger */
 void seld_app_safety_check(seld_app *app);
@@ -124,6 +124,14 @@ seld_fault_code seld_app_safety_ready(const seld_app *app);
 void seld_app_safety_begin(seld_app *app);
 void seld_app_clock_begin(seld_app *app);
 void seld_app_clock_end(seld_app *app);
+
+/* app_carriage.c: what a motor may do to a carriage that nobody holds */
+int32_t seld_app_carriage_moved(const seld_app *app, uint32_t track);
+int32_t seld_app_carriage_bound(seld_app *app, uint32_t track, int32_t asked_mN);
+seld_fault_code seld_app_carriage_check(seld_app *app, uint32_t track, int32_t *value);
+
+/* app_cycle.c: cycles that a motor keeps up in a hand */
+bool seld_app_cycle_lasts(seld_app *app, uint32_t track, int32_t moved_counts);
 
 /* app_fault.c */
 void seld_app_fault_log(seld_app *app, seld_fault_code code, int32_t value1, int32_t value2);

@@ -200,7 +200,7 @@ void seld_app_send_set_up(seld_app *app)
 static seld_wire_track_sensors track_sensors(const seld_app *app, uint32_t k)
 {
     const seld_port_track *track = &app->rig.tracks[k];
-    const seld_port_motor motor = seld_app_motor_driven(app, k);
+    const seld_port_motor motor = app->driven[k];
     return (seld_wire_track_sensors){
         .translation_counts = app->rig.hands[k].translation_counts,
         .rotation_counts = app->rig.hands[k].rotation_counts,

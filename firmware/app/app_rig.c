@@ -7,6 +7,7 @@ enum {
     TRANSLATION_MAX_pm = 500000000,
     ROTATION_MIN_counts = 16,
     ROTATION_MAX_counts = 16777216,
+    GAIN_ONE_milli = 1000, /* true force */
     GAIN_MAX_milli = 4000,
     OPTIONS_ALL = SELD_WIRE_OPTION_TRANSLATION_REVERSED | SELD_WIRE_OPTION_ROTATION_REVERSED,
     FORCE_MAX_uN_per_count = 1000000,
@@ -24,13 +25,29 @@ static bool in_range(uint32_t value, uint32_t low, uint32_t high)
     return value >= low && value <= high;
 }
 
-/* b > K (T / 2 + t) + B: what a sampled spring and damper may be on a rig with damping b whose force comes t late
- * (docs/haptics.md). Format: K in N/m times us, b and B in 1/1000 of that. Without a coupling nothing is asked. */
-static bool is_passive(uint32_t stiffness, uint32_t damping, uint32_t damping_rig, uint32_t lag_us)
+/* What the hand feels of a coupling is multiplied by the gain where that is above one, and by a scale that says more of a count than
+ * is known. In 1/1000, rounded up. Overflow: wraps for values that are out of their ranges and refused anyway; else below 2^41. */
+static uint64_t loop_milli(const seld_wire_track *wire, uint32_t said, uint32_t known)
+{
+    const uint64_t gain_milli =
+        wire->force_gain_milli > GAIN_ONE_milli ? wire->force_gain_milli : GAIN_ONE_milli;
+    if (known == 0 || said <= known) return gain_milli;
+    return seld_divide_u64(gain_milli * said + known - 1, known);
+}
+
+/* b > G (K (T / 2 + t) + B): what a sampled spring and damper may be on a rig with damping b whose force comes t late and is
+ * multiplied by G (docs/haptics.md). Format: K in N/m, b and B in 1/1000 N s/m, G in 1/1000; both sides in 1e-9 N s/m. Overflow:
+ * G below 2^32 (4 000 x 5 x 10^5, the range of scales), 10^5 x 2^32 x 20 500 and 10^6 x 2^32 below 2^63.
+ * Without a coupling nothing is asked. */
+static bool is_passive(uint32_t stiffness, uint32_t damping, uint32_t damping_rig, uint32_t lag_us,
+                       uint64_t factor_milli)
 {
     if (stiffness == 0) return damping == 0;
-    if (damping_rig <= damping || lag_us > LAG_MAX_us) return false;
-    return (uint64_t)stiffness * (SELD_TICK_us / 2 + lag_us) <= (uint64_t)(damping_rig - damping) * 1000;
+    if (stiffness > COUPLING_MAX_uN_m_per_rad || damping > DAMPING_MAX || lag_us > LAG_MAX_us) return false;
+    if (factor_milli > UINT32_MAX) return false;
+    const uint64_t spring = stiffness * factor_milli * (SELD_TICK_us / 2 + lag_us);
+    const uint64_t damper = damping * factor_milli, rig = (uint64_t)damping_rig * GAIN_ONE_milli;
+    return damper < rig && spring <= (rig - damper) * 1000;
 }
 
 /* 0 keeps what is there. */
@@ -45,25 +62,80 @@ static void keep_defaults(seld_wire_track *wire, const seld_wire_track *present)
 static const seld_wire_track first = {
     .translation_pm_per_count = 1000000, /* 1 um */
     .rotation_counts_per_turn = 65536,
-    .force_gain_milli = 1000, /* true force */
+    .force_gain_milli = GAIN_ONE_milli,
     .force_limit_mN = SELD_APP_FORCE_LIMIT_mN,
     .torque_limit_uN_m = SELD_APP_TORQUE_LIMIT_uN_m,
     .force_slew_mN_per_tick = SELD_APP_FORCE_SLEW_mN_per_tick,
     .torque_slew_uN_m_per_tick = SELD_APP_TORQUE_SLEW_uN_m_per_tick,
 };
 
-/* A scale that is too small makes every force look small, and then no check sees a large one. So a host may correct what the rig's
- * builder stated by what sensors differ among themselves; another sensor needs somebody at the rig. */
-static bool is_scale(uint32_t asked, const seld_app_track *present, bool is_free)
+/* --- who may state what --- */
+
+/* What a host may state of a track that nobody at the rig has confirmed, measured against what the rig's builder stated. */
+typedef enum step_rule {
+    STEP_SCALE, /* a quarter up or down: what sensors differ among themselves */
+    STEP_UP_TO, /* anything up to it: less is the safe side */
+    STEP_FROM,  /* anything from it on: more is the safe side */
+    STEP_NONE,  /* only that */
+} step_rule;
+
+static bool is_free_step(step_rule rule, uint32_t asked, uint32_t built)
 {
-    const uint32_t built = present->force_built_uN_per_count;
-    if (is_free) return asked <= FORCE_MAX_uN_per_count;
-    return asked == present->wire.force_uN_per_count || in_range(asked, built - built / 4, built + built / 4);
+    switch (rule) {
+    case STEP_SCALE:
+        return in_range(asked, built - built / 4, built + built / 4);
+    case STEP_UP_TO:
+        return asked <= built;
+    case STEP_FROM:
+        return asked >= built;
+    case STEP_NONE:
+        break;
+    }
+    return asked == built;
+}
+
+static bool is_coupled(const seld_wire_track *wire)
+{
+    return wire->coupling_N_per_m > 0 || wire->coupling_uN_m_per_rad > 0;
+}
+
+/* The one table of it. A sensor's scale that is too small makes every force and every speed look small, and then no check sees a large
+ * one; one that is too large, a gain, a damping that is not there or a lag that is hidden makes the coupling stiffer than the rig can
+ * render; an encoder that is said to count the other way turns a spring into a push. A track without a coupling is never driven:
+ * of it a host may say what it likes but for the force sensor, which is looked at in every state. What was vouched for may be said
+ * again. False: *field names the offender. */
+static bool steps_are_free(const seld_wire_track *asked, const seld_app_track *present, uint32_t *field)
+{
+    const seld_wire_track *vouched = &present->vouched, *built = &present->built;
+    const bool is_driven = is_coupled(asked);
+    const struct {
+        uint32_t field;
+        bool counts;
+        step_rule rule;
+        uint32_t asked, vouched, built;
+    } steps[] = {
+#define STEP(number, counts, rule, name) {number, counts, rule, asked->name, vouched->name, built->name}
+        STEP(0, is_driven, STEP_SCALE, translation_pm_per_count),
+        STEP(1, is_driven, STEP_SCALE, rotation_counts_per_turn),
+        STEP(2, is_driven, STEP_UP_TO, force_gain_milli),
+        STEP(7, is_driven, STEP_NONE, options),
+        STEP(9, true, STEP_SCALE, force_uN_per_count),
+        STEP(10, is_driven, STEP_UP_TO, damping_mN_s_per_m),
+        STEP(11, is_driven, STEP_UP_TO, damping_nN_m_s_per_rad),
+        STEP(12, is_driven, STEP_FROM, actuator_lag_us),
+#undef STEP
+    };
+    for (uint32_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+        *field = steps[i].field;
+        if (!steps[i].counts || steps[i].asked == steps[i].vouched) continue;
+        if (!is_free_step(steps[i].rule, steps[i].asked, steps[i].built)) return false;
+    }
+    return true;
 }
 
 /* What a host may change of a track beyond what it may always. */
 typedef struct track_rights {
-    bool raises_limits, moves_scale;
+    bool raises_limits, states_all;
 } track_rights;
 
 /* False: *field names the offender. */
@@ -72,6 +144,11 @@ static bool track_is_good(const seld_wire_track *wire, const seld_app_track *pre
 {
     const seld_wire_track *limits =
         rights.raises_limits ? &first : &present->wire; /* the largest allowed now */
+    /* What somebody at the rig says of a count is believed; otherwise a count may be less than what is said. */
+    const uint64_t along_milli = loop_milli(wire, rights.states_all ? 0 : wire->translation_pm_per_count,
+                                            present->scale_pm_per_count),
+                   about_milli = loop_milli(wire, rights.states_all ? 0 : present->scale_counts_per_turn,
+                                            wire->rotation_counts_per_turn);
     const bool ok[] = {
         in_range(wire->translation_pm_per_count, TRANSLATION_MIN_pm, TRANSLATION_MAX_pm),
         in_range(wire->rotation_counts_per_turn, ROTATION_MIN_counts, ROTATION_MAX_counts),
@@ -82,23 +159,23 @@ static bool track_is_good(const seld_wire_track *wire, const seld_app_track *pre
         wire->torque_slew_uN_m_per_tick <= limits->torque_slew_uN_m_per_tick,
         (wire->options & ~(uint32_t)OPTIONS_ALL) == 0,
         true, /* any zero of the force sensor */
-        is_scale(wire->force_uN_per_count, present, rights.moves_scale),
+        wire->force_uN_per_count <= FORCE_MAX_uN_per_count,
         wire->damping_mN_s_per_m <= DAMPING_MAX,
         wire->damping_nN_m_s_per_rad <= DAMPING_MAX,
         wire->actuator_lag_us <= LAG_MAX_us,
         wire->coupling_N_per_m <= COUPLING_MAX_N_per_m,
         wire->coupling_uN_m_per_rad <= COUPLING_MAX_uN_m_per_rad,
         is_passive(wire->coupling_N_per_m, wire->coupling_mN_s_per_m, wire->damping_mN_s_per_m,
-                   wire->actuator_lag_us),
+                   wire->actuator_lag_us, along_milli),
         is_passive(wire->coupling_uN_m_per_rad, wire->coupling_nN_m_s_per_rad, wire->damping_nN_m_s_per_rad,
-                   wire->actuator_lag_us),
+                   wire->actuator_lag_us, about_milli),
         wire->seal_mN <= SEAL_MAX_mN,
         wire->seal_uN_m <= SEAL_MAX_uN_m,
     };
     for (*field = 0; *field < sizeof ok / sizeof ok[0]; ++*field) {
         if (!ok[*field]) return false;
     }
-    return true;
+    return rights.states_all || steps_are_free(wire, present, field);
 }
 
 /* Check everything, then take it over. False: *field names the offender. */
@@ -109,6 +186,11 @@ static bool track_set(seld_app_track *track, const seld_wire_track *asked, track
     keep_defaults(&wire, &track->wire);
     if (!track_is_good(&wire, track, rights, field)) return false;
     track->wire = wire;
+    if (rights.states_all || is_coupled(&wire)) track->vouched = wire;
+    if (rights.states_all) {
+        track->scale_pm_per_count = wire.translation_pm_per_count;
+        track->scale_counts_per_turn = wire.rotation_counts_per_turn;
+    }
     /* 2^46 m / 10^12 = 2^34 / 5^12 per picometre; 5e8 x 2^34 < 2^63. */
     track->translation_m_q46_per_count =
         seld_divide_u64(((uint64_t)wire.translation_pm_per_count << 34) + 122070312u, 244140625u);
@@ -124,13 +206,26 @@ static bool track_set(seld_app_track *track, const seld_wire_track *asked, track
     return true;
 }
 
-void seld_app_track_default(seld_app_track *track, uint32_t force_uN_per_count)
+static uint32_t stated(uint32_t built, uint32_t otherwise)
+{
+    return built != 0 ? built : otherwise;
+}
+
+/* At power-up a track is what its builder said, without a damping that somebody could count on. */
+void seld_app_track_default(seld_app_track *track, const seld_port *port)
 {
     uint32_t field;
-    track->wire = first;
-    track->force_built_uN_per_count = force_uN_per_count != 0 ? force_uN_per_count : FORCE_BUILT_uN_per_count;
-    track->wire.force_uN_per_count = track->force_built_uN_per_count;
-    track_set(track, &first, (track_rights){true, true}, &field);
+    const seld_port_built *built = &port->built;
+    seld_wire_track wire = first;
+    wire.translation_pm_per_count = stated(built->translation_pm_per_count, first.translation_pm_per_count);
+    wire.rotation_counts_per_turn = stated(built->rotation_counts_per_turn, first.rotation_counts_per_turn);
+    wire.force_uN_per_count = stated(port->force_uN_per_count, FORCE_BUILT_uN_per_count);
+    wire.actuator_lag_us = built->actuator_lag_us;
+    wire.options = built->options;
+    *track = (seld_app_track){.wire = first, .built = wire};
+    track->built.damping_mN_s_per_m = built->damping_mN_s_per_m;
+    track->built.damping_nN_m_s_per_rad = built->damping_nN_m_s_per_rad;
+    (void)track_set(track, &wire, (track_rights){true, true}, &field);
 }
 
 /* Checked as a whole before a single track changes. */
@@ -142,7 +237,7 @@ void seld_app_rig_take(seld_app *app, const seld_wire_rig *wire)
     SELD_REJECT_IF(app, type, wire->tracks_count == 0, SELD_REJECT_TOOL_COUNT, 0, SELD_TOOL_MAX);
     bool is_unlocked = app->has_rig && app->rig.local_unlock;
     bool has_motors = (app->port->capabilities & SELD_WIRE_CAPABILITY_MOTORS) != 0;
-    const track_rights rights = {.raises_limits = is_unlocked, .moves_scale = is_unlocked || !has_motors};
+    const track_rights rights = {.raises_limits = is_unlocked, .states_all = is_unlocked || !has_motors};
     for (uint16_t k = 0; k < wire->tracks_count; k++) {
         uint32_t field = 0;
         candidates[k] = app->tracks[k];

@@ -75,14 +75,6 @@ static seld_fault_code check_force(seld_app *app, uint32_t k, int32_t measured)
 
 /* --- carriages --- */
 
-static int32_t moved_counts(const seld_app *app, uint32_t k)
-{
-    uint32_t moved =
-        (uint32_t)app->rig.hands[k].translation_counts - (uint32_t)app->watches[k].last.translation_counts;
-    bool is_reversed = (app->tracks[k].wire.options & SELD_WIRE_OPTION_TRANSLATION_REVERSED) != 0;
-    return seld_wire_i32_from_u32(is_reversed ? 0u - moved : moved);
-}
-
 /* The force on the carriage that neither motor nor hand explains, + into the patient. */
 static int32_t unbalance(const seld_app_watch *watch, int32_t measured)
 {
@@ -103,7 +95,7 @@ static void restart_watch(seld_app_watch *watch, int32_t speed_counts)
 static seld_fault_code check_carriage(seld_app *app, uint32_t k, int32_t measured)
 {
     seld_app_watch *watch = &app->watches[k];
-    int32_t moved = moved_counts(app, k), force = unbalance(watch, measured);
+    int32_t moved = seld_app_carriage_moved(app, k), force = unbalance(watch, measured);
     bool turns = watch->unbalance_ticks > 0 && (force > 0) != (watch->unbalance_mN > 0);
     if (size_of(force) < UNBALANCE_mN || turns) {
         restart_watch(watch, moved);
@@ -155,11 +147,10 @@ static seld_fault_code check_track(seld_app *app, uint32_t k, int32_t *value)
         if (lasts(&app->watches[k].current_ticks, track->over_current, CURRENT_ticks))
             return SELD_FAULT_CODE_OVER_CURRENT;
     }
-    if (track->force_sensor != SELD_PORT_SENSOR_OK) return code;
-    code = check_force(app, k, measured);
-    if (code == SELD_FAULT_CODE_NONE && app->is_driving && k < app->tool_count)
-        code = check_carriage(app, k, measured);
-    return code;
+    if (track->force_sensor == SELD_PORT_SENSOR_OK) code = check_force(app, k, measured);
+    if (code != SELD_FAULT_CODE_NONE || !app->is_driving || k >= app->tool_count) return code;
+    if (track->force_sensor == SELD_PORT_SENSOR_OK) code = check_carriage(app, k, measured);
+    return code != SELD_FAULT_CODE_NONE ? code : seld_app_carriage_check(app, k, value);
 }
 
 static bool stage_is_stuck(const seld_app *app)

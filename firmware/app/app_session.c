@@ -376,4 +376,5 @@ void seld_app_timer(seld_app *app)
     if (is_ticking) seld_app_clock_end(app);
     seld_app_stream_flush(app);
     if (was_running && app->state != SELD_WIRE_STATE_RUNNING) seld_app_send_status(app, 0);
+    app->edges_done++;
 }

@@ -42,22 +42,11 @@ static seld_state state;
 static seld_input input, inputs[BUDGET_TICKS_MAX];
 static seld_output output;
 
-/* The reference wire; a driven one has a floppy J of 12 mm, which snaps from wall to wall. */
+/* The reference wire; a driven one has a floppy J. */
 static seld_instrument make_wire(const scene *s)
 {
-    seld_instrument wire = reference_wire(s->bend_N_m2, 900000, 3000, 0.2);
-    if (s->motion == DRIVEN) {
-        wire.knot_count = 4;
-        wire.knots[3] = wire.knots[2] = wire.knots[1];
-        wire.knots[1] = wire.knots[0];
-        wire.knots[1].arc_um = 12000;
-        wire.knots[2].arc_um = 60000;
-        for (int i = 0; i < 2; i++) {
-            wire.knots[i].bend_stiffness_nN_m2 = wire.knots[i].twist_stiffness_nN_m2 = 10000;
-            wire.knots[i].rest_curvature1_per_m_milli = 250000;
-        }
-    }
-    return wire;
+    return s->motion == DRIVEN ? reference_floppy_j(s->bend_N_m2)
+                               : reference_wire(s->bend_N_m2, 900000, 3000, 0.2);
 }
 
 /* Tool k of three, thin, with a taper over 200 mm that makes the shaft half as stiff again (as in bench_rod.c). */

@@ -230,6 +230,13 @@ static int32_t wall_distance(const seld_model *model, seld_state *state, const s
 
 /* --- growing ------------------------------------------------------------------------------------------------- */
 
+/* What a ball measures: folded, while it is in the inserter or in another tool and its own radius is 0. */
+static int32_t radius_of(const seld_model *model, const seld_balloon_ball *ball)
+{
+    const int32_t folded = model->balloon.radius_m_q30[0];
+    return ball->radius_m_q30 > folded ? ball->radius_m_q30 : folded;
+}
+
 /* The centre before this tick's growth: carried by the wall that holds it, or following the line. */
 static seld_vec3 carried(const seld_model *model, seld_state *state, const seld_balloon_ball *ball,
                          const place *at)
@@ -360,7 +367,8 @@ static void fold(const seld_model *model, seld_balloon_state *words, uint32_t nu
 {
     words->confined_bits[0] &= ~(1u << number);
     words->confined_bits[1] &= ~(1u << number);
-    words->balls[number] = (seld_balloon_ball){at->point_m_q30, model->balloon.radius_m_q30[0], 0};
+    words->balls[number] =
+        (seld_balloon_ball){at->point_m_q30, at->is_free ? model->balloon.radius_m_q30[0] : 0, 0};
 }
 
 /* The spring into the matrix: on each of the two nodes as if it stood alone, which is never softer than the pair. */
@@ -397,7 +405,7 @@ void seld_balloon_find(const seld_model *model, seld_state *state, int32_t infla
             continue;
         }
         if (ball->radius_m_q30 < balloon->radius_m_q30[0]) {
-            fold(model, words, j, &at); /* never seen before */
+            fold(model, words, j, &at); /* it comes out now, and lies on the line */
         }
         bool is_end = j == 0 || j + 1 == balloon->ball_count;
         state->scratch.press_Pa[j] = grow(model, state, j, &at, words->pressure_Pa,
@@ -498,7 +506,7 @@ void seld_balloon_finish(const seld_model *model, seld_state *state, seld_output
         if (is_tied(model, state, j, &at)) {
             slip(model, state, j, &at);
         }
-        int32_t radius = words->balls[j].radius_m_q30;
+        int32_t radius = radius_of(model, &words->balls[j]);
         bool is_first = j == 0;
         output->balloon_radius_max_m_q30 =
             is_first || radius > output->balloon_radius_max_m_q30 ? radius : output->balloon_radius_max_m_q30;
@@ -518,8 +526,7 @@ uint32_t seld_state_balloon(const seld_model *model, const seld_state *state,
         balloon->ball_count > 0 ? state->line.offset_m_q30[balloon->tool] + balloon->distal_m_q30 : 0;
     *spacing_m_q30 = balloon->spacing_m_q30;
     for (uint32_t j = 0; j < balloon->ball_count; j++) {
-        const int32_t radius = state->words.balloon.balls[j].radius_m_q30; /* 0 before the first tick */
-        radii_m_q30[j] = radius > balloon->radius_m_q30[0] ? radius : balloon->radius_m_q30[0];
+        radii_m_q30[j] = radius_of(model, &state->words.balloon.balls[j]);
     }
     return balloon->ball_count;
 }

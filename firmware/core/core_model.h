@@ -29,10 +29,11 @@ enum {
     SELD_FRICTION_FRESH_N_Q22 = 839, /* 0.2 mN: of a node that has just touched */
     SELD_WALL_ROUND_PER_m = 1000,    /* 1 / 1 mm: curvature of the wall that the matrix allows for */
     SELD_WALL_ROUND_MAX_N = 20,
-    SELD_HOLD_STIFFNESS_N_m = 200000,     /* of a held tip; within LOAD_RESERVE_N_m of core_build.c */
-    SELD_CONTACT_DEEP_M_Q30 = 214748,     /* 0.2 mm */
-    SELD_MISSED_CONTACT_M_Q30 = 107374,   /* 0.1 mm: an unseen contact deeper than this is solved again */
-    SELD_FEED_MAX_M_Q30 = 536871,         /* 0.5 mm per tick = 0.5 m/s */
+    SELD_HOLD_STIFFNESS_N_m = 200000, /* of a held tip; within LOAD_RESERVE_N_m of core_build.c */
+    SELD_CONTACT_DEEP_M_Q30 = 214748, /* 0.2 mm */
+    SELD_MISSED_CONTACT_M_Q30 =
+        107374,                   /* 0.1 mm: an unseen contact gets no deeper in a tick, or is solved again */
+    SELD_FEED_MAX_M_Q30 = 536871, /* 0.5 mm per tick = 0.5 m/s */
     SELD_TURN_MAX_TURN32 = 13671000,      /* 0.02 rad per tick = 20 rad/s */
     SELD_DAMPING_KEEP_Q30 = 21474836,     /* 20/s x 1 ms = 0.02: blood's drag, mass proportional */
     SELD_POSITION_MAX_M_Q30 = 2126008811, /* 1.98 m */

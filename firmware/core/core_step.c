@@ -18,23 +18,56 @@ static int32_t largest_deviation(const seld_state *state)
     return largest;
 }
 
-/* Scales the whole deviation when a node would move more than max(0.5 mm, 3 feeds) beyond the slide: one factor for
- * all nodes keeps the shape; per-node caps add energy (docs/rod.md, "contact"). */
-static void cap_step(seld_state *state, int32_t largest_m_q33)
+static void scale_step(seld_state *state, int32_t share_q30)
 {
-    int32_t feed = state->scratch.feed_m_q33 < 0 ? -state->scratch.feed_m_q33 : state->scratch.feed_m_q33;
-    int32_t cap = 3 * feed / 2 > SELD_STEP_CAP_M_Q33 ? 3 * feed / 2 : SELD_STEP_CAP_M_Q33;
-    if (largest_m_q33 <= cap) {
-        return;
-    }
-    state->words.fault_bits |= SELD_FAULT_STEP_CAPPED;
-    int32_t factor_q30 = seld_quotient(cap, largest_m_q33, 30);
     for (uint32_t i = 0; i < state->words.free_count; i++) {
         for (int k = 0; k < 3; k++) {
             int32_t *part = &state->scratch.nodes[i].solution_m_q33.v[k];
-            *part = seld_scale_q30(*part, factor_q30);
+            *part = seld_scale_q30(*part, share_q30);
         }
     }
+}
+
+/* Cuts the deviation short when a node would move more than max(0.5 mm, 1.5 feeds) beyond the slide, or end in a wall at rest
+ * where no contact was seen: one factor for all nodes keeps the shape, limits per node add energy (docs/rod.md, "contact").
+ * Returns whether a contact was missed. */
+static bool cut_step(const seld_model *model, seld_state *state, int32_t largest_m_q33)
+{
+    const int32_t feed =
+        state->scratch.feed_m_q33 < 0 ? -state->scratch.feed_m_q33 : state->scratch.feed_m_q33;
+    const int32_t cap = 3 * feed / 2 > SELD_STEP_CAP_M_Q33 ? 3 * feed / 2 : SELD_STEP_CAP_M_Q33;
+    int32_t share_q30 = SELD_ONE_Q30;
+    if (largest_m_q33 > cap) {
+        state->words.fault_bits |= SELD_FAULT_STEP_CAPPED;
+        share_q30 = seld_quotient(cap, largest_m_q33, 30);
+    }
+    bool missed = false;
+    if (model->lumen != NULL && model->lumen->motion == NULL) {
+        const int32_t to_wall_q30 =
+            seld_contact_share(model, state, largest_m_q33 < cap ? largest_m_q33 : cap);
+        missed = to_wall_q30 < share_q30;
+        share_q30 = missed ? to_wall_q30 : share_q30;
+    }
+    if (share_q30 < SELD_ONE_Q30) {
+        scale_step(state, share_q30);
+    }
+    return missed;
+}
+
+/* The solve; again where a wall that moves has a contact that was missed, for cutting the step short would hold the line back in every
+ * tick of a beat. Returns the largest component of the deviation. */
+static int32_t solve(const seld_model *model, seld_state *state, seld_output *output)
+{
+    seld_rod_solve(model, state);
+    output->solve_count = 1;
+    const int32_t largest_m_q33 = largest_deviation(state);
+    if (model->lumen == NULL || model->lumen->motion == NULL ||
+        seld_contact_missed(model, state, largest_m_q33) == 0) {
+        return largest_m_q33;
+    }
+    seld_rod_solve(model, state);
+    output->solve_count = 2;
+    return largest_deviation(state);
 }
 
 /* The leading tool's hand bears what the line does to the inserter, less what the other hands bear. Theirs follows
@@ -113,17 +146,12 @@ void seld_step(const seld_model *model, seld_state *state, const seld_input *inp
     seld_tools_handles(model, state);
     seld_contact_forces(model, state);
     seld_balloon_forces(model, state);
-    seld_rod_solve(model, state);
-    output->solve_count = 1;
-    int32_t largest_m_q33 = largest_deviation(state);
-    if (seld_contact_missed(model, state, largest_m_q33) > 0) {
-        seld_rod_solve(model, state);
-        output->solve_count = 2;
-        largest_m_q33 = largest_deviation(state);
-    }
+    const int32_t largest_m_q33 = solve(model, state, output);
     int32_t line_axial_N_q22 =
         seld_add_sat(seld_rod_handle_axial(model, state), state->scratch.mouth_axial_N_q22);
-    cap_step(state, largest_m_q33);
+    if (cut_step(model, state, largest_m_q33)) {
+        output->solve_count = 2;
+    }
     seld_contact_finish(model, state, output);
     seld_balloon_finish(model, state, output);
     seld_tools_slide(model, state);

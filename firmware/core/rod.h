@@ -179,6 +179,9 @@ void seld_contact_find(const seld_model *model, seld_state *state);
 void seld_contact_forces(const seld_model *model, seld_state *state);
 /* Looks for contacts the prediction missed, given the solution and its largest component; returns how many it added. */
 uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t largest_m_q33);
+/* How much of the solution may happen before such a node is 0.1 mm deep, at most 1, given the largest component that will happen of
+ * it whatever this says. Format: Q30. */
+int32_t seld_contact_share(const seld_model *model, seld_state *state, int32_t largest_m_q33);
 /* Friction bristles after the solve; fills the output's contact fields. */
 void seld_contact_finish(const seld_model *model, seld_state *state, seld_output *output);
 

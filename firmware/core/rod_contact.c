@@ -395,37 +395,67 @@ SELD_RARE static bool or_struts(const seld_model *model, seld_state *state, seld
     return true;
 }
 
+/* Does node i, not seen to touch at x*, end deeper than 0.1 mm? Then also how far it goes inwards. `reach`: of the deviation's
+ * components, twice the largest, less the 0.1 mm. */
+static inline bool was_missed(const seld_model *model, seld_state *state, uint32_t i, int32_t reach_m_q30,
+                              int32_t *inwards_m_q33)
+{
+    seld_work *work = &state->scratch.nodes[i];
+    const seld_line_node *line = &state->line.nodes[i];
+    const bool held = work->touching || work->wall_friction != 0;
+    if (held || work->distance_m_q30 < -line->radius_m_q30 - reach_m_q30) {
+        return false;
+    }
+    bool is_known = sample(model, state, work, line, false);
+    if (state->words.struts.used != 0) {
+        is_known = or_struts(model, state, work, line, is_known);
+    }
+    if (!is_known) {
+        return false;
+    }
+    *inwards_m_q33 = along(&work->solution_m_q33, &work->normal_q30);
+    return seld_sub_sat(work->depth_m_q30, *inwards_m_q33 >> 3) > SELD_MISSED_CONTACT_M_Q30;
+}
+
+static inline int32_t reach_of(int32_t largest_m_q33)
+{
+    return 2 * (largest_m_q33 >> 3) + ROUNDING_M_Q30 - SELD_MISSED_CONTACT_M_Q30; /* sqrt(3) < 2 */
+}
+
 uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t largest_m_q33)
 {
-    if (model->lumen == NULL) {
-        return 0;
-    }
     uint32_t added = 0;
-    int32_t reach = 2 * (largest_m_q33 >> 3) + ROUNDING_M_Q30 - SELD_MISSED_CONTACT_M_Q30; /* sqrt(3) < 2 */
-    seld_work *work = state->scratch.nodes;
-    const seld_node_state *node = state->words.nodes;
-    const seld_line_node *line = state->line.nodes;
-    for (uint32_t i = 0; i < state->words.free_count; i++, work++, node++, line++) {
-        bool held = work->touching || work->wall_friction != 0;
-        if (held || work->distance_m_q30 < -line->radius_m_q30 - reach) {
-            continue;
-        }
-        bool is_known = sample(model, state, work, line, false);
-        if (state->words.struts.used != 0) {
-            is_known = or_struts(model, state, work, line, is_known);
-        }
-        if (!is_known) {
-            continue;
-        }
-        int32_t inwards = along(&work->solution_m_q33, &work->normal_q30);
-        int32_t ended = seld_sub_sat(work->depth_m_q30, inwards >> 3);
-        if (ended > SELD_MISSED_CONTACT_M_Q30) {
+    const int32_t reach = reach_of(largest_m_q33);
+    for (uint32_t i = 0; i < state->words.free_count; i++) {
+        seld_work *work = &state->scratch.nodes[i];
+        const seld_node_state *node = &state->words.nodes[i];
+        const seld_line_node *line = &state->line.nodes[i];
+        int32_t inwards;
+        if (was_missed(model, state, i, reach, &inwards)) {
+            int32_t ended = seld_sub_sat(work->depth_m_q30, inwards >> 3);
             touch(model, state, node, work, line, ended, &work->solution_m_q33, inwards);
             push_node(model, node, work, line);
             added++;
         }
     }
     return added;
+}
+
+int32_t seld_contact_share(const seld_model *model, seld_state *state, int32_t largest_m_q33)
+{
+    int32_t share_q30 = SELD_ONE_Q30;
+    const int32_t reach = reach_of(largest_m_q33);
+    for (uint32_t i = 0; i < state->words.free_count; i++) {
+        int32_t inwards;
+        if (!was_missed(model, state, i, reach, &inwards)) {
+            continue;
+        }
+        /* what is deeper already was pushed in by a lesion or a strut and gets no deeper */
+        const int32_t room = SELD_MISSED_CONTACT_M_Q30 - state->scratch.nodes[i].depth_m_q30;
+        const int32_t share = room > 0 ? seld_quotient(room, -(inwards >> 3), 30) : 0;
+        share_q30 = share < share_q30 ? share : share_q30;
+    }
+    return share_q30;
 }
 
 /* z + way limited to mu N / k_t; sticks when it was not limited. `inwards` is the deviation along the normal. */

@@ -9,24 +9,26 @@
 #include "firmware/core/rod.h"
 
 enum {
-    STRAIN_MAX_Q30 = 1 << 27,     /* series used up to 12.5 % strain, clamped beyond */
-    W_MAX_Q30 = 1503238553,       /* 1.4: |w|^2 and the square of a difference of two fit 64 bits */
-    TENSION_MAX_N_Q22 = 88 << 22, /* edge force, clamped: fourteen times what a hand can do */
+    STRAIN_SMALL_Q30 = 1 << 27, /* series for the direction too up to 12.5 % strain, */
+    STRAIN_MAX_Q30 =
+        1
+        << 28, /* a root for it up to 25 %: 13 % were seen where the soft end of a wire folds; clamped beyond */
+    W_MAX_Q30 = 1503238553,        /* 1.4: |w|^2 and the square of a difference of two fit 64 bits */
+    TENSION_MAX_N_Q22 = 240 << 22, /* edge force, clamped: forty times what a hand can do */
     TENSION_STIFF_MAX_N_Q22 = 32 << 22,
-    /* One joint's force on one node: a 6F guide's curve of R = 7 mm in elements of 1 mm needs 52 N to be straight, and over 60 N where
-     * the mouth of the sheath bends it the other way. */
-    PART_MAX_N_Q22 = 80 << 22,
+    /* One joint's force on one node: a 6F guide's curve of R = 7 mm in elements of 1 mm needs 52 N to be straight, and 91 N were seen where
+     * hands push it at the mouth of the sheath, which bends it the other way. Twice this fits 32 bits. */
+    PART_MAX_N_Q22 = 240 << 22,
 };
 
-/* Adds one force component. Overflow: impossible. A node sums two edges (88 N each), three joints (PART_MAX each,
- * twice for the middle one) and its own weight, drag and contact: 2 x 88 + 4 x 80 < 512 N; weight and drag are below 1 N, contact saturates. */
-static void add(seld_vec3 *sum, int k, int32_t value)
+/* Adds one force component. Overflow: saturates at 512 N, beyond what the solve takes (rod_solve.c says so). */
+static inline void add(seld_vec3 *sum, int k, int32_t value)
 {
-    sum->v[k] += value;
+    sum->v[k] = seld_add_sat(sum->v[k], value);
 }
 
 /* Strain sqrt(1 + 2e) - 1 and inverse length of an edge from e = (|w|^2 - 1) / 2.
- * Error: e^4 * 5/8 <= 1.5e-4 at 12.5 %; below 1e-9 at 1 %. */
+ * Error: e^4 * 5/8 <= 2.4e-3 at 25 %, 1.5e-4 at 12.5 %; below 1e-9 at 1 %. */
 static int32_t strain_of(int32_t e)
 {
     int32_t e2 = seld_scale_q30(e, e);
@@ -60,7 +62,11 @@ static int32_t stretch_of(int32_t inverse_per_m_q18, const seld_vec3 *from, cons
                       (uint64_t)((int64_t)w->v[2] * w->v[2]);
     int64_t excess = (int64_t)(square - ((uint64_t)1 << 60)); /* twice e, Q60 */
     int32_t high = seld_high64(excess);
-    if (high >= STRAIN_MAX_Q30 / 2 || high < -STRAIN_MAX_Q30 / 2) {
+    if (high >= STRAIN_SMALL_Q30 / 2 || high < -STRAIN_SMALL_Q30 / 2) {
+        if (high < STRAIN_MAX_Q30 / 2 && high >= -STRAIN_MAX_Q30 / 2) {
+            *t = seld_vec3_normalise(*w, *t, NULL);
+            return strain_of(seld_narrow64(excess, 31));
+        }
         *fault_bits |= SELD_FAULT_SATURATED;
         for (int k = 0; k < 3; k++) {
             w->v[k] = seld_clamp(w->v[k], -W_MAX_Q30, W_MAX_Q30);
@@ -178,7 +184,7 @@ static void resist_twist(const seld_model *model, seld_state *state, const seld_
     }
 }
 
-/* v / l as one component of a joint's force on a neighbour, limited to 80 N: ten times what a hand can bend in.
+/* v / l as one component of a joint's force on a neighbour, limited to 240 N: thirty times what a hand can bend in.
  * Format: Q30 N m x Q18 -> Q22 N, rounded. */
 static inline int32_t part(int32_t moment_N_m_q30, int32_t inverse_per_m_q18, uint32_t *fault_bits)
 {
@@ -186,7 +192,7 @@ static inline int32_t part(int32_t moment_N_m_q30, int32_t inverse_per_m_q18, ui
     return seld_limit64(force, 26, PART_MAX_N_Q22 / 64, SELD_FAULT_SATURATED, fault_bits);
 }
 
-/* W b. Format: Q26 N m x Q28 -> Q30 N m, floor. Overflow: saturates at 2 N m, which gives more than 80 N on any edge. */
+/* W b. Format: Q26 N m x Q28 -> Q30 N m, floor. Overflow: saturates at 2 N m, which gives 240 N on an edge of 8 mm. */
 static inline int32_t moment_of(int32_t bend_N_m_q26, int32_t turn_q28)
 {
     uint32_t unseen = 0; /* the force says it */

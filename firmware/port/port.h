@@ -1,20 +1,19 @@
 /* The whole hardware contract: what a port gives the app, and what it calls.
  *
  * A port owns the memory (one seld_app, two scene slots), the pipe of bytes, and the 1 ms timer:
- *
  *   at power-up      seld_app_init(app, &port)               outputs are off from here on
  *   bytes came in    seld_app_receive(app, bytes, count)     from the main loop, never from an interrupt
  *   1 ms passed      seld_app_timer(app)                     from the main loop, once per edge of the timer, late edges too
  *
  * The timer owns the tick in FREE_RUN, and in every mode and state the app reads `inputs` and writes `outputs` once per edge.
- * A port reaches nothing else of the app. May include: nothing. Called by: firmware/app, firmware/port/<port>.
+ * A port reaches nothing else of the app. May include: port_built.h. Called by: firmware/app, firmware/port/<port>.
  */
 #ifndef SELD_PORT_H
 #define SELD_PORT_H
 
+#include "firmware/port/port_built.h"
 #include <stdbool.h>
 #include <stddef.h>
-#include <stdint.h>
 
 enum {
     SELD_PORT_TOOL_MAX = 3,      /* tracks: one per tool, from the innermost */
@@ -94,6 +93,7 @@ typedef struct seld_port {
     uint32_t scene_slot_bytes;   /* size of each, 4-byte aligned */
     uint32_t capabilities;       /* SELD_WIRE_CAPABILITY_* that depend on the port: encoders, motors */
     uint32_t force_uN_per_count; /* scale of the force sensors; 0: 1,000. Hosts may move it by a quarter */
+    seld_port_built built;       /* port_built.h */
 } seld_port;
 
 #endif

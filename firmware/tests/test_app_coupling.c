@@ -164,12 +164,8 @@ static void the_coupling_is_part_of_the_snapshot(void **state)
     }
 }
 
-/* A hand that shakes by 0.5 mm from tick to tick gains from every sampled spring. The observer sees it, takes the force away
- * and says so; the session goes on, and the force comes back when the hand rests. */
-static void forces_that_give_energy_are_reduced(void **state)
+static int32_t shake_begin(void)
 {
-    (void)state;
-    seld_wire_fault_entry entry;
     seld_wire_track track = client_plain_track();
     track.seal_mN = 2000;
     bench_drain(&b);
@@ -182,20 +178,52 @@ static void forces_that_give_energy_are_reduced(void **state)
     }
     const int32_t begin_mN = seld_sim_read_motors(host->sim).axial_mN[0];
     assert_in_range(begin_mN, 900, 1100);
+    return begin_mN;
+}
+
+static void shake(int tick)
+{
+    b.rig.hands[0].translation_counts += tick % 2 ? 500 : -500;
+    bench_tick(&b);
+}
+
+/* A hand that shakes by 0.5 mm from tick to tick gains from every sampled spring. The observer sees it, takes the force away
+ * and says so; a hand that then pushes on has given back what it got, and the session goes on. */
+static void forces_that_give_energy_are_reduced(void **state)
+{
+    (void)state;
+    seld_wire_fault_entry entry;
+    const int32_t begin_mN = shake_begin();
     int32_t least_mN = begin_mN;
-    for (int i = 0; i < 6000; i++) {
-        b.rig.hands[0].translation_counts += i % 2 ? 500 : -500;
-        bench_tick(&b);
+    int ms = 0;
+    while (bench_fault(&b, SELD_FAULT_CODE_PASSIVITY, &entry) < 80 && ms < 6000) {
+        shake(ms++);
         int32_t now = abs(seld_sim_read_motors(host->sim).axial_mN[0]);
         least_mN = now < least_mN ? now : least_mN;
     }
     status = bench_status(&b);
     assert_int_equal(status.state, SELD_WIRE_STATE_RUNNING);
-    assert_true(status.passivity_ticks > 0);
-    assert_int_equal(bench_fault(&b, SELD_FAULT_CODE_PASSIVITY, &entry), status.passivity_ticks);
+    assert_int_equal(status.passivity_ticks, 80);
     print_message("# shaking: from %d to %d mN, %d uJ given\n", begin_mN, least_mN, -entry.value2);
     assert_in_range(-entry.value2, 9999, 21000);
     assert_true(least_mN < begin_mN / 4);
+}
+
+/* The same hand goes on. 100 ticks of it in a row take the power: a limit cycle would never end by itself. */
+static void energy_that_a_track_gives_for_100_ms_takes_the_power(void **state)
+{
+    (void)state;
+    seld_wire_fault_entry entry;
+    shake_begin();
+    for (int ms = 0; ms < 6000 && seld_sim_read_motors(host->sim).drive; ms++) shake(ms);
+    status = bench_status(&b);
+    assert_int_equal(status.state, SELD_WIRE_STATE_FAULT);
+    assert_int_equal(status.fault_code, SELD_FAULT_CODE_PASSIVITY_LASTS);
+    assert_in_range(status.passivity_ticks, 100, 150); /* some came one by one before */
+    assert_int_equal(seld_sim_read_motors(host->sim).axial_mN[0], 0);
+    assert_false(seld_sim_read_outputs(host->sim).enable);
+    assert_int_equal(bench_fault(&b, SELD_FAULT_CODE_PASSIVITY_LASTS, &entry), 1);
+    assert_in_range(-entry.value2, 9999, 21000);
 }
 
 static void expect_quotient(int64_t value, uint32_t divisor)
@@ -239,6 +267,7 @@ int main(void)
         TEST(the_hand_slips_at_the_force_limit),
         TEST(the_coupling_is_part_of_the_snapshot),
         TEST(forces_that_give_energy_are_reduced),
+        TEST(energy_that_a_track_gives_for_100_ms_takes_the_power),
         cmocka_unit_test(the_quotient_without_a_64_bit_division_is_that_of_c),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

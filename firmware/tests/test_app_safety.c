@@ -126,8 +126,9 @@ static void send_rig(const uint32_t *limits_mN, uint16_t count)
         tracks[k] = client_plain_track();
         tracks[k].force_gain_milli = 4000;
         tracks[k].force_limit_mN = limits_mN[k];
-        if (!is_coupled) tracks[k].coupling_N_per_m = tracks[k].coupling_mN_s_per_m = 0;
-        if (!is_coupled) tracks[k].coupling_uN_m_per_rad = tracks[k].coupling_nN_m_s_per_rad = 0;
+        tracks[k].coupling_N_per_m = is_coupled ? 400 : 0; /* what a gain of 4 leaves of 1 N s/m */
+        tracks[k].coupling_mN_s_per_m = is_coupled ? 50 : 0;
+        tracks[k].coupling_uN_m_per_rad = tracks[k].coupling_nN_m_s_per_rad = 0;
     }
     client_rig(&host, tracks, count);
 }
@@ -338,8 +339,10 @@ static void forces_fade_when_the_host_is_silent_and_come_back(void **state)
 {
     (void)state;
     const int32_t still[TOOLS] = {0};
-    const seld_port_inputs rig = seld_sim_healthy_inputs();
+    seld_port_inputs rig = seld_sim_healthy_inputs();
+    rig.local_unlock = true; /* for the gain of 4 */
     seld_sim_set_inputs(host.sim, &rig);
+    seld_sim_timer(host.sim, 1);
     is_coupled = true;
     start_upright(1);
     is_coupled = false;

@@ -167,7 +167,7 @@ static void a_buckled_wire_in_the_aorta_is_quiet(void **state)
 }
 
 /* The control: twice the stiffness, taken because the rig's damping was stated wrongly, shakes at the end wall in a loose hand.
- * The measured force gives it away, and the power is off. */
+ * The cycle that goes on in the hand, or the measured force, gives it away, and the power is off. */
 static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
 {
     (void)state;
@@ -213,8 +213,9 @@ static void a_hand_that_lets_go_leaves_a_rig_at_rest(void **state)
     }
     print_message("# let go at %.2f N: back by %.1f mm at up to %.2f m/s, then %.4f m/s\n", mean_N,
                   (begin_m - rig.carriage_m) * 1e3, fastest_m_s, end_m_s);
-    assert_int_equal(rig.app.state, SELD_WIRE_STATE_RUNNING);
-    assert_true(fastest_m_s < 0.6 && end_m_s < 0.001);
+    if (rig.app.state != SELD_WIRE_STATE_RUNNING)
+        fail_msg("ended by %s", seld_wire_fault_name(rig.app.fault_code));
+    assert_true(fastest_m_s < 0.25 && end_m_s < 0.001);
     reference_tube_free(tube);
 }
 

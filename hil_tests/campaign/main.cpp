@@ -1,8 +1,10 @@
 // The program hil_campaign: faults on purpose (docs/hil.md), all of them, a spread, or one by its line.
+#include "hil_tests/campaign/passivity.hpp"
 #include "hil_tests/campaign/table.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
-#include "host/app/interrupt.hpp"
+#include "host/model/interrupt.hpp"
+#include "host/model/output_files.hpp"
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -12,7 +14,7 @@ namespace
 
 struct Options {
     std::string only, kind, level = "L0", file = "out/hil_campaign.tsv";
-    std::size_t spread = 0;
+    std::size_t spread = 0, passivity = 0;
     bool lists = false;
 };
 
@@ -36,6 +38,9 @@ void parse(CLI::App &app, Options &options)
         ->capture_default_str();
     app.add_option("--tsv", options.file, "Where the results go, one line each; empty: nowhere")
         ->capture_default_str();
+    app.add_option(
+        "--passivity", options.passivity,
+        "Instead of faults, every n-th trial of the grid of gain, coupling, damping, lag and hand");
     app.add_flag("--list", options.lists, "The lines of the faults");
     app.footer("Example:\n  hil_campaign --only \"link.flip session=lockstep way=to_device frame=30 bit=43 "
                "seed=1\"");
@@ -43,6 +48,10 @@ void parse(CLI::App &app, Options &options)
 
 int run(const Options &options)
 {
+    if (options.passivity > 0) {
+        hil::SimLevel level;
+        return hil::run_passivity_grid(level, options.passivity, options.file) == 0 ? 0 : 1;
+    }
     const std::vector<hil::Fault> faults = chosen(options);
     if (options.lists) {
         for (const hil::Fault &fault : faults) std::printf("%s\n", hil::line_of(fault).c_str());
@@ -52,6 +61,12 @@ int run(const Options &options)
     hil::EmulatedLevel l1;
     hil::Level &level = options.level == "L1" ? static_cast<hil::Level &>(l1) : l0;
     const hil::Undisturbed undisturbed = hil::run_undisturbed(l0);
+    const bool writes = !options.file.empty() && options.only.empty();
+    if (writes) {
+        const auto folder = std::filesystem::path(options.file).parent_path();
+        if (!folder.empty()) std::filesystem::create_directories(folder);
+        seld::check_outputs({}, {{"--tsv", options.file}});
+    }
     hil::CampaignTable table(options.level);
     for (const hil::Fault &fault : faults) {
         if (seld::is_interrupted()) break;
@@ -63,11 +78,7 @@ int run(const Options &options)
             std::printf("host: %s\n", outcome.message.c_str());
     }
     table.print();
-    if (!options.file.empty() && options.only.empty()) {
-        const auto folder = std::filesystem::path(options.file).parent_path();
-        if (!folder.empty()) std::filesystem::create_directories(folder);
-        table.write(options.file);
-    }
+    if (writes) table.write(options.file);
     return table.failures() == 0 && !seld::is_interrupted() ? 0 : 1;
 }
 

@@ -1,12 +1,14 @@
 #include "hil_tests/cases/aorta_session.hpp"
 #include "host/app/device.hpp"
-#include "host/app/interrupt.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/app/session.hpp"
 #include "host/link/sim_transport.hpp"
+#include "host/model/timeline.hpp"
 #include "host/model/units.hpp"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 
 namespace hil
 {
@@ -26,6 +28,23 @@ void set_up_aorta(seld::Link &link, const AortaFiles &files, const seld::Session
     link.set_rig(rig);
 }
 
+std::unique_ptr<seld::TipPlaces> vessels_of(const AortaFiles &files)
+{
+    const std::string bodies = std::filesystem::path(files.scene).replace_extension(".bodies").string();
+    return seld::read_tip_places(bodies, files.scene);
+}
+
+void look_at_aorta(seld::Link &link, const AortaFiles &files, const seld::TipPlaces &vessels,
+                   seld::SessionPlayer &player, double inserted_m)
+{
+    std::vector<seld::TipPlace> tips;
+    if (player.wants_tips()) {
+        const seld::Instrument wire = seld::read_instrument(files.instrument);
+        tips = vessels.at(seld::wire_frame(link.read_nodes(), link.node_table(), {&wire, 1}));
+    }
+    player.observe({{&inserted_m, 1}, tips, nullptr});
+}
+
 AortaRun run_aorta(seld::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
                    const std::function<double()> &instructions)
 {
@@ -37,7 +56,8 @@ AortaRun run_aorta(seld::Transport &pipe, const AortaFiles &files, std::uint32_t
     link.start();
     AortaRun run;
     run.elements = static_cast<std::uint32_t>(link.node_table().arcs_m_q30_count) - 1;
-    seld::SessionPlayer player(session, 1);
+    const std::unique_ptr<seld::TipPlaces> vessels = vessels_of(files);
+    seld::SessionPlayer player(session, 1, &vessels->map());
     const std::uint32_t batch = instructions ? 1 : seld::SessionPlayer::observe_every_ticks;
     const Clock::time_point begin = Clock::now();
     std::vector<seld_wire_encoders> inputs;
@@ -52,7 +72,8 @@ AortaRun run_aorta(seld::Transport &pipe, const AortaFiles &files, std::uint32_t
             run.tick_solves.push_back(state.solve_count);
         }
         if (instructions) run.tick_instructions.push_back(instructions() - before);
-        if (link.tick() % seld::SessionPlayer::observe_every_ticks == 0) player.observe({&inserted_m, 1});
+        if (link.tick() % seld::SessionPlayer::observe_every_ticks == 0)
+            look_at_aorta(link, files, *vessels, player, inserted_m);
     }
     run.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
     run.ticks = link.tick();

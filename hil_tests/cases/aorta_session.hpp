@@ -2,8 +2,10 @@
 // May include: conversation, host/app. Called by: the program hil.
 #pragma once
 #include "host/app/session.hpp"
+#include "host/app/tip_places.hpp"
 #include "host/link/link.hpp"
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,6 +31,12 @@ struct AortaRun {
 // HELLO to READY with the session's scene, wire and entry.
 void set_up_aorta(seld::Link &link, const AortaFiles &files, const seld::Session &session,
                   const seld_wire_rig &rig);
+
+// The vessels by whose names the session steers: from the bodies beside the scene.
+std::unique_ptr<seld::TipPlaces> vessels_of(const AortaFiles &files);
+// What the session decides by, where it looks at the tip: read from the device.
+void look_at_aorta(seld::Link &link, const AortaFiles &files, const seld::TipPlaces &vessels,
+                   seld::SessionPlayer &player, double inserted_m);
 
 // One step per tick when `counts` is given, which tells the instructions spent so far; else steps as long as they can be.
 AortaRun run_aorta(seld::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,

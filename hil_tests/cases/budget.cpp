@@ -3,7 +3,7 @@
 #include "hil_tests/l1/emulated_bench.hpp"
 #include "host/app/device.hpp"
 #include "host/app/hand_motion.hpp"
-#include "host/app/interrupt.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/app/session.hpp"
 #include <algorithm>
 
@@ -36,7 +36,8 @@ Overruns overruns_of_aorta(const AortaFiles &files, int icount_shift, std::uint3
     seld::Link link(bench.pipe());
     set_up_aorta(link, files, session, plant_rig());
     start_free_run(bench, link);
-    seld::SessionPlayer player(session, 1);
+    const std::unique_ptr<seld::TipPlaces> vessels = vessels_of(files);
+    seld::SessionPlayer player(session, 1, &vessels->map());
     Overruns result;
     double inserted_m = 0.0;
     seld_wire_hand before{};
@@ -56,7 +57,7 @@ Overruns overruns_of_aorta(const AortaFiles &files, int icount_shift, std::uint3
         if (result.ticks % 8 == 0) keep_talking(link);
         if (result.ticks % seld::SessionPlayer::observe_every_ticks != 0) continue;
         inserted_m = link.read_nodes().inserted_m_q30[0] * 0x1p-30;
-        player.observe({&inserted_m, 1});
+        look_at_aorta(link, files, *vessels, player, inserted_m);
     }
     check(link.read_status().state == SELD_WIRE_STATE_RUNNING, "the session ended by itself after %u ticks",
           unsigned{result.ticks});

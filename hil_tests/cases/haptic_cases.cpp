@@ -2,6 +2,7 @@
 // half of the way back and holds, loose and firm, sees no limit cycle above 0.05 N, and the passivity observer nothing beyond its bound.
 // firmware/tests/test_haptics.c has the same with a plant of its own; here the very image of a device is in the loop.
 #include "hil_tests/cases/conversation.hpp"
+#include "hil_tests/cases/haptic_bench.hpp"
 #include "hil_tests/cases/tube_scene.h"
 #include "host/app/device.hpp"
 #include <cmath>
@@ -39,41 +40,6 @@ struct Grip {
 };
 constexpr Grip grips[] = {{200, 1}, {800, 5}}; // loose, firm
 
-seld_wire_instrument wire_of(double bend_N_m2)
-{
-    seld_wire_instrument wire{};
-    wire.axial_stiffness_max_N = 3000;
-    wire.element_tip_um = 2000;
-    wire.element_shaft_um = 4000;
-    wire.element_fine_um = 20000;
-    wire.knots_count = 2;
-    for (std::uint32_t i = 0; i < 2; i++) {
-        seld_wire_knot &knot = wire.knots[i];
-        knot.arc_um = i * 350000;
-        knot.bend_stiffness_nN_m2 = static_cast<std::uint32_t>(std::lround(bend_N_m2 * 1e9));
-        knot.twist_stiffness_nN_m2 = static_cast<std::uint32_t>(std::lround(bend_N_m2 / 1.3 * 1e9));
-        knot.mass_mg_per_m = 5000;
-        knot.radius_outer_um = 445;
-        knot.friction_kinetic_milli = 100;
-        knot.friction_static_milli = 120;
-    }
-    return wire;
-}
-
-// A carriage of 80 g with 1 N s/m and 20 mN of friction, a motor with 0.5 ms of lag.
-PlantSettings plant_of(const Grip &grip)
-{
-    PlantSettings settings;
-    settings.translation.tool_inertia = 0.06;
-    settings.translation.roller_inertia = 0.02;
-    settings.translation.coulomb = 0.02;
-    settings.translation.motor_lag_s = 0.0005;
-    settings.translation.hand_stiffness = grip.stiffness;
-    settings.translation.hand_damping = grip.damping;
-    settings.translation_encoder.jitter_counts = 0.7;
-    return settings;
-}
-
 // The stiffest coupling along the line that the device takes for this rig; none about it.
 seld_wire_rig rig_of(std::uint32_t seal_mN)
 {
@@ -92,7 +58,7 @@ class Trial
 {
   public:
     Trial(Level &level, const Situation &situation, const Grip &grip)
-        : bench_(level.make(plant_of(grip))), link_(bench_->pipe())
+        : bench_(level.make(haptic_plant(grip.stiffness, grip.damping))), link_(bench_->pipe())
     {
         std::vector<std::uint8_t> scene;
         if (!situation.pieces.empty()) {
@@ -101,7 +67,7 @@ class Trial
                                       static_cast<std::uint32_t>(situation.pieces.size()), situation.radius_m,
                                       1, scene.data(), scene.size()));
         }
-        const seld_wire_instrument wire = wire_of(situation.bend_N_m2);
+        const seld_wire_instrument wire = haptic_wire(situation.bend_N_m2);
         seld_wire_entry entry{};
         entry.direction_x_q30 = 1 << 30;
         entry.inserted_um_count = 1;

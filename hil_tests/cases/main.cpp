@@ -5,7 +5,7 @@
 #include "hil_tests/cases/remote_bench.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
-#include "host/app/interrupt.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/link/sim_transport.hpp"
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -24,7 +24,7 @@ namespace
 using Clock = std::chrono::steady_clock;
 
 struct Options {
-    std::string level, case_name, debugger, bench, serial;
+    std::string level, case_name, debugger, bench, serial, counts;
     std::vector<std::string> also;
     bool lists = false, only_aorta = false, without_aorta = false;
     std::uint32_t ticks_max = UINT32_MAX;
@@ -148,6 +148,28 @@ void judge_instructions(const hil::AortaRun &run, hil::Report &report)
                "%s; allowed: median 500,000, p99.9 600,000, max 900,000", report.text.c_str());
 }
 
+// Every tick of the counted session: instructions and solves, one line each, for whoever looks for the dear ones.
+void write_counts(const hil::AortaRun &run, const std::string &path)
+{
+    std::FILE *file = std::fopen(path.c_str(), "w");
+    hil::check(file != nullptr, "'%s' cannot be written", path.c_str());
+    for (std::size_t i = 0; i < run.tick_instructions.size(); i++)
+        std::fprintf(file, "%zu\t%.0f\t%u\n", i, run.tick_instructions[i], unsigned{run.tick_solves[i]});
+    hil::check(std::fclose(file) == 0, "'%s' cannot be written", path.c_str());
+}
+
+// The counted session alone: what a tick costs on the emulated processor, the same on every machine.
+void count_only(const Options &options, Table &table)
+{
+    hil::AortaFiles files = options.files;
+    table.run("L1", "m7_instructions_per_tick", [&](hil::Report &report) {
+        files.element_shaft_um = hil::shaft_of(options.files, 256);
+        const hil::AortaRun counted = hil::count_aorta(files, options.ticks_max);
+        write_counts(counted, options.counts);
+        judge_instructions(counted, report);
+    });
+}
+
 void run_aorta(const Options &options, Table &table)
 {
     hil::AortaRun expected, counted;
@@ -256,6 +278,8 @@ void parse(CLI::App &app, Options &options)
     app.add_flag("--aorta", options.only_aorta, "Only the aorta session and its costs");
     app.add_flag("--no-aorta", options.without_aorta,
                  "Without the aorta session, which needs out/aorta.scene");
+    app.add_option("--counts", options.counts,
+                   "Only the aorta session at L1, and what each of its ticks costs into this file");
     app.add_option("--aorta-ticks", options.ticks_max, "Only so many ticks of it");
     app.add_option("--scene", options.files.scene, "Scene of the aorta session")->capture_default_str();
     app.add_option("--pause", options.cases.pause_s, "Seconds that a pause lasts")->capture_default_str();
@@ -291,6 +315,10 @@ int main(int argc, char **argv)
     }
     seld::watch_for_interrupt();
     Table table;
+    if (!options.counts.empty()) {
+        count_only(options, table);
+        return table.print() == 0 && !seld::is_interrupted() ? 0 : 1;
+    }
     hil::SimLevel l0;
     hil::EmulatedLevel l1(0, options.debugger);
     bool is_known = options.case_name.empty();

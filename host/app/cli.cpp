@@ -3,6 +3,8 @@
 #include "host/app/cli_rig.hpp"
 #include "host/app/instrument_list.hpp"
 #include "host/app/replay.hpp"
+#include "host/model/command_values.hpp"
+#include "host/model/terminal.hpp"
 #include "host/model/units.hpp"
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -172,6 +174,10 @@ void add_replay(CLI::App &app, ReplayOptions &options)
         ->capture_default_str()
         ->check(CLI::Range(0.0, 1e6));
     command->add_option("--scene", options.scene, "The scene, when it is no longer where the recording says");
+    command->add_option("--json", options.json, "Write the figures of the session, as run does");
+    command->add_option(
+        "--score", options.score,
+        "Write what the angioplasty is worth, as one HTML page, and add it to --json (docs/score.md)");
     add_pictures(*command, options.pictures);
     command->footer("Examples:\n  seldinger replay out/demo.rec --verify\n  seldinger replay out/demo.rec "
                     "--speed slow --from 12.5\n"
@@ -216,7 +222,14 @@ void add_view(CLI::App &app, WindowOptions &options)
     add_tools(*command, options.instrument, options.tools);
     add_stents(*command, options.stents, options.pictures);
     add_device(*command, options.device);
-    command->add_option("--record", options.record, "Write a recording of what the hands do");
+    command->add_option("--record", options.record,
+                        "Write the recording of what the hands do here; without: by date and time in "
+                        "~/.local/state/seldinger");
+    command->add_flag("!--no-record", options.keeps_recording, "Without --record: keep no recording");
+    command->add_option("--json", options.json, "Write the figures of the session at its end, as run does");
+    command->add_option(
+        "--score", options.score,
+        "Write what the angioplasty is worth, as one HTML page, and add it to --json (docs/score.md)");
     add_dicom_options(*command, options.pictures.dicom);
     command->add_option("--bodies", options.pictures.bodies_path,
                         "Body file; default: the .bodies file beside the scene, when there is one");
@@ -351,6 +364,7 @@ int command_line(int argc, char **argv)
         ->excludes(info_file);
     info_command->footer("Examples:\n  seldinger info out/demo.rec\n  seldinger info --opengl");
     app.footer("Examples:\n  seldinger run --help\n  seldinger replay out/demo.rec --verify");
+    refuse_empty_values(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {
@@ -369,10 +383,10 @@ int command_line(int argc, char **argv)
         if (!*info_file) throw UsageError("info: name a file, or --opengl");
         return command_info(info);
     } catch (const UsageError &error) {
-        std::fprintf(stderr, "seldinger: %s\n", error.what());
+        say(stderr, "seldinger: %s\n", error.what());
         return 2;
     } catch (const std::exception &error) {
-        std::fprintf(stderr, "seldinger: %s\n", error.what());
+        say(stderr, "seldinger: %s\n", error.what());
         return 1;
     }
 }

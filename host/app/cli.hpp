@@ -1,8 +1,9 @@
-// The command line `seldinger`: exit codes 0 done, 1 failed, 2 wrong usage. May include: all host. Called by: main.
+// The command line `seldinger`: exit codes 0 done, 1 failed, 2 wrong usage, 3 physics left its range (range_watch.hpp). May include: all host. Called by: main.
 #pragma once
 #include "host/app/device.hpp"
 #include "host/app/session_pictures.hpp"
 #include "host/app/surface_file.hpp"
+#include "host/app/tip_places.hpp"
 #include "host/app/window.hpp"
 #include "host/model/output_files.hpp"
 #include <optional>
@@ -24,7 +25,7 @@ struct RunOptions {
 };
 
 struct ReplayOptions {
-    std::string recording, scene, speed = "fast";
+    std::string recording, scene, speed = "fast", json, score;
     bool verify = false;
     double from_s = 0.0;
     PictureSettings pictures;
@@ -70,15 +71,14 @@ inline constexpr RoomCommand first_stent{RoomAction::load_stent, {}};
 // The paths of a set of tools as inputs for check_outputs.
 std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools);
 
-// Name, lengths, force and torque of every tool, one below the other.
-void print_tools(const std::vector<Instrument> &tools, const SessionFigures &figures);
-
-// "written  NAME", a line each.
-void print_files(const std::vector<std::string> &files);
-
 // The very scene of a recording, from where it or the user says, and a core that can play it. Throw std::runtime_error.
 SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path);
 void check_core(const RecordingHeader &header, const seld_wire_hello_reply &identity);
+
+// Where physics left its range: the branch it was in, from the scene's bodies; nothing when it did not, or when they cannot be read.
+void name_range_branch(RangeWatch &range, const std::string &bodies_path);
+// Says on stderr that physics left its range and gives the exit code for it; 0: it did not.
+int exit_of_range(const RangeWatch &range);
 
 // Bodies beside a scene: "x.scene" -> "x.bodies" when that file exists, else empty.
 std::string bodies_beside(const std::string &scene);

@@ -1,5 +1,6 @@
 #include "host/app/cli_dicom.hpp"
 #include "host/model/output_files.hpp"
+#include "host/model/terminal.hpp"
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -156,19 +157,19 @@ int command_dicom_check(const DicomCheckOptions &options)
     const std::vector<std::string> files = files_of(options.files);
     for (const std::string &file : files) {
         const Verdict verdict = verdict_of(ask_dciodvfy(file));
-        std::printf("%s: %s, %s, %s\n", file.c_str(),
-                    verdict.kind.empty() ? "not recognised" : verdict.kind.c_str(),
-                    counted(verdict.errors.size(), "error").c_str(),
-                    counted(verdict.warnings.size(), "warning").c_str());
-        for (const std::string &line : verdict.errors) std::printf("  %s\n", line.c_str());
+        say(stdout, "%s: %s, %s, %s\n", file.c_str(),
+            verdict.kind.empty() ? "not recognised" : verdict.kind.c_str(),
+            counted(verdict.errors.size(), "error").c_str(),
+            counted(verdict.warnings.size(), "warning").c_str());
+        for (const std::string &line : verdict.errors) say(stdout, "  %s\n", line.c_str());
         if (options.shows_warnings)
-            for (const std::string &line : verdict.warnings) std::printf("  %s\n", line.c_str());
+            for (const std::string &line : verdict.warnings) say(stdout, "  %s\n", line.c_str());
         std::fflush(stdout);
         errors += verdict.errors.size();
         warnings += verdict.warnings.size();
     }
-    std::printf("%s: %s, %s\n", counted(files.size(), "file").c_str(), counted(errors, "error").c_str(),
-                counted(warnings, "warning").c_str());
+    say(stdout, "%s: %s, %s\n", counted(files.size(), "file").c_str(), counted(errors, "error").c_str(),
+        counted(warnings, "warning").c_str());
     return errors == 0 ? 0 : 1;
 }
 

@@ -2,6 +2,7 @@
 #include "host/app/cli.hpp"
 #include "host/app/instrument_list.hpp"
 #include "host/model/pending_file.hpp"
+#include "host/model/terminal.hpp"
 #include <cstdio>
 
 namespace seld
@@ -13,7 +14,7 @@ int command_instruments(const InstrumentsOptions &options)
     for (const std::string &file : options.files) inputs.push_back({"the list", split_preset(file).first});
     check_outputs(inputs, {{"--json", options.json}, {"--png", options.png}, {"--table", options.table}});
     const std::vector<ListedInstrument> list = list_instruments(options.files, options.preset);
-    std::fputs(instruments_text(list).c_str(), stdout);
+    say(stdout, "%s", instruments_text(list).c_str());
     if (!options.json.empty()) write_whole_file(options.json, instruments_json(list));
     if (!options.png.empty()) {
         std::string error;

@@ -1,8 +1,12 @@
 // seldinger replay
 #include "host/app/cli.hpp"
-#include "host/app/interrupt.hpp"
 #include "host/app/replay.hpp"
+#include "host/app/session_effects.hpp"
+#include "host/app/session_summary.hpp"
+#include "host/model/interrupt.hpp"
+#include "host/model/terminal.hpp"
 #include "host/model/text.hpp"
+#include <algorithm>
 #include <cstdio>
 #include <unistd.h>
 
@@ -41,17 +45,38 @@ void check_core(const RecordingHeader &header, const seld_wire_hello_reply &iden
 namespace
 {
 
+bool has_effects(const Recording &recording)
+{
+    const auto injects = [](const RecordedCommand &recorded) {
+        return recorded.command.action == RoomAction::inject;
+    };
+    return !recording.header.stents.empty() ||
+           std::any_of(recording.commands.begin(), recording.commands.end(), injects);
+}
+
+RunResult run_result(const ReplayResult &replayed)
+{
+    RunResult result;
+    result.figures = replayed.figures;
+    result.contacts = replayed.contacts;
+    result.hash = replayed.hash;
+    result.seconds = replayed.seconds;
+    result.was_interrupted = replayed.was_interrupted;
+    result.tips = replayed.tips;
+    result.faults = replayed.faults;
+    return result;
+}
+
 int print_result(const Recording &recording, const ReplayOptions &options, const ReplayResult &result)
 {
     std::printf("final hash %016llx at tick %u\n", static_cast<unsigned long long>(result.hash),
                 unsigned{result.tick});
     print_tools(recording.header.tools, result.figures);
-    if (!recording.is_complete) {
+    if (!recording.is_complete && !options.verify)
         std::printf("the recording was cut off; it is whole up to tick %zu\n", recording.ticks.size());
-    }
     if (result.first_difference_tick) {
-        std::fprintf(stderr, "seldinger: %s: first difference at tick %u: %s\n", options.recording.c_str(),
-                     unsigned{*result.first_difference_tick}, result.difference.c_str());
+        say(stderr, "seldinger: %s: first difference at tick %u: %s\n", options.recording.c_str(),
+            unsigned{*result.first_difference_tick}, result.difference.c_str());
         return 1;
     }
     if (result.was_interrupted) {
@@ -59,15 +84,23 @@ int print_result(const Recording &recording, const ReplayOptions &options, const
         return 1;
     }
     if (options.verify && result.ticks_compared == 0) {
-        std::fprintf(stderr, "seldinger: %s: nothing to verify: no tick of it is whole\n",
-                     options.recording.c_str());
+        say(stderr, "seldinger: %s: nothing to verify: no tick of it is whole\n", options.recording.c_str());
         return 1;
     }
     if (options.verify) {
         std::printf("verified: %u ticks and %u full hashes agree\n", unsigned{result.ticks_compared},
                     unsigned{result.hashes_compared});
     }
-    return 0;
+    // What is missing cannot be verified: a script that looks at the exit code must not take this for a whole session.
+    if (options.verify && !recording.is_complete) {
+        say(stderr,
+            "seldinger: %s: verified up to tick %zu, but the recording was cut off there: how the session "
+            "ended is "
+            "not known\n",
+            options.recording.c_str(), recording.ticks.size());
+        return 1;
+    }
+    return exit_of_range(result.figures.range);
 }
 
 } // namespace
@@ -79,8 +112,13 @@ int command_replay(const ReplayOptions &options)
                    {"--bodies", options.pictures.bodies_path}},
                   {{"--png", options.pictures.png_path},
                    {"--png16", options.pictures.png16_path},
-                   {"--mp4", options.pictures.mp4_path}});
+                   {"--mp4", options.pictures.mp4_path},
+                   {"--json", options.json},
+                   {"--score", options.score}});
     check_dicom_settings(options.pictures.dicom);
+    const bool is_reported = !options.json.empty() || !options.score.empty();
+    if (is_reported && options.from_s > 0.0)
+        throw UsageError("--json and --score tell of the whole session: leave out --from");
     const Recording recording = read_recording(options.recording);
     const RecordingHeader &header = recording.header;
     const double length_s = recording.ticks.size() * 1e-3;
@@ -92,23 +130,32 @@ int command_replay(const ReplayOptions &options)
     Device device(scene, header.tools, header.entry, header.rig);
     check_core(header, device.identity());
 
-    std::unique_ptr<SessionPictures> pictures;
     PictureSettings picture_settings = options.pictures;
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(scene.path);
     picture_settings.scene_path = scene.path;
     picture_settings.stents = header.stents;
-    if (writes_pictures(picture_settings))
-        pictures = std::make_unique<SessionPictures>(picture_settings, header.tools);
+    const SessionSinks sinks = make_sinks(picture_settings, header.tools, !options.score.empty(),
+                                          is_reported && has_effects(recording));
     watch_for_interrupt();
     ReplaySettings settings;
     settings.speed = *replay_speed(options.speed);
     settings.verifies = options.verify;
     settings.from_s = options.from_s;
     settings.waits_for_enter = isatty(STDIN_FILENO) != 0;
-    const ReplayResult result = replay_recording(device, recording, pictures.get(), settings);
-    if (pictures) print_files(pictures->files());
+    settings.measures_contacts = !options.score.empty();
+    ReplayResult result = replay_recording(device, recording, sinks.sink(), settings);
+    name_range_branch(result.figures.range, picture_settings.bodies_path);
+    if (is_reported) {
+        const std::unique_ptr<TipPlaces> tips =
+            read_tip_places(picture_settings.bodies_path, picture_settings.scene_path);
+        device.link().read_nodes();
+        result.tips = tips->at(session_frame(device, {}, {}).wire);
+        write_session_files({options.json, options.score}, run_result(result), scene.path, header.tools,
+                            header.session_path, sinks.sources());
+    }
+    if (sinks.pictures) print_files(sinks.pictures->files());
     const int code = print_result(recording, options, result);
-    return pictures && pictures->was_stopped() ? 1 : code;
+    return sinks.pictures && sinks.pictures->was_stopped() ? 1 : code;
 }
 
 } // namespace seld

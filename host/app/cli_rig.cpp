@@ -1,10 +1,12 @@
 // seldinger rig: the command line, and the commands that only look.
 #include "host/app/cli_rig.hpp"
 #include "host/app/device_choice.hpp"
-#include "host/app/interrupt.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/link/usb_transport.hpp"
 #include "host/model/output_files.hpp"
+#include "host/model/terminal.hpp"
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <poll.h>
@@ -98,6 +100,10 @@ void require_ready(Link &link, bool may_reset)
 namespace
 {
 
+// A list asks every rig there is, and ends in time whatever they do.
+constexpr auto list_patience = std::chrono::milliseconds(1500);
+constexpr auto list_limit = std::chrono::seconds(6);
+
 struct Listed {
     UsbRig usb;
     std::string firmware = "-", state = "-", trouble;
@@ -109,7 +115,7 @@ Listed look_at(const UsbRig &usb)
     if (!usb.trouble.empty()) return listed;
     try {
         UsbTransport pipe(usb.serial, {.read_ms = 500, .write_ms = 500});
-        Link link(pipe);
+        Link link(pipe, list_patience);
         const seld_wire_hello_reply hello = link.hello();
         listed.firmware = std::to_string(hello.protocol_major) + "." + std::to_string(hello.protocol_minor) +
                           " core " + std::to_string(hello.core_version);
@@ -124,7 +130,13 @@ int list_rigs(const RigOptions &options, const RigTalk &talk)
 {
     const UsbContext context = usb_context();
     std::vector<Listed> rigs;
-    for (const UsbRig &usb : usb_rigs(context.get())) rigs.push_back(look_at(usb));
+    const auto end = std::chrono::steady_clock::now() + list_limit;
+    bool has_trouble = false;
+    for (const UsbRig &usb : usb_rigs(context.get())) {
+        const bool is_late = std::chrono::steady_clock::now() > end || talk.is_interrupted();
+        rigs.push_back(is_late ? Listed{usb, "-", "-", "not asked: the others took too long"} : look_at(usb));
+        has_trouble = has_trouble || !rigs.back().trouble.empty();
+    }
     if (options.json) {
         nlohmann::ordered_json list = nlohmann::json::array();
         for (const Listed &rig : rigs) {
@@ -136,7 +148,7 @@ int list_rigs(const RigOptions &options, const RigTalk &talk)
                             {"trouble", rig.trouble}});
         }
         std::fprintf(talk.out, "%s\n", list.dump(2).c_str());
-        return 0;
+        return has_trouble ? 1 : 0;
     }
     if (rigs.empty()) {
         std::fprintf(talk.out, "no rig is on USB (looked for %04x:%04x); check cable and power\n",
@@ -144,14 +156,11 @@ int list_rigs(const RigOptions &options, const RigTalk &talk)
         return 0;
     }
     std::fprintf(talk.out, "%-24s %-16s %-16s %-8s %s\n", "serial", "product", "firmware", "state", "place");
-    bool has_trouble = false;
     for (const Listed &rig : rigs) {
-        std::fprintf(talk.out, "%-24s %-16s %-16s %-8s %s\n",
-                     rig.usb.serial.empty() ? "?" : rig.usb.serial.c_str(),
-                     rig.usb.product.empty() ? "?" : rig.usb.product.c_str(), rig.firmware.c_str(),
-                     rig.state.c_str(), rig.usb.place.c_str());
-        if (!rig.trouble.empty()) std::fprintf(talk.out, "  %s\n", rig.trouble.c_str());
-        has_trouble = has_trouble || !rig.trouble.empty();
+        say(talk.out, "%-24s %-16s %-16s %-8s %s\n", rig.usb.serial.empty() ? "?" : rig.usb.serial.c_str(),
+            rig.usb.product.empty() ? "?" : rig.usb.product.c_str(), rig.firmware.c_str(), rig.state.c_str(),
+            rig.usb.place.c_str());
+        if (!rig.trouble.empty()) say(talk.out, "  %s\n", rig.trouble.c_str());
     }
     return has_trouble ? 1 : 0;
 }
@@ -256,6 +265,21 @@ int rig_log(Link &link, const RigTalk &talk)
     return 0;
 }
 
+// A second of silence in slices, so that Ctrl-C is seen soon.
+int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptions &options,
+                    const RigTalk &talk)
+{
+    constexpr unsigned slice_ms = 200, slices = 5;
+    HidRig rig(api, serial);
+    return rig_monitor(
+        [&]() -> std::optional<seld_hid_state> {
+            for (unsigned i = 0; i < slices && !talk.is_interrupted(); i++)
+                if (const auto state = rig.read_state(slice_ms)) return state;
+            return {};
+        },
+        options, talk);
+}
+
 // --- the command line ---
 
 namespace
@@ -265,8 +289,8 @@ int monitor(const RigOptions &options, const DeviceChoice &choice, const RigTalk
 {
     check_outputs({}, {{"--csv", options.csv}});
     if (choice.is_usb) {
-        HidRig rig(hid_api(options.hid == "libusb" ? HidBackEnd::libusb : HidBackEnd::hidraw), choice.serial);
-        return rig_monitor([&] { return rig.read_state(1000); }, options, talk);
+        return rig_monitor_hid(hid_api(options.hid == "libusb" ? HidBackEnd::libusb : HidBackEnd::hidraw),
+                               choice.serial, options, talk);
     }
     const std::unique_ptr<Transport> pipe = open_device(choice);
     Link link(*pipe);
@@ -403,7 +427,7 @@ int command_rig(const RigOptions &options)
         if (options.command == "monitor") return monitor(options, choice, talk);
         return with_link(options, choice, talk);
     } catch (const RigStopped &stopped) {
-        std::fprintf(stderr, "seldinger: %s\n", stopped.what());
+        say(stderr, "seldinger: %s\n", stopped.what());
         return 1;
     }
 }

@@ -60,6 +60,9 @@ int rig_force(Link &link, const RigOptions &options, const RigTalk &talk);
 // `next` gives the next state report; none: the rig is silent.
 using StateSource = std::function<std::optional<seld_hid_state>()>;
 int rig_monitor(const StateSource &next, const RigOptions &options, const RigTalk &talk);
+// The same from a rig's HID interface.
+int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptions &options,
+                    const RigTalk &talk);
 
 // --- shared by the commands ---
 

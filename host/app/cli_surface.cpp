@@ -1,7 +1,9 @@
 // seldinger surface
 #include "host/app/cli.hpp"
-#include "host/app/interrupt.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/app/replay.hpp"
+#include "host/app/session_summary.hpp"
+#include "host/model/terminal.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -38,7 +40,7 @@ Stages stages_of(const Recording &recording, const std::string &path)
 
 std::uint32_t told(const char *name, std::size_t tick)
 {
-    std::printf("%-12s %8.3f s\n", name, static_cast<double>(tick) * 1e-3);
+    say(stdout, "%-12s %8.3f s\n", name, static_cast<double>(tick) * 1e-3);
     return static_cast<std::uint32_t>(tick);
 }
 
@@ -79,8 +81,8 @@ int command_surface(const SurfaceOptions &options)
     watch_for_interrupt();
     const ReplayResult result = replay_recording(device, recording, &sink, {});
     if (result.was_interrupted) {
-        std::fprintf(stderr, "seldinger: interrupted: only %zu of %zu moments are in the file\n",
-                     sink.panels().size(), ticks.size());
+        say(stderr, "seldinger: interrupted: only %zu of %zu moments are in the file\n", sink.panels().size(),
+            ticks.size());
         return 1;
     }
     print_files({settings.output});

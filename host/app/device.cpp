@@ -77,6 +77,7 @@ Device::Device(const SceneFile &scene, std::vector<Instrument> tools, const seld
         open();
         set_up();
         has_started_ = true;
+        call_witness();
     } catch (const LinkError &error) {
         const std::string who = tool_at_fault(tools_, error.reject);
         if (who.empty()) throw;
@@ -133,6 +134,7 @@ void SessionFigures::take(const seld_wire_tick_state &state)
     }
     contact_count_max = std::max<std::uint32_t>(contact_count_max, state.contact_count);
     balloon.take(state);
+    range.take(state);
     heart.monitor.tick(state);
     heart.pressure_max_mmHg = std::max(heart.pressure_max_mmHg, heart.monitor.pressure_mmHg());
     heart.pressure_min_mmHg = std::min(heart.pressure_min_mmHg, heart.monitor.pressure_mmHg());

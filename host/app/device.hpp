@@ -4,8 +4,10 @@
 #include "host/app/balloon_figures.hpp"
 #include "host/app/device_choice.hpp"
 #include "host/app/frame_sink.hpp"
+#include "host/app/range_watch.hpp"
 #include "host/app/recording.hpp"
 #include "host/app/scene_file.hpp"
+#include "host/app/witness.hpp"
 #include "host/effects/pulse.hpp"
 #include "host/link/link.hpp"
 #include <functional>
@@ -56,6 +58,11 @@ class Device
     std::span<const seld_wire_tick_state> step(std::span<const seld_wire_encoders> inputs, bool want_nodes);
     // Any other request of the link, with the same care.
     void ask(const std::function<void(Link &)> &request);
+    // What a recording holds besides the ticks. Of a rig they are compared with this machine's core first (witness.hpp), as are
+    // the ticks themselves; each throws LinkError when they differ.
+    Hash64 read_hash64();                      // of the last tick given or stepped
+    std::optional<Hash64> last_hash64();       // that came by itself, of a tick up to that one
+    std::vector<std::uint8_t> read_snapshot(); // LOCKSTEP
     std::uint32_t resumes() const { return resumes_; }
     // Its time passes without us, and it minds our silence.
     bool has_its_own_clock() const { return choice_.is_usb && pipe_ != nullptr; }
@@ -67,7 +74,8 @@ class Device
     // No more ticks after this; the last ones are given.
     void stop_free(FreeRunSink &sink);
 
-    static constexpr std::uint32_t resumes_max = 5;      // without a step in between
+    static constexpr std::uint32_t resumes_max = 5; // within so many ticks of the session:
+    static constexpr std::uint32_t resumes_within_ticks = 1000;
     static constexpr std::size_t inputs_kept_max = 1000; // then a new snapshot is taken
     static constexpr std::size_t free_run_kept_max = 10000;
 
@@ -77,7 +85,10 @@ class Device
     };
     void open();
     void set_up();
+    void call_witness();
+    void check_identity(const seld_wire_hello_reply &reply) const;
     void keep_up();
+    void count_resume(std::uint32_t tick);
     void resume();
     void go_back_to_snapshot();
     // device_free_run.cpp
@@ -102,7 +113,9 @@ class Device
     std::vector<std::uint8_t> snapshot_;     // empty: the session's first tick
     std::vector<seld_wire_encoders> inputs_; // done since
     std::vector<Hash> hashes_;               // what they gave
-    std::uint32_t resumes_ = 0;
+    std::uint32_t resumes_ = 0, resumes_here_ = 0, resumes_from_tick_ = 0;
+    std::unique_ptr<Witness> witness_; // of a device that is not in this process
+    std::optional<Hash64> hash_;       // the last one that was compared
 
     std::uint32_t given_tick_ = 0;                   // FREE_RUN: the last tick given
     std::vector<seld_wire_live_tick> without_hands_; // before the first reading of the encoders
@@ -146,6 +159,7 @@ struct SessionFigures {
     std::vector<ToolFigures> tools; // from the innermost; empty before the first tick
     HeartFigures heart;
     BalloonFigures balloon;
+    RangeWatch range;
     void take(const seld_wire_tick_state &state);
 };
 

@@ -1,5 +1,5 @@
 #include "host/app/device_choice.hpp"
-#include "host/app/interrupt.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/link/emulated_transport.hpp"
 #include "host/link/sim_transport.hpp"
 #include "host/link/usb_transport.hpp"

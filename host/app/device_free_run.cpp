@@ -5,7 +5,7 @@
 // that came: set up, snapshot, the inputs since again in LOCKSTEP with every hash compared, then FREE_RUN with a new reference of
 // the hands. The state at that point is part of the recording.
 #include "host/app/device.hpp"
-#include "host/app/interrupt.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include <algorithm>
 #include <utility>
@@ -22,10 +22,13 @@ constexpr std::uint32_t stop_ahead_ticks = 40, stop_limit_ms = 2000;
 // A coupling that all five situations of docs/haptics.md were found quiet with.
 constexpr std::uint32_t coupling_N_per_m = 800, coupling_uN_m_per_rad = 2000;
 
-// Four fifths of the stiffest spring that the device takes: stiffness x (half a tick + lag of the actuator) <= own damping.
-std::uint32_t passive(std::uint32_t damping, std::uint32_t lag_us, std::uint32_t wanted)
+// Four fifths of the stiffest spring that the device takes: gain above one x stiffness x (half a tick + lag of the actuator)
+// <= own damping.
+std::uint32_t passive(std::uint32_t damping, const seld_wire_track &track, std::uint32_t wanted)
 {
-    const std::uint64_t stiffest = std::uint64_t{damping} * 1000 / (500 + lag_us);
+    const std::uint64_t gain_milli = std::max<std::uint32_t>(track.force_gain_milli, 1000);
+    const std::uint64_t stiffest =
+        std::uint64_t{damping} * 1'000'000 / (gain_milli * (500 + track.actuator_lag_us));
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, stiffest * 4 / 5));
 }
 
@@ -33,9 +36,8 @@ std::uint32_t passive(std::uint32_t damping, std::uint32_t lag_us, std::uint32_t
 void couple(seld_wire_track &track)
 {
     if (track.coupling_N_per_m > 0 || track.coupling_uN_m_per_rad > 0) return;
-    track.coupling_N_per_m = passive(track.damping_mN_s_per_m, track.actuator_lag_us, coupling_N_per_m);
-    track.coupling_uN_m_per_rad =
-        passive(track.damping_nN_m_s_per_rad, track.actuator_lag_us, coupling_uN_m_per_rad);
+    track.coupling_N_per_m = passive(track.damping_mN_s_per_m, track, coupling_N_per_m);
+    track.coupling_uN_m_per_rad = passive(track.damping_nN_m_s_per_rad, track, coupling_uN_m_per_rad);
 }
 
 } // namespace
@@ -87,6 +89,7 @@ void Device::start_free_run()
 
 void Device::give(const seld_wire_live_tick &tick, FreeRunSink &sink)
 {
+    if (witness_) witness_->tick(tick.input, tick.state);
     given_tick_ = tick.state.tick;
     silent_ms_ = 0;
     if (choice_.may_return()) {
@@ -95,6 +98,7 @@ void Device::give(const seld_wire_live_tick &tick, FreeRunSink &sink)
     }
     sink.tick(tick);
     if (snapshot_to_come_.empty() || snapshot_tick_ != given_tick_) return;
+    if (witness_) witness_->snapshot(snapshot_tick_, snapshot_to_come_, false);
     sink.snapshot(snapshot_tick_, snapshot_to_come_);
     snapshot_ = std::exchange(snapshot_to_come_, {});
     inputs_.clear();
@@ -168,6 +172,7 @@ void Device::resume_free(FreeRunSink &sink)
             link_->stop();
             link_->use_free_run();
             const std::vector<std::uint8_t> state = link_->read_snapshot();
+            if (witness_) witness_->snapshot(given_tick_, state, false);
             snapshot_ = state;
             inputs_.clear();
             hashes_.clear();

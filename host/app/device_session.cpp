@@ -1,6 +1,6 @@
 // What a Device does while a session runs: open, set up, step, and go on after the device went and came back.
 #include "host/app/device.hpp"
-#include "host/app/interrupt.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include <algorithm>
 #include <cstdio>
@@ -30,6 +30,7 @@ void Device::open()
     pipe_ = open_device(choice_);
     link_.emplace(*pipe_);
     const seld_wire_hello_reply reply = link_->hello();
+    check_identity(reply);
     if (has_started_ && (reply.core_version != identity_.core_version ||
                          !std::equal(reply.serial, reply.serial + reply.serial_count, identity_.serial,
                                      identity_.serial + identity_.serial_count))) {
@@ -45,6 +46,27 @@ void Device::open()
     } else if (choice_.is_usb) {
         rig_ = within_limits(rig_, rig_before_);
     }
+}
+
+// A recording names core and schema as the device gives them, and is replayed by this host or not at all.
+void Device::check_identity(const seld_wire_hello_reply &reply) const
+{
+    if (!choice_.may_return()) return;
+    const std::uint32_t own = own_core_version();
+    if (reply.core_version == own && reply.schema_hash == seld_wire_schema_hash()) return;
+    throw LinkError(
+        pipe_->name() + " computes with core version " + std::to_string(reply.core_version) +
+        (reply.core_version == own ? " of another schema" : "") + ", this host has version " +
+        std::to_string(own) +
+        ": its session could neither be checked nor replayed here. Remedy: install the same release "
+        "on both");
+}
+
+// A device in this process is this machine's core.
+void Device::call_witness()
+{
+    if (!choice_.may_return()) return;
+    witness_ = std::make_unique<Witness>(scene_, tools_, entry_, rig_, pipe_->name());
 }
 
 void Device::set_up()
@@ -83,6 +105,41 @@ void Device::restore(std::span<const std::uint8_t> snapshot)
     snapshot_.assign(snapshot.begin(), snapshot.end());
     inputs_.clear();
     hashes_.clear();
+    if (witness_) witness_->restore(snapshot);
+}
+
+// --- what is believed ---
+
+Hash64 Device::read_hash64()
+{
+    Hash64 hash;
+    ask([&](Link &link) { hash = link.read_hash64(); });
+    if (witness_ && hash.tick != witness_->tick()) {
+        throw LinkError(pipe_->name() + " gives the hash of tick " + std::to_string(hash.tick) +
+                        ", not of tick " + std::to_string(witness_->tick()) +
+                        ". Remedy: install the same release on both");
+    }
+    if (witness_) witness_->hash(hash);
+    return hash;
+}
+
+std::optional<Hash64> Device::last_hash64()
+{
+    const std::optional<Hash64> hash = link_->last_hash64();
+    if (!witness_ || !hash || (hash_ && hash_->tick == hash->tick && hash_->hash == hash->hash)) return hash;
+    // In FREE_RUN it may come before the ticks that it belongs to.
+    if (choice_.free_run && hash->tick > witness_->tick()) return hash_;
+    witness_->hash(*hash);
+    hash_ = hash;
+    return hash;
+}
+
+std::vector<std::uint8_t> Device::read_snapshot()
+{
+    std::vector<std::uint8_t> snapshot;
+    ask([&](Link &link) { snapshot = link.read_snapshot(); });
+    if (witness_) witness_->snapshot(link_->tick(), snapshot, true);
+    return snapshot;
 }
 
 // --- going on ---
@@ -117,10 +174,26 @@ void Device::go_back_to_snapshot()
     }
 }
 
+// One that goes away again and again never ends its session.
+void Device::count_resume(std::uint32_t tick)
+{
+    if (resumes_here_ == 0 || tick >= resumes_from_tick_ + resumes_within_ticks) {
+        resumes_here_ = 0;
+        resumes_from_tick_ = tick;
+    }
+    if (resumes_here_++ == resumes_max) {
+        throw LinkError("the device went away " + std::to_string(resumes_max) + " times within " +
+                        std::to_string(resumes_within_ticks) + " ticks, up to tick " + std::to_string(tick) +
+                        ". Remedy: check cable and power, then begin the session again; the recording is "
+                        "complete up to that tick");
+    }
+    resumes_++;
+}
+
 void Device::resume()
 {
     const std::uint32_t tick = choice_.free_run ? given_tick_ : link_->tick();
-    resumes_++;
+    count_resume(tick);
     std::fprintf(stderr, "seldinger: the device went away at tick %u; waiting up to %u s for it\n",
                  unsigned{tick}, unsigned{choice_.return_limit_ms / 1000});
     pipe_.reset(); // Link holds a reference to it and is replaced before it is used again
@@ -161,6 +234,7 @@ std::span<const seld_wire_tick_state> Device::step(std::span<const seld_wire_enc
         keep_up();
         states = link.step(inputs, want_nodes);
     });
+    if (witness_) witness_->step(inputs, states, want_nodes ? &link_->nodes() : nullptr);
     if (choice_.may_return()) {
         inputs_.insert(inputs_.end(), inputs.begin(), inputs.end());
         for (const seld_wire_tick_state &state : states)

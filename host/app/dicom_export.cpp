@@ -131,7 +131,7 @@ void check_dicom_settings(const DicomSettings &settings)
     if (settings.folder.empty()) return;
     std::error_code failed;
     const fs::file_status status = fs::status(settings.folder, failed);
-    if (!fs::exists(status)) return;
+    if (!fs::exists(status)) return check_output_folder({"--dicom", settings.folder});
     if (!fs::is_directory(status))
         throw UsageError("--dicom " + settings.folder + " is not a folder: name a folder, new or empty");
     for (const fs::directory_entry &entry : fs::directory_iterator(settings.folder, failed)) {
@@ -139,6 +139,7 @@ void check_dicom_settings(const DicomSettings &settings)
         throw UsageError("--dicom " + settings.folder + " already holds " + entry.path().filename().string() +
                          ": name another folder, or remove its .dcm files first");
     }
+    check_output_folder({"--dicom", settings.folder});
 }
 
 DicomExport::DicomExport(const DicomSettings &settings, const std::string &session)

@@ -1,4 +1,5 @@
 #include "host/app/path_choice.hpp"
+#include "host/model/terminal.hpp"
 #include <cstdio>
 
 namespace seld
@@ -20,11 +21,11 @@ bool print_library(const char *name, GlLibrary library)
     try {
         const std::unique_ptr<GlContext> context = open_headless(library);
         const GlDescription found = describe(*context);
-        std::printf("%-14s%s, OpenGL %s, by %s\n", name, found.renderer.c_str(), found.version.c_str(),
-                    found.origin.c_str());
+        say(stdout, "%-14s%s, OpenGL %s, by %s\n", name, found.renderer.c_str(), found.version.c_str(),
+            found.origin.c_str());
         return true;
     } catch (const GlError &error) {
-        std::printf("%-14s%s\n", name, error.what());
+        say(stdout, "%-14s%s\n", name, error.what());
         return false;
     }
 }
@@ -37,8 +38,8 @@ BodyPathsMaker paths_maker(const std::string &choice, const GlOpener &window_con
     return [open = opener_of(choice, window_context)](const BodyMeshes &meshes, int threads) {
         auto paths = std::make_unique<GlPaths>(meshes, open, threads);
         const GlDescription &found = paths->description();
-        std::fprintf(stderr, "X-ray by OpenGL %s on %s, by %s\n", found.version.c_str(),
-                     found.renderer.c_str(), found.origin.c_str());
+        say(stderr, "X-ray by OpenGL %s on %s, by %s\n", found.version.c_str(), found.renderer.c_str(),
+            found.origin.c_str());
         return paths;
     };
 }

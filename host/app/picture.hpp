@@ -25,7 +25,8 @@ bool write_png16(const std::string &path, int width, int height, const std::vect
                  std::string &error);
 
 // H.264 in yuv420p, every picture RGB of the same even size. The file has its name only after a successful finish();
-// what is unfinished is removed by the destructor (after SIGKILL "name.partPID" stays, never a half "name").
+// what is unfinished is removed by the destructor (after SIGKILL "name.partPID-RANDOM" stays, never a half "name", and ffmpeg
+// goes with us). Open it in the thread that lives longest: the kernel ends ffmpeg when that thread ends.
 class VideoWriter
 {
   public:
@@ -43,9 +44,10 @@ class VideoWriter
   private:
     bool fail(const std::string &what, std::string &error);
     void stop();
-    std::string path_, unfinished_, log_;
+    bool start(int output, int pictures_per_s);
+    std::string path_, unfinished_;
     int width_ = 0, height_ = 0;
-    int pipe_ = -1;
+    int pipe_ = -1, log_ = -1;
     int process_ = -1;
 };
 

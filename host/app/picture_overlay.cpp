@@ -219,6 +219,8 @@ class Display
                   info_.contrast_ml_s > 0.0 ? amber : white);
         if (info_.dose_alert_Gy > 0.0)
             right(margin_ + 6 * line_, formatted("DOSE ABOVE %g Gy", info_.dose_alert_Gy), red);
+        if (info_.fluoro_reminder_min > 0)
+            right(margin_ + 7 * line_, formatted("FLUOROSCOPY %u MIN", info_.fluoro_reminder_min), amber);
     }
 
     // Bottom: the session's time on the right, what the hands feel on the left.

@@ -36,9 +36,10 @@ struct OverlayInfo {
     double kerma_mGy = 0.0;  // sum at the reference point
     double kerma_rate_mGy_min = 0.0;
     double kap_Gy_cm2 = 0.0;
-    double contrast_ml = 0.0;   // injected; 0 and no flow: nothing is shown
-    double contrast_ml_s = 0.0; // at the moment
-    double dose_alert_Gy = 0.0; // passed and not acknowledged; 0: none
+    double contrast_ml = 0.0;         // injected; 0 and no flow: nothing is shown
+    double contrast_ml_s = 0.0;       // at the moment
+    double dose_alert_Gy = 0.0;       // passed and not acknowledged; 0: none
+    unsigned fluoro_reminder_min = 0; // minutes of fluoroscopy, the same
     OverlayBalloon balloon;
     const PulseMonitor *pulse = nullptr; // traces of the heart; nullptr: none
     std::string notice;                  // one line in the middle, e.g. a warning; empty for none

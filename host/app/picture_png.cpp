@@ -6,7 +6,6 @@
 #include <cstring>
 #include <png.h>
 #include <stdexcept>
-#include <unistd.h>
 
 namespace seld
 {
@@ -30,18 +29,14 @@ bool write_any(const std::string &path, int width, int height, png_uint_32 forma
 {
     png_image png = image_head(width, height, format);
     try {
-        const std::string unfinished = pending_path(path);
-        watch_pending(unfinished);
+        PendingFile file(path);
         errno = 0;
-        if (png_image_write_to_file(&png, unfinished.c_str(), 0, pixels, 0, nullptr)) {
-            commit_pending(unfinished, path);
-            return true;
+        if (!png_image_write_to_stdio(&png, file.stream(), 0, pixels, 0, nullptr)) {
+            if (errno != 0) throw OutputError(path, errno);
+            throw OutputError(path + ": cannot be written: " + png.message);
         }
-        const int error_number = errno;
-        ::unlink(unfinished.c_str());
-        forget_pending(unfinished);
-        if (error_number != 0) throw OutputError(path, error_number);
-        throw OutputError(path + ": cannot be written: " + png.message);
+        file.commit();
+        return true;
     } catch (const OutputError &refused) {
         error = refused.what();
         return false;

@@ -1,13 +1,17 @@
 // MP4 by a pipe into the ffmpeg program. The child leaves our process group: Ctrl-C reaches only us, we close the pipe
-// or remove the file, so that ffmpeg always finishes in an orderly way.
+// or remove the file, so that ffmpeg always finishes in an orderly way. When we are killed the kernel kills it too. It gets the
+// file as a descriptor, and what it says goes into memory: no name of ours is opened a second time.
 #include "host/app/picture.hpp"
 #include "host/model/pending_file.hpp"
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <fcntl.h>
-#include <fstream>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -18,27 +22,45 @@ namespace
 
 constexpr int exit_no_program = 127;
 
-[[noreturn]] void become_ffmpeg(int input, const std::string &log, const char *size, const char *rate,
-                                const char *output)
+constexpr int output_of_ffmpeg = 3;
+
+// Between fork and exec: system calls alone.
+[[noreturn]] void become_ffmpeg(pid_t parent, int input, int output, int log, const char *size,
+                                const char *rate)
 {
     ::setpgid(0, 0);
-    const int messages = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    if (messages < 0 || ::dup2(input, 0) < 0 || ::dup2(messages, 1) < 0 || ::dup2(messages, 2) < 0)
+    // The parent may be gone before the kernel knows what we wish for.
+    if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() != parent) ::_exit(1);
+    // Copies above the numbers that are given out now, so that none is closed by another one.
+    const int from[] = {::fcntl(input, F_DUPFD_CLOEXEC, 10), ::fcntl(log, F_DUPFD_CLOEXEC, 10),
+                        ::fcntl(output, F_DUPFD_CLOEXEC, 10)};
+    if (::dup2(from[0], 0) < 0 || ::dup2(from[1], 1) < 0 || ::dup2(from[1], 2) < 0 ||
+        ::dup2(from[2], output_of_ffmpeg) < 0)
         ::_exit(1);
     ::execlp("ffmpeg", "ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo",
              "-pix_fmt", "rgb24", "-video_size", size, "-framerate", rate, "-i", "pipe:0", "-an", "-c:v",
              "libx264", "-preset", "veryfast", "-crf", "20", "-threads", "1", "-pix_fmt", "yuv420p",
-             "-movflags", "+faststart", "-f", "mp4", output, static_cast<char *>(nullptr));
+             "-movflags", "+faststart", "-f", "mp4", "/dev/fd/3", static_cast<char *>(nullptr));
     ::_exit(exit_no_program);
 }
 
-std::string last_line(const std::string &path)
+std::string last_line(int log)
 {
-    std::ifstream file(path);
-    std::string line, last;
-    while (std::getline(file, line))
-        if (!line.empty()) last = line;
-    return last;
+    constexpr off_t bytes_max = 2000; // from its end
+    char text[bytes_max];
+    struct stat info {
+    };
+    if (log < 0 || ::fstat(log, &info) != 0) return {};
+    const ssize_t count = ::pread(log, text, bytes_max, std::max<off_t>(0, info.st_size - bytes_max));
+    std::string last(text, count > 0 ? static_cast<std::size_t>(count) : 0);
+    while (!last.empty() && last.back() == '\n') last.pop_back();
+    return last.substr(last.rfind('\n') + 1); // npos + 1: the whole
+}
+
+// Memory that a program can write into as if it were a file.
+int open_log()
+{
+    return ::memfd_create("ffmpeg's messages", MFD_CLOEXEC);
 }
 
 // Writing to a pipe whose reader died must be an error, not the end of this process.
@@ -74,36 +96,40 @@ bool VideoWriter::open(const std::string &path, int width, int height, int pictu
     path_ = path;
     width_ = width;
     height_ = height;
-    try {
-        unfinished_ = pending_path(path);
-    } catch (const OutputError &refused) {
-        error = refused.what();
-        return false;
-    }
-    log_ = unfinished_ + ".log";
     if (width < 16 || height < 16 || width % 2 != 0 || height % 2 != 0 || pictures_per_s < 1) {
         error = path + ": a video needs an even size of 16 or more and at least 1 picture per second";
         return false;
     }
-    std::FILE *probe = std::fopen(unfinished_.c_str(), "wb");
-    if (!probe) {
-        error = path + ": cannot write here: " + std::strerror(errno) + "; check that the folder exists";
+    OpenPending output;
+    try {
+        output = open_pending(path);
+    } catch (const OutputError &refused) {
+        error = refused.what();
         return false;
     }
-    std::fclose(probe);
-    watch_pending(unfinished_);
-    watch_pending(log_);
+    unfinished_ = output.name;
+    const bool is_started = start(output.file, pictures_per_s);
+    const int error_number = errno;
+    ::close(output.file);
+    return is_started || fail("cannot start ffmpeg: " + std::string(std::strerror(error_number)), error);
+}
+
+// False with errno.
+bool VideoWriter::start(int output, int pictures_per_s)
+{
+    log_ = open_log();
     int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0)
-        return fail("cannot make a pipe: " + std::string(std::strerror(errno)), error);
-    const std::string size = std::to_string(width) + "x" + std::to_string(height);
+    if (log_ < 0 || ::pipe2(ends, O_CLOEXEC) != 0) return false;
+    const std::string size = std::to_string(width_) + "x" + std::to_string(height_);
     const std::string rate = std::to_string(pictures_per_s);
+    const pid_t parent = ::getpid();
     process_ = ::fork();
-    if (process_ == 0) become_ffmpeg(ends[0], log_, size.c_str(), rate.c_str(), unfinished_.c_str());
+    if (process_ == 0) become_ffmpeg(parent, ends[0], output, log_, size.c_str(), rate.c_str());
+    const int error_number = errno;
     ::close(ends[0]);
     pipe_ = ends[1];
-    if (process_ < 0) return fail("cannot start ffmpeg: " + std::string(std::strerror(errno)), error);
-    return true;
+    errno = error_number;
+    return process_ > 0;
 }
 
 bool VideoWriter::add(const Image &image, std::string &error)
@@ -146,8 +172,8 @@ bool VideoWriter::finish(std::string &error)
         stop();
         return false;
     }
-    ::unlink(log_.c_str());
-    forget_pending(log_);
+    unfinished_.clear();
+    stop();
     return true;
 }
 
@@ -183,11 +209,9 @@ void VideoWriter::stop()
         }
     }
     process_ = -1;
-    if (unfinished_.empty()) return;
-    ::unlink(unfinished_.c_str());
-    ::unlink(log_.c_str());
-    forget_pending(unfinished_);
-    forget_pending(log_);
+    if (log_ >= 0) ::close(log_);
+    log_ = -1;
+    if (!unfinished_.empty()) discard_pending(unfinished_);
     unfinished_.clear();
 }
 

@@ -1,4 +1,5 @@
 #include "host/app/progress_line.hpp"
+#include "host/model/terminal.hpp"
 #include <algorithm>
 #include <cstdio>
 #include <unistd.h>
@@ -28,7 +29,7 @@ void ProgressLine::show(const std::string &what, std::size_t done, std::size_t t
     const bool is_new = what != begun_;
     begun_ = what;
     if (!is_terminal_) {
-        if (is_new) std::fprintf(stderr, "%s\n", what.c_str());
+        if (is_new) say(stderr, "%s\n", what.c_str());
         return;
     }
     const Clock::time_point now = Clock::now();
@@ -39,7 +40,7 @@ void ProgressLine::show(const std::string &what, std::size_t done, std::size_t t
         total > 0 ? std::min(1.0, static_cast<double>(done) / static_cast<double>(total)) : 0.0;
     std::string bar(static_cast<std::size_t>(share * bar_marks), '#');
     bar.resize(bar_marks, '-');
-    std::fprintf(stderr, "\r\x1b[K%s  [%s] %3.0f %%", what.c_str(), bar.c_str(), share * 100);
+    std::fprintf(stderr, "\r\x1b[K%s  [%s] %3.0f %%", printable(what).c_str(), bar.c_str(), share * 100);
 }
 
 } // namespace seld

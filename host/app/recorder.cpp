@@ -2,6 +2,7 @@
 #include "host/model/pending_file.hpp"
 #include "shared/wire/wire_frame.h"
 #include <cerrno>
+#include <unistd.h>
 
 namespace seld
 {
@@ -59,6 +60,21 @@ std::vector<std::uint8_t> side_holes_of(std::size_t tool, const SideHoles &holes
     return bytes;
 }
 
+// What the label of a tool's balloon says.
+std::vector<std::uint8_t> balloon_of(std::size_t tool, const BalloonLabel &label)
+{
+    const std::size_t markers = std::min(label.marker_arcs_m.size(), balloon_markers_max);
+    std::vector<std::uint8_t> bytes(balloon_bytes(markers));
+    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
+    seld_wire_write(&writer, tool, 1);
+    put_double(writer, label.nominal_kPa);
+    put_double(writer, label.rated_burst_kPa);
+    put_double(writer, label.crossing_profile_m);
+    seld_wire_write(&writer, markers, 1);
+    for (std::size_t i = 0; i < markers; i++) put_double(writer, label.marker_arcs_m[i]);
+    return bytes;
+}
+
 // Name and material, what joins its rings, counts and numbers in the order of their lists.
 std::vector<std::uint8_t> stent_of(const StentDesign &stent)
 {
@@ -75,25 +91,25 @@ std::vector<std::uint8_t> stent_of(const StentDesign &stent)
     return bytes;
 }
 
-std::string pending_name(const std::string &path)
+} // namespace
+
+Recorder::Recorder(const std::string &path, const RecordingHeader &header) : path_(path)
 {
     try {
-        return pending_path(path);
+        const OpenPending opened = open_pending(path);
+        forget_pending(opened.name); // a recording that is cut off is worth keeping
+        pending_file_ = opened.name;
+        file_.reset(::fdopen(opened.file, "wb"));
+        if (!file_) throw OutputError(path, errno);
     } catch (const OutputError &error) {
         throw RecordingError(RecordingFault::unreadable, error.what());
     }
-}
-
-} // namespace
-
-Recorder::Recorder(const std::string &path, const RecordingHeader &header)
-    : path_(path), pending_file_(pending_name(path)), file_(std::fopen(pending_file_.c_str(), "wb"))
-{
-    if (!file_) throw RecordingError(RecordingFault::unreadable, OutputError(path, errno).what());
     std::fwrite(magic, 1, 8, file_.get());
     chunk(HEAD, header_bytes(header));
     for (std::size_t k = 0; k < header.tools.size(); k++)
         for (const SideHoles &holes : header.tools[k].side_holes) chunk(SIDE_HOLES, side_holes_of(k, holes));
+    for (std::size_t k = 0; k < header.tools.size(); k++)
+        if (header.tools[k].balloon) chunk(BALLOON, balloon_of(k, *header.tools[k].balloon));
     for (const StentDesign &stent : header.stents) chunk(STENT, stent_of(stent));
 }
 
@@ -114,7 +130,7 @@ void Recorder::give_name()
     if (has_name_) return;
     has_name_ = true;
     try {
-        commit_pending(pending_file_, path_);
+        commit_pending(pending_file_, path_, true);
     } catch (const OutputError &error) {
         throw RecordingError(RecordingFault::unreadable, error.what());
     }

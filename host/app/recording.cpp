@@ -63,7 +63,7 @@ class Reader
         seld_wire_reader head = seld_wire_reader_make(bytes_.data() + position_, left);
         kind_ = static_cast<std::uint32_t>(seld_wire_read(&head, 4));
         const std::size_t count = seld_wire_read(&head, 4);
-        if (kind_ < HEAD || kind_ > STENT)
+        if (kind_ < HEAD || kind_ > BALLOON)
             fail(RecordingFault::damaged, "is damaged: unknown chunk kind " + std::to_string(kind_));
         if (!is_size_of(kind_, count, recording_.header.tools.size()))
             fail(RecordingFault::damaged, "is damaged: a chunk of kind " + std::to_string(kind_) +
@@ -167,6 +167,9 @@ class Reader
         case STENT:
             read_stent();
             break;
+        case BALLOON:
+            read_balloon();
+            break;
         case END:
             read_end();
             break;
@@ -259,6 +262,29 @@ class Reader
         if (!is_possible || recording_.header.tools[tool].side_holes.size() >= side_holes_max)
             fail(RecordingFault::inconsistent, "is inconsistent: side holes that no tool can have");
         recording_.header.tools[tool].side_holes.push_back(holes);
+    }
+
+    void read_balloon()
+    {
+        const std::size_t tool = seld_wire_read(&payload_, 1);
+        BalloonLabel label;
+        label.nominal_kPa = get_double(payload_);
+        label.rated_burst_kPa = get_double(payload_);
+        label.crossing_profile_m = get_double(payload_);
+        const std::size_t markers = std::min<std::size_t>(seld_wire_read(&payload_, 1), balloon_markers_max);
+        for (std::size_t i = 0; i < markers; i++) label.marker_arcs_m.push_back(get_double(payload_));
+        check_used_up("balloon");
+        const auto is_within = [](double value, double most) { return value >= 0.0 && value <= most; };
+        const bool is_possible =
+            tool < recording_.header.tools.size() && !recording_.header.tools[tool].balloon &&
+            is_within(label.nominal_kPa, balloon_max_kPa) &&
+            is_within(label.rated_burst_kPa, balloon_max_kPa) &&
+            is_within(label.crossing_profile_m, balloon_profile_max_m) &&
+            std::all_of(label.marker_arcs_m.begin(), label.marker_arcs_m.end(),
+                        [&](double arc_m) { return is_within(arc_m, balloon_marker_max_m); });
+        if (!is_possible)
+            fail(RecordingFault::inconsistent, "is inconsistent: a balloon that no tool can have");
+        recording_.header.tools[tool].balloon = label;
     }
 
     void read_stent()

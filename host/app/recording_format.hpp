@@ -22,7 +22,8 @@ enum Kind : std::uint32_t {
     RESUMED = 7,
     ROOM = 8,
     SIDE_HOLES = 9,
-    STENT = 10
+    STENT = 10,
+    BALLOON = 11
 };
 
 inline constexpr std::size_t chunk_head_bytes = 8, chunk_tail_bytes = 4;
@@ -40,6 +41,12 @@ constexpr std::size_t tick_bytes(std::size_t tool_count)
 }
 inline constexpr std::size_t command_bytes = 4 + 2 + 3 * 4;
 inline constexpr std::size_t side_holes_bytes = 1 + 8 + 8 + 4 + 8;
+inline constexpr std::size_t balloon_markers_max = 8;
+constexpr std::size_t balloon_bytes(std::size_t markers)
+{
+    return 1 + 3 * 8 + 1 + markers * 8;
+}
+inline constexpr double balloon_max_kPa = 1e4, balloon_profile_max_m = 0.05, balloon_marker_max_m = 2.0;
 inline constexpr std::size_t hash_bytes = 4 + 8;         // HASH and END
 inline constexpr std::size_t view_bytes = 4 + 2 + 6 * 4; // of version 2
 inline constexpr std::size_t state_bytes_max = 4 + (1 << 20);
@@ -64,6 +71,8 @@ constexpr bool is_size_of(std::uint32_t kind, std::size_t bytes, std::size_t too
         return bytes == side_holes_bytes;
     case STENT:
         return bytes <= stent_bytes_max;
+    case BALLOON:
+        return bytes >= balloon_bytes(0) && bytes <= balloon_bytes(balloon_markers_max);
     default:
         return bytes == hash_bytes;
     }

@@ -1,5 +1,5 @@
 #include "host/app/replay.hpp"
-#include "host/app/interrupt.hpp"
+#include "host/model/interrupt.hpp"
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -48,8 +48,10 @@ class Replayer
         result_.was_interrupted = link_.tick() < recording_.ticks.size() && !result_.first_difference_tick;
         result_.tick = link_.tick();
         result_.hash = link_.read_hash64().hash;
+        result_.faults = link_.read_fault_log();
         compare_hash(result_.tick, result_.hash);
         if (sink_) sink_->finish();
+        result_.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
         return result_;
     }
 
@@ -64,8 +66,9 @@ class Replayer
         if (snapshot) device_.restore(snapshot->bytes);
         while (link_.tick() < wanted && !is_interrupted() && !result_.first_difference_tick) {
             const std::uint32_t look = sink_ ? sink_->next_look() : UINT32_MAX;
-            std::size_t count = std::min<std::size_t>(
-                {batch_ticks, wanted - link_.tick(), recording_.ticks_to_resume(link_.tick())});
+            std::size_t count =
+                std::min<std::size_t>({batch_ticks - link_.tick() % batch_ticks, wanted - link_.tick(),
+                                       recording_.ticks_to_resume(link_.tick())});
             if (look > link_.tick()) count = std::min<std::size_t>(count, look - link_.tick());
             if (sink_ && command_ < recording_.commands.size())
                 count = std::min<std::size_t>(count, std::max<std::size_t>(command_ticks(), 1));
@@ -112,6 +115,7 @@ class Replayer
         const bool is_picture_due =
             sink_ && (link_.tick() + count == sink_->next_tick() || is_command_due(link_.tick() + count));
         step(count, is_picture_due);
+        look_at_contacts();
         pass_commands();
         picture_when_due(false);
     }
@@ -134,11 +138,20 @@ class Replayer
             state_ = state;
             compare_lanes(state);
         }
+        if (result_.figures.range.wants_place(link_.tick(), link_.tick() == recording_.ticks.size()))
+            result_.figures.range.find_place(link_);
         const auto hash = link_.last_hash64();
         if (hash && hash->tick > hash_tick_) {
             hash_tick_ = hash->tick;
             compare_hash(hash->tick, hash->hash);
         }
+    }
+
+    void look_at_contacts()
+    {
+        static_assert(ContactFigures::look_every_ticks == batch_ticks); // batches end there
+        if (settings_.measures_contacts && link_.tick() % batch_ticks == 0)
+            result_.contacts.take(link_.read_contacts());
     }
 
     void compare_lanes(const seld_wire_tick_state &state)

@@ -1,8 +1,10 @@
 // Play a recording again on a fresh device and compare every hash.
 // May include: device, recording, frame_sink. Called by: cli.
 #pragma once
+#include "host/app/contact_figures.hpp"
 #include "host/app/device.hpp"
 #include "host/app/frame_sink.hpp"
+#include "host/app/tip_places.hpp"
 #include <optional>
 
 namespace seld
@@ -20,12 +22,17 @@ std::optional<ReplaySpeed> replay_speed(const std::string &text);
 struct ReplaySettings {
     ReplaySpeed speed;
     bool verifies = false;
-    double from_s = 0.0;          // start at the snapshot before this time, then step up to it
-    bool waits_for_enter = false; // paused, and a person sits at the terminal
+    double from_s = 0.0;            // start at the snapshot before this time, then step up to it
+    bool waits_for_enter = false;   // paused, and a person sits at the terminal
+    bool measures_contacts = false; // ReplayResult::contacts
 };
 
 struct ReplayResult {
     SessionFigures figures;
+    ContactFigures contacts;
+    std::vector<TipPlace> tips; // where the last tick left them; filled by whoever knows the vessels
+    seld_wire_fault_log faults{};
+    double seconds = 0.0; // wall clock
     std::uint32_t tick = 0;
     std::uint64_t hash = 0;
     std::uint32_t ticks_compared = 0;

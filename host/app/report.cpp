@@ -35,6 +35,7 @@ nlohmann::ordered_json room_report(const Room &room)
     report["total"] = dose_report(dose.total());
     report["fluoroscopy_min"] = dose.fluoro_ticks() / 60e3;
     report["dose_alerts_passed"] = dose.alerts_passed();
+    report["fluoroscopy_reminders_passed"] = dose.fluoro_reminders();
     report["irradiations"] = nlohmann::ordered_json::array();
     for (const Irradiation &one : dose.irradiations()) {
         nlohmann::ordered_json entry = {{"kind", name_of(one.kind)},
@@ -61,6 +62,51 @@ nlohmann::ordered_json room_report(const Room &room)
     return report;
 }
 
+// What each branch received, as share of what was injected.
+nlohmann::ordered_json branches_report(const SessionContrast &contrast)
+{
+    nlohmann::ordered_json report = nlohmann::ordered_json::array();
+    const double injected_mg = contrast.flow().budget().injected_mg;
+    const std::vector<double> received_mg = contrast.flow().received_mg();
+    for (std::size_t b = 0; b < received_mg.size(); b++)
+        report.push_back({{"name", contrast.vessels().branches[b].name},
+                          {"received_mg", received_mg[b]},
+                          {"share_pct", injected_mg > 0.0 ? 100.0 * received_mg[b] / injected_mg : 0.0}});
+    return report;
+}
+
+// null where it is not known.
+nlohmann::ordered_json tip_report(const std::vector<TipPlace> &tips, std::size_t tool)
+{
+    if (tool >= tips.size() || !tips[tool].is_known) return {};
+    const TipPlace &tip = tips[tool];
+    return {{"branch", tip.vessel},
+            {"along_mm", tip.place.along_m * 1e3},
+            {"inside_mm", tip.inside_m * 1e3},
+            {"position_mm", {tip.at_m.x() * 1e3, tip.at_m.y() * 1e3, tip.at_m.z() * 1e3}}};
+}
+
+// What the script steered to and what it expected.
+void report_goals(nlohmann::ordered_json &report, const RunResult &result)
+{
+    report["steered"] = nlohmann::ordered_json::array();
+    for (const SteeringResult &steered : result.steered)
+        report["steered"].push_back({{"line", steered.line},
+                                     {"tool", steered.tool + 1},
+                                     {"branch", steered.vessel},
+                                     {"tries", steered.tries},
+                                     {"seconds", steered.ticks * 1e-3},
+                                     {"reached", steered.is_reached}});
+    report["expected"] = nlohmann::ordered_json::array();
+    for (const ExpectationResult &expected : result.expected)
+        report["expected"].push_back({{"line", expected.line},
+                                      {"at_s", expected.tick * 1e-3},
+                                      {"text", expected.text},
+                                      {"held", expected.is_held},
+                                      {"found", expected.found}});
+    report["failures"] = result.failures;
+}
+
 // Where the iodine is, and what the medium cost: mean time of a 1 ms step and of the columns of a frame, as share of the whole.
 nlohmann::ordered_json contrast_report(const SessionContrast &contrast, double wall_clock_s)
 {
@@ -75,6 +121,7 @@ nlohmann::ordered_json contrast_report(const SessionContrast &contrast, double w
             {"iodine_out_mg", budget.out_mg},
             {"iodine_reflux_mg", budget.reflux_mg},
             {"iodine_error", ratio(std::fabs(lost_mg), budget.injected_mg)},
+            {"branches", branches_report(contrast)},
             {"cells", flow.cells().size()},
             {"steps", cost.steps},
             {"frames", cost.frames},
@@ -129,6 +176,18 @@ nlohmann::ordered_json contact_report(const ContactFigures &contacts)
             {"force_N", force}};
 }
 
+// Of a script's hand: the largest force and torque that it holds, and how far the tool slipped through it.
+nlohmann::ordered_json grip_report(const GripFigures &grip)
+{
+    nlohmann::ordered_json first;
+    if (grip.first_tick) first = *grip.first_tick;
+    return {{"force_limit_N", HandGrip::force_limit_N},
+            {"torque_limit_mN_m", HandGrip::torque_limit_mN_m},
+            {"slipped_mm", grip.slipped_mm},
+            {"slipped_deg", grip.slipped_deg},
+            {"first_slip_tick", first}};
+}
+
 } // namespace
 
 nlohmann::ordered_json report_of(const RunResult &result, const std::string &scene,
@@ -150,15 +209,20 @@ nlohmann::ordered_json report_of(const RunResult &result, const std::string &sce
     report["penetration_max_tick"] = figures.penetration_max_tick;
     report["length_error_max_pct"] = figures.strain_max * 1e2;
     report["length_error_max_tick"] = figures.strain_max_tick;
+    report["range"] = range_report(figures.range.left());
     report["contacts_max"] = figures.contact_count_max;
+    report["tip"] = tip_report(result.tips, 0);        // of the innermost tool
     report["tools"] = nlohmann::ordered_json::array(); // from the innermost to the outermost
     for (std::size_t k = 0; k < tools.size(); k++) {
         const ToolFigures tool = k < figures.tools.size() ? figures.tools[k] : ToolFigures{};
+        const GripFigures grip = k < result.grips.size() ? result.grips[k] : GripFigures{};
         report["tools"].push_back({{"name", tools[k].name},
                                    {"inserted_mm", tool.inserted_m * 1e3},
                                    {"inserted_max_mm", tool.inserted_max_m * 1e3},
                                    {"handle_force_max_N", tool.axial_max_N},
-                                   {"handle_torque_max_mN_m", tool.torque_max_N_m * 1e3}});
+                                   {"handle_torque_max_mN_m", tool.torque_max_N_m * 1e3},
+                                   {"grip", grip_report(grip)},
+                                   {"tip", tip_report(result.tips, k)}});
     }
     const HeartFigures &heart = figures.heart;
     report["heart"] = {{"beats", heart.monitor.beats()},
@@ -175,6 +239,10 @@ nlohmann::ordered_json report_of(const RunResult &result, const std::string &sce
     report["contact"] = contact_report(result.contacts);
     report["interrupted"] = result.was_interrupted;
     report["script_lines_given_up"] = result.given_up_lines;
+    report["refused"] = nlohmann::ordered_json::array();
+    for (const Refusal &refusal : sources.refusals)
+        report["refused"].push_back({{"at_s", refusal.tick * 1e-3}, {"why", refusal.why}});
+    report_goals(report, result);
     report["faults"] = nlohmann::ordered_json::array();
     for (std::uint16_t i = 0; i < result.faults.entries_count; i++) {
         const seld_wire_fault_entry &fault = result.faults.entries[i];

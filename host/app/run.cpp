@@ -1,5 +1,5 @@
 #include "host/app/run.hpp"
-#include "host/app/interrupt.hpp"
+#include "host/model/interrupt.hpp"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -48,8 +48,9 @@ class Runner
   public:
     Runner(Device &device, const Session &session, Recorder *recorder, FrameSink *sink,
            const RunSettings &settings)
-        : device_(device), link_(device.link()), player_(session, device.tools().size()), recorder_(recorder),
-          sink_(sink), settings_(settings)
+        : device_(device), link_(device.link()),
+          player_(session, device.tools().size(), settings.tips ? &settings.tips->map() : nullptr),
+          recorder_(recorder), sink_(sink), settings_(settings)
     {
     }
 
@@ -59,17 +60,23 @@ class Runner
         for (const RoomCommand &command : settings_.begin) pass(0, command);
         pass_commands(0);
         picture_when_due();
-        while (!player_.is_done() && !is_interrupted()) batch();
+        while (!player_.is_done() && !is_interrupted() && !figures_.range.is_placed()) batch();
         RunResult result;
         result.figures = figures_;
         result.contacts = contacts_;
-        result.was_interrupted = !player_.is_done();
+        result.was_interrupted = !player_.is_done() && !figures_.range.is_left();
         result.given_up_lines = player_.given_up_lines();
+        for (std::size_t k = 0; k < figures_.tools.size(); k++) result.grips.push_back(grip_.figures(k));
+        result.steered = player_.steered();
+        result.expected = player_.expected();
+        result.failures = player_.failures();
+        result.hash = device_.read_hash64().hash;
         device_.ask([&](Link &link) {
-            result.hash = link.read_hash64().hash;
+            if (settings_.tips) link.read_nodes();
             result.faults = link.read_fault_log();
         });
         result.resumes = device_.resumes();
+        if (settings_.tips) result.tips = settings_.tips->at(session_frame(device_, state_, {}).wire);
         if (recorder_) recorder_->finish(link_.tick(), result.hash);
         if (sink_) sink_->finish();
         result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
@@ -82,7 +89,9 @@ class Runner
     std::uint32_t batch_size() const
     {
         const std::uint32_t tick = link_.tick();
-        std::uint32_t count = SessionPlayer::observe_every_ticks - tick % SessionPlayer::observe_every_ticks;
+        std::uint32_t count =
+            std::min(SessionPlayer::observe_every_ticks - tick % SessionPlayer::observe_every_ticks,
+                     grip_.batch_max(tick));
         if (sink_) count = std::min(count, sink_->next_tick() - tick);
         return std::min(count, Recorder::snapshot_every_ticks - tick % Recorder::snapshot_every_ticks);
     }
@@ -93,21 +102,39 @@ class Runner
         const std::uint32_t count = batch_size();
         inputs_.clear();
         while (inputs_.size() < count && !player_.is_done()) {
-            inputs_.push_back(with_order(player_.next(), sink_));
+            inputs_.push_back(with_order(grip_.hold(player_.next()), sink_));
             if (pass_commands(begin + static_cast<std::uint32_t>(inputs_.size()))) break;
         }
         const bool is_picture_due = sink_ && begin + inputs_.size() == sink_->next_tick();
-        const auto states = device_.step(inputs_, is_picture_due);
+        const bool is_look_due =
+            player_.wants_tips() && (begin + inputs_.size()) % SessionPlayer::observe_every_ticks == 0;
+        const auto states = device_.step(inputs_, is_picture_due || is_look_due);
         for (std::size_t i = 0; i < states.size(); i++) {
             figures_.take(states[i]);
+            grip_.feel(states[i]);
             state_ = states[i];
             if (recorder_) recorder_->tick(inputs_[i], states[i]);
             if (sink_) sink_->tick(inputs_[i], states[i]);
         }
-        if (link_.tick() % SessionPlayer::observe_every_ticks == 0) player_.observe(inserted());
+        if (link_.tick() % SessionPlayer::observe_every_ticks == 0) look(is_look_due);
         look_at_contacts();
+        if (figures_.range.wants_place(link_.tick(), player_.is_done()))
+            device_.ask([&](Link &link) { figures_.range.find_place(link); });
         record_state();
         picture_when_due();
+    }
+
+    // What the script decides by. What it expects of medium and stents is of this very tick, whatever pictures are made.
+    void look(bool has_nodes)
+    {
+        const std::vector<double> lengths_m = inserted();
+        std::vector<TipPlace> tips;
+        if (has_nodes) {
+            const SessionFrame frame = session_frame(device_, state_, inputs_.back());
+            if (settings_.tips) tips = settings_.tips->at(frame.wire);
+            if (sink_ && player_.expects()) sink_->look(frame);
+        }
+        player_.observe({lengths_m, tips, settings_.witness, link_.tick()});
     }
 
     // What the script asked of the room, in force from this tick on; true when there was something.
@@ -135,15 +162,13 @@ class Runner
     void record_state()
     {
         if (!recorder_) return;
-        const auto hash = link_.last_hash64();
+        const auto hash = device_.last_hash64();
         if (hash && hash->tick > hash_tick_) {
             hash_tick_ = hash->tick;
             recorder_->hash(hash->tick, hash->hash);
         }
         if (link_.tick() % Recorder::snapshot_every_ticks != 0) return;
-        std::vector<std::uint8_t> snapshot;
-        device_.ask([&](Link &link) { snapshot = link.read_snapshot(); });
-        recorder_->snapshot(link_.tick(), snapshot);
+        recorder_->snapshot(link_.tick(), device_.read_snapshot());
     }
 
     void picture_when_due()
@@ -173,6 +198,7 @@ class Runner
     Recorder *recorder_;
     FrameSink *sink_;
     const RunSettings &settings_;
+    HandGrip grip_;
     SessionFigures figures_;
     ContactFigures contacts_;
     seld_wire_tick_state state_{};

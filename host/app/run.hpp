@@ -5,6 +5,7 @@
 #include "host/app/contact_figures.hpp"
 #include "host/app/device.hpp"
 #include "host/app/frame_sink.hpp"
+#include "host/app/hand_grip.hpp"
 #include "host/app/session.hpp"
 #include "host/room/room.hpp"
 #include <nlohmann/json_fwd.hpp>
@@ -13,9 +14,11 @@ namespace seld
 {
 
 struct RunSettings {
-    bool shows_progress = false;      // one line on stderr, rewritten
-    std::vector<RoomCommand> begin{}; // of a script's session, before its first statement
-    bool measures_contacts = false;   // of a script's session: RunResult::contacts
+    bool shows_progress = false;             // one line on stderr, rewritten
+    std::vector<RoomCommand> begin{};        // of a script's session, before its first statement
+    bool measures_contacts = false;          // of a script's session: RunResult::contacts
+    const TipPlaces *tips = nullptr;         // where tips are: of a script that steers, and for the report
+    const SessionWitness *witness = nullptr; // of what a script expects besides
 };
 
 struct RunResult {
@@ -25,8 +28,13 @@ struct RunResult {
     double seconds = 0.0;         // wall clock of the ticks, pictures and recording, without set-up
     bool was_interrupted = false; // Ctrl-C: everything up to there is valid
     std::vector<int> given_up_lines;
-    std::uint32_t resumes = 0;                                     // how often the device went and came back
-    std::string stopped_by;                                        // FREE_RUN: why the device stopped
+    std::vector<GripFigures> grips; // of a script's hands, one per tool
+    std::vector<SteeringResult> steered;
+    std::vector<ExpectationResult> expected;
+    std::vector<std::string> failures; // of the script: what was not reached or did not hold
+    std::vector<TipPlace> tips;        // at the end, from the innermost tool; empty: not known
+    std::uint32_t resumes = 0;         // how often the device went and came back
+    std::string stopped_by;            // FREE_RUN: why the device stopped
     std::uint32_t late_ticks = 0, powered_ticks = 0, pictures = 0; // FREE_RUN
     seld_wire_fault_log faults{};
 };
@@ -53,6 +61,7 @@ struct ReportSources {
     const Room *room = nullptr;
     const SessionContrast *contrast = nullptr;
     SessionStents *stents = nullptr;
+    std::vector<Refusal> refusals{}; // runs and injections
 };
 
 // The figures of a session, and as a file.

@@ -1,5 +1,5 @@
 // A session that the device leads: its ticks are recorded as they come, its pictures shown as they come.
-#include "host/app/interrupt.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/app/presence.hpp"
 #include "host/app/rig_pedals.hpp"
 #include "host/app/run.hpp"
@@ -41,16 +41,19 @@ class FreeRunner final : private FreeRunSink
         const double ticks_wanted = seconds * 1e3;
         for (const RoomCommand &command : at_start) pass(0, command);
         try {
-            while ((seconds == 0.0 || figures_.ticks < ticks_wanted) && !is_interrupted()) {
+            while ((seconds == 0.0 || figures_.ticks < ticks_wanted) && !is_interrupted() &&
+                   !figures_.range.is_left()) {
                 device_.run_free(round_ms, *this);
                 record_hash();
                 picture_when_it_came();
                 tell_core();
                 show_progress();
             }
-            result_.was_interrupted = seconds > 0.0 && figures_.ticks < ticks_wanted;
+            result_.was_interrupted =
+                seconds > 0.0 && figures_.ticks < ticks_wanted && !figures_.range.is_left();
             device_.stop_free(*this);
-            result_.hash = device_.link().read_hash64().hash;
+            if (figures_.range.is_left()) figures_.range.find_place(device_.link());
+            result_.hash = device_.read_hash64().hash;
             if (recorder_) recorder_->finish(figures_.ticks, result_.hash);
         } catch (const LinkError &error) {
             result_.stopped_by = error.what(); // the recording ends where the rig did
@@ -101,7 +104,7 @@ class FreeRunner final : private FreeRunSink
     // A hash may come before the ticks that it belongs to, and those may never come.
     void record_hash()
     {
-        const auto hash = device_.link().last_hash64();
+        const auto hash = device_.last_hash64();
         if (!recorder_ || !hash || hash->tick <= hash_tick_ || hash->tick > figures_.ticks) return;
         hash_tick_ = hash->tick;
         recorder_->hash(hash->tick, hash->hash);

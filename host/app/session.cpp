@@ -2,6 +2,7 @@
 #include "host/app/session_line.hpp"
 #include "host/app/session_rhythm.hpp"
 #include "host/app/session_room.hpp"
+#include "host/app/session_tool.hpp"
 #include "host/model/text.hpp"
 #include <algorithm>
 #include <cmath>
@@ -12,58 +13,10 @@ namespace seld
 namespace
 {
 
-const std::vector<Unit> speed_units = {{"mm/s", 1e-3}, {"cm/s", 1e-2}, {"m/s", 1.0}};
-const std::vector<Unit> angle_units = {{"deg", 1.0}, {"°", 1.0}, {"turn", 360.0}, {"turns", 360.0}};
-const std::vector<Unit> turn_speed_units = {
-    {"deg/s", 1.0}, {"°/s", 1.0}, {"turn/s", 360.0}, {"turns/s", 360.0}};
-const std::vector<std::string> hand_verbs = {"begin", "advance", "withdraw", "rotate", "select",
-                                             "tool",  "wait",    "inflate",  "deflate"};
+const std::vector<std::string> hand_verbs = {"begin", "advance", "withdraw", "rotate", "select", "tool",
+                                             "wait",  "inflate", "deflate",  "steer",  "engage", "expect"};
 const std::vector<Unit> pressure_units = {{"bar", 100.0}, {"atm", 101.325}, {"kPa", 1.0}};
 const std::vector<Unit> rate_units = {{"bar/s", 100.0}, {"atm/s", 101.325}, {"kPa/s", 1.0}};
-const std::vector<std::string> tool_names = {"wire", "catheter", "guide"}; // from the innermost
-const std::string all_tools = "together";
-
-// Whom a statement moves.
-struct ToolChoice {
-    std::size_t tool = 0;
-    bool is_all = false;
-};
-
-// "wire", "catheter", "guide", "tool N" or "together"; nothing when the line goes on with something else.
-std::optional<ToolChoice> accept_tool(LineParser &line)
-{
-    for (std::size_t k = 0; k < tool_names.size(); k++) {
-        if (line.accept(tool_names[k])) return ToolChoice{k, false};
-    }
-    if (line.accept(all_tools)) return ToolChoice{0, true};
-    if (!line.accept("tool")) {
-        std::vector<std::string> words = tool_names;
-        words.push_back(all_tools);
-        const std::string hint = suggestion(line.peek(), words);
-        if (hint.find("did you mean") != std::string::npos)
-            line.fail("unknown tool '" + line.peek() + "'" + hint);
-        return {};
-    }
-    const LineParser before = line;
-    const double number = line.number("number of a tool");
-    if (number != std::floor(number) || number < 1.0 || number > session_tools_max)
-        before.fail("a tool is 1 to " + std::to_string(session_tools_max) + ", from the innermost");
-    return ToolChoice{static_cast<std::size_t>(number) - 1, false};
-}
-
-// The same where one must follow; a bare number will do.
-ToolChoice require_tool(LineParser &line)
-{
-    if (const auto choice = accept_tool(line)) return *choice;
-    for (std::size_t k = 0; k < session_tools_max; k++) {
-        if (line.accept(std::to_string(k + 1))) return {k, false};
-    }
-    std::vector<std::string> words = tool_names;
-    words.insert(words.end(), {all_tools, "tool", "1", "2", "3"});
-    line.choice("tool", words);
-    return {};
-}
-
 HandMove parse_push(LineParser &line, int sign)
 {
     HandMove move;
@@ -161,6 +114,12 @@ class SessionParser
         if (verb == "wait") {
             statement.wait_ticks = static_cast<std::uint32_t>(
                 std::lround(line.quantity("time", time_units, 0.001, 3600.0) * 1e3));
+        } else if (verb == "steer" || verb == "engage") {
+            statement.steering = parse_steering(line, verb == "engage", selected_);
+            note_tool({statement.steering->tool, false}, number);
+        } else if (verb == "expect") {
+            statement.expectation = parse_expectation(line, selected_);
+            note_tool({statement.expectation->tool, false}, number);
         } else if (verb == "inflate" || verb == "deflate") {
             statement.inflation = inflation(line, verb == "inflate");
         } else if (std::find(rhythm_verbs().begin(), rhythm_verbs().end(), verb) != rhythm_verbs().end()) {

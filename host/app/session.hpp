@@ -2,12 +2,15 @@
 //
 //   Session session = read_session("aorta.session");
 //   SessionPlayer player(session, tool_count);
-//   while (!player.is_done()) { input = player.next(); ...; player.observe(inserted_m); }
+//   while (!player.is_done()) { input = player.next(); ...; player.observe({inserted_m, tips}); }
 //
-// Errors name file, line and column and suggest a spelling. May include: hand_motion, rhythm_order, room/command, model/text.
+// Errors name file, line and column and suggest a spelling. May include: the session's parts, hand_motion, rhythm_order,
+// room/command, model/text.
 #pragma once
 #include "host/app/hand_motion.hpp"
 #include "host/app/rhythm_order.hpp"
+#include "host/app/session_expect.hpp"
+#include "host/app/session_steer.hpp"
 #include "host/room/command.hpp"
 #include "shared/wire/wire.h"
 #include <optional>
@@ -21,9 +24,6 @@ namespace seld
 {
 
 enum class HandAxis { translation, rotation };
-
-// Tools are numbered from the innermost, 0, as on the wire; a script says wire, catheter, guide, or tool 1 to 3.
-inline constexpr std::size_t session_tools_max = SELD_WIRE_TOOL_MAX;
 
 struct HandMove {
     std::size_t tool = 0;
@@ -40,7 +40,8 @@ struct Inflation {
     std::int32_t kPa = 0, kPa_per_s = 100;
 };
 
-// One line of the script: moves of hands (together), or a pause, or the inflator's way, or commands to the room, or something asked of heart and breath.
+// One line of the script: moves of hands (together), a tool that is steered, a pause, the inflator's way, commands to the room, something asked
+// of heart and breath, or what must be true.
 struct Statement {
     int line = 0;
     std::vector<HandMove> moves;
@@ -48,6 +49,8 @@ struct Statement {
     std::vector<RoomCommand> room;
     std::optional<RhythmOrder> rhythm;
     std::optional<Inflation> inflation;
+    std::optional<Steering> steering;
+    std::optional<Expectation> expectation;
 };
 
 struct Session {
@@ -69,18 +72,31 @@ class SessionPlayer
     static constexpr std::uint32_t observe_every_ticks = 16;
     static constexpr std::uint32_t until_limit_ticks = 60000;
 
-    // Throws FileError when the script names a tool that is not there.
-    SessionPlayer(const Session &session, std::size_t tool_count);
+    // Throws FileError when the script names a tool or a vessel that is not there. `vessels`: of the scene; nullptr: none is known.
+    SessionPlayer(const Session &session, std::size_t tool_count, const VesselMap *vessels = nullptr);
     bool is_done() const { return statement_ == session_.statements.size(); }
     seld_wire_encoders next(); // input of the next tick
-    // After each tick that is a multiple of observe_every_ticks: the length inserted of every tool.
-    void observe(std::span<const double> inserted_m);
+    // After each tick that is a multiple of observe_every_ticks. Tips and witness are needed only where wants_tips() says so.
+    void observe(const SessionView &view);
+    void observe(std::span<const double> inserted_m) { observe(SessionView{inserted_m, {}, nullptr}); }
+    // The statement that is carried out asks where the tips are, or expects something.
+    bool wants_tips() const;
+    bool expects() const { return !is_done() && session_.statements[statement_].expectation.has_value(); }
     // What the room was asked for since the last call; before the first next(): with the beginning.
     std::vector<RoomCommand> take_commands() { return std::exchange(commands_, {}); }
     // Lines whose `until` was not reached within until_limit_ticks of pushing.
     const std::vector<int> &given_up_lines() const { return given_up_lines_; }
+    const std::vector<SteeringResult> &steered() const { return steered_; }
+    const std::vector<ExpectationResult> &expected() const { return expected_; }
+    // "FILE:LINE: what was not reached or not held, what was found; remedy". The script ends there. Empty: everything held.
+    const std::vector<std::string> &failures() const { return failures_; }
 
   private:
+    void look_at_steering(const SessionView &view);
+    void look_at_expectation(const SessionView &view);
+    void fail(const std::string &text);
+    std::size_t vessel_named(const VesselName &name, int line) const;
+    double turned_deg(std::size_t tool) const;
     void enter_statement();
     void finish_statement();
 
@@ -89,6 +105,8 @@ class SessionPlayer
 
     const Session &session_;
     std::size_t tool_count_;
+    const VesselMap map_;
+    std::vector<std::size_t> vessels_; // that each statement names; 0 where it names none
     std::size_t statement_ = 0;
     std::int64_t tick_in_statement_ = 0;
     struct Stroke {
@@ -115,6 +133,14 @@ class SessionPlayer
     } inflating_;
     std::uint32_t buttons_ = 0; // pedals as the rig would send them
     std::vector<int> given_up_lines_;
+    std::optional<Steerer> steerer_;
+    std::int64_t steer_begin_counts_[2] = {};
+    std::vector<SteeringResult> steered_;
+    std::vector<ExpectationResult> expected_;
+    std::vector<std::string> failures_;
 };
+
+// The script steers by vessels or expects something of them.
+bool names_vessels(const Session &session);
 
 } // namespace seld

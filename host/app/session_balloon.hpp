@@ -16,6 +16,8 @@ inline constexpr double balloon_iodine_mg_per_ml = 175.0;
 
 // The tool with a balloon, from the innermost; nothing: none has one.
 std::optional<std::size_t> balloon_tool(const std::vector<Instrument> &tools);
+// What whoever inflates is told when there is none.
+inline constexpr char no_balloon_text[] = "NO BALLOON - none of the tools has one to inflate";
 // Middle of its working length, mm from the tool's tip: where a stent is mounted.
 double balloon_middle_mm(const Instrument &tool);
 

@@ -1,4 +1,7 @@
 #include "host/app/session_contrast.hpp"
+#include "host/effects/lumen_pressure.hpp"
+#include "host/model/format.hpp"
+#include "host/model/units.hpp"
 #include "host/model/wire_place.hpp"
 #include <algorithm>
 #include <chrono>
@@ -75,6 +78,25 @@ std::vector<ToolBall> balls_of(const WireFrame &wire)
     return balls;
 }
 
+constexpr double kPa_per_psi = 6.894757;
+constexpr double taken_out_m =
+    1e-3; // a tool that reaches no farther beyond the inserter is out of the lumens too
+
+// Why the flow does not pass; empty: it does.
+std::string flow_refusal(const Instrument &tool, std::span<const InnerTool> inside, double flow_ml_s,
+                         double iodine_mg_per_ml)
+{
+    const double needed_kPa = injection_pressure_kPa(tool, inside, flow_ml_s, iodine_mg_per_ml);
+    if (needed_kPa <= injection_pressure_max_kPa) return "";
+    const double possible_ml_s = flow_ml_s * injection_pressure_max_kPa / needed_kPa;
+    return formatted("%g ml/s THROUGH '%s'%s NEEDS %s - at most %.3g ml/s at %.0f psi; inject more slowly%s",
+                     flow_ml_s, tool.name.c_str(), inside.empty() ? "" : " BESIDE WHAT LIES IN IT",
+                     needed_kPa < 1e9 ? formatted("%.0f psi", needed_kPa / kPa_per_psi).c_str()
+                                      : "AN OPEN LUMEN",
+                     possible_ml_s, injection_pressure_max_kPa / kPa_per_psi,
+                     inside.empty() ? " or through a wider tool" : " or withdraw the inner tool to 0 mm");
+}
+
 double end_hole_radius_m(const Instrument &tool)
 {
     return tool.table.knots_count > 0 ? tool.table.knots[0].radius_inner_um * 1e-6 : 0.0;
@@ -106,11 +128,13 @@ std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, 
     return {};
 }
 
-std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCommand &command)
+std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCommand &command,
+                              double iodine_mg_per_ml)
 {
     if (command.action != RoomAction::inject || command.values[0] == 0) return "";
     const std::int32_t asked = command.values[2];
-    if (injecting_tool(tools, asked)) return "";
+    if (const auto tool = injecting_tool(tools, asked))
+        return flow_refusal(tools[*tool], {}, command.values[1] * 1e-3, iodine_mg_per_ml);
     if (asked == 0) return "NO CATHETER - contrast medium needs a tool with a lumen";
     if (static_cast<std::size_t>(asked) > tools.size())
         return "NO TOOL " + std::to_string(asked) + " to inject through";
@@ -134,8 +158,27 @@ SessionContrast::SessionContrast(const VesselTree &vessels, const std::vector<In
     moved_ = vessels;
 }
 
+// The tools inside the one that is injected through, as far as they are in the line.
+std::string SessionContrast::pressure_refusal(const Asked &asked, const seld_wire_tick_state &state) const
+{
+    std::vector<InnerTool> inside;
+    const auto inserted_m = [&](std::size_t tool) { return units::metres(state.tools[tool].inserted_m_q30); };
+    for (std::size_t k = 0; k < asked.tool && asked.tool < state.tools_count; ++k)
+        if (inserted_m(k) > taken_out_m)
+            inside.push_back({&tools_[k], inserted_m(asked.tool) - inserted_m(k)});
+    return flow_refusal(tools_[asked.tool], inside, asked.flow_ml_s, asked.iodine_mg_per_ml);
+}
+
 void SessionContrast::tick(const seld_wire_tick_state &state)
 {
+    while (!asked_.empty() && asked_.front().tick <= state.tick) {
+        const std::string why = pressure_refusal(asked_.front(), state);
+        if (!why.empty()) {
+            injector_.cancel(asked_.front().number);
+            refusals_.push_back({asked_.front().tick, why});
+        }
+        asked_.erase(asked_.begin());
+    }
     if (state_ != State::flows) return;
     beats_.push_back({state.tick, core_beat(state.beat_ms, state.interval_ms,
                                             (state.rhythm_bits & SELD_WIRE_RHYTHM_IS_RESTING) != 0)});
@@ -189,9 +232,9 @@ bool SessionContrast::open_vessels(const WireFrame &wire)
     return true;
 }
 
-std::string SessionContrast::refusal(const RoomCommand &command) const
+std::string SessionContrast::refusal(const RoomCommand &command, double iodine_mg_per_ml) const
 {
-    const std::string why = injection_refusal(tools_, command);
+    const std::string why = injection_refusal(tools_, command, iodine_mg_per_ml);
     if (!why.empty() || command.action != RoomAction::inject || command.values[0] == 0) return why;
     return flow_.cells().size() == 0
                ? "NO VESSELS - this scene has no tree for contrast medium: bake it again"
@@ -200,7 +243,7 @@ std::string SessionContrast::refusal(const RoomCommand &command) const
 
 std::string SessionContrast::command(std::uint32_t tick, const RoomCommand &command)
 {
-    const std::string why = refusal(command);
+    const std::string why = refusal(command, iodine_mg_per_ml_);
     if (!why.empty()) return why;
     if (command.action == RoomAction::contrast_strength) iodine_mg_per_ml_ = command.values[0];
     if (command.action != RoomAction::inject) return "";
@@ -209,9 +252,10 @@ std::string SessionContrast::command(std::uint32_t tick, const RoomCommand &comm
         return "";
     }
     tool_ = *injecting_tool(tools_, command.values[2]);
-    injector_.inject(tick, command.values[0], command.values[1], iodine_mg_per_ml_);
+    const std::uint64_t number =
+        injector_.inject(tick, command.values[0], command.values[1], iodine_mg_per_ml_);
+    asked_.push_back({tick, number, tool_, command.values[1] * 1e-3, iodine_mg_per_ml_});
     if (state_ == State::idle) state_ = State::waits;
-    was_used_ = true;
     return "";
 }
 

@@ -18,11 +18,16 @@
 namespace seld
 {
 
+inline constexpr double iodine_default_mg_per_ml =
+    350.0; // of what is injected until a command says otherwise
+
 // The tool that an injection goes through, counted from the innermost: the one asked for (1 ...), or for 0 the outermost with
 // a lumen. Nothing: there is none.
 std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, std::int32_t asked);
-// Why these tools cannot do what a command asks of the syringe; empty: they can, or it asks nothing.
-std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCommand &command);
+// Why these tools cannot do what a command asks of the syringe, wherever they are; empty: they can, or it asks nothing. `iodine_mg_per_ml`:
+// the strength of what is injected.
+std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCommand &command,
+                              double iodine_mg_per_ml);
 
 // Where medium leaves a tool whose tip is at that arc length of the line: the end hole first, then the side holes. Shares by
 // area: the lumen's resistance between the holes is left out.
@@ -43,12 +48,15 @@ class SessionContrast
     SessionContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
                     const Motion *motion = nullptr, LesionOpening opening = {});
 
-    // Why a command cannot be carried out; empty: it can.
-    std::string refusal(const RoomCommand &command) const;
-    // The same, and does it.
+    // Why a command cannot be carried out with medium of this strength; empty: it can.
+    std::string refusal(const RoomCommand &command, double iodine_mg_per_ml) const;
+    // The same with the strength asked for last, and does it.
     std::string command(std::uint32_t tick, const RoomCommand &command);
-    // The core's heart, every tick before the frame of that tick. Without it the heart beats evenly, 70 times a minute.
+    // The core's heart, every tick before the frame of that tick. Without it the heart beats evenly, 70 times a minute. An injection is
+    // refused at its tick when the tools that lie in the lumen then leave too little of it.
     void tick(const seld_wire_tick_state &state);
+    // Injections of the session that were refused.
+    const std::vector<Refusal> &refusals() const { return refusals_; }
     std::uint32_t next_tick() const; // UINT32_MAX: no look is needed
     void advance(const WireFrame &wire);
 
@@ -56,12 +64,13 @@ class SessionContrast
     const std::vector<SweptCurve> &curves() const { return curves_; }
     void colour(WireFrame &wire) const;
 
-    bool was_used() const { return was_used_; }
+    bool was_used() const { return injector_.injected_ml() > 0.0; }
     double injected_ml() const { return injector_.injected_ml(); }
     double flow_ml_s() const { return fluid_.flow_ml_s; } // injected at the moment
     // What was injected after tick `from` up to tick `to`, as files tell it: volume and time in all, mean flow and strength.
     std::optional<RunContrast> given(std::uint32_t from, std::uint32_t to) const;
     const ContrastFlow &flow() const { return flow_; }
+    double received_mg(std::size_t branch) const { return flow_.received_mg()[branch]; } // iodine
     const VesselTree &vessels() const { return vessels_; } // in the reference pose, as baked
     VesselTree opened_vessels() const;                     // and with lesions as open as in the last frame
     const ContrastCost &cost() const { return cost_; }
@@ -90,11 +99,10 @@ class SessionContrast
     ContrastFlow flow_;
     Injector injector_;
     State state_ = State::idle;
-    bool was_used_ = false;
     std::int64_t seen_tick_ = -1; // of the last frame
     std::uint32_t look_tick_ = 0; // of the last look
     std::size_t tool_ = 0;        // that the syringe is at
-    double iodine_mg_per_ml_ = 350.0;
+    double iodine_mg_per_ml_ = iodine_default_mg_per_ml;
     InjectedFluid fluid_;
     struct Beat {
         std::uint32_t tick = 0;
@@ -113,6 +121,15 @@ class SessionContrast
         double share = 1.0;    // of the medium that leaves at the tip
         double strength = 0.0; // 1; falls to 0 after the injection
     } stream_;
+    struct Asked { // an injection whose tick has not come
+        std::uint32_t tick = 0;
+        std::uint64_t number = 0;
+        std::size_t tool = 0;
+        double flow_ml_s = 0.0, iodine_mg_per_ml = 0.0;
+    };
+    std::string pressure_refusal(const Asked &asked, const seld_wire_tick_state &state) const;
+    std::vector<Asked> asked_;
+    std::vector<Refusal> refusals_;
     std::vector<SweptCurve> curves_;
 };
 

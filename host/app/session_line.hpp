@@ -1,5 +1,5 @@
 // One line of a session script being read: words, numbers with units, choices; mistakes with their place and a suggestion.
-// May include: model/text. Called by: session.cpp, session_room.cpp.
+// May include: model/text. Called by: the parts of the session's grammar.
 #pragma once
 #include "host/model/text.hpp"
 #include <charconv>
@@ -22,6 +22,10 @@ struct Unit {
 };
 
 inline const std::vector<Unit> length_units = {{"mm", 1e-3}, {"cm", 1e-2}, {"m", 1.0}};
+inline const std::vector<Unit> speed_units = {{"mm/s", 1e-3}, {"cm/s", 1e-2}, {"m/s", 1.0}};
+inline const std::vector<Unit> angle_units = {{"deg", 1.0}, {"°", 1.0}, {"turn", 360.0}, {"turns", 360.0}};
+inline const std::vector<Unit> turn_speed_units = {
+    {"deg/s", 1.0}, {"°/s", 1.0}, {"turn/s", 360.0}, {"turns/s", 360.0}};
 inline const std::vector<Unit> time_units = {{"s", 1.0}, {"ms", 1e-3}, {"min", 60.0}};
 
 // Words and numbers; "90deg" are two tokens; commas are spaces; '#' ends the line.
@@ -39,16 +43,17 @@ class LineParser
     bool is_at_end() const { return position_ == tokens_.size(); }
     const std::string &peek() const { return is_at_end() ? nothing_ : tokens_[position_].text; }
 
-    [[noreturn]] void fail(const std::string &text) const
+    [[noreturn]] void fail(const std::string &text) const { throw FileError(file_, line_, column(), text); }
+
+    // Of the next word, or of the end of the line.
+    int column() const
     {
-        int column = 1;
-        if (!tokens_.empty()) {
-            const Token &last = tokens_.back();
-            column =
-                is_at_end() ? last.column + static_cast<int>(last.text.size()) : tokens_[position_].column;
-        }
-        throw FileError(file_, line_, column, text);
+        if (tokens_.empty()) return 1;
+        const Token &last = tokens_.back();
+        return is_at_end() ? last.column + static_cast<int>(last.text.size()) : tokens_[position_].column;
     }
+    int line() const { return line_; }
+    void skip() { position_ += is_at_end() ? 0 : 1; }
 
     std::string found() const { return is_at_end() ? "the line ends" : "found '" + peek() + "'"; }
 

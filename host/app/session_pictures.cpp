@@ -1,8 +1,8 @@
 #include "host/app/session_pictures.hpp"
-#include "host/app/interrupt.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/app/progress_line.hpp"
 #include "host/app/session_balloon.hpp"
-#include "host/model/bodies.hpp"
+#include "host/model/terminal.hpp"
 #include <algorithm>
 #include <cstdio>
 #include <stdexcept>
@@ -46,26 +46,16 @@ SessionPictures::SessionPictures(const PictureSettings &settings, const std::vec
     }
     settings_.size = held_size(settings.size);
     std::string error;
-    Bodies bodies;
-    if (!settings_.bodies_path.empty() && !read_bodies(settings_.bodies_path, bodies, error)) {
-        throw std::runtime_error(error);
-    }
+    const SceneAnatomy anatomy = read_scene_anatomy(settings_.scene_path, settings_.bodies_path);
+    const Bodies &bodies = anatomy.bodies;
     if (!scene_.set_bodies(bodies, error)) throw std::runtime_error(settings_.bodies_path + ": " + error);
-    const std::optional<Motion> motion = read_motion(settings_.scene_path, error);
-    if (!error.empty()) throw std::runtime_error(error);
-    if (motion) moving_.emplace(*motion, bodies);
-    const std::vector<LesionStations> stations = read_lesion_stations(settings_.scene_path, error);
-    const LesionOpening opening(bodies.vessels, stations);
-    if (!error.empty()) throw std::runtime_error(error);
-    opened_.emplace(bodies, opening, motion ? &*motion : nullptr);
+    if (anatomy.motion) moving_.emplace(*anatomy.motion, bodies);
+    opened_.emplace(bodies, LesionOpening(bodies.vessels, anatomy.stations), anatomy.motion_or_null());
     xray_ = std::make_unique<Xray>(scene_, settings_.threads,
                                    paths_maker(settings_.xray, settings_.window_context));
     if (settings_.style == "vcsim3") thesis_look_ = std::make_unique<Vcsim3Look>(bodies, settings_.threads);
-    contrast_ =
-        std::make_unique<SessionContrast>(bodies.vessels, tools, motion ? &*motion : nullptr, opening);
-    if (!settings_.stents.empty())
-        stents_ = std::make_unique<SessionStents>(settings_.stents, bodies.vessels,
-                                                  motion ? &*motion : nullptr, stations, tools);
+    contrast_ = contrast_of(anatomy, tools);
+    stents_ = stents_of(anatomy, settings_.stents, tools);
     const bool needs_movie = !settings_.mp4_path.empty();
     if (needs_movie && !movie_.open(settings_.mp4_path, settings_.size, settings_.size,
                                     static_cast<int>(settings_.pictures_per_second), error)) {
@@ -83,16 +73,23 @@ std::unique_ptr<SessionStents> make_stents(const PictureSettings &settings,
                                            const std::vector<Instrument> &tools)
 {
     if (settings.stents.empty()) return {};
-    std::string error;
-    Bodies bodies;
-    if (!settings.bodies_path.empty() && !read_bodies(settings.bodies_path, bodies, error))
-        throw std::runtime_error(error);
-    const std::optional<Motion> motion = read_motion(settings.scene_path, error);
-    if (!error.empty()) throw std::runtime_error(error);
-    const std::vector<LesionStations> stations = read_lesion_stations(settings.scene_path, error);
-    if (!error.empty()) throw std::runtime_error(error);
-    return std::make_unique<SessionStents>(settings.stents, bodies.vessels, motion ? &*motion : nullptr,
-                                           stations, tools);
+    return stents_of(read_scene_anatomy(settings.scene_path, settings.bodies_path), settings.stents, tools);
+}
+
+std::unique_ptr<SessionContrast> contrast_of(const SceneAnatomy &anatomy,
+                                             const std::vector<Instrument> &tools)
+{
+    const VesselTree &vessels = anatomy.bodies.vessels;
+    return std::make_unique<SessionContrast>(vessels, tools, anatomy.motion_or_null(),
+                                             LesionOpening(vessels, anatomy.stations));
+}
+
+std::unique_ptr<SessionStents> stents_of(const SceneAnatomy &anatomy, const std::vector<StentDesign> &designs,
+                                         const std::vector<Instrument> &tools)
+{
+    if (designs.empty()) return {};
+    return std::make_unique<SessionStents>(designs, anatomy.bodies.vessels, anatomy.motion_or_null(),
+                                           anatomy.stations, tools);
 }
 
 bool writes_pictures(const PictureSettings &settings)
@@ -118,6 +115,8 @@ OverlayInfo SessionPictures::display(const SessionFrame &frame) const
     info.kerma_rate_mGy_min = dose.kerma_rate_mGy_min();
     info.kap_Gy_cm2 = dose.total().kap_Gy_cm2;
     if (dose.unseen_alert()) info.dose_alert_Gy = dose_alert_levels_Gy[*dose.unseen_alert()];
+    if (dose.has_unseen_reminder())
+        info.fluoro_reminder_min = dose.fluoro_reminders() * fluoro_reminder_ticks / 60'000;
     if (contrast_->was_used()) {
         info.contrast_ml = contrast_->injected_ml();
         info.contrast_ml_s = contrast_->flow_ml_s();
@@ -139,15 +138,30 @@ void SessionPictures::command(std::uint32_t tick, const RoomCommand &command)
     if (stents_) stents_->command(tick, command);
     if (stents_ && stents_->refusals().size() > refusals) refused = stents_->refusals().back();
     if (command.action == RoomAction::load_stent && !stents_) refused = "NO STENT - name one with --stent";
-    if (refused.empty()) return;
-    refused_notice_ = refused;
+    if (!refused.empty()) show_refusal(tick, refused);
+}
+
+void SessionPictures::show_refusal(std::uint32_t tick, const std::string &why)
+{
+    refused_notice_ = why;
     refused_notice_until_ = tick + notice_ticks;
+}
+
+std::vector<Refusal> SessionPictures::refusals() const
+{
+    std::vector<Refusal> all = room_.refusals();
+    all.insert(all.end(), contrast_->refusals().begin(), contrast_->refusals().end());
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Refusal &a, const Refusal &b) { return a.tick < b.tick; });
+    return all;
 }
 
 void SessionPictures::tick(const seld_wire_encoders &input, const seld_wire_tick_state &state)
 {
     monitor_.tick(state);
+    const std::size_t refusals = contrast_->refusals().size();
     contrast_->tick(state);
+    if (contrast_->refusals().size() > refusals) show_refusal(state.tick, contrast_->refusals().back().why);
     if (stents_) stents_->tick(input, state);
     state_ = state;
 }
@@ -263,8 +277,7 @@ void SessionPictures::tell_failure()
 {
     if (told_failure_ || xray_->back_end_error().empty()) return;
     told_failure_ = true;
-    std::fprintf(stderr, "seldinger: %s; the rasteriser draws from here on\n",
-                 xray_->back_end_error().c_str());
+    say(stderr, "seldinger: %s; the rasteriser draws from here on\n", xray_->back_end_error().c_str());
 }
 
 // A run is what one press of a pedal gave. Called before the room takes the picture.
@@ -323,8 +336,8 @@ void SessionPictures::finish_export()
 {
     export_->end();
     if (export_->run_count() == 0) {
-        std::fprintf(stderr, "seldinger: --dicom %s: no file, because the pedal was never down\n",
-                     settings_.dicom.folder.c_str());
+        say(stderr, "seldinger: --dicom %s: no file, because the pedal was never down\n",
+            settings_.dicom.folder.c_str());
         export_.reset();
         return;
     }
@@ -349,8 +362,8 @@ void SessionPictures::finish_export()
     });
     was_stopped_ = written.size() < files;
     if (was_stopped_)
-        std::fprintf(stderr, "seldinger: stopped: %zu of %zu DICOM files were written, each of them whole\n",
-                     written.size(), files);
+        say(stderr, "seldinger: stopped: %zu of %zu DICOM files were written, each of them whole\n",
+            written.size(), files);
     files_.insert(files_.end(), written.begin(), written.end());
     export_.reset();
 }

@@ -13,6 +13,7 @@
 #include "host/model/instrument.hpp"
 #include "host/model/motion.hpp"
 #include "host/model/opened_bodies.hpp"
+#include "host/model/scene_anatomy.hpp"
 #include "host/room/room.hpp"
 #include "host/xray/style_vcsim3.hpp"
 #include "host/xray/xray.hpp"
@@ -49,6 +50,11 @@ struct PictureSettings {
 // The stents of a session, with vessels and motion from the files that the settings name; null: it has none. Throws std::runtime_error.
 std::unique_ptr<SessionStents> make_stents(const PictureSettings &settings,
                                            const std::vector<Instrument> &tools);
+// The same in an anatomy that is read already, and its contrast medium.
+std::unique_ptr<SessionStents> stents_of(const SceneAnatomy &anatomy, const std::vector<StentDesign> &designs,
+                                         const std::vector<Instrument> &tools);
+std::unique_ptr<SessionContrast> contrast_of(const SceneAnatomy &anatomy,
+                                             const std::vector<Instrument> &tools);
 
 // Some file has to be written.
 bool writes_pictures(const PictureSettings &settings);
@@ -75,6 +81,8 @@ class SessionPictures final : public FrameSink
     SessionStents *stents() const { return stents_.get(); } // null: the session has none
     std::uint32_t count() const { return count_; }          // pictures of the screen, at the settings' rate
     const std::vector<std::string> &files() const { return files_; } // those written by finish()
+    std::vector<Refusal> refusals() const; // runs and injections that were asked for in vain, by their ticks
+    void show_refusal(std::uint32_t tick, const std::string &why); // in the display, for a while
     bool was_stopped() const { return was_stopped_; } // Ctrl-C while finish() wrote runs: some are missing
     const Image &image() const { return image_; }     // the last picture with its display
     // Notice and help panel from the next picture on; empty for none.

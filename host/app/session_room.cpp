@@ -22,7 +22,8 @@ std::int32_t rounded(double value)
 
 std::int32_t micrometres(LineParser &line, const std::string &what, std::int32_t low_um, std::int32_t high_um)
 {
-    return rounded(line.quantity(what, length_units, low_um * 1e-6, high_um * 1e-6) * 1e6);
+    // Divided, not multiplied: 450000 * 1e-6 is less than 0.45, and "45 cm" was out of range.
+    return rounded(line.quantity(what, length_units, low_um / 1e6, high_um / 1e6) * 1e6);
 }
 
 // One of the rates that the room has, in 1/100 per s.

@@ -58,17 +58,15 @@ std::size_t lesion_called(const VesselTree &tree, const std::string &name)
 SurfaceSink::SurfaceSink(const SurfaceSettings &settings, std::vector<std::uint32_t> ticks)
     : settings_(settings), ticks_(std::move(ticks))
 {
-    std::string error;
     if (settings.bodies_path.empty())
         throw std::runtime_error("there is no .bodies file beside the scene: it has the walls");
-    if (!read_bodies(settings.bodies_path, bodies_, error)) throw std::runtime_error(error);
-    motion_ = read_motion(settings.scene_path, error);
-    if (!error.empty()) throw std::runtime_error(error);
-    const std::vector<LesionStations> stations = read_lesion_stations(settings.scene_path, error);
-    if (!error.empty()) throw std::runtime_error(error);
+    SceneAnatomy anatomy = read_scene_anatomy(settings.scene_path, settings.bodies_path);
+    bodies_ = std::move(anatomy.bodies);
+    motion_ = std::move(anatomy.motion);
     lesion_ = lesion_called(bodies_.vessels, settings.lesion);
     healthy_ = healthy_tree(bodies_.vessels);
-    opened_.emplace(bodies_, LesionOpening(bodies_.vessels, stations), nullptr); // in the reference pose
+    opened_.emplace(bodies_, LesionOpening(bodies_.vessels, anatomy.stations),
+                    nullptr); // in the reference pose
     if (opened_->is_empty())
         throw std::runtime_error(
             settings.bodies_path +

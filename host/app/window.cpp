@@ -1,13 +1,18 @@
 // The loop of the window: keys -> hand and C-arm -> ticks -> picture -> screen.
 #include "host/app/window.hpp"
 #include "host/app/cli.hpp"
-#include "host/app/interrupt.hpp"
+#include "host/app/session_effects.hpp"
+#include "host/app/session_summary.hpp"
 #include "host/app/window_keys.hpp"
 #include "host/app/window_live.hpp"
 #include "host/app/window_screen.hpp"
+#include "host/model/interrupt.hpp"
+#include "host/model/terminal.hpp"
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -24,13 +29,37 @@ constexpr std::uint32_t ticks_behind_max = 100; // more than that behind real ti
 constexpr int window_edge = 768;
 
 // "live.rec", "live.2.rec", ...
-std::string recording_name(const std::string &wanted, int number)
+std::string numbered(const std::string &wanted, int number)
 {
     if (wanted.empty() || number == 1) return wanted;
     std::filesystem::path path(wanted);
     const std::string extension = path.extension().string();
     path.replace_extension(std::to_string(number) + extension);
     return path.string();
+}
+
+// Where a session is kept that nobody named: by date and time below the user's state folder (XDG Base Directory Specification).
+std::string kept_recording()
+{
+    const char *state = std::getenv("XDG_STATE_HOME"), *home = std::getenv("HOME");
+    std::filesystem::path folder = state && *state ? std::filesystem::path(state)
+                                   : home && *home ? std::filesystem::path(home) / ".local" / "state"
+                                                   : std::filesystem::path(".");
+    folder /= "seldinger";
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error)
+        throw UsageError("recordings are kept in '" + folder.string() + "', which cannot be made (" +
+                         error.message() + "): name a file with --record, or give --no-record");
+    const std::time_t now = std::time(nullptr);
+    std::tm local{};
+    localtime_r(&now, &local);
+    char name[32];
+    std::strftime(name, sizeof name, "%Y-%m-%d_%H-%M-%S", &local);
+    std::filesystem::path file = folder / (std::string(name) + ".rec");
+    for (int again = 2; std::filesystem::exists(file, error); ++again)
+        file = folder / (std::string(name) + "." + std::to_string(again) + ".rec");
+    return file.string();
 }
 
 // "runs", "runs.2", ...: of a later session the first that holds no files yet.
@@ -100,8 +129,8 @@ class Window
         start();
     }
 
-    // False when a signal ended it, or the session stands in a fault; everything written is whole all the same.
-    bool run()
+    // The exit code: not 0 when a signal ended it, or the session stands in a fault; everything written is whole all the same.
+    int run()
     {
         Pace pace(options_.frames > 0);
         for (int frame = 0; options_.frames == 0 || frame < options_.frames; ++frame) {
@@ -126,8 +155,8 @@ class Window
         if (is_interrupted() || session_->was_stopped())
             std::fprintf(stderr, "seldinger: interrupted; what was written up to here is complete\n");
         else
-            return !tell_fault();
-        return false;
+            return !tell_fault() ? 0 : session_->range().is_left() ? exit_out_of_range : 1;
+        return 1;
     }
 
   private:
@@ -135,8 +164,11 @@ class Window
     bool tell_fault()
     {
         if (session_->fault().empty()) return false;
-        if (!is_fault_told_)
-            std::fprintf(stderr, "seldinger: the session ended by a fault: %s\n", session_->fault().c_str());
+        const auto &left = session_->range().left();
+        if (!is_fault_told_ && left)
+            say(stderr, "seldinger: %s\n", range_text(*left).c_str());
+        else if (!is_fault_told_)
+            say(stderr, "seldinger: the session ended by a fault: %s\n", session_->fault().c_str());
         return is_fault_told_ = true;
     }
 
@@ -150,16 +182,27 @@ class Window
         if (!pictures.stents.empty()) begin.push_back(first_stent);
         pictures.dicom.folder = export_folder(pictures.dicom, session_number_);
         session_.reset(); // a rig has one host at a time
-        session_ = std::make_unique<LiveSession>(scene_, tools_, entry_,
-                                                 recording_name(options_.record, session_number_), pictures,
-                                                 begin, choice_);
+        recording_ = numbered(options_.record, session_number_);
+        session_ =
+            std::make_unique<LiveSession>(scene_, tools_, entry_, recording_, pictures, begin, choice_);
+        if (!options_.score.empty()) session_->measure_contacts();
         is_annotated_ = is_fault_told_ = false;
     }
 
     void end_session()
     {
         session_->finish();
+        const std::unique_ptr<TipPlaces> tips =
+            read_tip_places(options_.pictures.bodies_path, options_.pictures.scene_path);
+        RunResult result = session_->result(*tips);
+        name_range_branch(result.figures.range, options_.pictures.bodies_path);
+        const ReportSources sources = report_sources(session_->pictures());
+        print_session(result, tools_, sources);
+        write_session_files(
+            {numbered(options_.json, session_number_), numbered(options_.score, session_number_)}, result,
+            options_.scene, tools_, "live", sources);
         print_files(session_->files());
+        if (!recording_.empty()) print_files({recording_});
     }
 
     void restart()
@@ -194,7 +237,7 @@ class Window
     int session_number_ = 0;
     bool is_annotated_ = false, is_fault_told_ = false, shows_help_ = false, moves_all_ = false;
     std::size_t chosen_tool_ = 0;
-    std::string notice_;
+    std::string notice_, recording_;
 };
 
 } // namespace
@@ -202,7 +245,7 @@ class Window
 int run_window(const WindowOptions &options)
 {
     watch_for_interrupt();
-    return Window(options).run() ? 0 : 1;
+    return Window(options).run();
 }
 
 int command_view(WindowOptions options)
@@ -212,7 +255,11 @@ int command_view(WindowOptions options)
     std::vector<NamedPath> inputs = tool_inputs(options.instrument, options.tools);
     for (const std::string &stent : options.stents) inputs.push_back({"--stent", stent});
     inputs.insert(inputs.end(), {{"--scene", options.scene}, {"--bodies", options.pictures.bodies_path}});
-    check_outputs(inputs, {{"--record", options.record}, {"--screenshot", options.screenshot}});
+    if (options.record.empty() && options.keeps_recording) options.record = kept_recording();
+    check_outputs(inputs, {{"--record", options.record},
+                           {"--screenshot", options.screenshot},
+                           {"--json", options.json},
+                           {"--score", options.score}});
     check_dicom_settings(options.pictures.dicom);
     return run_window(options);
 }

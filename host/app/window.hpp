@@ -15,6 +15,10 @@ struct WindowOptions {
     std::vector<std::string> tools;  // files of the others, towards the outermost
     std::vector<std::string> stents; // files, in the order of loading
     std::string device = "sim";      // as parse_device
+    std::string json,
+        score; // figures and page at the end of each session; empty: none. A reset as for `record`
+    bool keeps_recording =
+        true; // without `record`: in a folder of the user, under date and time (docs/session.md)
     // Empty: none. A reset starts "name.2.rec", "name.3.rec" ..., and for pictures.dicom the folder "name.2" ...
     std::string record;
     PictureSettings pictures;

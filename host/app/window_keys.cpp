@@ -81,7 +81,7 @@ std::vector<std::string> help_panel(std::size_t tool_count)
                                       "N                 frame on the screen becomes the mask",
                                       "Ctrl + arrows     shift the mask",
                                       "M                 roadmap on / off",
-                                      "Backspace         dose alert seen",
+                                      "Backspace         dose alert or reminder seen",
                                       "4 / 5   6   7   8 heart slower / faster, premature beat,",
                                       "                  asystole, breath hold on / off",
                                       "R  start again                                  Esc  end"};

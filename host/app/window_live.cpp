@@ -1,8 +1,10 @@
 #include "host/app/window_live.hpp"
 #include "host/app/presence.hpp"
 #include "host/app/run.hpp"
+#include "host/app/session_balloon.hpp"
 #include "host/link/usb_devices.hpp"
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 namespace seld
@@ -34,7 +36,7 @@ LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &
                          const PictureSettings &pictures, const std::vector<RoomCommand> &begin,
                          const DeviceChoice &choice)
     : settings_(pictures), choice_(choice), device_(scene, tools, entry, host_rig(), choice),
-      pictures_(pictures, tools), hands_(tools.size())
+      pictures_(pictures, tools), hands_(tools.size()), has_balloon_(balloon_tool(tools).has_value())
 {
     if (!record.empty()) {
         recorder_ =
@@ -43,6 +45,12 @@ LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &
     for (const RoomCommand &command : begin) pass(0, command);
     device_.link().read_nodes();
     picture();
+}
+
+void LiveSession::inflate(std::int32_t kPa_per_s)
+{
+    inflation_kPa_per_s_ = has_balloon_ ? kPa_per_s : 0;
+    if (kPa_per_s != 0 && !has_balloon_) pictures_.show_refusal(state_.tick, no_balloon_text);
 }
 
 void LiveSession::choose_tool(std::size_t tool, bool all)
@@ -98,7 +106,9 @@ std::uint32_t LiveSession::batch_size(std::uint32_t wanted)
     const std::uint32_t tick = device_.link().tick();
     const std::uint32_t to_picture = pictures_.next_tick() - tick;
     const std::uint32_t to_snapshot = Recorder::snapshot_every_ticks - tick % Recorder::snapshot_every_ticks;
-    return std::min({wanted, to_picture, to_snapshot, static_cast<std::uint32_t>(Link::steps_max)});
+    static_assert(ContactFigures::look_every_ticks == HandGrip::look_every_ticks); // batches end there
+    return std::min({wanted, to_picture, to_snapshot, grip_.batch_max(tick),
+                     static_cast<std::uint32_t>(Link::steps_max)});
 }
 
 bool LiveSession::advance(std::uint32_t ticks)
@@ -136,17 +146,22 @@ void LiveSession::batch(std::uint32_t count)
             std::clamp(inflator_milli_kPa_ + inflation_kPa_per_s_, 0, inflator_max_kPa * 1000);
         input.inflator_raw = inflator_milli_kPa_ / 1000;
         rhythm_.put_next(input);
-        inputs_.push_back(with_order(input, &pictures_));
+        inputs_.push_back(with_order(grip_.hold(input), &pictures_));
     }
     const bool is_picture_due = link.tick() + count == pictures_.next_tick();
     const auto states = device_.step(inputs_, is_picture_due);
     for (std::size_t i = 0; i < states.size(); ++i) {
         state_ = states[i];
+        grip_.feel(state_);
+        figures_.take(state_);
         if (recorder_) recorder_->tick(inputs_[i], states[i]);
         pictures_.tick(inputs_[i], states[i]);
     }
     record_state();
+    if (measures_contacts_ && link.tick() % ContactFigures::look_every_ticks == 0)
+        device_.ask([&](Link &asked) { contacts_.take(asked.read_contacts()); });
     if (is_picture_due) picture();
+    if (figures_.range.is_left()) stop_out_of_range();
 }
 
 // A rig of metal has its own clock, and is heard of once per screen; where we make its time, it gets what is due.
@@ -154,19 +169,34 @@ void LiveSession::advance_rig(std::uint32_t ticks)
 {
     const std::uint32_t shown = device_.link().nodes().tick;
     device_.run_free(choice_.is_usb ? 1 : ticks, *this);
-    const auto hash = device_.link().last_hash64();
+    const auto hash = device_.last_hash64();
     if (recorder_ && hash && hash->tick > hash_tick_ && hash->tick <= led_tick_) {
         hash_tick_ = hash->tick;
         recorder_->hash(hash->tick, hash->hash);
     }
     if (device_.link().nodes().tick != shown) picture();
     send_order(device_.link(), pictures_);
+    if (figures_.range.is_left()) stop_out_of_range();
+}
+
+// The recording ends with the last tick that was done; a rig that led gets no more power.
+void LiveSession::stop_out_of_range()
+{
+    fault_ = range_notice(*figures_.range.left());
+    try {
+        if (choice_.free_run) device_.stop_free(*this);
+        has_stopped_ = true;
+        figures_.range.find_place(device_.link());
+    } catch (const LinkError &) {
+        // A device that went as well: the recording ends where it went.
+    }
 }
 
 void LiveSession::tick(const seld_wire_live_tick &tick)
 {
     led_tick_ = tick.state.tick;
     state_ = tick.state;
+    figures_.take(state_);
     inputs_.assign(1, tick.input);
     if (recorder_) recorder_->tick(tick.input, tick.state);
     pictures_.tick(tick.input, tick.state);
@@ -189,15 +219,13 @@ void LiveSession::record_state()
 {
     if (!recorder_) return;
     Link &link = device_.link();
-    const auto hash = link.last_hash64();
+    const auto hash = device_.last_hash64();
     if (hash && hash->tick > hash_tick_) {
         hash_tick_ = hash->tick;
         recorder_->hash(hash->tick, hash->hash);
     }
     if (link.tick() % Recorder::snapshot_every_ticks != 0) return;
-    std::vector<std::uint8_t> snapshot;
-    device_.ask([&](Link &asked) { snapshot = asked.read_snapshot(); });
-    recorder_->snapshot(link.tick(), snapshot);
+    recorder_->snapshot(link.tick(), device_.read_snapshot());
 }
 
 void LiveSession::picture()
@@ -210,22 +238,36 @@ void LiveSession::picture()
 
 void LiveSession::finish()
 {
-    if (recorder_) finish_recording();
-    pictures_.finish();
-}
-
-void LiveSession::finish_recording()
-{
     try {
-        if (choice_.free_run) device_.stop_free(*this);
+        if (choice_.free_run && !has_stopped_) device_.stop_free(*this);
+        const Hash64 hash = device_.read_hash64();
+        end_hash_ = hash.hash;
+        if (recorder_) recorder_->finish(hash.tick, hash.hash);
         device_.ask([&](Link &link) {
-            const Hash64 hash = link.read_hash64();
-            recorder_->finish(hash.tick, hash.hash);
+            link.read_nodes();
+            faults_ = link.read_fault_log();
         });
+        frame_ = session_frame(device_, state_, inputs_.empty() ? seld_wire_encoders{} : inputs_.back());
     } catch (const LinkError &) {
         if (fault_.empty()) throw; // of a device that went the recording ends where it went
     }
     recorder_.reset();
+    pictures_.finish();
+}
+
+RunResult LiveSession::result(const TipPlaces &tips) const
+{
+    RunResult result;
+    result.figures = figures_;
+    result.contacts = contacts_;
+    result.hash = end_hash_;
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+    result.faults = faults_;
+    result.resumes = device_.resumes();
+    result.tips = tips.at(frame_.wire);
+    for (std::size_t k = 0; k < figures_.tools.size() && !choice_.free_run; ++k)
+        result.grips.push_back(grip_.figures(k));
+    return result;
 }
 
 } // namespace seld

@@ -3,10 +3,14 @@
 // May include: device, recording, session_pictures. Called by: window.
 #pragma once
 #include "host/app/device.hpp"
+#include "host/app/hand_grip.hpp"
 #include "host/app/hand_motion.hpp"
+#include "host/app/range_watch.hpp"
 #include "host/app/rhythm_order.hpp"
 #include "host/app/rig_pedals.hpp"
+#include "host/app/run.hpp"
 #include "host/app/session_pictures.hpp"
+#include <chrono>
 #include <memory>
 #include <span>
 #include <string>
@@ -24,10 +28,8 @@ class LiveSession final : private FreeRunSink
                 const std::vector<RoomCommand> &begin, const DeviceChoice &choice = {});
 
     std::span<LiveHand> hands() { return hands_; } // one per tool
-    void inflate(std::int32_t kPa_per_s)
-    {
-        inflation_kPa_per_s_ = kPa_per_s;
-    }                                             // until told otherwise; 0: the pressure stays
+    // From now on; 0: the pressure stays. Without a balloon the display says so.
+    void inflate(std::int32_t kPa_per_s);
     void choose_tool(std::size_t tool, bool all); // marked in the display
     void command(const RoomCommand &command);     // in force from the next tick on; recorded
     void order(const RhythmOrder &order);         // of heart and breath, in the next tick
@@ -35,9 +37,16 @@ class LiveSession final : private FreeRunSink
     // `ticks` ticks; pictures are made when they are due. False when the device stopped: fault() says why.
     bool advance(std::uint32_t ticks);
     const std::string &fault() const { return fault_; }
+    // A session whose physics left its range goes no further: fault() has the notice, this what is known of it.
+    const RangeWatch &range() const { return figures_.range; }
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
     const Image &image() const { return pictures_.image(); }
+    void measure_contacts() { measures_contacts_ = !choice_.free_run; } // from now on, for a score
     void finish(); // closes the recording and writes the runs
+    // After finish(): what a script's session would say at its end. `tips`: where the vessels are.
+    RunResult result(const TipPlaces &tips) const;
+    const SessionPictures &pictures() const { return pictures_; }
+    SessionStents *stents() { return pictures_.stents(); }
     const std::vector<std::string> &files() const { return pictures_.files(); } // written by finish()
     bool was_stopped() const { return pictures_.was_stopped(); }                // Ctrl-C while finish() wrote
 
@@ -52,7 +61,7 @@ class LiveSession final : private FreeRunSink
     void pass(std::uint32_t tick, const RoomCommand &command);
     void look_at_pedals();
     void picture();
-    void finish_recording();
+    void stop_out_of_range();
 
     PictureSettings settings_;
     DeviceChoice choice_;
@@ -60,9 +69,17 @@ class LiveSession final : private FreeRunSink
     std::unique_ptr<Recorder> recorder_;
     SessionPictures pictures_;
     std::vector<LiveHand> hands_;
+    HandGrip grip_; // of the keys
+    SessionFigures figures_;
+    ContactFigures contacts_;
+    bool measures_contacts_ = false;
+    seld_wire_fault_log faults_{};
+    std::uint64_t end_hash_ = 0;
+    const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
     RigPedals rig_pedals_;
     RigSyringe rig_syringe_;
     RhythmOrders rhythm_;
+    const bool has_balloon_;
     std::int32_t inflation_kPa_per_s_ = 0, inflator_milli_kPa_ = 0; // 1/1000 kPa
     std::uint32_t buttons_ = 0;                                     // pedals by key, as a rig would send them
     std::vector<seld_wire_encoders> inputs_;
@@ -71,6 +88,7 @@ class LiveSession final : private FreeRunSink
     std::uint32_t hash_tick_ = 0;
     std::uint32_t led_tick_ = 0; // FREE_RUN: the last tick that came
     std::string fault_;
+    bool has_stopped_ = false; // by itself, out of range
 };
 
 } // namespace seld

@@ -75,21 +75,22 @@ void check_sizes(const XrayRun &run, const XaPixels &pixels)
 
 } // namespace
 
-XaSpool::XaSpool(const std::string &path) : path_(path), file_(pending_path(path) + ".pixels")
+XaSpool::XaSpool(const std::string &path) : path_(path)
 {
-    watch_pending(file_);
-    stream_ = std::fopen(file_.c_str(), "wb");
+    const OpenPending opened = open_pending(path, ".pixels");
+    file_ = opened.name;
+    stream_ = ::fdopen(opened.file, "wb");
     if (stream_) return;
     const int error_number = errno;
-    forget_pending(file_);
+    ::close(opened.file);
+    discard_pending(file_);
     throw OutputError(path, error_number);
 }
 
 XaSpool::~XaSpool()
 {
     std::fclose(stream_);
-    ::unlink(file_.c_str());
-    forget_pending(file_);
+    discard_pending(file_);
 }
 
 void XaSpool::add(const std::vector<std::uint16_t> &raw)

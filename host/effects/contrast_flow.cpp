@@ -24,6 +24,8 @@ ContrastFlow::ContrastFlow(const VesselTree &tree, const ContrastSettings &setti
     core_mg_.assign(count, 0.0);
     wall_mg_.assign(count, 0.0);
     in_mg_.assign(count, 0.0);
+    branch_injected_mg_.assign(tree.branches.size(), 0.0);
+    branch_out_mg_ = branch_injected_mg_;
 }
 
 void ContrastFlow::take_volumes()
@@ -156,6 +158,7 @@ void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
         core_mg_[source.cell] += core * mg_per_s;
         wall_mg_[source.cell] += wall * mg_per_s;
         budget_.injected_mg += mg_per_s * dt_s;
+        branch_injected_mg_[static_cast<std::size_t>(cells_[source.cell].branch)] += mg_per_s * dt_s;
     }
 }
 
@@ -184,6 +187,7 @@ void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
         for (std::size_t i = begin; i < last; ++i) mg[i] += in[i] - in[i + 1];
         mg[last] += in[last] - out_mg_[r];
         budget_.out_mg += out_mg_[r];
+        branch_out_mg_[static_cast<std::size_t>(cells_[last].branch)] += out_mg_[r];
         if (runs[r].upstream >= 0)
             mg[runs[static_cast<std::size_t>(runs[r].upstream)].end - 1] -= in[begin];
         else
@@ -218,6 +222,30 @@ double ContrastFlow::held_mg() const
     double sum = 0.0;
     for (std::size_t i = 0; i < core_mg_.size(); ++i) sum += core_mg_[i] + wall_mg_[i];
     return sum;
+}
+
+// Behind a branch's beginning lies what came in there and what was injected behind it; branches stand behind their parents.
+std::vector<double> ContrastFlow::received_mg() const
+{
+    const std::size_t count = cells_.branch_count();
+    std::vector<double> behind_mg = branch_out_mg_, injected_mg = branch_injected_mg_, received_mg(count);
+    std::vector<int> parents(count, -1);
+    for (std::size_t b = 0; b < count; ++b) {
+        const std::size_t begin = cells_.branch_begin(b), end = cells_.branch_begin(b + 1);
+        for (std::size_t i = begin; i < end; ++i) behind_mg[b] += core_mg_[i] + wall_mg_[i];
+        if (begin < end && cells_[begin].upstream >= 0)
+            parents[b] = cells_[static_cast<std::size_t>(cells_[begin].upstream)].branch;
+    }
+    for (std::size_t b = count; b-- > 0;) {
+        const double came_in_mg = behind_mg[b] - injected_mg[b]; // over its beginning; below 0: went back
+        received_mg[b] += std::max(branch_injected_mg_[b] + came_in_mg, 0.0);
+        if (parents[b] < 0) continue;
+        const auto parent = static_cast<std::size_t>(parents[b]);
+        behind_mg[parent] += behind_mg[b];
+        injected_mg[parent] += injected_mg[b];
+        received_mg[parent] += std::max(-came_in_mg, 0.0);
+    }
+    return received_mg;
 }
 
 // --- snapshots: counts, then the arrays ---

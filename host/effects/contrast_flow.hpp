@@ -75,6 +75,9 @@ class ContrastFlow
 
     double held_mg() const; // in the vessels
     const IodineBudget &budget() const { return budget_; }
+    // What came into each branch and did not go back to where it came from: injected in it, or carried in by the blood from the vessel
+    // before it or out of one behind it. What it hands on to its own branches counts for both.
+    std::vector<double> received_mg() const;
 
     // Everything that the next step depends on besides the vessels' shape, as bytes: open lesions are reshaped before. A snapshot of
     // other vessels is refused.
@@ -102,6 +105,7 @@ class ContrastFlow
     std::vector<CellSource> mouths_; // shares
     std::vector<double> core_mg_, wall_mg_;
     IodineBudget budget_;
+    std::vector<double> branch_injected_mg_, branch_out_mg_; // of each branch: into it, and from it into beds
     // Of a step, kept for their memory.
     std::vector<CellSource> sources_; // `injecting_` that give fluid, then cells that widen or narrow
     std::size_t injecting_ = 0;

@@ -4,11 +4,17 @@
 namespace seld
 {
 
-void Injector::inject(std::uint32_t tick, std::int32_t volume_ul, std::int32_t rate_ul_s,
-                      double iodine_mg_per_ml)
+std::uint64_t Injector::inject(std::uint32_t tick, std::int32_t volume_ul, std::int32_t rate_ul_s,
+                               double iodine_mg_per_ml)
 {
-    if (volume_ul <= 0 || rate_ul_s <= 0) return;
-    injections_.push_back({tick, std::int64_t{volume_ul} * 1000, rate_ul_s, iodine_mg_per_ml});
+    if (volume_ul <= 0 || rate_ul_s <= 0) return 0;
+    injections_.push_back({++asked_, tick, std::int64_t{volume_ul} * 1000, rate_ul_s, iodine_mg_per_ml});
+    return asked_;
+}
+
+void Injector::cancel(std::uint64_t injection)
+{
+    std::erase_if(injections_, [=](const Injection &one) { return one.number == injection; });
 }
 
 std::uint32_t Injector::first_tick() const

@@ -11,9 +11,11 @@ namespace seld
 class Injector
 {
   public:
-    // From `tick` on, so much at this rate (1 ul/s is 1 nl per tick). Two at a time add.
-    void inject(std::uint32_t tick, std::int32_t volume_ul, std::int32_t rate_ul_s, double iodine_mg_per_ml);
+    // From `tick` on, so much at this rate (1 ul/s is 1 nl per tick). Two at a time add. Returns what cancel() takes.
+    std::uint64_t inject(std::uint32_t tick, std::int32_t volume_ul, std::int32_t rate_ul_s,
+                         double iodine_mg_per_ml);
     void stop() { injections_.clear(); }
+    void cancel(std::uint64_t injection); // what is left of it is not given
     bool is_empty() const { return injections_.empty(); }
     std::uint32_t first_tick() const; // of what is left; not when it is empty
     // What should have gone in before `tick` is left out: a session that is looked at from its middle.
@@ -24,6 +26,7 @@ class Injector
 
   private:
     struct Injection {
+        std::uint64_t number = 0;
         std::uint32_t tick = 0;
         std::int64_t left_nl = 0, rate_nl = 0;
         double iodine_mg_per_ml = 0.0;
@@ -31,6 +34,7 @@ class Injector
     void drop_ended();
     std::vector<Injection> injections_;
     std::int64_t injected_nl_ = 0;
+    std::uint64_t asked_ = 0; // injections
 };
 
 } // namespace seld

@@ -18,6 +18,7 @@ class EmulatedTransport final : public Transport
     // 0 when the device has worked off everything it was given and said everything it had to say.
     std::size_t read(std::span<std::uint8_t> bytes) override;
     void pass_time_ms(std::uint32_t milliseconds) override;
+    bool has_own_clock() const override { return false; }
 
   private:
     void check_life();
@@ -36,6 +37,7 @@ class EmulatedDevice final : public Transport
     void write(std::span<const std::uint8_t> bytes) override { pipe_.write(bytes); }
     std::size_t read(std::span<std::uint8_t> bytes) override { return pipe_.read(bytes); }
     void pass_time_ms(std::uint32_t milliseconds) override;
+    bool has_own_clock() const override { return false; }
 
   private:
     Emulator emulator_;

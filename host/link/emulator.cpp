@@ -1,4 +1,5 @@
 #include "host/link/emulator.hpp"
+#include "host/model/interrupt.hpp"
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -179,7 +180,9 @@ void Emulator::power_cycle()
 void Emulator::wait(const std::function<bool()> &is_done, const char *what, double deadline_s)
 {
     constexpr int spins = 4000, yields = 400;
+    constexpr auto after_interrupt = std::chrono::milliseconds(500);
     const Clock::time_point begin = Clock::now();
+    Clock::time_point interrupted_at{};
     for (long i = 0; !is_done(); i++) {
         if (i < spins) continue;
         if (i < spins + yields) {
@@ -195,6 +198,9 @@ void Emulator::wait(const std::function<bool()> &is_done, const char *what, doub
             throw EmulatorError("the emulator ended while we waited for " + std::string(what) + "\n" +
                                 console());
         }
+        if (is_interrupted() && interrupted_at == Clock::time_point()) interrupted_at = Clock::now();
+        if (interrupted_at != Clock::time_point() && Clock::now() - interrupted_at > after_interrupt)
+            throw EmulatorError("interrupted while the emulator was waited for: " + std::string(what));
         if (!options_.debugger.empty()) continue;
         if (std::chrono::duration<double>(Clock::now() - begin).count() > deadline_s) {
             throw EmulatorError("waited " + std::to_string(deadline_s) + " s for " + what + "\n" + console());

@@ -1,28 +1,11 @@
 #include "host/link/link.hpp"
+#include "host/link/link_text.hpp"
+#include "host/model/interrupt.hpp"
 #include <algorithm>
-#include <cstdio>
 #include <utility>
 
 namespace seld
 {
-
-namespace
-{
-
-std::string format(const char *pattern, auto... values)
-{
-    char text[512];
-    std::snprintf(text, sizeof text, pattern, values...);
-    return text;
-}
-
-[[noreturn]] void broken(const char *what)
-{
-    throw LinkError(std::string("the device sent a ") + what +
-                    " message that does not have its form; use the same version on both sides");
-}
-
-} // namespace
 
 std::string describe(const seld_wire_reject &reject)
 {
@@ -32,13 +15,22 @@ std::string describe(const seld_wire_reject &reject)
                   static_cast<unsigned long>(reject.detail2), seld_wire_reject_remedy(reject.code));
 }
 
-Link::Link(Transport &transport)
-    : transport_(transport), incoming_(1 << 16), outgoing_(SELD_WIRE_PAYLOAD_MAX), frame_(SELD_WIRE_FRAME_MAX)
+Link::Link(Transport &transport, Patience::Span patience)
+    : transport_(transport), patience_(patience), incoming_(1 << 16), outgoing_(SELD_WIRE_PAYLOAD_MAX),
+      frame_(SELD_WIRE_FRAME_MAX)
 {
     seld_wire_decoder_init(&decoder_);
 }
 
-// --- frames out and in ---
+// --- frames out (link_receive.cpp: frames in) ---
+
+// A device that takes bytes slowly is as bad as one that answers slowly.
+void Link::write(std::span<const std::uint8_t> bytes)
+{
+    patience_.begin();
+    transport_.write(bytes);
+    patience_.end();
+}
 
 template <class Message, class Put>
 void Link::send_message(std::uint16_t type, const Message &message, Put put, bool goes_on)
@@ -59,173 +51,7 @@ void Link::send(std::uint16_t type, const seld_wire_writer &payload)
     const std::size_t bytes =
         seld_wire_frame_encode(&header, payload.bytes, payload.length, frame_.data(), frame_.size());
     has_spoken_ = true;
-    transport_.write({frame_.data(), bytes});
-}
-
-// A device that talks without end is as bad as a silent one: `frames` counts down to what no honest one says at once.
-bool Link::receive_one_of(std::uint32_t &frames)
-{
-    if (!receive()) return false;
-    if (frames-- > 0) return true;
-    throw LinkError(
-        "the device talks without end and does not answer; take it off the bus, and use another firmware");
-}
-
-bool Link::receive()
-{
-    for (;;) {
-        while (incoming_position_ < incoming_count_) {
-            if (seld_wire_decoder_push(&decoder_, incoming_[incoming_position_++]) == SELD_WIRE_FRAME)
-                return true;
-        }
-        incoming_position_ = 0;
-        incoming_count_ = transport_.read(incoming_);
-        if (incoming_count_ == 0) return false;
-    }
-}
-
-// Keep what a frame says. A refusal is an error of the request that is being answered.
-void Link::file_frame()
-{
-    const std::uint8_t *payload = decoder_.payload;
-    const std::size_t length = decoder_.payload_bytes;
-    switch (decoder_.header.type) {
-    case SELD_WIRE_TYPE_hello_reply:
-        if (!seld_wire_decode_hello_reply(payload, length, &hello_reply_)) broken("hello_reply");
-        break;
-    case SELD_WIRE_TYPE_status:
-        if (!seld_wire_decode_status(payload, length, &status_)) broken("status");
-        break;
-    case SELD_WIRE_TYPE_ticks:
-        if (!seld_wire_decode_ticks(payload, length, &ticks_)) broken("ticks");
-        break;
-    case SELD_WIRE_TYPE_rig:
-        if (!seld_wire_decode_rig(payload, length, &rig_)) broken("rig");
-        break;
-    case SELD_WIRE_TYPE_set_up:
-        if (!seld_wire_decode_set_up(payload, length, &set_up_)) broken("set_up");
-        break;
-    case SELD_WIRE_TYPE_sensors:
-        if (!seld_wire_decode_sensors(payload, length, &sensors_)) broken("sensors");
-        break;
-    case SELD_WIRE_TYPE_nodes:
-        if (!seld_wire_decode_nodes(payload, length, &nodes_)) broken("nodes");
-        break;
-    case SELD_WIRE_TYPE_node_table:
-        if (!seld_wire_decode_node_table(payload, length, &node_table_)) broken("node_table");
-        break;
-    case SELD_WIRE_TYPE_contacts:
-        if (!seld_wire_decode_contacts(payload, length, &contacts_)) broken("contacts");
-        break;
-    case SELD_WIRE_TYPE_fault_log:
-        if (!seld_wire_decode_fault_log(payload, length, &fault_log_)) broken("fault_log");
-        break;
-    case SELD_WIRE_TYPE_hash64: {
-        seld_wire_hash64 hash;
-        if (!seld_wire_decode_hash64(payload, length, &hash)) broken("hash64");
-        hash64_ = Hash64{hash.tick, hash.hash};
-        break;
-    }
-    case SELD_WIRE_TYPE_reject: {
-        seld_wire_reject reject;
-        if (!seld_wire_decode_reject(payload, length, &reject)) broken("reject");
-        throw LinkError(describe(reject), reject);
-    }
-    default:
-        file_stream();
-    }
-}
-
-// Ticks of a batch follow each other. A batch that came before is not taken twice; one that never came is counted.
-void Link::file_live()
-{
-    seld_wire_live live;
-    if (!seld_wire_decode_live(decoder_.payload, decoder_.payload_bytes, &live)) broken("live");
-    for (std::uint16_t i = 1; i < live.ticks_count; i++) {
-        if (live.ticks[i].state.tick != live.ticks[0].state.tick + i) broken("live");
-    }
-    live_ = live;
-    for (std::uint16_t i = 0; i < live.ticks_count; i++) {
-        const std::uint32_t tick = live.ticks[i].state.tick;
-        if (live_tick_ && tick <= *live_tick_) continue;
-        if (live_tick_) ticks_missing_ += tick - *live_tick_ - 1;
-        live_tick_ = tick;
-        tick_ = std::max(tick_, tick);
-        if (live_ticks_.size() == live_ticks_max) { // nobody takes them
-            ticks_missing_++;
-            continue;
-        }
-        live_ticks_.push_back(live.ticks[i]);
-        free_run_states_.push_back(live.ticks[i].state);
-    }
-}
-
-// What a device says by itself or in several frames.
-void Link::file_stream()
-{
-    const std::uint8_t *payload = decoder_.payload;
-    const std::size_t length = decoder_.payload_bytes;
-    switch (decoder_.header.type) {
-    case SELD_WIRE_TYPE_live:
-        file_live();
-        break;
-    case SELD_WIRE_TYPE_notice: {
-        seld_wire_notice notice;
-        if (!seld_wire_decode_notice(payload, length, &notice)) broken("notice");
-        if (notices_.size() == notices_max) notices_.erase(notices_.begin());
-        notices_.push_back(notice);
-        break;
-    }
-    case SELD_WIRE_TYPE_snapshot_begin:
-        if (!seld_wire_decode_snapshot_begin(payload, length, &snapshot_begin_) ||
-            snapshot_begin_.snapshot_bytes > snapshot_bytes_max) {
-            snapshot_begin_ = {};
-            broken("snapshot_begin");
-        }
-        snapshot_.clear();
-        break;
-    case SELD_WIRE_TYPE_snapshot_chunk: {
-        seld_wire_snapshot_chunk chunk;
-        if (!seld_wire_decode_snapshot_chunk(payload, length, &chunk) || chunk.offset != snapshot_.size() ||
-            chunk.data_count > snapshot_begin_.snapshot_bytes - snapshot_.size()) {
-            broken("snapshot_chunk");
-        }
-        snapshot_.insert(snapshot_.end(), chunk.data, chunk.data + chunk.data_count);
-        break;
-    }
-    case SELD_WIRE_TYPE_snapshot_end:
-        if (snapshot_.size() != snapshot_begin_.snapshot_bytes ||
-            seld_wire_crc32(0, snapshot_.data(), snapshot_.size()) != snapshot_begin_.crc32) {
-            broken("snapshot_end");
-        }
-        break;
-    default:
-        throw LinkError(
-            format("the device sent a message of unknown type %u; use the same version on both sides",
-                   static_cast<unsigned>(decoder_.header.type)));
-    }
-}
-
-// About an earlier request, whose answer came too late, or about an order that did not come in a frame.
-bool Link::is_late_refusal() const
-{
-    if (decoder_.header.type != SELD_WIRE_TYPE_reject) return false;
-    const auto since = static_cast<std::uint16_t>(decoder_.header.answers - asked_from_);
-    const auto asked = static_cast<std::uint16_t>(sequence_ - asked_from_);
-    return decoder_.header.answers == 0 || since > asked;
-}
-
-void Link::receive_answer(std::uint16_t type)
-{
-    for (std::uint32_t frames = frames_at_once_max;;) {
-        if (!receive_one_of(frames)) {
-            throw LinkError(format("the device does not answer (waiting for %s); check cable, power and port",
-                                   seld_wire_message_name(type)));
-        }
-        if (is_late_refusal()) continue;
-        file_frame();
-        if (decoder_.header.type == type && decoder_.header.answers == sequence_) return;
-    }
+    write({frame_.data(), bytes});
 }
 
 // --- handshake and set-up ---
@@ -236,20 +62,26 @@ bool Link::ask_hello(const seld_wire_hello &hello)
     const std::uint8_t end_of_frame = 0; // of one that a host before us, or a cut cable, left unfinished
     seld_wire_decoder_init(&decoder_);
     incoming_position_ = incoming_count_ = 0;
+    bytes_without_frame_ = 0;
     live_tick_.reset();
-    transport_.write({&end_of_frame, 1});
+    write({&end_of_frame, 1});
     send_message(SELD_WIRE_TYPE_hello, hello, seld_wire_put_hello);
+    patience_.begin();
+    waits_for_ = SELD_WIRE_TYPE_hello_reply;
     for (std::uint32_t frames = frames_at_once_max; receive_one_of(frames);) {
         if (decoder_.header.answers != sequence_) continue;
         file_frame();
-        if (decoder_.header.type == SELD_WIRE_TYPE_hello_reply) return true;
+        if (decoder_.header.type != SELD_WIRE_TYPE_hello_reply) continue;
+        patience_.end();
+        return true;
     }
+    patience_.give_up();
     return false;
 }
 
 // Whatever was lost or torn before, both sides begin anew. The reply itself is lost where it follows half a frame of a device
 // that started again: then it is asked for once more.
-seld_wire_hello_reply Link::hello()
+seld_wire_hello_reply Link::hello_once()
 {
     const seld_wire_hello hello = {SELD_WIRE_PROTOCOL_MAJOR, SELD_WIRE_PROTOCOL_MINOR,
                                    seld_wire_schema_hash()};
@@ -259,8 +91,7 @@ seld_wire_hello_reply Link::hello()
                              counts[SELD_WIRE_BAD_LENGTH] >
                          0;
     if (!is_answered && is_torn) is_answered = ask_hello(hello);
-    if (!is_answered)
-        throw LinkError("the device does not answer (waiting for hello_reply); check cable, power and port");
+    if (!is_answered) silent();
     if (!hello_reply_.accepted) {
         throw LinkError(format("device and host speak different versions: device %u.%u schema %016llx, "
                                "host %u.%u schema %016llx; install the same release on both",
@@ -292,6 +123,8 @@ void Link::load_scene(std::span<const std::uint8_t> scene)
             static_cast<std::uint16_t>(std::min<std::size_t>(sizeof chunk.data, bytes - offset));
         std::copy_n(scene.data() + offset, chunk.data_count, chunk.data);
         send_message(SELD_WIRE_TYPE_scene_chunk, chunk, seld_wire_put_scene_chunk, true);
+        if (is_interrupted())
+            throw LinkError("interrupted while the scene was sent; a session begun again goes on from there");
     }
     const seld_wire_scene_end end = {bytes};
     send_message(SELD_WIRE_TYPE_scene_end, end, seld_wire_put_scene_end, true);
@@ -406,7 +239,7 @@ std::span<const seld_wire_tick_state> Link::step(std::span<const seld_wire_encod
     step.inputs_count = static_cast<std::uint16_t>(inputs.size());
     std::copy(inputs.begin(), inputs.end(), step.inputs);
     send_message(SELD_WIRE_TYPE_step, step, seld_wire_put_step);
-    receive_answer(SELD_WIRE_TYPE_ticks);
+    receive_answer(SELD_WIRE_TYPE_ticks, inputs.size());
     if (ticks_.states_count > inputs.size()) broken("ticks");
     for (std::uint16_t i = 0; i < ticks_.states_count; i++) {
         if (ticks_.states[i].tick != tick_ + i + 1) broken("ticks");
@@ -478,6 +311,14 @@ void Link::drop_given()
     ticks_given_ = 0;
 }
 
+void Link::take_what_came(std::uint32_t &frames)
+{
+    patience_.begin();
+    waits_for_ = 0;
+    while (receive_one_of(frames)) file_frame();
+    patience_.end();
+}
+
 std::vector<seld_wire_tick_state> Link::free_run(std::uint32_t milliseconds)
 {
     drop_given();
@@ -487,12 +328,12 @@ std::vector<seld_wire_tick_state> Link::free_run(std::uint32_t milliseconds)
             const std::uint32_t slice = std::min(left, heartbeat_ms);
             beat();
             transport_.pass_time_ms(slice);
-            while (receive_one_of(frames)) file_frame();
+            take_what_came(frames);
             frames = frames_at_once_max;
             left -= slice;
         }
         if (milliseconds == 0) transport_.pass_time_ms(0);
-        while (receive_one_of(frames)) file_frame();
+        take_what_came(frames);
     } catch (...) {
         ticks_given_ = live_ticks_.size();
         throw;

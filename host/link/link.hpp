@@ -10,8 +10,9 @@
 //   link.nodes();                                  // the shape after the last of them
 //
 // Every refusal becomes a LinkError whose text says what was refused, why, and what to do.
-// May include: shared. Called by: host/app.
+// May include: shared, host/model/interrupt. Called by: host/app.
 #pragma once
+#include "host/link/patience.hpp"
 #include "host/link/transport.hpp"
 #include "shared/wire/wire_frame.h"
 #include <optional>
@@ -47,8 +48,12 @@ class Link
     static constexpr std::uint32_t frames_at_once_max = 10000, snapshot_bytes_max = 1 << 20,
                                    notices_max = 4096, live_ticks_max = 1 << 16;
 
-    explicit Link(Transport &transport);
+    static constexpr std::size_t bytes_without_frame_max = 1 << 18; // a frame has 10 kB at most
 
+    // `patience`: how long the device may keep us waiting in all (patience.hpp).
+    explicit Link(Transport &transport, Patience::Span patience = Patience::budget_default);
+
+    // Refused for as long as another program leads motors with power; one that is gone is forgotten within 50 ms.
     seld_wire_hello_reply hello();
     void load_scene(std::span<const std::uint8_t> scene);
     void load_tools(std::span<const seld_wire_instrument> tools);
@@ -107,11 +112,18 @@ class Link
     void send(std::uint16_t type, const seld_wire_writer &payload);
     template <class Message, class Put>
     void send_message(std::uint16_t type, const Message &message, Put put, bool goes_on = false);
+    void write(std::span<const std::uint8_t> bytes);
+    void take_what_came(std::uint32_t &frames);
+    [[noreturn]] void broken(const char *what) const; // a message that does not have its form
+    [[noreturn]] void silent() const;
+    void check_patience();
     bool receive(); // next frame into decoder_; false when the device is silent
     bool receive_one_of(std::uint32_t &frames);
     bool is_late_refusal() const;
     bool ask_hello(const seld_wire_hello &hello);
-    void receive_answer(std::uint16_t); // until this type came; others are filed, refusals throw
+    seld_wire_hello_reply hello_once();
+    // Until this type came, after `ticks` of work; others are filed, refusals throw.
+    void receive_answer(std::uint16_t type, std::size_t ticks = 0);
     void file_frame();
     void file_stream();
     void file_live();
@@ -121,6 +133,9 @@ class Link
     void get(std::uint8_t what, std::uint16_t answer);
 
     Transport &transport_;
+    Patience patience_;
+    std::uint16_t waits_for_ = 0; // type of the answer; 0: none in particular
+    std::size_t bytes_without_frame_ = 0;
     seld_wire_decoder decoder_;
     std::vector<std::uint8_t> incoming_, outgoing_, frame_;
     std::size_t incoming_position_ = 0, incoming_count_ = 0;

@@ -16,6 +16,7 @@ class SimTransport final : public Transport
     void write(std::span<const std::uint8_t> bytes) override;
     std::size_t read(std::span<std::uint8_t> bytes) override;
     void pass_time_ms(std::uint32_t milliseconds) override;
+    bool has_own_clock() const override { return false; }
     // A rig with three tracks, every sensor healthy and every hand at rest.
     void attach_rig();
 

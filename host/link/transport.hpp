@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 
 namespace seld
 {
@@ -18,6 +19,10 @@ class Transport
     virtual std::size_t read(std::span<std::uint8_t> bytes) = 0;
     // Let device time pass where the host owns it (sim port); real devices have their own clock.
     virtual void pass_time_ms(std::uint32_t milliseconds) = 0;
+    // How messages to the user call it: "the rig 'RIG-0001'".
+    virtual std::string name() const { return "the device"; }
+    // False: it computes as fast as this machine lets it (sim port, emulator), so a slow answer is not its fault.
+    virtual bool has_own_clock() const { return true; }
 };
 
 } // namespace seld

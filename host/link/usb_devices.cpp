@@ -1,7 +1,10 @@
 #include "host/link/usb_devices.hpp"
+#include "host/model/interrupt.hpp"
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <libusb-1.0/libusb.h>
+#include <span>
 #include <thread>
 
 namespace seld
@@ -49,16 +52,19 @@ std::string place_of(libusb_device *device)
     return text;
 }
 
-// Printable ASCII only: it is shown on terminals, and a device may say anything.
-std::string text_of(libusb_device_handle *handle, std::uint8_t index)
+// libusb's own helper waits a second for each of its requests; USB 2.0 gives a device half a second (9.2.6.4).
+int string_descriptor(libusb_device_handle *handle, std::uint8_t index, std::uint16_t language,
+                      std::span<unsigned char> bytes)
 {
-    unsigned char bytes[256];
-    if (index == 0) return "";
-    const int length = libusb_get_string_descriptor_ascii(handle, index, bytes, sizeof bytes);
-    std::string text;
-    for (int i = 0; i < std::min<int>(length, sizeof bytes); i++)
-        text += bytes[i] >= 0x20 && bytes[i] < 0x7f ? static_cast<char>(bytes[i]) : '?';
-    return text;
+    constexpr std::uint8_t get_descriptor = 6, string_type = 3;
+    constexpr unsigned limit_ms = 700;
+    if (is_interrupted()) return LIBUSB_ERROR_INTERRUPTED;
+    const int length = libusb_control_transfer(
+        handle, LIBUSB_ENDPOINT_IN, get_descriptor, static_cast<std::uint16_t>(string_type << 8 | index),
+        language, bytes.data(), static_cast<std::uint16_t>(bytes.size()), limit_ms);
+    if (length < 0) return length;
+    const int count = std::min({length, static_cast<int>(bytes.size()), int{bytes[0]}});
+    return length >= 2 && bytes[1] == string_type ? count : 0;
 }
 
 struct Opened {
@@ -81,8 +87,13 @@ Opened open_one(libusb_device *device)
         return opened;
     }
     opened.handle.reset(handle);
-    opened.rig.product = text_of(handle, descriptor.iProduct);
-    opened.rig.serial = text_of(handle, descriptor.iSerialNumber);
+    int error = 0;
+    opened.rig.serial = usb_text(handle, descriptor.iSerialNumber, error);
+    if (error != LIBUSB_ERROR_TIMEOUT) opened.rig.product = usb_text(handle, descriptor.iProduct, error);
+    if (error != LIBUSB_ERROR_TIMEOUT && error != LIBUSB_ERROR_INTERRUPTED) return opened;
+    // Whoever does not say its name does not say anything else; each further request would wait as long.
+    opened.error = error;
+    opened.rig.trouble = usb_trouble(error, "the rig at " + opened.rig.place);
     return opened;
 }
 
@@ -121,6 +132,24 @@ void UsbHandleEnd::operator()(libusb_device_handle *handle) const
     libusb_close(handle);
 }
 
+std::string usb_text(libusb_device_handle *handle, std::uint8_t index, int &error)
+{
+    std::array<unsigned char, 255> bytes;
+    error = 0;
+    if (index == 0) return "";
+    int count = string_descriptor(handle, 0, 0, bytes);
+    if (count >= 4)
+        count = string_descriptor(handle, index, static_cast<std::uint16_t>(bytes[2] | bytes[3] << 8), bytes);
+    error = std::min(count, 0);
+    std::string text; // UTF-16, little end first
+    for (int i = 2; i + 1 < count; i += 2) {
+        const auto at = static_cast<std::size_t>(i);
+        const bool is_plain = bytes[at + 1] == 0 && bytes[at] >= 0x20 && bytes[at] < 0x7f;
+        text += is_plain ? static_cast<char>(bytes[at]) : '?';
+    }
+    return text;
+}
+
 std::string usb_trouble(int error, const std::string &what)
 {
     const std::string name = std::string(" (") + libusb_error_name(error) + ")";
@@ -135,6 +164,11 @@ std::string usb_trouble(int error, const std::string &what)
     case LIBUSB_ERROR_NOT_SUPPORTED:
         return what + " has no driver that libusb can use" + name +
                ". Remedy: on Windows let it install WinUSB (docs/rig.md)";
+    case LIBUSB_ERROR_TIMEOUT:
+        return what + " does not answer" + name +
+               ". Remedy: plug the rig out and in; if it stays so, use another firmware";
+    case LIBUSB_ERROR_INTERRUPTED:
+        return what + " was not asked any more: Ctrl-C";
     case LIBUSB_ERROR_PIPE:
         return what + " refuses" + name +
                ". Remedy: plug the rig out and in; install the same release on both";

@@ -1,4 +1,5 @@
 #include "host/link/usb_transport.hpp"
+#include "host/model/interrupt.hpp"
 #include <algorithm>
 #include <chrono>
 #include <libusb-1.0/libusb.h>
@@ -87,11 +88,9 @@ void UsbTransport::find_stream()
     libusb_device_descriptor descriptor{};
     libusb_device *device = libusb_get_device(handle_.get());
     libusb_get_device_descriptor(device, &descriptor);
-    unsigned char text[64];
-    const int length =
-        libusb_get_string_descriptor_ascii(handle_.get(), descriptor.iSerialNumber, text, sizeof text);
-    serial_.assign(text, text + std::clamp<int>(length, 0, sizeof text));
-    const int error = libusb_get_active_config_descriptor(device, &configuration);
+    int error = 0;
+    serial_ = usb_text(handle_.get(), descriptor.iSerialNumber, error);
+    error = libusb_get_active_config_descriptor(device, &configuration);
     if (error != 0) throw LinkError(usb_trouble(error, "the rig's configuration"));
     for (int i = 0; i < configuration->bNumInterfaces; i++) {
         if (configuration->interface[i].num_altsetting < 1) continue;
@@ -218,7 +217,7 @@ void UsbTransport::end()
                 if (slot->is_flying) libusb_cancel_transfer(slot->transfer);
         }
         const auto is_back = [](const std::unique_ptr<Slot> &slot) { return !slot->is_flying; };
-        all_are_back = !thread_.joinable() || changed_.wait_for(hold, end_limit, [&] {
+        all_are_back = !thread_.joinable() || wait(hold, end_limit, [&] {
             return std::all_of(reads_.begin(), reads_.end(), is_back) &&
                    std::all_of(writes_.begin(), writes_.end(), is_back);
         });
@@ -242,7 +241,9 @@ void UsbTransport::end()
 
 void UsbTransport::throw_failure() const
 {
-    const std::string who = "the rig '" + serial_ + "'";
+    const std::string who = name();
+    if (failure_ == LIBUSB_ERROR_TIMEOUT && is_interrupted())
+        throw LinkError(who + " took no bytes before Ctrl-C");
     if (failure_ == LIBUSB_ERROR_TIMEOUT) {
         throw LinkError(who + " took no bytes for " + std::to_string(limits_.write_ms) +
                         " ms. Remedy: plug it out and in; report it with the firmware's release");
@@ -258,6 +259,24 @@ void UsbTransport::throw_failure() const
     throw LinkError(usb_trouble(failure_, who));
 }
 
+// In slices, since a condition variable does not hear of a signal.
+bool UsbTransport::wait(std::unique_lock<std::mutex> &hold, std::chrono::milliseconds limit,
+                        const std::function<bool()> &is_done)
+{
+    using Clock = std::chrono::steady_clock;
+    constexpr auto slice = std::chrono::milliseconds(50);
+    Clock::time_point end = Clock::now() + limit;
+    bool was_interrupted = false;
+    while (!is_done()) {
+        if (Clock::now() >= end) return false;
+        changed_.wait_until(hold, std::min(end, Clock::now() + slice));
+        if (was_interrupted || !is_interrupted()) continue;
+        was_interrupted = true;
+        end = std::min(end, Clock::now() + std::chrono::milliseconds(after_interrupt_ms));
+    }
+    return true;
+}
+
 void UsbTransport::write(std::span<const std::uint8_t> bytes)
 {
     std::unique_lock<std::mutex> hold(lock_);
@@ -271,7 +290,7 @@ void UsbTransport::write(std::span<const std::uint8_t> bytes)
             return free != nullptr || failure_ != 0;
         };
         // libusb ends each transfer after write_ms; twice that is a thread that does not run.
-        if (!changed_.wait_for(hold, std::chrono::milliseconds(2 * limits_.write_ms), find))
+        if (!wait(hold, std::chrono::milliseconds(2 * limits_.write_ms), find))
             failure_ = LIBUSB_ERROR_TIMEOUT;
         if (failure_ != 0) throw_failure();
         const std::size_t count = std::min(bytes.size(), transfer_bytes);
@@ -291,7 +310,7 @@ void UsbTransport::flush()
                std::none_of(writes_.begin(), writes_.end(),
                             [](const std::unique_ptr<Slot> &slot) { return slot->is_flying; });
     };
-    if (!changed_.wait_for(hold, std::chrono::milliseconds(2 * limits_.write_ms), is_done))
+    if (!wait(hold, std::chrono::milliseconds(2 * limits_.write_ms), is_done))
         failure_ = LIBUSB_ERROR_TIMEOUT;
     if (failure_ != 0) throw_failure();
 }
@@ -300,7 +319,7 @@ std::size_t UsbTransport::read(std::span<std::uint8_t> bytes)
 {
     std::unique_lock<std::mutex> hold(lock_);
     const auto limit = std::chrono::milliseconds(takes_only_what_came_ ? 0 : limits_.read_ms);
-    changed_.wait_for(hold, limit, [&] { return ring_count_ > 0 || failure_ != 0; });
+    wait(hold, limit, [&] { return ring_count_ > 0 || failure_ != 0; });
     if (ring_count_ == 0 && failure_ != 0) throw_failure();
     const std::size_t count = std::min(bytes.size(), ring_count_);
     const std::size_t first = std::min(count, ring_.size() - ring_begin_);

@@ -1,14 +1,16 @@
 // A rig on USB as a Transport: the bulk pair of docs/usb.md by libusb, several transfers waiting each way.
 //
 // One thread of its own serves libusb; callers see blocking reads and writes with time limits. Every wait ends: by bytes, by
-// its limit, or because the device went (DeviceLost). The destructor takes all transfers back and ends the thread.
+// its limit, because the device went (DeviceLost), or after_interrupt_ms after Ctrl-C. The destructor takes all transfers back and ends the thread.
 // Thread rules: one caller at a time. May include: libusb. Called by: host/app.
 #pragma once
 #include "host/link/transport.hpp"
 #include "host/link/usb_devices.hpp"
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -33,12 +35,14 @@ class UsbTransport final : public Transport
     std::size_t read(std::span<std::uint8_t> bytes) override;
     // Sleeps; after it a read takes what has come and does not wait, until the next write.
     void pass_time_ms(std::uint32_t milliseconds) override;
+    std::string name() const override { return "the rig '" + serial_ + "'"; }
     // Until the device has taken everything that was written.
     void flush();
     const std::string &serial() const { return serial_; } // as the device says
 
     static constexpr std::size_t transfer_bytes = 1 << 14;
     static constexpr std::size_t in_count = 8, out_count = 8;
+    static constexpr std::uint32_t after_interrupt_ms = 200; // for a clean end with a rig that answers
 
   private:
     struct Slot {
@@ -56,6 +60,9 @@ class UsbTransport final : public Transport
     void serve();
     void end();
     void throw_failure() const;
+    // Until `is_done`; false: it took too long, or longer than after_interrupt_ms since Ctrl-C.
+    bool wait(std::unique_lock<std::mutex> &hold, std::chrono::milliseconds limit,
+              const std::function<bool()> &is_done);
     void on_read_done(Slot &slot);
     void on_write_done(Slot &slot);
     static void read_done(libusb_transfer *transfer) noexcept;

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,14 +22,27 @@ struct Body {
     bool moves = false;                                  // with the scene's motion (motion.hpp)
 };
 
+// Which scene file: as a recording names it.
+struct SceneName {
+    std::size_t size_bytes = 0;
+    std::uint32_t crc32 = 0; // of the whole file
+    bool operator==(const SceneName &) const = default;
+};
+
 struct Bodies {
     std::vector<Body> bodies;
     VesselTree vessels = {}; // empty: the file has none
+    std::optional<SceneName> baked_with = {};
 };
 
 // Reads a body file. On failure returns false and says in `error` which file, which section and what to do;
 // `bodies` is then untouched.
 bool read_bodies(const std::string &path, Bodies &bodies, std::string &error);
+
+// The same for whoever shows them together with a scene, which must be the one they were baked with: `bake` writes both at
+// once, and a tree of vessels over another lumen would be a silent lie. Without a scene (no path) any bodies will do.
+bool read_bodies_of(const std::string &scene_path, const std::string &path, Bodies &bodies,
+                    std::string &error);
 
 // Checks what a reader of a file cannot promise: parents in range and without a circle, vertex indices in
 // range, at most 8 million triangles in all, coordinates within 2 m.

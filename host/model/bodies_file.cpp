@@ -2,6 +2,8 @@
 #include "host/model/bodies.hpp"
 #include "host/model/text.hpp"
 #include "shared/scene/scene.h"
+#include "shared/wire/wire_frame.h"
+#include <cstdio>
 
 namespace seld
 {
@@ -61,6 +63,25 @@ VesselLesion read_lesion(const seld_scene_lesion_view &view)
     return lesion;
 }
 
+std::string describe(const SceneName &scene)
+{
+    char text[64];
+    std::snprintf(text, sizeof text, "%zu bytes, CRC-32 %08x", scene.size_bytes, unsigned{scene.crc32});
+    return text;
+}
+
+std::string strangers(const std::string &scene_path, const SceneName &scene, const std::string &path,
+                      const std::optional<SceneName> &baked_with)
+{
+    const std::string remedy = "; bake " + scene_path +
+                               " again, which writes its bodies beside it, or name its own body file with "
+                               "--bodies";
+    if (!baked_with)
+        return path + ": does not say which scene it was baked with, as files of an older bake" + remedy;
+    return path + ": these bodies were not baked with " + scene_path + ": that scene has " + describe(scene) +
+           ", theirs had " + describe(*baked_with) + remedy;
+}
+
 } // namespace
 
 bool read_bodies(const std::string &path, Bodies &bodies, std::string &error)
@@ -90,6 +111,30 @@ bool read_bodies(const std::string &path, Bodies &bodies, std::string &error)
         read.vessels.branches.push_back(read_branch(seld_scene_branch(&scene, i)));
     for (std::uint32_t i = 0; i < scene.lesion_count; ++i)
         read.vessels.lesions.push_back(read_lesion(seld_scene_lesion(&scene, i)));
+    if (scene.has_partner) read.baked_with = SceneName{scene.partner_bytes, scene.partner_crc32};
+    bodies = std::move(read);
+    return true;
+}
+
+bool read_bodies_of(const std::string &scene_path, const std::string &path, Bodies &bodies,
+                    std::string &error)
+{
+    Bodies read;
+    if (!read_bodies(path, read, error)) return false;
+    if (!scene_path.empty()) {
+        SceneName scene;
+        try {
+            const std::vector<unsigned char> bytes = read_binary_file(scene_path);
+            scene = {bytes.size(), seld_wire_crc32(0, bytes.data(), bytes.size())};
+        } catch (const FileError &fault) {
+            error = fault.what();
+            return false;
+        }
+        if (read.baked_with != scene) {
+            error = strangers(scene_path, scene, path, read.baked_with);
+            return false;
+        }
+    }
     bodies = std::move(read);
     return true;
 }

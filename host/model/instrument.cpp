@@ -19,10 +19,9 @@ const std::string default_preset = "physical";
 toml::table parse(const std::string &file, const std::string &text)
 {
     try {
-        return toml::parse(text, file);
-    } catch (const toml::parse_error &error) {
-        throw FileError(file, static_cast<int>(error.source().begin.line),
-                        static_cast<int>(error.source().begin.column), std::string(error.description()));
+        return parse_toml(text, file);
+    } catch (const TomlError &error) {
+        throw FileError(file, error.line, error.column, error.what());
     }
 }
 

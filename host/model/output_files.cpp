@@ -1,4 +1,6 @@
 #include "host/model/output_files.hpp"
+#include "host/model/pending_file.hpp"
+#include <cerrno>
 #include <filesystem>
 
 namespace seld
@@ -49,6 +51,24 @@ void check_outputs(const std::vector<NamedPath> &inputs, const std::vector<Named
                                  output.path + ": name two files");
             }
         }
+    }
+    for (const NamedPath &output : outputs)
+        if (!output.path.empty()) probe_output(output.path);
+}
+
+void check_output_folder(const NamedPath &output)
+{
+    if (output.path.empty()) return;
+    std::error_code failed;
+    fs::path folder = fs::absolute(output.path, failed).lexically_normal();
+    if (fs::exists(folder, failed) && !fs::is_directory(folder, failed))
+        throw UsageError(output.option + " " + output.path + " is not a folder: name a folder, new or old");
+    while (!fs::exists(folder, failed) && folder.has_relative_path()) folder = folder.parent_path();
+    if (!fs::is_directory(folder, failed)) throw OutputError(output.path, ENOTDIR);
+    try {
+        probe_output((folder / ".seldinger-probe").string());
+    } catch (const OutputError &error) {
+        throw OutputError(output.option + " " + output.path + ": " + error.what());
     }
 }
 

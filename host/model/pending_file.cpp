@@ -3,8 +3,11 @@
 #include <cerrno>
 #include <climits>
 #include <csignal>
+#include <cstdint>
 #include <cstring>
+#include <fcntl.h>
 #include <filesystem>
+#include <sys/random.h>
 #include <unistd.h>
 
 namespace seld
@@ -46,6 +49,8 @@ void handle_signals()
 std::string reason(int error_number)
 {
     switch (error_number) {
+    case ENAMETOOLONG:
+        return "; give it a shorter name";
     case ENOSPC:
     case EDQUOT:
     case EFBIG:
@@ -71,6 +76,54 @@ fs::path end_of_links(const std::string &path)
     return failed ? fs::path(path) : target;
 }
 
+// "path.part1234-9f3a60c2d81b": by the number the user finds whose it is, and nobody can guess the rest. A name that would
+// become too long loses its end.
+std::string pending_name(const fs::path &path)
+{
+    std::uint64_t random = 0;
+    if (::getentropy(&random, sizeof random) != 0) throw OutputError(path.string(), errno);
+    char ending[48];
+    std::snprintf(ending, sizeof ending, ".part%d-%012llx", static_cast<int>(::getpid()),
+                  static_cast<unsigned long long>(random >> 16));
+    const std::size_t room = NAME_MAX - std::strlen(ending);
+    return (path.parent_path() / (path.filename().string().substr(0, room) + ending)).string();
+}
+
+// Throws OutputError when the name is that of a folder, a device or a pipe: renaming would put a file in their place.
+void check_kind(const std::string &path)
+{
+    std::error_code failed;
+    const fs::file_status status = fs::status(path, failed);
+    if (path.empty()) throw OutputError("an output has an empty name: name a file to write");
+    if (fs::is_directory(status)) throw OutputError(path + ": is a folder: name a file to write");
+    if (fs::exists(status) && !fs::is_regular_file(status))
+        throw OutputError(path + ": is a device or pipe: name a regular file to write");
+}
+
+// What was written reaches the disk. Some file systems cannot be asked for it; that is no fault of the file.
+int sync_path(const std::string &path, int flags)
+{
+    const int file = ::open(path.c_str(), flags | O_CLOEXEC);
+    if (file < 0) return errno;
+    const bool failed = ::fsync(file) != 0 && errno != EINVAL && errno != ENOTSUP && errno != EROFS;
+    const int error_number = failed ? errno : 0;
+    ::close(file);
+    return error_number;
+}
+
+int sync_file(const std::string &path)
+{
+    return sync_path(path, O_RDONLY | O_NOFOLLOW);
+}
+
+// The name itself: without it a crash of the machine may bring the old file back. A folder that may be written but not read
+// cannot be asked.
+void sync_folder_of(const fs::path &path)
+{
+    const fs::path folder = path.parent_path();
+    sync_path(folder.empty() ? "." : folder.string(), O_RDONLY | O_DIRECTORY);
+}
+
 } // namespace
 
 OutputError::OutputError(const std::string &path, int error_number)
@@ -78,25 +131,47 @@ OutputError::OutputError(const std::string &path, int error_number)
 {
 }
 
-std::string pending_path(const std::string &path)
+OpenPending open_pending(const std::string &path, const std::string &ending)
 {
-    std::error_code failed;
-    const fs::file_status status = fs::status(path, failed);
-    if (fs::is_directory(status)) throw OutputError(path + ": is a folder: name a file to write");
-    if (fs::exists(status) && !fs::is_regular_file(status))
-        throw OutputError(path + ": is a device or pipe: name a regular file to write");
-    return end_of_links(path).string() + ".part" + std::to_string(::getpid());
+    check_kind(path);
+    const fs::path beside = end_of_links(path);
+    for (;;) {
+        const std::string name = pending_name(beside) + ending;
+        watch_pending(name);
+        const int file =
+            ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666); // and the umask
+        if (file >= 0) return {name, file};
+        const int error_number = errno;
+        forget_pending(name);
+        if (error_number != EEXIST && error_number != EINTR) throw OutputError(path, error_number);
+    }
 }
 
-void commit_pending(const std::string &pending, const std::string &path)
+void probe_output(const std::string &path)
 {
-    if (std::rename(pending.c_str(), end_of_links(path).c_str()) != 0) {
-        const int error_number = errno;
-        ::unlink(pending.c_str());
-        forget_pending(pending);
+    const OpenPending probe = open_pending(path);
+    ::close(probe.file);
+    discard_pending(probe.name);
+}
+
+void discard_pending(const std::string &pending) noexcept
+{
+    ::unlink(pending.c_str());
+    forget_pending(pending);
+}
+
+void commit_pending(const std::string &pending, const std::string &path, bool keeps_unsynced)
+{
+    const fs::path named = end_of_links(path);
+    int error_number = sync_file(pending);
+    if (keeps_unsynced) error_number = 0;
+    if (error_number == 0 && std::rename(pending.c_str(), named.c_str()) != 0) error_number = errno;
+    if (error_number != 0) {
+        discard_pending(pending);
         throw OutputError(path, error_number);
     }
     forget_pending(pending);
+    sync_folder_of(named);
 }
 
 void watch_pending(const std::string &pending)
@@ -111,7 +186,7 @@ void watch_pending(const std::string &pending)
     }
 }
 
-void forget_pending(const std::string &pending)
+void forget_pending(const std::string &pending) noexcept
 {
     for (Place &place : places)
         if (place.is_taken && pending == place.path) place.is_taken = false;
@@ -123,22 +198,22 @@ void remove_pending() noexcept
         if (place.is_taken) ::unlink(place.path);
 }
 
-PendingFile::PendingFile(const std::string &path) : path_(path), pending_(pending_path(path))
+PendingFile::PendingFile(const std::string &path) : path_(path)
 {
-    watch_pending(pending_);
-    stream_ = std::fopen(pending_.c_str(), "wb");
+    const OpenPending opened = open_pending(path);
+    pending_ = opened.name;
+    stream_ = ::fdopen(opened.file, "wb");
     if (stream_) return;
     const int error_number = errno;
-    forget_pending(pending_);
+    ::close(opened.file);
+    discard_pending(pending_);
     throw OutputError(path, error_number);
 }
 
 PendingFile::~PendingFile()
 {
-    if (!stream_) return;
-    std::fclose(stream_);
-    ::unlink(pending_.c_str());
-    forget_pending(pending_);
+    if (stream_) std::fclose(stream_);
+    if (!has_name_) discard_pending(pending_);
 }
 
 void PendingFile::write(const void *bytes, std::size_t count)
@@ -146,18 +221,20 @@ void PendingFile::write(const void *bytes, std::size_t count)
     if (std::fwrite(bytes, 1, count, stream_) != count) throw OutputError(path_, errno);
 }
 
-void PendingFile::commit()
+void PendingFile::close()
 {
+    if (!stream_) return;
     if (std::fflush(stream_) != 0) throw OutputError(path_, errno);
     // A disk over the network may tell only now that it is full.
     const int closed = std::fclose(stream_);
-    const int error_number = errno;
     stream_ = nullptr;
-    if (closed != 0) {
-        ::unlink(pending_.c_str());
-        forget_pending(pending_);
-        throw OutputError(path_, error_number);
-    }
+    if (closed != 0) throw OutputError(path_, errno);
+}
+
+void PendingFile::commit()
+{
+    close();
+    has_name_ = true; // or is gone: commit_pending removes what gets none
     commit_pending(pending_, path_);
 }
 

@@ -1,4 +1,5 @@
 #include "host/model/text.hpp"
+#include "host/model/terminal.hpp"
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -17,7 +18,7 @@ std::string place(const std::string &file, int line, int column, const std::stri
     std::string result = file;
     if (line > 0) result += ":" + std::to_string(line);
     if (line > 0 && column > 0) result += ":" + std::to_string(column);
-    return result + ": " + text;
+    return printable_lines(result + ": " + text);
 }
 
 std::size_t edit_distance(std::string_view a, std::string_view b)

@@ -43,6 +43,12 @@ struct RoomCommand {
     bool operator==(const RoomCommand &) const = default;
 };
 
+// What a person asked for and did not get, from which tick on, and why.
+struct Refusal {
+    std::uint32_t tick = 0;
+    std::string why;
+};
+
 // Empty, or why no room can do this: unknown action or a value out of range. What passes may still be refused in a
 // situation (no run to review): Room says so then.
 std::string refusal(const RoomCommand &command);

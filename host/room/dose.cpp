@@ -65,6 +65,12 @@ void DoseMeter::pass_tick()
     if (irradiations_.back().kind == RunKind::fluoro) fluoro_ticks_++;
 }
 
+void DoseMeter::acknowledge()
+{
+    unseen_.reset();
+    reminders_seen_ = fluoro_reminders();
+}
+
 void DoseMeter::end(std::uint32_t tick, int kept_as_run)
 {
     if (!is_on_) return;

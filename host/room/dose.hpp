@@ -46,7 +46,7 @@ class DoseMeter
     void note_pulse(const CArm &carm, double tube_voltage_kV, double tube_current_mA, double pulse_ms);
     void end(std::uint32_t tick, int kept_as_run); // forgets an irradiation without a pulse
     void pass_tick();                              // 1 ms with the pedal down
-    void acknowledge() { unseen_.reset(); }
+    void acknowledge();
 
     const std::vector<Irradiation> &irradiations() const { return irradiations_; }
     const Dose &total() const { return total_; }
@@ -57,12 +57,14 @@ class DoseMeter
     std::optional<int> unseen_alert() const { return unseen_; }
     int alerts_passed() const { return alerts_passed_; }
     std::uint32_t fluoro_reminders() const { return fluoro_ticks_ / fluoro_reminder_ticks; }
+    // A reminder has passed that nobody has acknowledged.
+    bool has_unseen_reminder() const { return fluoro_reminders() > reminders_seen_; }
 
   private:
     std::vector<Irradiation> irradiations_;
     bool is_on_ = false;
     Dose total_;
-    std::uint32_t fluoro_ticks_ = 0;
+    std::uint32_t fluoro_ticks_ = 0, reminders_seen_ = 0;
     double kerma_rate_mGy_min_ = 0.0;
     int alerts_passed_ = 0;
     std::optional<int> unseen_;

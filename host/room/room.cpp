@@ -96,7 +96,7 @@ void Room::process(std::uint32_t tick, const Eigen::Vector3d *tip)
         queue_.pop_front();
         carry_out(tick, command);
     }
-    if (follows_tip_ && tip && tick % look_every_ticks == 0) follow(tick, *tip);
+    if (follows_tip_ && tip && tick % look_every_ticks == 0 && !is_acquire_waiting_) follow(tick, *tip);
     // A run of DSA needs a patient who stands still against its mask.
     if (!(beam_.is_on && beam_.kind == RunKind::dsa)) gantry_.tick();
     if (gantry_.is_blocked() && !was_blocked_) notify(tick, "TABLE IN THE WAY - motion stopped");
@@ -104,7 +104,11 @@ void Room::process(std::uint32_t tick, const Eigen::Vector3d *tip)
     press_pedals(tick);
     is_pulse_due_ = beam_.is_on && tick == beam_.next_tick();
     while (beam_.is_on && beam_.next_tick() <= tick) ++beam_.index;
-    if (beam_.is_on) dose_.pass_tick();
+    if (!beam_.is_on) return;
+    const std::uint32_t reminders = dose_.fluoro_reminders();
+    dose_.pass_tick();
+    if (dose_.fluoro_reminders() > reminders)
+        notify(tick, "FLUOROSCOPY " + std::to_string(dose_.fluoro_ticks() / 60'000) + " MIN");
 }
 
 void Room::notify(std::uint32_t tick, const std::string &text)
@@ -128,6 +132,7 @@ void Room::carry_out(std::uint32_t tick, const RoomCommand &command)
         is_acquire_armed_ = value == 1 && (is_acquire_armed_ || !is_acquire_down_);
         is_acquire_down_ = value == 1;
         if (beam_.is_on && beam_.is_acquired && !is_acquire_down_) end_beam(tick);
+        if (!is_acquire_down_) release_acquisition(tick);
         break;
     case RoomAction::program:
         program_ = value == 1 ? RunKind::dsa : RunKind::cine;
@@ -227,16 +232,30 @@ void Room::follow(std::uint32_t tick, const Eigen::Vector3d &tip)
 // A run begins with a new press only: a pedal held over the end of another run does nothing until it is let go.
 void Room::press_pedals(std::uint32_t tick)
 {
-    if (beam_.is_on) {
-        if (beam_.is_acquired || !is_acquire_armed_) return;
-        end_beam(tick); // the acquisition pedal overrules fluoroscopy
-    }
-    const bool is_dsa = is_acquire_armed_ && program_ == RunKind::dsa;
-    if (is_dsa && gantry_.is_moving()) return gantry_.halt(); // the run begins when everything stands
-    if (is_acquire_armed_)
+    if (beam_.is_on && beam_.is_acquired) return;
+    // A run shows one geometry, so it waits for the motors. Fluoroscopy goes on meanwhile.
+    const bool waits = is_acquire_armed_ && gantry_.is_moving();
+    if (waits && !is_acquire_waiting_)
+        notify(tick, name_of_program() + " WAITS - the C-arm or the table is moving");
+    is_acquire_waiting_ = waits;
+    if (is_acquire_armed_ && !waits) {
+        if (beam_.is_on) end_beam(tick); // the acquisition pedal overrules fluoroscopy
         begin_beam(tick, true);
-    else if (is_fluoro_armed_)
+    } else if (!beam_.is_on && is_fluoro_armed_) {
         begin_beam(tick, false);
+    }
+}
+
+// The pedal went up before the motors stood: there is no run, and somebody has to know.
+void Room::release_acquisition(std::uint32_t tick)
+{
+    if (is_acquire_waiting_) {
+        const std::string why = "NO " + name_of_program() +
+                                " RUN - the pedal went up while the C-arm or the table was still moving";
+        notify(tick, why);
+        refusals_.push_back({tick, why + "; wait until it stands, or hold the pedal longer"});
+    }
+    is_acquire_waiting_ = is_acquire_armed_ = false;
 }
 
 void Room::begin_beam(std::uint32_t tick, bool is_acquired)

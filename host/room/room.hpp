@@ -90,6 +90,8 @@ class Room
     const Gantry &gantry() const { return gantry_; }
     const DoseMeter &dose() const { return dose_; }
     const RunStore &store() const { return store_; }
+    // Presses of a pedal that made no run.
+    const std::vector<Refusal> &refusals() const { return refusals_; }
     bool is_beam_on() const { return beam_.is_on; }
     double field_m() const { return field_um_ * 1e-6; }
 
@@ -144,6 +146,8 @@ class Room
     void finish_roadmap();
     void set_review(std::uint32_t tick, const RoomCommand &command);
     void notify(std::uint32_t tick, const std::string &text);
+    void release_acquisition(std::uint32_t tick);
+    std::string name_of_program() const { return program_ == RunKind::dsa ? "DSA" : "CINE"; }
     XrayRun header(int size) const;
     Source shown() const;
     bool is_subtracted(const Source &source) const;
@@ -181,6 +185,8 @@ class Room
     bool has_held_ = false;
     std::string notice_;
     std::int64_t notice_until_ = -1;
+    bool is_acquire_waiting_ = false; // for the motors
+    std::vector<Refusal> refusals_;
     // What the last compose() showed.
     std::uint64_t version_ = 0, composed_version_ = ~std::uint64_t{0};
     int composed_frame_ = -1;

@@ -26,11 +26,9 @@ int count_of(const Place &place, const toml::table &table, const std::string &ke
 toml::table parse(const std::string &path)
 {
     try {
-        return toml::parse(read_text_file(path), path);
-    } catch (const toml::parse_error &error) {
-        const toml::source_position at = error.source().begin;
-        throw FileError(path, static_cast<int>(at.line), static_cast<int>(at.column),
-                        std::string(error.description()));
+        return parse_toml(read_text_file(path), path);
+    } catch (const TomlError &error) {
+        throw FileError(path, error.line, error.column, error.what());
     }
 }
 

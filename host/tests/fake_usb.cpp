@@ -6,6 +6,7 @@
 #include <libusb-1.0/libusb.h>
 #include <list>
 #include <mutex>
+#include <thread>
 
 struct libusb_device {
     fake_usb::Rig *rig;
@@ -96,7 +97,10 @@ bool is_done(Flight &flight, libusb_transfer_status &status)
             rig.unplug_after_bytes = 0;
             status = LIBUSB_TRANSFER_NO_DEVICE;
         }
-        seld_sim_write(rig.sim, transfer->buffer, static_cast<std::size_t>(count));
+        if (rig.take)
+            rig.take({transfer->buffer, static_cast<std::size_t>(count)});
+        else
+            seld_sim_write(rig.sim, transfer->buffer, static_cast<std::size_t>(count));
         rig.out_bytes += static_cast<unsigned>(count);
         transfer->actual_length = count;
         if (status != LIBUSB_TRANSFER_COMPLETED) pull(rig);
@@ -109,6 +113,8 @@ bool is_done(Flight &flight, libusb_transfer_status &status)
             bytes.resize(std::min(bytes.size(), rig.flood_bytes));
             for (std::uint8_t &byte : bytes) byte = static_cast<std::uint8_t>(rig.flood_given++ * 7);
             rig.flood_bytes -= bytes.size();
+        } else if (rig.give) {
+            bytes.resize(rig.give(bytes));
         } else {
             bytes.resize(seld_sim_read(rig.sim, bytes.data(), bytes.size()));
         }
@@ -310,15 +316,30 @@ libusb_device *LIBUSB_CALL libusb_get_device(libusb_device_handle *handle)
     return handle->device;
 }
 
-int LIBUSB_CALL libusb_get_string_descriptor_ascii(libusb_device_handle *handle, uint8_t index,
-                                                   unsigned char *bytes, int capacity)
+// GET_DESCRIPTOR of strings: 0 the language, 2 the product, 3 the serial number.
+int LIBUSB_CALL libusb_control_transfer(libusb_device_handle *handle, uint8_t, uint8_t, uint16_t value,
+                                        uint16_t, unsigned char *bytes, uint16_t capacity,
+                                        unsigned int timeout_ms)
 {
-    const std::lock_guard<std::mutex> hold(bus.lock);
+    std::unique_lock<std::mutex> hold(bus.lock);
     if (handle->device->generation == 0) return LIBUSB_ERROR_NO_DEVICE;
-    const std::string text = index == 3 ? handle->device->rig->serial : "Seldinger rig";
-    const int count = std::min<int>(capacity, static_cast<int>(text.size()));
-    std::copy_n(text.begin(), count, bytes);
-    return count;
+    fake_usb::Rig &rig = *handle->device->rig;
+    if (!rig.answers_control) {
+        hold.unlock();
+        std::this_thread::sleep_for(std::chrono::milliseconds(timeout_ms));
+        return LIBUSB_ERROR_TIMEOUT;
+    }
+    const std::string text = (value & 0xff) == 3 ? rig.serial : "Seldinger rig";
+    std::vector<unsigned char> all = {0, 3};
+    if ((value & 0xff) == 0) {
+        all.insert(all.end(), {0x09, 0x04});
+    } else {
+        for (const char one : text) all.insert(all.end(), {static_cast<unsigned char>(one), 0});
+    }
+    all[0] = static_cast<unsigned char>(all.size());
+    const std::size_t count = std::min<std::size_t>(capacity, all.size());
+    std::copy_n(all.begin(), count, bytes);
+    return static_cast<int>(count);
 }
 
 int LIBUSB_CALL libusb_get_active_config_descriptor(libusb_device *device,

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,11 @@ struct Rig {
     std::size_t flood_bytes = 0;      // given before what the firmware says: byte n is 7 n
     std::size_t flood_given = 0;
     std::function<void(std::vector<std::uint8_t> &)> spoil; // what is read, before the host sees it
-    int opens = 0;                                          // handles that are open now
+    // A device that is not the sim alone: bytes that it takes, and up to so many that it gives.
+    std::function<void(std::span<const std::uint8_t>)> take;
+    std::function<std::size_t(std::span<std::uint8_t>)> give;
+    bool answers_control = true; // false: requests for its strings time out
+    int opens = 0;               // handles that are open now
     bool is_claimed = false;
 };
 

@@ -40,7 +40,7 @@ std::vector<std::uint8_t> body_section(const Body &body)
     return bytes;
 }
 
-std::vector<std::uint8_t> body_file(const Bodies &bodies)
+std::vector<std::uint8_t> body_file(const Bodies &bodies, std::optional<SceneName> baked_with = {})
 {
     std::vector<std::uint8_t> meta(SELD_SCENE_META_BYTES, 0);
     std::memcpy(meta.data(), "test", 4);
@@ -48,6 +48,12 @@ std::vector<std::uint8_t> body_file(const Bodies &bodies)
     for (const Body &body : bodies.bodies) sections.push_back(body_section(body));
     std::vector<seld_scene_part> parts = {{SELD_SCENE_META, meta.data(), meta.size()}};
     for (const auto &section : sections) parts.push_back({SELD_SCENE_BODY, section.data(), section.size()});
+    std::uint8_t partner[SELD_SCENE_PARTNER_BYTES];
+    if (baked_with) {
+        seld_scene_put_u32(partner, static_cast<std::uint32_t>(baked_with->size_bytes));
+        seld_scene_put_u32(partner + 4, baked_with->crc32);
+        parts.push_back({SELD_SCENE_PARTNER, partner, sizeof partner});
+    }
     const auto count = static_cast<std::uint32_t>(parts.size());
     std::vector<std::uint8_t> file(seld_scene_write_bytes(parts.data(), count));
     seld_scene_write(SELD_SCENE_KIND_BODIES, parts.data(), count, file.data(), file.size());
@@ -114,6 +120,30 @@ static void damaged_file_is_refused_and_leaves_the_old_bodies(void **)
     unlink(path.c_str());
 }
 
+// "123456789" has the CRC-32 cbf43926: the check value of the algorithm's catalogue.
+static void bodies_are_read_with_the_scene_they_were_baked_with_alone(void **)
+{
+    const std::string scene = path + ".scene", other = path + ".other";
+    std::ofstream(scene) << "123456789";
+    std::ofstream(other) << "123456780";
+    write(body_file(two_bodies(), SceneName{9, 0xcbf43926}));
+    Bodies read;
+    std::string error;
+    assert_true(read_bodies_of(scene, path, read, error));
+    assert_int_equal(read.bodies.size(), 2);
+    Bodies kept;
+    assert_false(read_bodies_of(other, path, kept, error));
+    assert_true(kept.bodies.empty());
+    for (const char *part : {"were not baked with", "9 bytes, CRC-32 cbf43926", "bake ", "--bodies"})
+        assert_true(error.find(part) != error.npos);
+    assert_true(error.find(path + ":") == 0 && error.find(other) != error.npos);
+    write(body_file(two_bodies())); // of an older bake
+    assert_false(read_bodies_of(scene, path, kept, error));
+    assert_true(error.find("does not say which scene") != error.npos && error.find("bake ") != error.npos);
+    assert_true(read_bodies_of("", path, kept, error)); // free space has none
+    for (const std::string &file : {scene, other, path}) unlink(file.c_str());
+}
+
 int main()
 {
     cmocka_set_message_output(CM_OUTPUT_TAP);
@@ -121,6 +151,7 @@ int main()
         cmocka_unit_test(body_file_reads_back_as_written),
         cmocka_unit_test(missing_file_is_named),
         cmocka_unit_test(damaged_file_is_refused_and_leaves_the_old_bodies),
+        cmocka_unit_test(bodies_are_read_with_the_scene_they_were_baked_with_alone),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

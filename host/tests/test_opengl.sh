@@ -65,6 +65,7 @@ cmp -s <(grep -Ev "clock|written" "$work/raster.out") <(grep -Ev "clock|written"
 result $? "the session itself does not depend on who draws"
 
 . host/tests/display.sh
+export XDG_STATE_HOME="$work/kept"
 for back_end in raster opengl; do
     "$program" view --scene "$work/block.scene" --tool "$wire" --inserted 40 --fluoro --frames 20 --no-help-panel \
         --xray $back_end --screenshot "$work/window_$back_end.png" >"$work/window_$back_end.log" 2>&1 || echo failed >>"$work/window_failed"

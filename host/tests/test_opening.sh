@@ -3,7 +3,8 @@
 # polygons. An artery of 3 mm, 60 % narrowed; the balloon opens it wholly, and it recoils by 0.3 of that: 60 % x 0.3 = 18 % stay.
 programs="seldinger bake"
 . "$(dirname "$0")/../../tools/check/tool.sh"
-line="--tool shared/examples/instruments/coronary_014.toml --tool shared/examples/instruments/balloon_3x20.toml"
+line="--tool shared/examples/instruments/coronary_014.toml --tool shared/examples/instruments/balloon_3x20.toml
+      --tool shared/examples/instruments/guide_ntr_6f.toml"
 
 {
     echo branch,name,x_mm,y_mm,z_mm,radius_mm
@@ -43,6 +44,7 @@ TOML
 cat >"$work/open.session" <<'SESSION'
 begin wire inserted 20 mm
 begin catheter inserted 5 mm
+begin guide inserted 3 mm
 table y 60 mm
 field 10 cm
 advance wire until inserted 100 mm at 100 mm/s
@@ -60,7 +62,7 @@ SESSION
 
 "$BUILD/bin/bake" "$work/scene.toml" -o "$work/a.scene" --points 1000 --poses 0 >"$work/said" 2>&1 &&
     "$tool" run --scene "$work/a.scene" $line --session "$work/open.session" --record "$work/a.rec" --json "$work/a.json" \
-        --png "$work/a.png" --size 64 >"$work/said" 2>&1 &&
+        --png "$work/a.png" --score "$work/a.html" --size 64 >"$work/said" 2>&1 &&
     python3 - "$work/a.json" >"$work/said" 2>&1 <<'PY'
 import json, sys
 report = json.load(open(sys.argv[1]))
@@ -75,6 +77,38 @@ report "a report has a lesion before its balloon and after it, and no iodine is 
 
 "$tool" replay "$work/a.rec" --verify >"$work/said" 2>&1
 report "the session replays bit for bit" $?
+
+"$tool" replay "$work/a.rec" --json "$work/b.json" --score "$work/b.html" --size 64 >"$work/said" 2>&1 &&
+    python3 - "$work/a.json" "$work/b.json" >>"$work/said" 2>&1 <<'PY'
+import json, sys
+run, replay = (json.load(open(path)) for path in sys.argv[1:])
+for report in (run, replay):  # what the machine took, and what only a script knows
+    for key in ("wall_clock_s", "realtime_factor", "steered", "expected", "failures", "script_lines_given_up"):
+        report.pop(key)
+    for key in ("step_us", "frame_ms", "share_of_wall_clock"):
+        report["contrast"].pop(key)
+    for tool in report["tools"]:
+        tool.pop("grip")
+different = [key for key in run if run[key] != replay[key]]
+assert run.keys() == replay.keys() and not different, [(key, run[key], replay[key]) for key in different]
+assert run["score"]["percent"] == replay["score"]["percent"] is not None and run["contact"]["impulse_N_s"] > 0
+PY
+[ $? = 0 ] && grep -qi "score" "$work/b.html"
+report "its recording is scored as the session was, with the same report" $?
+
+"$tool" replay "$work/a.rec" --json "$work/c.json" --from 1 >"$work/said" 2>&1
+[ $? = 2 ] && grep -q "whole session" "$work/said" && [ ! -e "$work/c.json" ]
+report "a report of a part of a recording is wrong usage" $?
+
+printf 'begin inserted 20 mm\ninflate to 2 bar\n' >"$work/none.session"
+"$tool" run --scene "$work/a.scene" --tool shared/examples/instruments/coronary_014.toml --session "$work/none.session" >"$work/said" 2>&1
+[ $? = 1 ] && grep -q "none.session:2: NO BALLOON" "$work/said"
+report "an inflation without a balloon is refused with its line before the session" $?
+
+printf 'begin wire inserted 20 mm\nbegin catheter inserted 10 mm\ninject 2 ml at 3 ml/s through catheter\nwait 1 s\n' >"$work/tight.session"
+"$tool" run --scene "$work/a.scene" $line --session "$work/tight.session" >"$work/said" 2>&1
+[ $? = 1 ] && grep -q "tight.session:3: 3 ml/s THROUGH .* NEEDS [78][0-9]* psi" "$work/said"
+report "an injection that a lumen does not pass is refused with the pressure that it would need" $?
 
 "$tool" surface "$work/a.rec" --stages -o "$work/a.obj" --png "$work/walls.png" >"$work/stages" 2>&1 &&
     grep -q '^positioned .* s$' "$work/stages" && grep -q '^inflated .* s$' "$work/stages" && grep -q '^released .* s$' "$work/stages" &&

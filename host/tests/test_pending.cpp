@@ -1,18 +1,22 @@
 // A name never stands for half a file: what is written appears at the end, what stood there stays until then, and nothing is
-// left behind by errors and signals.
+// left behind by errors and signals. Bytes are on the disk before their name is: this program has its own fsync and rename,
+// which write down what is asked of them.
 #include "host/model/pending_file.hpp"
 #include "host/tests/folder.hpp"
+#include <cerrno>
 #include <csetjmp>
 #include <csignal>
 #include <cstdarg>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <vector>
@@ -22,6 +26,38 @@ extern "C" {
 
 using namespace seld;
 namespace fs = std::filesystem;
+
+namespace
+{
+std::vector<std::string> calls; // "sync a.part", "rename a", in order; what stands behind ".part" is left out
+int renames_until_failure = -1;
+
+std::string last_part(const std::string &path)
+{
+    const std::string name = fs::path(path).filename().string();
+    const std::size_t at = name.find(".part");
+    return at == name.npos ? name : name.substr(0, at + 5);
+}
+} // namespace
+
+extern "C" int fsync(int file)
+{
+    char path[4096] = {};
+    const std::string link = "/proc/self/fd/" + std::to_string(file);
+    if (readlink(link.c_str(), path, sizeof path - 1) > 0)
+        calls.push_back("sync " + (fs::is_directory(path) ? "folder" : last_part(path)));
+    return static_cast<int>(syscall(SYS_fsync, file));
+}
+
+extern "C" int rename(const char *from, const char *to)
+{
+    if (renames_until_failure >= 0 && renames_until_failure-- == 0) { // this one alone
+        errno = ENOSPC;
+        return -1;
+    }
+    calls.push_back("rename " + last_part(to));
+    return static_cast<int>(syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0));
+}
 
 namespace
 {
@@ -174,6 +210,119 @@ static void a_signal_leaves_the_files_that_are_whole(void **)
     assert_string_equal(text_of(folder.file("a")).c_str(), "whole");
 }
 
+// What somebody else who may write into the folder has put there under a name that could be guessed: not followed, not emptied.
+static void a_planted_link_is_not_followed(void **)
+{
+    Folder folder;
+    std::ofstream(folder.file("victim")) << "precious";
+    fs::create_symlink("victim", folder.file("a.part" + std::to_string(getpid())));
+    write_whole_file(folder.file("a"), "after");
+    assert_string_equal(text_of(folder.file("victim")).c_str(), "precious");
+    assert_string_equal(text_of(folder.file("a")).c_str(), "after");
+    assert_false(fs::is_symlink(folder.file("a")));
+}
+
+static void two_files_under_way_to_one_name_do_not_meet(void **)
+{
+    Folder folder;
+    PendingFile one(folder.file("a")), two(folder.file("a"));
+    one.write("one");
+    two.write("the second");
+    assert_int_equal(folder.count(), 2);
+    one.commit();
+    assert_string_equal(text_of(folder.file("a")).c_str(), "one");
+    two.commit();
+    assert_string_equal(text_of(folder.file("a")).c_str(), "the second");
+    assert_int_equal(folder.count(), 1);
+}
+
+// 255 bytes are the longest name of a file; the one it has meanwhile must not be longer.
+static void the_longest_name_can_be_written(void **)
+{
+    Folder folder;
+    write_whole_file(folder.file(std::string(255, 'n')), "x");
+    assert_int_equal(folder.count(), 1);
+    const std::string said = message_of([&] { write_whole_file(folder.file(std::string(256, 'n')), "x"); });
+    assert_true(said.find("shorter name") != said.npos);
+    assert_int_equal(folder.count(), 1);
+}
+
+static void the_umask_decides_who_may_read(void **)
+{
+    Folder folder;
+    const mode_t before = umask(027);
+    write_whole_file(folder.file("a"), "x");
+    umask(before);
+    assert_int_equal(static_cast<int>(fs::status(folder.file("a")).permissions()), 0640);
+}
+
+static void bytes_are_on_the_disk_before_their_name_is(void **)
+{
+    Folder folder;
+    calls.clear();
+    write_whole_file(folder.file("a"), "x");
+    const std::vector<std::string> wanted = {"sync a.part", "rename a", "sync folder"};
+    assert_true(calls == wanted);
+}
+
+static void files_of_a_set_get_their_names_together(void **)
+{
+    Folder folder;
+    std::ofstream(folder.file("a")) << "old a";
+    FileSet set;
+    set.add(folder.file("a"), "new a");
+    set.add(folder.file("b"), "new b");
+    assert_string_equal(text_of(folder.file("a")).c_str(), "old a");
+    assert_false(fs::exists(folder.file("b")));
+    set.commit();
+    assert_string_equal(text_of(folder.file("a")).c_str(), "new a");
+    assert_string_equal(text_of(folder.file("b")).c_str(), "new b");
+    assert_int_equal(folder.count(), 2);
+}
+
+// The disk fills up between two names: the first one is taken back, whether a file stood there or none did.
+static void a_set_whose_second_name_fails_is_taken_back(void **)
+{
+    for (bool is_new : {false, true}) {
+        Folder folder;
+        if (!is_new) std::ofstream(folder.file("a")) << "old a";
+        if (!is_new) std::ofstream(folder.file("b")) << "old b";
+        FileSet set;
+        set.add(folder.file("a"), "new a");
+        set.add(folder.file("b"), "new b");
+        renames_until_failure = 1;
+        const std::string said = message_of([&] { set.commit(); });
+        assert_true(said.find(folder.file("b") + ": cannot be written") == 0);
+        if (is_new) {
+            assert_int_equal(folder.count(), 0);
+            continue;
+        }
+        assert_string_equal(text_of(folder.file("a")).c_str(), "old a");
+        assert_string_equal(text_of(folder.file("b")).c_str(), "old b");
+        assert_int_equal(folder.count(), 2);
+    }
+}
+
+static void a_set_that_does_not_fit_the_disk_leaves_what_was_there(void **)
+{
+    Folder folder;
+    std::ofstream(folder.file("a")) << "old a";
+    const int status = status_of_child([&] {
+        const struct rlimit small = {1000, 1000};
+        setrlimit(RLIMIT_FSIZE, &small);
+        const std::string said = message_of([&] {
+            FileSet set;
+            set.add(folder.file("a"), "new a");
+            set.add(folder.file("b"), std::string(2000, 'x'));
+            set.commit();
+        });
+        _exit(said.find("make room on the disk") != said.npos ? 7 : 8);
+    });
+    assert_int_equal(WEXITSTATUS(status), 7);
+    assert_int_equal(folder.count(), 1);
+    assert_string_equal(text_of(folder.file("a")).c_str(), "old a");
+}
+
 static void more_files_than_are_watched_are_written_all_the_same(void **)
 {
     Folder folder;
@@ -201,6 +350,14 @@ int main()
         cmocka_unit_test(a_full_disk_is_told_and_leaves_what_was_there),
         cmocka_unit_test(a_signal_ends_the_program_and_leaves_nothing),
         cmocka_unit_test(a_signal_leaves_the_files_that_are_whole),
+        cmocka_unit_test(a_planted_link_is_not_followed),
+        cmocka_unit_test(two_files_under_way_to_one_name_do_not_meet),
+        cmocka_unit_test(the_longest_name_can_be_written),
+        cmocka_unit_test(the_umask_decides_who_may_read),
+        cmocka_unit_test(bytes_are_on_the_disk_before_their_name_is),
+        cmocka_unit_test(files_of_a_set_get_their_names_together),
+        cmocka_unit_test(a_set_whose_second_name_fails_is_taken_back),
+        cmocka_unit_test(a_set_that_does_not_fit_the_disk_leaves_what_was_there),
         cmocka_unit_test(more_files_than_are_watched_are_written_all_the_same),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

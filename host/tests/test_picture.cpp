@@ -171,6 +171,48 @@ static void film_survives_an_interrupt_of_the_foreground_group(void **)
     assert_int_equal(files_in_folder(), 0);
 }
 
+// An ffmpeg that never reads and never ends by itself, in place of the real one: only the death of its parent ends it.
+static void film_program_ends_when_we_are_killed(void **)
+{
+    const std::string program = folder() + "/ffmpeg", number = folder() + "/number";
+    std::ofstream(program) << "#!/bin/sh\necho $$ >" << number << ".new && mv " << number << ".new " << number
+                           << "\nexec sleep 60\n";
+    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+    const std::string path = std::getenv("PATH");
+    setenv("PATH", (folder() + ":" + path).c_str(), 1);
+    std::fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0) {
+        std::string error;
+        VideoWriter film;
+        if (film.open(folder() + "/f.mp4", 128, 128, 15, error))
+            for (;;) pause();
+        _exit(1);
+    }
+    setenv("PATH", path.c_str(), 1);
+    const auto wait_until = [](const auto &condition) {
+        for (int i = 0; i < 500 && !condition(); ++i) usleep(10'000);
+        return condition();
+    };
+    assert_true(wait_until([&] { return std::filesystem::exists(number); }));
+    pid_t ffmpeg = 0;
+    std::ifstream(number) >> ffmpeg;
+    assert_true(ffmpeg > 1);
+    kill(child, SIGKILL);
+    assert_int_equal(waitpid(child, nullptr, 0), child);
+    // Gone, or a zombie that nobody has looked at yet.
+    const bool is_gone = wait_until([&] {
+        std::ifstream stat("/proc/" + std::to_string(ffmpeg) + "/stat");
+        const std::string text{std::istreambuf_iterator<char>(stat), {}};
+        return text.empty() || text.find(") Z ") != text.npos;
+    });
+    if (!is_gone) kill(ffmpeg, SIGKILL);
+    assert_true(is_gone);
+    assert_false(std::filesystem::exists(folder() + "/f.mp4"));
+    std::filesystem::remove_all(folder());
+    std::filesystem::create_directory(folder());
+}
+
 static void display_draws_over_the_picture_and_nowhere_else(void **)
 {
     const XrayPicture picture = grey_picture(512);
@@ -220,6 +262,7 @@ int main()
         cmocka_unit_test(film_refuses_wrong_sizes_and_missing_folders),
         cmocka_unit_test(film_without_ffmpeg_says_what_to_install),
         cmocka_unit_test(film_survives_an_interrupt_of_the_foreground_group),
+        cmocka_unit_test(film_program_ends_when_we_are_killed),
         cmocka_unit_test(display_draws_over_the_picture_and_nowhere_else),
         cmocka_unit_test(display_survives_any_number_and_any_text),
     };

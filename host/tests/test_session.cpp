@@ -166,6 +166,10 @@ void the_room_is_asked_in_words(void **)
           {RoomAction::field, {200000, 0, 0}}}},
         {"c-arm SID 120 cm RAO 20",
          {{RoomAction::distance, {1200000, 750000, 0}}, {RoomAction::angles, {-20000, 0, 0}}}},
+        // Both ends of what docs/session.md allows.
+        {"field 45 cm", {{RoomAction::field, {450000, 0, 0}}}},
+        {"field 100 mm", {{RoomAction::field, {100000, 0, 0}}}},
+        {"c-arm SID 130 cm SOD 60 cm", {{RoomAction::distance, {1300000, 600000, 0}}}},
         {"collimate width 60% height 80 % round",
          {{RoomAction::iris, {1, 0, 0}}, {RoomAction::blades, {600, 800, 0}}}},
         {"mask frames 2 to 4", {{RoomAction::mask, {1, 3, 0}}}},

@@ -307,6 +307,20 @@ void a_silent_rig_is_told_in_time(void **)
         {"took no bytes for 100 ms", "plug it out and in"});
 }
 
+// A device that does not even say its name is asked nothing else.
+void a_rig_that_does_not_say_its_name_is_told(void **)
+{
+    fake_usb::add("RIG-0001").answers_control = false;
+    const auto begin = std::chrono::steady_clock::now();
+    const seld::UsbContext context = seld::usb_context();
+    const auto rigs = seld::usb_rigs(context.get());
+    assert_int_equal(rigs.size(), 1);
+    assert_true(rigs[0].trouble.find("does not answer") != std::string::npos);
+    assert_true(rigs[0].trouble.find("bus 1, address 4") != std::string::npos);
+    expect_error([] { hello(""); }, {"does not answer", "Remedy"});
+    assert_true(std::chrono::steady_clock::now() - begin < std::chrono::seconds(5)); // 0.7 s each
+}
+
 void an_unplugged_rig_ends_every_wait(void **)
 {
     fake_usb::add("RIG-0001");
@@ -405,6 +419,7 @@ int main()
         USB_TEST(device_names_are_parsed),
         USB_TEST(a_rig_is_seen_coming),
         USB_TEST(a_silent_rig_is_told_in_time),
+        USB_TEST(a_rig_that_does_not_say_its_name_is_told),
         USB_TEST(an_unplugged_rig_ends_every_wait),
         USB_TEST(a_longer_packet_than_fits_is_told),
         USB_TEST(a_lying_rig_leaves_the_host_alive),

@@ -3,6 +3,7 @@
 set -u
 . "$(dirname "$0")/program.sh"
 . "$(dirname "$0")/display.sh"
+export XDG_STATE_HOME="$work/kept"
 wire=shared/examples/instruments/amplatz_super_stiff.toml
 
 env -u DISPLAY -u WAYLAND_DISPLAY "$program" view --instrument "$wire" >"$work/none" 2>&1
@@ -34,6 +35,21 @@ result $? "the same screens again are the same pixels, and the help panel shows"
 "$program" view --instrument "$wire" --free-run --frames 20 --record "$work/led.rec" >"$work/log" 2>&1 &&
     "$program" replay "$work/led.rec" --verify >>"$work/log" 2>&1 && grep -q "^verified" "$work/log"
 result $? "a session that the rig leads is shown, recorded and replays bit for bit"
+
+# A session that nobody named is kept all the same, and says at its end what it was.
+XDG_STATE_HOME="$work/state" "$program" view --instrument "$wire" --fluoro --frames 40 --json "$work/view.json" --size 128 >"$work/view" 2>&1 &&
+    "$program" replay "$work"/state/seldinger/*.rec --verify --json "$work/again.json" --png "$work/again.png" --size 128 >"$work/log" 2>&1 &&
+    grep -q "^final hash" "$work/view" && grep -q "^dose " "$work/view" && grep -q "^written .*state/seldinger" "$work/view" &&
+    python3 - "$work/view.json" "$work/again.json" >>"$work/log" 2>&1 <<'PY'
+import json, sys
+view, again = (json.load(open(path)) for path in sys.argv[1:])
+assert view["ticks"] > 500 and view["room"]["total"]["pulses"] > 5
+for key in ("ticks", "hash", "penetration_max_mm", "room", "tip"):
+    assert view[key] == again[key], (key, view[key], again[key])
+PY
+result $? "a session by hand is recorded without being asked, and reported as its replay is"
+XDG_STATE_HOME="$work/nowhere" "$program" view --instrument "$wire" --frames 5 --no-record --size 128 >"$work/log" 2>&1 && [ ! -e "$work/nowhere" ]
+result $? "unless --no-record says otherwise"
 
 # A person: push for a second or less, turn the C-arm, end.
 cat >"$work/keys.sh" <<'EOF'
@@ -74,7 +90,8 @@ timeout 60 bash "$work/gone.sh"
 [ $? = 1 ] && grep -q "ended by a fault: the emulator ended" "$work/gone"
 result $? "a device that goes away is told, and the exit code is 1"
 "$program" replay "$work/gone.rec" --verify >"$work/log" 2>&1
-result $? "what was recorded until then replays bit for bit"
+[ $? = 1 ] && grep -q "^verified: [1-9][0-9]* ticks" "$work/log" && grep -q "the recording was cut off there" "$work/log"
+result $? "what was recorded until then replays bit for bit, and is said to be cut off"
 
 # Two tools: the catheter is chosen, pushed for a second or more, then the wire and the catheter together.
 cat >"$work/two.sh" <<'EOF'

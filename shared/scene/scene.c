@@ -84,10 +84,13 @@ static seld_scene_status check_header(seld_scene_check *check)
     check->section_count = seld_scene_u32(b + 20);
     bool is_scene = check->kind == SELD_SCENE_KIND_SCENE;
     if (is_scene ? check->section_count < 3 || check->section_count > 6
-                 : check->section_count < 2 || check->section_count > 3 + SELD_SCENE_BODY_MAX)
+                 : check->section_count < 2 || check->section_count > 4 + SELD_SCENE_BODY_MAX)
         return seld_scene_fault_at(check, SELD_SCENE_SECTION_COUNT, 20);
     check->table_end = SELD_SCENE_HEADER_BYTES + check->section_count * SELD_SCENE_TABLE_ROW_BYTES;
     if (check->size < check->table_end) return seld_scene_fault_at(check, SELD_SCENE_SECTION_PLACE, 20);
+    const bool has_partner =
+        !is_scene && seld_scene_section_span(b, check->section_count - 1).type == SELD_SCENE_PARTNER;
+    check->content_count = check->section_count - (has_partner ? 1u : 0u);
     static const uint8_t no_crc[4] = {0, 0, 0, 0};
     uint32_t crc = seld_wire_crc32(0, b, 24);
     crc = seld_wire_crc32(crc, no_crc, sizeof no_crc);
@@ -105,7 +108,8 @@ seld_scene_span seld_scene_section_span(const uint8_t *bytes, uint32_t index)
     return span;
 }
 
-/* A body file ends with its bodies, or with one tree behind them, or with that tree's lesions behind it. */
+/* A body file ends with its bodies, or with one tree behind them, or with that tree's lesions behind it; and behind all of
+ * these may be what names its scene. */
 static bool section_type_fits(const seld_scene_check *check, uint32_t index, uint32_t type)
 {
     static const uint32_t scene_types[5] = {SELD_SCENE_META, SELD_SCENE_ENTRY, SELD_SCENE_LUMEN,
@@ -115,7 +119,8 @@ static bool section_type_fits(const seld_scene_check *check, uint32_t index, uin
         return true;
     if (check->kind == SELD_SCENE_KIND_SCENE) return index < 5 && type == scene_types[index];
     if (index == 0) return type == SELD_SCENE_META;
-    const uint32_t left = check->section_count - 1 - index;
+    if (index == check->content_count) return index >= 2; /* PARTNER, behind something */
+    const uint32_t left = check->content_count - 1 - index;
     if (left == 0 && type == SELD_SCENE_LESIONS)
         return seld_scene_section_span(check->bytes, index - 1).type == SELD_SCENE_TREE;
     if (type == SELD_SCENE_TREE)
@@ -207,14 +212,28 @@ static seld_scene_status check_entry(seld_scene_check *check, seld_scene_span sp
     return SELD_SCENE_OK;
 }
 
+/* Any size and CRC-32 will do: whether they are those of a scene is for whoever has that scene to say. */
+static seld_scene_status check_partner(seld_scene_check *check, seld_scene *scene)
+{
+    if (check->content_count == check->section_count) return SELD_SCENE_OK;
+    const seld_scene_span span = seld_scene_section_span(check->bytes, check->content_count);
+    if (span.size != SELD_SCENE_PARTNER_BYTES)
+        return seld_scene_fault_at(check, SELD_SCENE_SECTION_SIZE, span.offset);
+    scene->has_partner = true;
+    scene->partner_bytes = seld_scene_u32(check->bytes + span.offset);
+    scene->partner_crc32 = seld_scene_u32(check->bytes + span.offset + 4);
+    return SELD_SCENE_OK;
+}
+
 static seld_scene_status check_body_file(seld_scene_check *check, seld_scene *scene)
 {
-    seld_scene_span last = seld_scene_section_span(check->bytes, check->section_count - 1), lesions = last;
-    scene->body_count = check->section_count - 1;
+    seld_scene_span last = seld_scene_section_span(check->bytes, check->content_count - 1), lesions = last;
+    scene->body_count = check->content_count - 1;
+    TRY(check_partner(check, scene));
     if (lesions.type == SELD_SCENE_LESIONS) {
         scene->body_count--;
         scene->lesions = check->bytes + lesions.offset;
-        last = seld_scene_section_span(check->bytes, check->section_count - 2);
+        last = seld_scene_section_span(check->bytes, check->content_count - 2);
     }
     if (last.type == SELD_SCENE_TREE) {
         scene->body_count--;

@@ -23,7 +23,7 @@ extern "C" {
 enum {
     SELD_SCENE_MAJOR = 1,
     SELD_SCENE_MINOR =
-        4, /* written only into files that need it: 1 for a body that moves, a TREE; 2 for LESIONS; 3 for PLAQUES; 4 for MOTION and BREATH */
+        5, /* written only into files that need it: 1 for a body that moves, a TREE; 2 for LESIONS; 3 for PLAQUES; 4 for MOTION and BREATH; 5 for PARTNER */
     SELD_SCENE_ALIGNMENT = 16,       /* of sections in the file */
     SELD_SCENE_ADDRESS_MULTIPLE = 4, /* of the bytes in memory */
     SELD_SCENE_HEADER_BYTES = 32,
@@ -50,6 +50,7 @@ enum {
     SELD_SCENE_BRANCH_NAME_BYTES = 32,
     SELD_SCENE_TREE_POINT_BYTES = 16,
     SELD_SCENE_TREE_POINT_MAX = 200000, /* of all branches */
+    SELD_SCENE_PARTNER_BYTES = 8,
     SELD_SCENE_LESIONS_HEADER_BYTES = 16,
     SELD_SCENE_LESION_BYTES = 48,
     SELD_SCENE_LESION_MAX = 32,
@@ -88,6 +89,7 @@ typedef enum seld_scene_section {
     SELD_SCENE_BODY = 16,
     SELD_SCENE_TREE = 17,
     SELD_SCENE_LESIONS = 18,
+    SELD_SCENE_PARTNER = 19,
 } seld_scene_section;
 
 /* One line of text each: seld_scene_status_text. */
@@ -174,6 +176,9 @@ typedef struct seld_scene {
     const uint8_t *tree;
     uint32_t lesion_count; /* of that tree */
     const uint8_t *lesions;
+    bool has_partner;       /* the body file names the scene it was baked with, as a recording does: */
+    uint32_t partner_bytes; /* its size */
+    uint32_t partner_crc32; /* and the CRC-32 of the whole file */
     const uint8_t *bytes;
 } seld_scene;
 

@@ -10,6 +10,7 @@ typedef struct seld_scene_check {
     seld_scene_kind kind;
     uint16_t minor;
     uint32_t section_count;
+    uint32_t content_count; /* without a body file's PARTNER, which is its last section */
     size_t table_end;
     uint32_t where; /* of the fault */
 } seld_scene_check;

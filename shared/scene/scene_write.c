@@ -34,6 +34,7 @@ size_t seld_scene_write_bytes(const seld_scene_part *parts, uint32_t part_count)
 /* The oldest version that knows this part. */
 static uint16_t minor_of_part(const seld_scene_part *part)
 {
+    if (part->type == SELD_SCENE_PARTNER) return 5;
     if (part->type == SELD_SCENE_MOTION || part->type == SELD_SCENE_BREATH) return 4;
     if (part->type == SELD_SCENE_PLAQUES) return 3;
     if (part->type == SELD_SCENE_LESIONS) return 2;

@@ -1,5 +1,8 @@
 /* anatomy: makes the anatomy that ships with Seldinger. See docs/anatomy.md. */
+#include "host/model/command_values.hpp"
+#include "host/model/output_files.hpp"
 #include "host/model/pending_file.hpp"
+#include "host/model/terminal.hpp"
 #include "tools/anatomy/borrowed_beat.hpp"
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/lesions.hpp"
@@ -46,6 +49,7 @@ Mesh make_mesh(const Options &options, const std::string &name, const MeshReques
 
 void make_folder(const Options &options)
 {
+    seld::check_output_folder({"--output", options.folder.string()});
     std::error_code failure;
     std::filesystem::create_directories(options.folder, failure);
     if (failure)
@@ -160,6 +164,7 @@ struct BeatOptions {
 /* A mesh of another heart, moved as the shipped one moves. */
 int make_beat(const BeatOptions &options)
 {
+    seld::check_output_folder({"--output", options.folder.string()});
     const auto place = [](const std::vector<double> &xyz) { return Vec3(xyz[0], xyz[1], xyz[2]); };
     const HeartPlacement placement =
         place_heart({place(options.left_mm), place(options.right_mm), place(options.apex_mm)});
@@ -321,6 +326,7 @@ int main(int argc, char **argv)
     table->add_option("anatomy", which, "aorta, heart, phantom or access")
         ->check(CLI::IsMember({"aorta", "heart", "phantom", "access"}))
         ->capture_default_str();
+    seld::refuse_empty_values(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {
@@ -338,10 +344,10 @@ int main(int argc, char **argv)
         if (*access) return make(options, access_tree(), {});
         return make(options, phantom_tree(), phantom_bodies(options.fineness));
     } catch (const std::invalid_argument &error) {
-        std::fprintf(stderr, "anatomy: %s\n", error.what());
+        seld::say(stderr, "anatomy: %s\n", error.what());
         return 2;
     } catch (const std::exception &error) {
-        std::fprintf(stderr, "anatomy: %s\n", error.what());
+        seld::say(stderr, "anatomy: %s\n", error.what());
         return 1;
     }
 }

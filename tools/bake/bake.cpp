@@ -247,6 +247,26 @@ Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progres
     return mesh;
 }
 
+// `picture` is empty for a scene without bodies and tree.
+static std::string write_outputs(const Options &options, const Bytes &scene, const Bytes &picture,
+                                 std::size_t body_count)
+{
+    const std::filesystem::path beside = bodies_file(options.output);
+    std::string report;
+    if (!picture.empty()) {
+        write_both(options.output, scene, beside, picture);
+        report += formatted_line("written           %s, %zu bytes, %zu bodies", beside.c_str(),
+                                 picture.size(), body_count);
+    } else {
+        write_whole(options.output, scene);
+        if (std::filesystem::exists(beside))
+            report +=
+                formatted_line("note              %s is of another scene: this one has no bodies, remove it",
+                               beside.c_str());
+    }
+    return report + formatted_line("written           %s, %zu bytes", options.output.c_str(), scene.size());
+}
+
 std::string bake(const Options &options, Progress &progress)
 {
     const SceneText text = read_scene_text(options.scene, options.folders);
@@ -305,15 +325,9 @@ std::string bake(const Options &options, Progress &progress)
     if (motion) to_reference(*motion, bodies);
     Bytes picture;
     const bool has_picture = !bodies.empty() || !posed_vessels.branches.empty();
-    if (has_picture) picture = bodies_bytes(text, bodies, posed_vessels);
+    if (has_picture) picture = bodies_bytes(text, bodies, posed_vessels, scene);
     if (!options.surface.empty()) write_ply(surface, options.surface);
-    if (has_picture) {
-        write_whole(bodies_file(options.output), picture);
-        report += formatted_line("written           %s, %zu bytes, %zu bodies",
-                                 bodies_file(options.output).c_str(), picture.size(), bodies.size());
-    }
-    write_whole(options.output, scene);
-    report += formatted_line("written           %s, %zu bytes", options.output.c_str(), scene.size());
+    report += write_outputs(options, scene, picture, bodies.size());
     return report;
 }
 

@@ -2,6 +2,7 @@
 #include "tools/bake/container.hpp"
 #include "host/model/pending_file.hpp"
 #include "shared/scene/scene_write.h"
+#include "shared/wire/wire_frame.h"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/plaque.hpp"
 
@@ -158,6 +159,19 @@ Bytes tree_section(const VesselTree &tree)
     return bytes;
 }
 
+Bytes partner_section(const Bytes &scene)
+{
+    Bytes bytes;
+    put_u32(bytes, static_cast<std::uint32_t>(scene.size()));
+    put_u32(bytes, seld_wire_crc32(0, scene.data(), scene.size()));
+    return bytes;
+}
+
+std::string_view text_of(const Bytes &bytes)
+{
+    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
+}
+
 // Lay out, then look at the result with the eyes of the device.
 Bytes sealed(seld_scene_kind kind, const std::vector<std::pair<seld_scene_section, Bytes>> &sections,
              const std::string &what)
@@ -195,18 +209,29 @@ Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const 
     return sealed(SELD_SCENE_KIND_SCENE, sections, text.file.string());
 }
 
-Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, const VesselTree &tree)
+Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, const VesselTree &tree,
+                   const Bytes &scene)
 {
     std::vector<std::pair<seld_scene_section, Bytes>> sections{{SELD_SCENE_META, meta_section(text)}};
     for (const BakedBody &body : bodies) sections.emplace_back(SELD_SCENE_BODY, body_section(body));
     if (!tree.branches.empty()) sections.emplace_back(SELD_SCENE_TREE, tree_section(tree));
     if (!tree.lesions.empty()) sections.emplace_back(SELD_SCENE_LESIONS, lesions_section(tree));
+    if (!scene.empty()) sections.emplace_back(SELD_SCENE_PARTNER, partner_section(scene));
     return sealed(SELD_SCENE_KIND_BODIES, sections, text.file.string());
 }
 
 void write_whole(const std::filesystem::path &file, const Bytes &bytes)
 {
-    write_whole_file(file.string(), {reinterpret_cast<const char *>(bytes.data()), bytes.size()});
+    write_whole_file(file.string(), text_of(bytes));
+}
+
+void write_both(const std::filesystem::path &scene_file, const Bytes &scene,
+                const std::filesystem::path &bodies_file, const Bytes &bodies)
+{
+    FileSet files;
+    files.add(bodies_file.string(), text_of(bodies));
+    files.add(scene_file.string(), text_of(scene));
+    files.commit();
 }
 
 } // namespace seld::bake

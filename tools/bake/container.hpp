@@ -21,9 +21,14 @@ struct BakedBody {
 // lesion of it gives way, else as it lies in the field.
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
                   const Field &field, const Motion *motion = nullptr, const VesselTree *tree = nullptr);
-Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, const VesselTree &tree);
+// `scene`: the bytes of the scene they belong to, which they name; empty: of none.
+Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, const VesselTree &tree,
+                   const Bytes &scene = {});
 
 // Written beside the target and renamed, so that an interrupt or a full disk leaves the old file.
 void write_whole(const std::filesystem::path &file, const Bytes &bytes);
+// A scene and its bodies: both or neither.
+void write_both(const std::filesystem::path &scene_file, const Bytes &scene,
+                const std::filesystem::path &bodies_file, const Bytes &bodies);
 
 } // namespace seld::bake

@@ -1,5 +1,7 @@
 // Command line of `bake`: docs/scene.md.
+#include "host/model/command_values.hpp"
 #include "host/model/output_files.hpp"
+#include "host/model/terminal.hpp"
 #include "tools/bake/bake.hpp"
 #include "tools/bake/fault.hpp"
 
@@ -52,6 +54,7 @@ int main(int argc, char **argv)
     app.add_option("--points", options.points, "random points of the field error")
         ->capture_default_str()
         ->check(CLI::Range(100, 100000000));
+    seld::refuse_empty_values(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {
@@ -61,17 +64,17 @@ int main(int argc, char **argv)
     seld::bake::Progress progress;
     seld::bake::Progress::catch_interrupts();
     try {
-        std::fputs(seld::bake::bake(options, progress).c_str(), stdout);
+        seld::say(stdout, "%s", seld::bake::bake(options, progress).c_str());
         return 0;
     } catch (const seld::UsageError &error) {
-        std::fprintf(stderr, "bake: %s\n", error.what());
+        seld::say(stderr, "bake: %s\n", error.what());
         return 2;
     } catch (const seld::bake::Fault &fault) {
         progress.finish();
-        std::fprintf(stderr, "bake: %s\n", fault.what());
+        seld::say(stderr, "bake: %s\n", fault.what());
     } catch (const std::exception &error) {
         progress.finish();
-        std::fprintf(stderr, "bake: %s: %s\n", options.scene.c_str(), error.what());
+        seld::say(stderr, "bake: %s: %s\n", options.scene.c_str(), error.what());
     }
     return 1;
 }

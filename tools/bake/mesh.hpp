@@ -13,8 +13,6 @@
 namespace seld::bake
 {
 
-constexpr std::size_t mesh_file_bytes_max = std::size_t{1} << 30;
-constexpr std::size_t mesh_triangles_max = 4'000'000;
 constexpr double mesh_extent_min_mm = 5.0;
 constexpr double mesh_extent_max_mm = 3000.0;
 
@@ -29,8 +27,8 @@ struct Mesh {
 
 std::string place_text(const Eigen::Vector3d &p_mm); // "(1.0, 2.0, 3.0) mm"
 
-// Loads by assimp, places, and welds equal vertices. Throws Fault for what no mesh may have: unreadable, empty, too many
-// triangles, numbers that are not finite, a size that suggests another unit.
+// Reads (mesh_file.hpp), places, and welds equal vertices. Throws Fault for what no mesh may have: unreadable, empty, too many
+// triangles, numbers that are not finite, corners that are not there, a size that suggests another unit.
 Mesh load_mesh(const MeshText &text);
 
 // Finite, of a possible size, not empty. `unit` for the advice.

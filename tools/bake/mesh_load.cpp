@@ -1,14 +1,10 @@
-// Loading a mesh by assimp, placing it in the patient, welding it, writing it.
+// Placing a mesh in the patient, welding it, writing it. mesh_file.cpp reads it.
 #include "host/model/pending_file.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/mesh.hpp"
+#include "tools/bake/mesh_file.hpp"
 
 #include <algorithm>
-#include <assimp/Importer.hpp>
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <numeric>
@@ -19,82 +15,14 @@ namespace seld::bake
 namespace
 {
 
-void check_file(const std::filesystem::path &file)
+// Puts a part of the file into the patient.
+void append(const MeshPiece &piece, const MeshText &text, Mesh &mesh)
 {
-    std::string ending = file.extension().string();
-    for (char &c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (ending != ".stl" && ending != ".obj" && ending != ".ply" && ending != ".gltf" && ending != ".glb")
-        throw Fault(file.string() +
-                    ": is no .stl, .obj, .ply, .gltf or .glb file: export the mesh as one of these");
-    std::error_code error;
-    const auto bytes = std::filesystem::file_size(file, error);
-    if (error) throw Fault(file.string() + ": cannot be read: " + error.message());
-    if (bytes == 0) throw Fault(file.string() + ": is empty: export the mesh again");
-    if (bytes > mesh_file_bytes_max)
-        throw Fault(file.string() + ": " + std::to_string(bytes >> 20) + " MiB, over " +
-                    std::to_string(mesh_file_bytes_max >> 20) +
-                    " MiB: simplify the mesh, or give it in binary");
-}
-
-// A part of the file as its nodes hang together: mesh and the way from its coordinates to the file's.
-struct Piece {
-    std::string name;
-    const aiMesh *mesh;
-    aiMatrix4x4 to_file;
-};
-
-// The triangles of one part of the file. `other` counts faces that are points or lines.
-void append(const Piece &piece, const MeshText &text, Mesh &mesh, std::size_t &other)
-{
-    const aiMesh &part = *piece.mesh;
     const double unit_mm = millimetres_per(text.placement.unit);
     const auto base = static_cast<std::uint32_t>(mesh.vertices_mm.size());
-    for (unsigned i = 0; i < part.mNumVertices; ++i) {
-        const aiVector3D v = piece.to_file * part.mVertices[i];
-        if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
-            throw Fault(text.file.string() + ": vertex " + std::to_string(base + i) +
-                        " is not a number or infinite: export the mesh again, or delete that vertex");
-        mesh.vertices_mm.push_back(text.placement.place({v.x, v.y, v.z}, unit_mm));
-    }
-    for (unsigned i = 0; i < part.mNumFaces; ++i) {
-        const aiFace &face = part.mFaces[i];
-        if (face.mNumIndices != 3) {
-            ++other;
-            continue;
-        }
-        mesh.triangles.push_back({base + face.mIndices[0], base + face.mIndices[1], base + face.mIndices[2]});
-    }
-}
-
-void collect(const aiScene &scene, const aiNode &node, const aiMatrix4x4 &above, std::vector<Piece> &pieces)
-{
-    const aiMatrix4x4 here = above * node.mTransformation;
-    for (unsigned i = 0; i < node.mNumMeshes; ++i)
-        pieces.push_back({node.mName.C_Str(), scene.mMeshes[node.mMeshes[i]], here});
-    for (unsigned i = 0; i < node.mNumChildren; ++i) collect(scene, *node.mChildren[i], here, pieces);
-}
-
-// "name" or "begin*".
-bool matches(const std::string &name, const std::string &wanted)
-{
-    if (wanted.back() != '*') return name == wanted;
-    return name.compare(0, wanted.size() - 1, wanted, 0, wanted.size() - 1) == 0;
-}
-
-std::vector<Piece> chosen(const std::vector<Piece> &pieces, const MeshText &text)
-{
-    if (text.parts.empty()) return pieces;
-    std::vector<Piece> found;
-    for (const std::string &wanted : text.parts) {
-        const std::size_t before = found.size();
-        for (const Piece &piece : pieces)
-            if (matches(piece.name, wanted)) found.push_back(piece);
-        if (found.size() > before) continue;
-        std::string list;
-        for (const Piece &piece : pieces) list += (list.empty() ? "" : ", ") + piece.name;
-        throw Fault(text.file.string() + ": has no part '" + wanted + "': its parts are " + list);
-    }
-    return found;
+    for (const auto &v : piece.vertices)
+        mesh.vertices_mm.push_back(text.placement.place({v[0], v[1], v[2]}, unit_mm));
+    for (const auto &t : piece.triangles) mesh.triangles.push_back({base + t[0], base + t[1], base + t[2]});
 }
 
 // Leaves only the connected pieces that the text wants.
@@ -150,24 +78,13 @@ std::string place_text(const Eigen::Vector3d &p_mm)
 
 Mesh load_mesh(const MeshText &text)
 {
-    check_file(text.file);
-    Assimp::Importer importer;
-    // Only what changes no vertex: the welding is ours, so that it is the same for every format.
-    const aiScene *scene = importer.ReadFile(text.file.string(), aiProcess_Triangulate);
-    if (!scene)
-        throw Fault(text.file.string() +
-                    ": cannot be read as STL, OBJ, PLY or glTF: " + importer.GetErrorString());
     Mesh mesh;
     mesh.name = text.file.string();
-    std::size_t other = 0, triangles = 0;
-    std::vector<Piece> pieces;
-    collect(*scene, *scene->mRootNode, aiMatrix4x4(), pieces);
-    pieces = chosen(pieces, text);
-    for (const Piece &piece : pieces) triangles += piece.mesh->mNumFaces;
-    if (triangles > mesh_triangles_max)
-        throw Fault(mesh.name + ": " + std::to_string(triangles) + " triangles, over " +
-                    std::to_string(mesh_triangles_max) + ": simplify the mesh");
-    for (const Piece &piece : pieces) append(piece, text, mesh, other);
+    std::uint64_t other = 0;
+    for (const MeshPiece &piece : read_mesh_file(text.file, text.parts)) {
+        append(piece, text, mesh);
+        other += piece.other;
+    }
     if (other > 0) mesh.notes.push_back(std::to_string(other) + " points or lines left out");
     if (mesh.triangles.empty())
         throw Fault(mesh.name + ": holds no triangle: export the surface, not points or lines");

@@ -1,33 +1,23 @@
 // Progress lines and interruption.
 #include "tools/bake/progress.hpp"
+#include "host/model/guarded_read.hpp"
+#include "host/model/interrupt.hpp"
 #include "tools/bake/fault.hpp"
 
-#include <csignal>
 #include <cstdio>
 
 namespace seld::bake
 {
-namespace
-{
-
-volatile std::sig_atomic_t stop_wanted = 0;
-
-void want_stop(int)
-{
-    stop_wanted = 1;
-}
-
-} // namespace
 
 void Progress::catch_interrupts()
 {
-    std::signal(SIGINT, want_stop);
-    std::signal(SIGTERM, want_stop);
+    watch_for_interrupt();
+    stop_reading_when(interrupted);
 }
 
 bool Progress::interrupted()
 {
-    return stop_wanted != 0;
+    return is_interrupted();
 }
 
 void Progress::stage(const std::string &name, std::size_t total)

@@ -1,5 +1,5 @@
 // Progress of long work on standard error, and the wish to stop (Ctrl-C). Silent for work that takes less than a second.
-// May include: fault.hpp. Called by: tools/bake.
+// May include: fault.hpp, host/model/interrupt.hpp. Called by: tools/bake.
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -11,7 +11,8 @@ namespace seld::bake
 class Progress
 {
   public:
-    // From now on Ctrl-C and SIGTERM make `step` throw a Fault, so that everything half done is undone on the way out.
+    // From now on Ctrl-C and SIGTERM make `step` throw a Fault, so that everything half done is undone on the way out;
+    // the second one ends the program.
     static void catch_interrupts();
     static bool interrupted();
 

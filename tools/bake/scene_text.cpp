@@ -490,7 +490,7 @@ SceneText read_scene_text(const std::filesystem::path &file, const Folders &fold
     SceneText scene;
     scene.file = file;
     const toml::table root =
-        read_toml(file, {16, "a scene text", "the scene's TOML text", ": give the TOML file, not a mesh"});
+        read_toml(file, {4, "a scene text", "the scene's TOML text", ": give the TOML file, not a mesh"});
     const Table top{scene, folders, "the file", root};
     top.only({"scene", "lumen", "tree", "entry", "motion", "lesion", "body"});
     const Table head{scene, folders, "[scene]", table_of(scene, root, "scene")};

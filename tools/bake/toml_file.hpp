@@ -5,6 +5,8 @@
 #include "tools/bake/fault.hpp"
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <system_error>
 
@@ -29,10 +31,12 @@ inline toml::table read_toml(const std::filesystem::path &file, const TomlKind &
         throw Fault(file.string() + ": over " + std::to_string(kind.MiB_max) + " MiB, so hardly " +
                     kind.what + kind.when_huge);
     try {
-        return toml::parse_file(file.string());
-    } catch (const toml::parse_error &error) {
-        throw Fault(file.string() + ":" + std::to_string(error.source().begin.line) + ": " +
-                    std::string(error.description()));
+        std::ostringstream text;
+        text << std::ifstream(file, std::ios::binary).rdbuf();
+        return parse_toml(text.str(), file.string());
+    } catch (const TomlError &error) {
+        throw Fault(file.string() + (error.line > 0 ? ":" + std::to_string(error.line) : "") + ": " +
+                    error.what());
     }
 }
 

@@ -111,7 +111,7 @@ std::string fitted_instrument_text(const std::string &nominal, const seld_wire_i
                                    const std::string &source)
 {
     const auto [file, asked] = split_preset(nominal);
-    toml::table root = toml::parse_file(file);
+    toml::table root = parse_toml(read_text_file(file), file);
     const std::string preset_name = asked.empty() ? "physical" : asked;
     const toml::table *preset = root["preset"][preset_name].as_table();
     if (!preset || !(*preset)["section"].as_array())

@@ -1,7 +1,10 @@
 // Command line of `calibrate`: docs/calibrate.md.
-#include "host/app/interrupt.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/app/progress_line.hpp"
+#include "host/model/command_values.hpp"
+#include "host/model/output_files.hpp"
 #include "host/model/pending_file.hpp"
+#include "host/model/terminal.hpp"
 #include "tools/calibrate/checkpoint.hpp"
 #include "tools/calibrate/corde_evaluator.hpp"
 #include "tools/calibrate/result.hpp"
@@ -229,6 +232,7 @@ void say(const Result &result, const Options &options)
 
 int calibrate(const Options &options, MpiJob *job)
 {
+    if (!job || job->rank() == 0) seld::check_output_folder({"--output", options.output});
     const Setup setup(options);
     const Evaluate one = [&](const std::vector<double> &shares) { return setup.evaluate(shares); };
     if (job && job->rank() > 0) {
@@ -251,7 +255,7 @@ int calibrate(const Options &options, MpiJob *job)
         made += total;
         return workers->evaluate(trials);
     };
-    if (!options.quiet) std::fprintf(stderr, "calibrate: %s\n", workers->description().c_str());
+    if (!options.quiet) seld::say(stderr, "calibrate: %s\n", workers->description().c_str());
     std::vector<Finished> searches;
     const auto begun = std::chrono::steady_clock::now();
     for (const std::string &method : options.methods)
@@ -354,11 +358,11 @@ int run(Options &options, std::unique_ptr<MpiJob> &job)
         std::fprintf(stderr,
                      "calibrate: stopped; every finished generation is kept, --resume goes on from there\n");
     } catch (const UsageError &error) {
-        std::fprintf(stderr, "calibrate: %s\n", error.what());
+        seld::say(stderr, "calibrate: %s\n", error.what());
         if (job && job->size() > 1) job->abort(2);
         return 2;
     } catch (const std::exception &error) {
-        std::fprintf(stderr, "calibrate: %s\n", error.what());
+        seld::say(stderr, "calibrate: %s\n", error.what());
     }
     if (job && job->size() > 1) job->abort(1);
     return 1;
@@ -373,6 +377,7 @@ int main(int argc, char **argv)
     Options options;
     CLI::Option *trial = nullptr;
     add_options(app, options, trial);
+    seld::refuse_empty_values(app);
     try {
         app.parse(argc, argv);
         options.is_trial = trial->count() > 0;

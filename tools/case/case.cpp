@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <set>
+#include <sstream>
 
 namespace seld::insertion
 {
@@ -76,10 +77,12 @@ toml::table parse(const std::filesystem::path &file)
     if (std::filesystem::file_size(file, ignored) > 1u << 20)
         throw CaseError(file.string() + ": over 1 MiB, so hardly a case");
     try {
-        return toml::parse_file(file.string());
-    } catch (const toml::parse_error &error) {
-        throw CaseError(file.string() + ":" + std::to_string(error.source().begin.line) + ": " +
-                        std::string(error.description()));
+        std::ostringstream text;
+        text << std::ifstream(file, std::ios::binary).rdbuf();
+        return parse_toml(text.str(), file.string());
+    } catch (const TomlError &error) {
+        throw CaseError(file.string() + (error.line > 0 ? ":" + std::to_string(error.line) : "") + ": " +
+                        error.what());
     }
 }
 

@@ -1,6 +1,7 @@
 // 3D Slicer's markups (.mrk.json): every curve is a branch, with a measurement 'Radius' per control point. Where a branch leaves
 // another stands in the description of its first control point, which 3D Slicer shows and keeps.
 #include "tools/centreline/formats.hpp"
+#include "tools/mesh/json_depth.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -108,6 +109,9 @@ nlohmann::ordered_json control_point(const Branch &branch, std::size_t index)
 
 Tree read_markups(const std::string &text, const std::string &name)
 try {
+    if (json_depth(text) > json_depth_max)
+        throw Fault(name + ": its brackets lie " + std::to_string(json_depth(text)) +
+                    " deep in each other: give a 3D Slicer .mrk.json curve");
     const json root = json::parse(text);
     const json markups = root.is_object() ? root.value("markups", json::array()) : json::array();
     if (!markups.is_array() || markups.empty())

@@ -1,7 +1,9 @@
 // What the formats share: the file, its lines, words and numbers.
 #include "tools/centreline/formats.hpp"
+#include "host/model/guarded_read.hpp"
 #include "host/model/pending_file.hpp"
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -43,13 +45,64 @@ std::string content_of(const std::filesystem::path &file)
     return out.str();
 }
 
+void send(Outbox &out, const Tree &tree)
+{
+    out.value<std::uint64_t>(tree.branches.size());
+    for (const Branch &branch : tree.branches) {
+        out.text(branch.name);
+        out.value(branch.parent);
+        out.value<std::uint64_t>(branch.parent_sphere);
+        out.value<std::uint64_t>(branch.spheres.size());
+        for (const Sphere &s : branch.spheres)
+            out.value(std::array<double, 6>{s.centre_mm.x(), s.centre_mm.y(), s.centre_mm.z(), s.radius_mm,
+                                            s.speed_mm_s, s.is_manual ? 1.0 : 0.0});
+    }
+}
+
+Tree receive(Inbox &in)
+{
+    Tree tree;
+    tree.branches.resize(in.size(branches_max));
+    std::uint64_t left = spheres_max;
+    for (Branch &branch : tree.branches) {
+        branch.name = in.text(256);
+        branch.parent = in.value<int>();
+        branch.parent_sphere = in.value<std::uint64_t>();
+        for (const auto &s : in.list<std::array<double, 6>>(left))
+            branch.spheres.push_back({{s[0], s[1], s[2]}, s[3], s[4], s[5] != 0});
+        left -= branch.spheres.size();
+    }
+    return tree;
+}
+
+Tree read_tree_apart(const std::filesystem::path &file)
+{
+    constexpr double growth = 64; // a letter of JSON or XML as a node of its parser
+    const std::string name = file.string();
+    Tree tree;
+    try {
+        const std::uint64_t bytes = regular_file_bytes(name, file_bytes_max);
+        read_apart(
+            name, read_limits(bytes, growth),
+            [&](Outbox &out) {
+                const std::string text = content_of(file);
+                send(out, ends_with(file, ".vtp") ? read_polydata(text, name) : read_markups(text, name));
+            },
+            [&](Inbox &in) { tree = receive(in); });
+    } catch (const GuardedReadError &error) {
+        throw Fault(error.what());
+    }
+    check_tree(tree, name);
+    return tree;
+}
+
 } // namespace
 
 Tree read_tree(const std::filesystem::path &file, bool needs_radii)
 {
     const std::string name = file.string();
-    if (ends_with(file, ".json")) return read_markups(content_of(file), name);
-    if (ends_with(file, ".vtp")) return read_polydata(content_of(file), name);
+    // JSON and XML are read by parsers of others; the other two by lines, here.
+    if (ends_with(file, ".json") || ends_with(file, ".vtp")) return read_tree_apart(file);
     if (ends_with(file, ".csv")) return read_csv(content_of(file), name);
     if (ends_with(file, ".obj")) return read_polyline(content_of(file), name, needs_radii);
     refuse_ending(file);

@@ -97,6 +97,22 @@ double decoded(const Type &type, const char *bytes, bool is_big_end_first)
     return static_cast<double>(static_cast<std::int64_t>(word << unused) >> unused);
 }
 
+struct TwiceNamed : pugi::xml_tree_walker {
+    std::string name; // of the first that is there twice in one element
+    bool for_each(pugi::xml_node &node) override
+    {
+        int count = 0;
+        for (pugi::xml_attribute a = node.first_attribute(); a; a = a.next_attribute()) {
+            if (++count > 64) name = a.name(); // more than any VTK file has
+            for (pugi::xml_attribute b = node.first_attribute(); b != a && name.empty();
+                 b = b.next_attribute())
+                if (std::strcmp(a.name(), b.name()) == 0) name = a.name();
+            if (!name.empty()) return false;
+        }
+        return true;
+    }
+};
+
 } // namespace
 
 VtkFile::VtkFile(const std::string &text, const std::string &name) : name_(name)
@@ -113,6 +129,11 @@ VtkFile::VtkFile(const std::string &text, const std::string &name) : name_(name)
         throw Fault(name_ + ":" + std::to_string(std::count(text.begin(), end, '\n') + 1) +
                     ": is no XML text: " + result.description() + ": export the file again");
     }
+    // pugixml takes the first of two attributes of one name, which no XML has.
+    TwiceNamed twice;
+    if (document_.traverse(twice); !twice.name.empty())
+        fail("has the attribute '" + twice.name.substr(0, 40) +
+             "' twice in one element: export the file again");
     const pugi::xml_node root = document_.child("VTKFile");
     if (std::string(root.attribute("type").value()) != "PolyData")
         fail("is no VTKFile of type PolyData: save the centreline as .vtp");

@@ -1,10 +1,13 @@
 #!/usr/bin/env bash
 # Installs the Debian packages of the named sections of tools/packages.txt that are missing.
 # usage: install_packages.sh SECTION...
-# Debian with root or sudo: installs. Elsewhere: prints the list and stops with exit code 1.
+# Debian with root or sudo: says which packages and how much they are, asks on the terminal, installs. YES=1, or CI=true as build
+# machines set it, is the answer where nobody sits. Without a terminal and without either nothing is installed, and it says what
+# to type. Elsewhere than on Debian it prints the list. Whatever is not installed ends with exit code 1.
 set -euo pipefail
 here="$(cd "$(dirname "$0")/.." && pwd)"
 list="$here/packages.txt"
+install_options=(--no-install-recommends -o DPkg::Lock::Timeout=600)
 
 wanted=()
 for section in "$@"; do
@@ -20,8 +23,9 @@ if ! command -v dpkg-query >/dev/null; then
     exit 1
 fi
 
-# One installer at a time: `make -j` may start this twice.
-exec 9>"${TMPDIR:-/tmp}/seldinger-packages-$(id -u).lock"
+# One installer at a time: `make -j` may start this twice. What is locked is the list itself, opened for reading: a lock file of our
+# own in a folder that others write to could be a link of theirs to any file of ours.
+exec 9<"$list"
 if command -v flock >/dev/null; then flock 9; fi
 
 missing=()
@@ -30,17 +34,64 @@ for package in $(printf '%s\n' "${wanted[@]}" | sort -u); do
 done
 [ ${#missing[@]} -eq 0 ] && exit 0
 
-echo "Installing ${#missing[@]} missing packages: ${missing[*]}"
 if [ "$(id -u)" = 0 ]; then sudo=(); elif command -v sudo >/dev/null; then sudo=(sudo); else
+    echo "Missing packages: ${missing[*]}" >&2
     echo "Neither root nor sudo: ask your administrator for the packages above, then try again." >&2
     exit 1
 fi
+
+# What apt would do, in its own words: "Need to get 12.3 MB of archives." and "After this operation, 45.6 MB of additional disk
+# space will be used." --print-uris changes nothing (--assume-no installs whatever it would not ask about), and no right is needed.
+# Empty where the package lists are missing or too old.
+sizes() {
+    LC_ALL=C apt-get install -o Debug::NoLocking=1 --print-uris "${install_options[@]}" "${missing[@]}" 2>/dev/null |
+        grep -E '^(Need to get |After this operation, |[0-9]+ upgraded, )' || true
+}
+
+# The answer: 0 yes, 1 no, 2 nobody to ask.
+is_agreed() {
+    local answer
+    case "${YES:-}" in 1 | y | yes) return 0 ;; esac
+    case "${CI:-}" in true | True | 1) return 0 ;; esac
+    # Of jobs that make runs side by side only one has the terminal as its input.
+    [ -t 2 ] && { : <>/dev/tty; } 2>/dev/null || return 2
+    exec 8<>/dev/tty
+    printf 'Install them with %sapt-get? [Y/n] ' "${sudo[*]:+sudo }" >&8
+    read -r answer <&8 || return 1
+    case "$answer" in "" | y | Y | yes | Yes | YES) return 0 ;; *) return 1 ;; esac
+}
+
+refuse() { # refuse WHY
+    local goals="${MAKE_GOALS:-}"
+    {
+        echo "$1 Either of these installs them:"
+        echo "  YES=1 make${goals:+ $goals}"
+        echo "  ${sudo[*]:+sudo }apt-get update && ${sudo[*]:+sudo }apt-get install --no-install-recommends ${missing[*]}"
+        echo "PACKAGES=skip goes on without them."
+    } >&2
+    exit 1
+}
+
 log="$(mktemp)"
-if ! { "${sudo[@]}" apt-get update -qq &&
-       "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"; } >"$log" 2>&1
-then
+give_up() {
     tail -n 20 "$log" >&2
     echo "Installing packages failed; the full log is $log" >&2
     exit 1
+}
+
+echo "${#missing[@]} packages are missing: ${missing[*]}"
+amount="$(sizes)"
+if [ -n "$amount" ]; then sed 's/^/  /' <<<"$amount"; else
+    echo "  How much that is, is not known here before the package lists are fetched (apt-get update)."
 fi
+agreed=0
+is_agreed || agreed=$?
+[ "$agreed" = 1 ] && { rm -f "$log"; refuse "Nothing was installed."; }
+[ "$agreed" = 2 ] && { rm -f "$log"; refuse "Nothing was installed: there is no terminal to ask on."; }
+
+"${sudo[@]}" apt-get update -qq >"$log" 2>&1 || give_up
+[ -n "$amount" ] || sizes | sed 's/^/  /'
+echo "Installing"
+"${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq "${install_options[@]}" "${missing[@]}" >>"$log" 2>&1 ||
+    give_up
 rm -f "$log"

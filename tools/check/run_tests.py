@@ -19,7 +19,7 @@ import time
 
 import run_fuzz
 
-TIME_LIMIT_S = 300
+TIME_LIMIT_S = 600
 OUTPUT_LINES = 60
 FUZZ_SECONDS = 5
 

@@ -234,7 +234,8 @@ def flipped(data, at):
 
 WIRE = os.path.join(tree.ROOT, "shared", "examples", "instruments", "bentson.toml")
 CATHETER = os.path.join(tree.ROOT, "shared", "examples", "instruments", "beacon_5f.toml")
-SESSION = "begin inserted 20 mm\nadvance 30 mm at 100 mm/s while rotate 90 deg\nwait 100 ms\n"
+# The sample tube ends 23 mm behind the entry.
+SESSION = "begin inserted 12 mm\nadvance 5 mm at 25 mm/s while rotate 90 deg\nwait 100 ms\n"
 
 
 def session_run(scene="good.scene", wire=WIRE, session="good.session", more=()):
@@ -273,9 +274,9 @@ def seldinger_tools(bench):
               r"'5F Beacon[^']*' \(1.67 mm\) does not pass the lumen of 'Bentson")
     bench.bad("four tools are refused", session_run(more=two * 3), 2, "at most 3 tools, 4 are named")
     bench.bad("a missing second tool is refused", session_run(more=["--tool", "gone.toml"]), 1, r"gone\.toml")
-    bench.write("two.session", "wait 100 ms\nadvance catheter 10 mm\n")
+    bench.write("two.session", "begin inserted 12 mm\nwait 100 ms\nadvance catheter 5 mm\n")
     bench.bad("a script that needs a second tool is refused with its line", session_run(session="two.session"), 1,
-              r"two\.session:2:1: moves tool 2, but there is only one")
+              r"two\.session:3:1: moves tool 2, but there is only one")
     bench.good("it runs with the second tool", session_run(session="two.session", more=two))
 
 

@@ -9,6 +9,8 @@ import tree
 # (and below) or one file. CORE_PUBLIC is what the core shows to tools and host.
 CORE_PUBLIC = ["firmware/core/core.h", "firmware/core/lumen.h", "firmware/core/vector.h", "firmware/core/fixed.h",
                "firmware/core/rhythm.h", "firmware/core/motion.h", "firmware/core/lesion.h"]
+# What the command line of every tool shares.
+COMMAND_LINE = ["host/model/command_values.hpp", "host/model/output_files.hpp", "host/model/terminal.hpp"]
 ALLOWED = {
     "firmware/core": [],
     "firmware/app": ["firmware/core", "shared", "firmware/port/port.h"],
@@ -31,7 +33,7 @@ ALLOWED = {
     "shared/mailbox": [],
     "shared/wire/tests": ["shared", "firmware/tests/reference"],
     "shared/scene/tests": ["shared", "firmware/tests/reference"],
-    "host/link": ["shared", "firmware/port/sim/sim.h", "firmware/port/mps2_an500/rig_page.h"],
+    "host/link": ["shared", "firmware/port/sim/sim.h", "firmware/port/mps2_an500/rig_page.h", "host/model/interrupt.hpp"],
     "host/model": ["shared"],
     "host/xray": ["host/model"],
     "host/xray/gl": ["host/xray", "host/model"],
@@ -43,29 +45,31 @@ ALLOWED = {
     "host/bench": ["host", "firmware/bench/bench.h"],
     "host/tests": ["host", "shared", "firmware/port/sim/sim.h", "firmware/core/core.h", "firmware/tests/reference/long_run.h"],  # test_usb: a bus of sim ports
     "tools/bake": ["shared", "host/model", "tools/mesh", "tools/centreline/tree.hpp", "tools/centreline/formats.hpp"] + CORE_PUBLIC,
-    "tools/centreline": ["tools/mesh", "host/model/pending_file.hpp"],
+    "tools/centreline": ["tools/mesh", "host/model/pending_file.hpp", "host/model/guarded_read.hpp"],
     # The window and pictures are the host's, which know nothing of it.
     "tools/centreline/fit": ["tools/centreline", "tools/bake", "tools/mesh", "host/model", "host/app/picture.hpp",
-                             "host/app/picture_canvas.hpp", "host/app/window_screen.hpp", "host/app/interrupt.hpp"],
+                             "host/app/picture_canvas.hpp", "host/app/window_screen.hpp"],
     "tools/centreline/tests": ["tools/centreline", "tools/bake", "tools/mesh", "host/model"],
     "tools/anatomy": ["shared", "host/model", "tools/mesh", "tools/bake/mesh.hpp"] + CORE_PUBLIC,
+    # The readers of all tools, asked by one program for make importers.
+    "tools/importers": ["host/model/toml.hpp", "tools/bake/mesh_file.hpp", "tools/centreline/formats.hpp", "tools/ct/volume_io.hpp"],
     "tools/case": ["host/model/toml.hpp", "host/model/pending_file.hpp", "shared/wire/wire.h"],
-    "tools/reference_rod": ["tools/case", "tools/vcsim3/lumen.hpp", "host/model/instrument.hpp", "host/model/pending_file.hpp", "shared/wire/wire.h"],
+    "tools/reference_rod": COMMAND_LINE + ["tools/case", "tools/vcsim3/lumen.hpp", "host/model/instrument.hpp", "host/model/pending_file.hpp", "shared/wire/wire.h"],
     "tools/reference_rod/tests": ["tools/reference_rod", "tools/validate/elastica.hpp", "firmware/tests/reference"],
     "tools/case/tests": ["tools/case", "host/tests/folder.hpp"],
     # Pictures, tables and the reader of scenes are those of the thesis' baseline; core_rod.cpp owns the core's memory.
-    "tools/calibrate": ["tools/case", "tools/vcsim3", "shared/wire", "host/model", "host/app/interrupt.hpp",
+    "tools/calibrate": ["tools/case", "tools/vcsim3", "shared/wire", "host/model",
                         "host/app/progress_line.hpp"] + CORE_PUBLIC,
     "tools/calibrate/tests": ["tools/calibrate", "tools/case", "host/model", "host/tests/folder.hpp"],
     "tools/ct": ["tools/case", "tools/reference_rod/truth.hpp", "tools/reference_rod/truth_options.hpp", "tools/bake", "tools/mesh", "host/model", "host/xray", "host/app/picture_canvas.hpp"],
     "tools/ct/tests": ["tools/ct", "tools/case", "tools/bake", "tools/mesh", "host/tests/folder.hpp"],
     "tools/mesh": [],
     # core_hash.c owns the core's memory and looks into it; it also runs on a bare board.
-    "tools/validate": ["firmware/core", "host/model/format.hpp", "host/model/pending_file.hpp"],  # owns the memory of models and states (rig.cpp)
+    "tools/validate": COMMAND_LINE + ["firmware/core", "host/model/format.hpp", "host/model/pending_file.hpp"],  # owns the memory of models and states (rig.cpp)
     "tools/check": CORE_PUBLIC + ["firmware/core/core_state.h", "firmware/port/mps2_an500"],
     "tools/docs": ["shared/wire", "firmware/app/usb/usb_table.def"],
     # Pictures are written by the host's two files for that, which know nothing else of the host.
-    "tools/vcsim3": ["shared/scene", "host/model/pending_file.hpp", "host/app/picture.hpp", "host/app/picture_font.hpp"] + CORE_PUBLIC,
+    "tools/vcsim3": COMMAND_LINE + ["shared/scene", "host/model/interrupt.hpp", "host/model/pending_file.hpp", "host/app/picture.hpp", "host/app/picture_font.hpp"] + CORE_PUBLIC,
     "tools/vcsim3/tests": ["tools/vcsim3", "firmware/tests/reference"] + CORE_PUBLIC,
     "hil_tests/plant": ["firmware/port/port.h"],
     "hil_tests/l0": ["firmware/port/port.h", "firmware/port/sim/sim.h", "hil_tests/plant", "hil_tests/cases/bench.hpp", "host/link"],
@@ -75,6 +79,11 @@ ALLOWED = {
     "hil_tests/cases/tests": ["hil_tests", "host", "firmware/tests/reference/long_run.h"],
     "hil_tests/campaign": ["hil_tests/cases", "hil_tests/l0", "hil_tests/l1", "hil_tests/plant", "host", "shared"],
     "hil_tests/campaign/tests": ["hil_tests"],
+    # Whole commands from their command line to their exit code, with the tests' own bus in libusb's place.
+    "hil_tests/lies": ["hil_tests/campaign/faulty_pipe.hpp", "hil_tests/cases/conversation.hpp", "host", "shared", "firmware/port/sim/sim.h"],
+    "hil_tests/lies/tests": ["hil_tests/lies", "firmware/tests/reference/long_run.h"],
+    "hil_tests/soak": ["host", "shared"],
+    "hil_tests/soak/tests": ["hil_tests/soak", "host"],
     "hil_tests/l1/tests": ["host/link", "hil_tests/usb", "shared"],
     "hil_tests/plant/tests": ["hil_tests/plant"],
     # Bytes only: reference/client.h is the smallest host, host/app the whole one; tools/bake has the exact referee.

@@ -1,4 +1,5 @@
 // `ct scan` and `ct simulate`: volumes from the virtual scanner.
+#include "host/model/output_files.hpp"
 #include "host/model/pending_file.hpp"
 #include "tools/bake/progress.hpp"
 #include "tools/case/case.hpp"
@@ -44,6 +45,7 @@ void tell(const Volume &volume, const fs::path &file)
 
 void make_parent(const fs::path &file)
 {
+    check_output_folder({"--output", file.parent_path().string()});
     std::error_code failure;
     if (!file.parent_path().empty()) fs::create_directories(file.parent_path(), failure);
     if (failure)
@@ -74,6 +76,11 @@ Report terminal_report()
 
 void command_scan(ScanOptions options)
 {
+    make_parent(options.output);
+    if (options.output.has_extension())
+        check_outputs({}, {{"--output", options.output.string()}});
+    else
+        check_output_folder({"--output", options.output.string()});
     const bake::Mesh lumen = closed_mesh(options.mesh);
     std::vector<ScanInstrument> instruments;
     for (const fs::path &line : options.lines)
@@ -84,7 +91,6 @@ void command_scan(ScanOptions options)
     if (!options.box_mm.empty())
         options.scanner.box_mm = {Vector3d(options.box_mm[0], options.box_mm[1], options.box_mm[2]),
                                   Vector3d(options.box_mm[3], options.box_mm[4], options.box_mm[5])};
-    make_parent(options.output);
     const Volume volume =
         simulate_scan(lumen, options.phantom, instruments, options.scanner, terminal_report());
     write_volume(volume, options.output);

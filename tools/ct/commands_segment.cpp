@@ -1,4 +1,5 @@
 // `ct segment` and `ct check`: files from scans, and how far they are from the truth.
+#include "host/model/output_files.hpp"
 #include "host/model/pending_file.hpp"
 #include "tools/bake/bake.hpp"
 #include "tools/case/case.hpp"
@@ -126,6 +127,7 @@ void segment_case(const SegmentCommand &command)
 {
     insertion::Case c = insertion::read_case(command.input, insertion::CaseParts::before_segmentation);
     const fs::path folder = command.output.empty() ? c.folder / "segmentation" : command.output;
+    check_output_folder({"--output", folder.string()});
     const Report report = terminal_report();
     std::vector<SegmentedDepth> found;
     for (std::size_t i = 0; i < c.depths.size(); ++i) {
@@ -171,6 +173,7 @@ void command_segment(const SegmentCommand &command)
     std::error_code ignored;
     if (fs::exists(command.input / "case.toml", ignored)) return segment_case(command);
     const fs::path folder = command.output.empty() ? fs::path("out/segmentation") : command.output;
+    check_output_folder({"--output", folder.string()});
     segment_scan(read_volume(command.input), command.options, folder, terminal_report());
     std::printf("%s: centreline, surfaces, report and pictures\n", folder.string().c_str());
 }

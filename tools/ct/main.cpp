@@ -1,4 +1,6 @@
 // Command line of `ct`: docs/ct.md.
+#include "host/model/command_values.hpp"
+#include "host/model/terminal.hpp"
 #include "host/model/text.hpp"
 #include "tools/ct/commands.hpp"
 #include "tools/reference_rod/truth_options.hpp"
@@ -194,16 +196,17 @@ int main(int argc, char **argv)
     check.footer(check_footer);
     check.add_option("CASE", checked, "a case's folder with truth/")->required();
     check.callback([&] { is_good = command_check(checked); });
+    seld::refuse_empty_values(app);
     try {
         app.parse(argc, argv);
         return is_good ? 0 : 1;
     } catch (const CLI::ParseError &error) {
         return app.exit(error) == 0 ? 0 : 2;
     } catch (const std::invalid_argument &error) {
-        std::fprintf(stderr, "ct: %s\n", error.what());
+        seld::say(stderr, "ct: %s\n", error.what());
         return 2;
     } catch (const std::exception &error) {
-        std::fprintf(stderr, "ct: %s\n", error.what());
+        seld::say(stderr, "ct: %s\n", error.what());
         return 1;
     }
 }

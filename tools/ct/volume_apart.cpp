@@ -1,14 +1,10 @@
-// Reading in a process of its own: Debian's GDCM is built with its assertions, and a damaged file may end the process that reads
-// it. Here only the child ends, and the parent says which file is damaged.
+// A volume read in a process of its own (host/model/guarded_read.hpp): ITK believes headers, and Debian's GDCM is built with its
+// assertions. Here only the child ends, and the parent says which file is damaged.
+#include "host/model/guarded_read.hpp"
 #include "tools/ct/volume_io.hpp"
-#include <array>
-#include <cerrno>
+#include <algorithm>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
-#include <fcntl.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 namespace seld::ct
 {
@@ -16,118 +12,99 @@ namespace seld::ct
 namespace
 {
 
-// What goes through the pipe before the values: numbers, then texts of these lengths.
-struct Parcel {
-    std::array<std::int32_t, 3> size{};
-    double spacing_mm[3], origin_mm[3], direction[9];
-    std::uint32_t fault_bytes = 0, notes_bytes = 0;
+namespace fs = std::filesystem;
+
+// A deflated byte may become a thousand: small files may fill the memory that any may have.
+constexpr double growth = 1100;
+constexpr std::uint64_t file_bytes_max = std::uint64_t{4} << 30, files_max = 4096;
+
+// Before a block of values: how many follow, or that a fault's text does. 0 ends them.
+constexpr std::uint64_t fault_follows = UINT64_MAX;
+
+struct Grid {
+    std::array<std::int32_t, 3> size;
+    std::array<double, 3> spacing_mm, origin_mm;
+    std::array<double, 9> direction;
 };
 
-void send(int pipe, const void *bytes, std::size_t count)
+void send(Outbox &out, const fs::path &path)
 {
-    const char *at = static_cast<const char *>(bytes);
-    while (count > 0) {
-        const ssize_t sent = ::write(pipe, at, count);
-        if (sent < 0 && errno == EINTR) continue;
-        if (sent <= 0) ::_exit(3); // the parent has gone
-        at += sent;
-        count -= static_cast<std::size_t>(sent);
-    }
-}
-
-// False at the end of what was sent.
-bool receive(int pipe, void *bytes, std::size_t count)
-{
-    char *at = static_cast<char *>(bytes);
-    while (count > 0) {
-        const ssize_t got = ::read(pipe, at, count);
-        if (got < 0 && errno == EINTR) continue;
-        if (got <= 0) return false;
-        at += got;
-        count -= static_cast<std::size_t>(got);
-    }
-    return true;
-}
-
-[[noreturn]] void read_and_send(const std::filesystem::path &path, int pipe)
-{
-    Parcel parcel;
-    Volume volume;
-    std::string fault, notes;
     try {
-        volume = read_volume_here(path);
-    } catch (const std::exception &error) {
-        fault = error.what();
-        if (fault.empty()) fault = path.string() + ": cannot be read";
+        read_volume_here(
+            path,
+            [&](const Volume &head) {
+                Grid grid{};
+                std::copy(head.size.begin(), head.size.end(), grid.size.begin());
+                std::copy_n(head.spacing_mm.data(), 3, grid.spacing_mm.begin());
+                std::copy_n(head.origin_mm.data(), 3, grid.origin_mm.begin());
+                std::copy_n(head.direction.data(), 9, grid.direction.begin());
+                out.value(grid);
+            },
+            [&](const float *values, std::size_t count) {
+                out.value<std::uint64_t>(count);
+                out.bytes(values, count * sizeof(float));
+            });
+        out.value<std::uint64_t>(0);
+    } catch (const Fault &fault) {
+        if (!out.is_begun()) throw;
+        out.value(fault_follows);
+        out.text(fault.what());
     }
-    for (const std::string &note : volume.notes) notes += note + '\n';
-    for (int i = 0; i < 3; ++i) {
-        parcel.size[static_cast<std::size_t>(i)] = volume.size[static_cast<std::size_t>(i)];
-        parcel.spacing_mm[i] = volume.spacing_mm[i];
-        parcel.origin_mm[i] = volume.origin_mm[i];
-    }
-    std::memcpy(parcel.direction, volume.direction.data(), sizeof parcel.direction);
-    parcel.fault_bytes = static_cast<std::uint32_t>(fault.size());
-    parcel.notes_bytes = static_cast<std::uint32_t>(notes.size());
-    send(pipe, &parcel, sizeof parcel);
-    send(pipe, fault.data(), fault.size());
-    send(pipe, notes.data(), notes.size());
-    send(pipe, volume.hu.data(), volume.hu.size() * sizeof(float));
-    ::_exit(0);
 }
 
-bool unpack(int pipe, Volume &volume, std::string &fault)
+Volume receive(Inbox &in, const std::string &name)
 {
-    Parcel parcel;
-    if (!receive(pipe, &parcel, sizeof parcel)) return false;
-    fault.resize(parcel.fault_bytes);
-    std::string notes(parcel.notes_bytes, ' ');
-    if (!receive(pipe, fault.data(), fault.size()) || !receive(pipe, notes.data(), notes.size()))
-        return false;
-    if (!fault.empty()) return true;
-    for (int i = 0; i < 3; ++i) {
-        volume.size[static_cast<std::size_t>(i)] = parcel.size[static_cast<std::size_t>(i)];
-        volume.spacing_mm[i] = parcel.spacing_mm[i];
-        volume.origin_mm[i] = parcel.origin_mm[i];
-    }
-    std::memcpy(volume.direction.data(), parcel.direction, sizeof parcel.direction);
-    for (std::size_t begin = 0, end; (end = notes.find('\n', begin)) != std::string::npos; begin = end + 1)
-        volume.notes.push_back(notes.substr(begin, end - begin));
+    Volume volume;
+    volume.name = name;
+    const Grid grid = in.value<Grid>();
+    std::copy(grid.size.begin(), grid.size.end(), volume.size.begin());
+    std::copy_n(grid.spacing_mm.begin(), 3, volume.spacing_mm.data());
+    std::copy_n(grid.origin_mm.begin(), 3, volume.origin_mm.data());
+    std::copy_n(grid.direction.begin(), 9, volume.direction.data());
+    check_grid({grid.size[0], grid.size[1], grid.size[2]}, volume.spacing_mm, volume.origin_mm,
+               volume.direction, name);
     volume.hu.resize(volume.count());
-    return receive(pipe, volume.hu.data(), volume.hu.size() * sizeof(float));
+    std::size_t done = 0;
+    for (std::uint64_t block; (block = in.value<std::uint64_t>()) != 0; done += block) {
+        if (block == fault_follows) throw Fault(in.text());
+        if (block > volume.hu.size() - done)
+            throw Fault(name + ": has more values than voxels: export it again");
+        in.bytes(volume.hu.data() + done, block * sizeof(float));
+    }
+    if (done != volume.hu.size()) throw Fault(name + ": has fewer values than voxels: export it again");
+    return volume;
+}
+
+// Of all files that are read.
+std::uint64_t bytes_of(const fs::path &path)
+{
+    std::error_code ignored;
+    if (!fs::is_directory(path, ignored)) return regular_file_bytes(path.string(), file_bytes_max);
+    std::uint64_t bytes = 0, files = 0;
+    for (const fs::directory_entry &entry : fs::directory_iterator(path, ignored))
+        if (entry.is_regular_file(ignored)) bytes += entry.file_size(ignored), ++files;
+    if (files > files_max)
+        throw Fault(path.string() + ": has " + std::to_string(files) + " files, over " +
+                    std::to_string(files_max) + ": give the folder of one series");
+    return bytes;
 }
 
 } // namespace
 
-Volume read_volume(const std::filesystem::path &path)
+Volume read_volume(const fs::path &path)
 {
-    int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) throw Fault(path.string() + ": no pipe: " + std::strerror(errno));
-    std::fflush(nullptr);
-    const pid_t child = ::fork();
-    if (child < 0) throw Fault(path.string() + ": no process for reading: " + std::strerror(errno));
-    if (child == 0) {
-        // What the libraries say on the terminal is in the message already.
-        const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
-        ::dup2(nowhere, STDOUT_FILENO);
-        ::dup2(nowhere, STDERR_FILENO);
-        ::close(ends[0]);
-        read_and_send(path, ends[1]);
-    }
-    ::close(ends[1]);
+    std::error_code ignored;
+    if (!fs::exists(path, ignored)) throw Fault(path.string() + ": is not there: give a scan");
     Volume volume;
-    volume.name = path.string();
-    std::string fault;
-    const bool is_whole = unpack(ends[0], volume, fault);
-    ::close(ends[0]);
-    int status = 0;
-    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    try {
+        read_apart(
+            path.string(), read_limits(bytes_of(path), growth), [&](Outbox &out) { send(out, path); },
+            [&](Inbox &in) { volume = receive(in, path.string()); });
+    } catch (const GuardedReadError &error) {
+        throw Fault(error.what());
     }
-    if (!fault.empty()) throw Fault(fault);
-    if (!is_whole)
-        throw Fault(path.string() + ": is damaged in a way that ends its reader (" +
-                    (WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "it stopped") +
-                    "): export it again");
+    check_values(volume);
+    make_right_handed(volume);
     return volume;
 }
 

@@ -24,8 +24,8 @@ std::string text(const char *format, double a, double b = 0, double c = 0)
 
 } // namespace
 
-void check_grid(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
-                const Eigen::Vector3d &origin_mm, const Eigen::Matrix3d &direction, const std::string &what)
+void check_plausible(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
+                     const std::string &what)
 {
     double voxels = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -45,6 +45,12 @@ void check_grid(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_
                         text("%g x %g x %g mm", spacing_mm[0], spacing_mm[1], spacing_mm[2]) +
                         " cannot be a CT scan's (" + text("%g to %g mm", spacing_min_mm, spacing_max_mm) +
                         "): mend the header, or export it again in mm");
+}
+
+void check_grid(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
+                const Eigen::Vector3d &origin_mm, const Eigen::Matrix3d &direction, const std::string &what)
+{
+    check_plausible(size, spacing_mm, what);
     if (!origin_mm.allFinite() || origin_mm.cwiseAbs().maxCoeff() > 1e5)
         throw Fault(what + ": the origin is no place in mm: mend the header");
     if (!direction.allFinite() ||

@@ -1,5 +1,6 @@
 // Volumes from files: NRRD, NIfTI and MetaImage, and DICOM series slice by slice, by ITK's ImageIO classes. They are asked
 // directly, without ITK's image and pipeline templates, which would take a minute to compile and tell less of what is wrong.
+#include "tools/ct/volume_declared.hpp"
 #include "tools/ct/volume_io.hpp"
 #include <algorithm>
 #include <cmath>
@@ -62,14 +63,21 @@ Head head_of(const itk::ImageIOBase &io, const std::string &name)
     return head;
 }
 
-template <class Value> void take(const std::vector<char> &bytes, float *out, std::size_t count)
+// In blocks, so that a scan is not held twice.
+template <class Value> void take(const std::vector<char> &bytes, const TakeValues &out, std::size_t count)
 {
+    constexpr std::size_t block_values = 1 << 18;
+    std::vector<float> block(std::min(count, block_values));
     const auto *values = reinterpret_cast<const Value *>(bytes.data());
-    for (std::size_t i = 0; i < count; ++i) out[i] = static_cast<float>(values[i]);
+    for (std::size_t begin = 0; begin < count; begin += block.size()) {
+        const std::size_t now = std::min(block.size(), count - begin);
+        for (std::size_t i = 0; i < now; ++i) block[i] = static_cast<float>(values[begin + i]);
+        out(block.data(), now);
+    }
 }
 
 // Values of a file that stands open, as HU.
-void read_values(itk::ImageIOBase &io, float *out, std::size_t count, const std::string &name)
+void read_values(itk::ImageIOBase &io, const TakeValues &out, std::size_t count, const std::string &name)
 {
     const std::size_t bytes = static_cast<std::size_t>(io.GetImageSizeInBytes());
     if (bytes != count * static_cast<std::size_t>(io.GetComponentSize()))
@@ -146,10 +154,12 @@ void check_head(const Head &head, const std::string &name)
     check_grid(head.size, head.spacing_mm, head.origin_mm, head.direction, name);
 }
 
-Volume read_file(const fs::path &path)
+void read_file(const fs::path &path, const TakeHead &take_head, const TakeValues &take_values)
 {
     const std::string name = path.string();
     const itk::ImageIOBase::Pointer io = reader_for(path);
+    const DeclaredVolume declared = declared_volume(path);
+    check_plausible(declared.size, declared.spacing_mm, name);
     try {
         if (!io->CanReadFile(name.c_str()))
             throw Fault(name +
@@ -158,13 +168,13 @@ Volume read_file(const fs::path &path)
         io->SetFileName(name);
         io->ReadImageInformation();
         const Head head = head_of(*io, name);
+        check_agreement(declared, head.size, head.spacing_mm, name);
         check_head(head, name);
         if (lower_name(path).find(".nii") != std::string::npos)
             check_nifti_length(name, io->GetImageSizeInBytes());
-        Volume volume = volume_of(head, name);
-        volume.hu.resize(volume.count());
-        read_values(*io, volume.hu.data(), volume.count(), name);
-        return volume;
+        const Volume volume = volume_of(head, name);
+        take_head(volume);
+        read_values(*io, take_values, volume.count(), name);
     } catch (const itk::ExceptionObject &error) {
         throw Fault(name + ": cannot be read: " + cause_of(error) +
                     ": the file is truncated or damaged; export it again");
@@ -269,7 +279,7 @@ void check_series(const std::vector<Slice> &slices, const std::string &folder)
                     std::to_string(said) + " images are there: copy the whole series");
 }
 
-Volume read_series(const fs::path &folder)
+void read_series(const fs::path &folder, const TakeHead &take_head, const TakeValues &take_values)
 {
     const std::string name = folder.string();
     const std::vector<Slice> slices = slices_in(folder);
@@ -292,8 +302,8 @@ Volume read_series(const fs::path &folder)
     head.spacing_mm[2] = order.distance_mm;
     head.origin_mm = places[order.order.front()];
     check_head(head, name);
-    Volume volume = volume_of(head, name);
-    volume.hu.resize(volume.count());
+    const Volume volume = volume_of(head, name);
+    take_head(volume);
     const std::size_t pixels = volume.count() / slices.size();
     for (std::size_t i = 0; i < slices.size(); ++i) {
         const Slice &slice = slices[order.order[i]];
@@ -302,16 +312,16 @@ Volume read_series(const fs::path &folder)
         try {
             check_dicom_length(slice.file);
             io->ReadImageInformation();
-            read_values(*io, volume.hu.data() + i * pixels, pixels, slice.file.string());
+            read_values(*io, take_values, pixels, slice.file.string());
         } catch (const itk::ExceptionObject &error) {
             throw Fault(slice.file.string() + ": cannot be read: " + cause_of(error) +
                         ": the file is truncated or damaged; export it again");
         }
     }
-    return volume;
 }
 
-// Values that are no number, or that no scanner writes.
+} // namespace
+
 void check_values(const Volume &volume)
 {
     float low = 1e30f, high = -1e30f;
@@ -329,16 +339,13 @@ void check_values(const Volume &volume)
                     ", which are no Hounsfield units: is the byte order right?");
 }
 
-} // namespace
-
-Volume read_volume_here(const fs::path &path)
+void read_volume_here(const fs::path &path, const TakeHead &take_head, const TakeValues &take_values)
 {
     std::error_code ignored;
-    if (!fs::exists(path, ignored)) throw Fault(path.string() + ": is not there: give a scan");
-    Volume volume = fs::is_directory(path, ignored) ? read_series(path) : read_file(path);
-    check_values(volume);
-    make_right_handed(volume);
-    return volume;
+    if (fs::is_directory(path, ignored))
+        read_series(path, take_head, take_values);
+    else
+        read_file(path, take_head, take_values);
 }
 
 } // namespace seld::ct

@@ -10,6 +10,7 @@
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
+#include <unistd.h>
 
 namespace seld::ct
 {
@@ -72,11 +73,16 @@ void write_file(const Volume &volume, const fs::path &path, const std::string &e
     io->SetUseCompression(ending != ".nii");
     const std::vector<std::int16_t> values = whole_numbers(volume);
     // The writers look at the ending, so the pending name has it too.
-    const std::string pending = pending_path(path.string()) + ending;
-    watch_pending(pending);
-    io->SetFileName(pending);
-    io->Write(values.data());
-    commit_pending(pending, path.string());
+    const OpenPending pending = open_pending(path.string(), ending);
+    ::close(pending.file);
+    try {
+        io->SetFileName(pending.name);
+        io->Write(values.data());
+    } catch (...) {
+        discard_pending(pending.name);
+        throw;
+    }
+    commit_pending(pending.name, path.string());
 }
 
 void put(itk::MetaDataDictionary &tags, const std::string &tag, const std::string &value)

@@ -1,5 +1,8 @@
 // Command line of `validate`: runs the validation suite of docs/validation.md.
+#include "host/model/command_values.hpp"
+#include "host/model/output_files.hpp"
 #include "host/model/pending_file.hpp"
+#include "host/model/terminal.hpp"
 #include "tools/validate/cases.hpp"
 
 #include <CLI/CLI.hpp>
@@ -131,6 +134,7 @@ int main(int argc, char **argv)
     app.add_flag("--quick", options.quick, "fewer figures per case");
     app.add_flag("--tap", options.tap, "print TAP on standard output and write no file");
     app.add_flag("--list", options.list, "print the names of the cases and stop");
+    seld::refuse_empty_values(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {
@@ -150,9 +154,14 @@ int main(int argc, char **argv)
         return 0;
     }
     try {
+        if (!options.tap) seld::check_output_folder({"--output", options.folder});
+        seld::check_outputs({}, {{"--docs", options.docs}});
         return finish(run_all(cases, options), options);
+    } catch (const seld::UsageError &error) {
+        seld::say(stderr, "validate: %s\n", error.what());
+        return 2;
     } catch (const std::exception &error) {
-        std::fprintf(stderr, "validate: %s\n", error.what());
+        seld::say(stderr, "validate: %s\n", error.what());
         return 1;
     }
 }

@@ -1,12 +1,15 @@
 // Command line of `vcsim3`: docs/thesis.md.
+#include "host/model/command_values.hpp"
+#include "host/model/interrupt.hpp"
+#include "host/model/output_files.hpp"
 #include "host/model/pending_file.hpp"
+#include "host/model/terminal.hpp"
 #include "tools/vcsim3/figures.hpp"
 #include "tools/vcsim3/instructions.hpp"
 #include "tools/vcsim3/page.hpp"
 #include "tools/vcsim3/tables.hpp"
 
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -29,14 +32,6 @@ constexpr const char *examples =
     "  vcsim3 stability --preset bentson                           smallest stable steps per millisecond\n"
     "Modes: global, penalty, local1 .. local10000; presets: see `vcsim3 presets`.\n"
     "Exit codes: 0 done, 1 failed or the figures do not show the thesis' order, 2 usage.\n";
-
-volatile std::sig_atomic_t stop_wanted = 0;
-
-void want_stop(int number)
-{
-    stop_wanted = 1;
-    std::signal(number, SIG_DFL);
-}
 
 struct Options {
     std::string scene = "out/phantom.scene", output = "out/thesis", preset = "amplatz", states, token;
@@ -76,7 +71,7 @@ bool report(const std::string &what, double share)
         std::fprintf(stderr, "\r%s: %.1f %%\x1b[K%s", what.c_str(), share * 100,
                      share >= 1.0 ? "\r\x1b[K" : "");
     }
-    return stop_wanted == 0;
+    return !seld::is_interrupted();
 }
 
 void write_file(const fs::path &path, const std::string &text)
@@ -105,6 +100,7 @@ int command_figures(const Options &options)
     settings.with_times = options.with_times;
     settings.with_stability = options.with_stability;
     settings.threads = options.threads;
+    seld::check_output_folder({"--output", options.output});
     const fs::path folder = options.output, states = folder / "states";
     fs::create_directories(states);
     Study study = make_study(settings, vessel, report);
@@ -132,7 +128,7 @@ int command_figures(const Options &options)
     std::fputs(to_tsv(times_table(study)).c_str(), stdout);
     std::printf("written to %s\n", (folder / "index.html").c_str());
     const std::vector<std::string> faults = order_faults(study);
-    for (const std::string &fault : faults) std::fprintf(stderr, "vcsim3: %s\n", fault.c_str());
+    for (const std::string &fault : faults) seld::say(stderr, "vcsim3: %s\n", fault.c_str());
     return faults.empty() ? 0 : 1;
 }
 
@@ -264,13 +260,13 @@ int main(int argc, char **argv)
     add_experiment(*steps, options);
     steps->add_option("--states", options.states, "folder with the states that `figures` wrote")->required();
     steps->add_option("--count", options.count, "steps")->check(CLI::Range(1, 100000))->capture_default_str();
+    seld::refuse_empty_values(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
-    std::signal(SIGINT, want_stop);
-    std::signal(SIGTERM, want_stop);
+    seld::watch_for_interrupt();
     try {
         if (*figures) return command_figures(options);
         if (*run) return command_run(options);
@@ -284,7 +280,7 @@ int main(int argc, char **argv)
     } catch (const Interrupted &) {
         std::fprintf(stderr, "\nvcsim3: interrupted; what was being made is not written\n");
     } catch (const std::exception &error) {
-        std::fprintf(stderr, "vcsim3: %s\n", error.what());
+        seld::say(stderr, "vcsim3: %s\n", error.what());
     }
     return 1;
 }

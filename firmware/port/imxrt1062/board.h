@@ -26,6 +26,13 @@ enum {
     BOARD_SENSOR_MAX_raw = 3995,
     BOARD_FORCE_ZERO_raw = 2048,     /* counts that are subtracted; the exact zero comes by calibration */
     BOARD_FORCE_uN_per_count = 9766, /* 20 N at full scale; a host corrects it by a quarter at most */
+    BOARD_TRANSLATION_pm_per_count = 1000000, /* likewise */
+    BOARD_ROTATION_counts_per_turn = 65536,
+    BOARD_OPTIONS = 0, /* SELD_WIRE_OPTION_*: which encoders count the other way */
+    BOARD_DAMPING_mN_s_per_m =
+        0, /* own damping as measured, the least of the tracks: hosts state more only with */
+    BOARD_DAMPING_nN_m_s_per_rad = 0, /* the local unlock; 0, not measured: no coupling without the unlock */
+    BOARD_ACTUATOR_LAG_us = 2000,     /* the longest of the tracks: hosts state less only with the unlock */
     BOARD_DEBOUNCE_ticks = 5,
     BOARD_STOP_RELEASE_ticks = 50, /* an emergency stop counts at once; its release only after this */
 };

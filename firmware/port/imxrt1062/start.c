@@ -11,8 +11,8 @@ extern uint32_t bss_begin[], bss_end[], dma_begin[], dma_end[], stack_top[], sta
 void start(void);
 
 enum {
-    /* FlexRAM's 16 banks of 32 kB, two bits each: 3 code memory (the lowest 5 banks), 2 data memory (11). */
-    BANKS_CODE = 5,
+    /* FlexRAM's 16 banks of 32 kB, two bits each: 3 code memory (the lowest 6 banks), 2 data memory (10). */
+    BANKS_CODE = 6,
     SIZE_512_kB = 10, /* of both memories, which must hold their banks: a power of two */
     EXCEPTIONS = 16,
     INTERRUPTS = 160,

@@ -108,6 +108,8 @@ seld_sim *seld_sim_create(uint32_t scene_slot_bytes)
         .scene_slots = {slots[0], slots[1]},
         .scene_slot_bytes = scene_slot_bytes,
         .capabilities = 0,
+        .built = {.damping_mN_s_per_m = SELD_SIM_DAMPING_mN_s_per_m,
+                  .damping_nN_m_s_per_rad = SELD_SIM_DAMPING_nN_m_s_per_rad},
     };
     seld_app_init(&sim->app, &sim->port);
     return sim;

@@ -52,6 +52,9 @@ void seld_sim_set_plant(seld_sim *sim, const seld_port_inputs *inputs);
 /* A power stage that does not go off any more: its transistors are molten. */
 void seld_sim_weld_stage(seld_sim *sim, bool is_welded);
 
+/* Own damping of the rig that the sim's builder states; lag of the motors 0, 1 um and 1/65,536 turn per count. More needs the unlock. */
+enum { SELD_SIM_DAMPING_mN_s_per_m = 1000, SELD_SIM_DAMPING_nN_m_s_per_rad = 2000 };
+
 /* Sensors present and healthy, hands at 0, supply good, stop released, no unlock. */
 seld_port_inputs seld_sim_healthy_inputs(void);
 

@@ -293,6 +293,21 @@ seld_instrument reference_wire(double bend_N_m2, uint32_t length_um, uint32_t el
     return wire;
 }
 
+seld_instrument reference_floppy_j(double bend_N_m2)
+{
+    seld_instrument wire = reference_wire(bend_N_m2, 900000, 3000, 0.2);
+    wire.knot_count = 4;
+    wire.knots[3] = wire.knots[2] = wire.knots[1];
+    wire.knots[1] = wire.knots[0];
+    wire.knots[1].arc_um = 12000;
+    wire.knots[2].arc_um = 60000;
+    for (int i = 0; i < 2; i++) {
+        wire.knots[i].bend_stiffness_nN_m2 = wire.knots[i].twist_stiffness_nN_m2 = 10000;
+        wire.knots[i].rest_curvature1_per_m_milli = 250000;
+    }
+    return wire;
+}
+
 reference_tube *reference_three_bends(double radius_m, uint32_t level)
 {
     const double right = acos(0.0);

@@ -40,6 +40,8 @@ double reference_tube_distance(const reference_tube *tube, const double *point_m
 seld_entry reference_entry(void);
 /* Uniform instrument: EI in N m^2, elements of `element_um`, friction kinetic = static. */
 seld_instrument reference_wire(double bend_N_m2, uint32_t length_um, uint32_t element_um, double friction);
+/* 0.9 m of it with a floppy J of 12 mm, which snaps from wall to wall. */
+seld_instrument reference_floppy_j(double bend_N_m2);
 /* Three bends out of one plane, 0.9 m long, r 4 mm: the insertion scene. */
 reference_tube *reference_three_bends(double radius_m, uint32_t level);
 

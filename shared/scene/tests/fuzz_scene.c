@@ -134,5 +134,6 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
         return sample_body_file(bytes, capacity, index == 2 ? SAMPLE_TREE : SAMPLE_NO_TREE);
     if (index == 4) return sample_body_file(bytes, capacity, SAMPLE_LESIONS);
     if (index == 5 || index == 6) return sample_diseased_scene(bytes, capacity, index == 6);
+    if (index == 7) return sample_body_file_of(bytes, capacity, SAMPLE_LESIONS, 1);
     return index == 3 ? sample_moving_scene(bytes, capacity) : 0;
 }

@@ -223,8 +223,14 @@ static inline void sample_lesions(uint8_t *lesions)
 
 /* What stands behind the two bodies of a body file. */
 typedef enum sample_vessels { SAMPLE_NO_TREE, SAMPLE_TREE, SAMPLE_LESIONS } sample_vessels;
-static inline size_t sample_body_file(uint8_t *file, size_t capacity, sample_vessels vessels)
+/* And behind these, when it is wanted, the scene that they belong to. */
+enum { SAMPLE_PARTNER_BYTES = 4112, SAMPLE_PARTNER_CRC32 = 0x1234abcd };
+static inline size_t sample_body_file_of(uint8_t *file, size_t capacity, sample_vessels vessels,
+                                         int has_partner)
 {
+    uint8_t partner[SELD_SCENE_PARTNER_BYTES];
+    seld_scene_put_u32(partner, SAMPLE_PARTNER_BYTES);
+    seld_scene_put_u32(partner + 4, SAMPLE_PARTNER_CRC32);
     uint8_t meta[SELD_SCENE_META_BYTES], skin[SAMPLE_BODY_BYTES], bone[SAMPLE_BODY_BYTES];
     uint8_t tree[SAMPLE_TREE_BYTES];
     sample_meta(meta);
@@ -233,12 +239,20 @@ static inline size_t sample_body_file(uint8_t *file, size_t capacity, sample_ves
     sample_tree(tree);
     uint8_t lesions[SAMPLE_LESIONS_BYTES];
     sample_lesions(lesions);
-    const seld_scene_part parts[5] = {{SELD_SCENE_META, meta, sizeof meta},
-                                      {SELD_SCENE_BODY, bone, sizeof bone},
-                                      {SELD_SCENE_BODY, skin, sizeof skin},
-                                      {SELD_SCENE_TREE, tree, sizeof tree},
-                                      {SELD_SCENE_LESIONS, lesions, sizeof lesions}};
-    return seld_scene_write(SELD_SCENE_KIND_BODIES, parts, 3 + (uint32_t)vessels, file, capacity);
+    seld_scene_part parts[6] = {{SELD_SCENE_META, meta, sizeof meta},
+                                {SELD_SCENE_BODY, bone, sizeof bone},
+                                {SELD_SCENE_BODY, skin, sizeof skin},
+                                {SELD_SCENE_TREE, tree, sizeof tree},
+                                {SELD_SCENE_LESIONS, lesions, sizeof lesions}};
+    uint32_t count = 3 + (uint32_t)vessels;
+    const seld_scene_part scene = {SELD_SCENE_PARTNER, partner, sizeof partner};
+    if (has_partner) parts[count++] = scene;
+    return seld_scene_write(SELD_SCENE_KIND_BODIES, parts, count, file, capacity);
+}
+
+static inline size_t sample_body_file(uint8_t *file, size_t capacity, sample_vessels vessels)
+{
+    return sample_body_file_of(file, capacity, vessels, 0);
 }
 
 static inline size_t sample_bodies(uint8_t *file, size_t capacity)

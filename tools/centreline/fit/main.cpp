@@ -1,5 +1,7 @@
 // Command line of `centreline`: docs/centreline.md.
+#include "host/model/command_values.hpp"
 #include "host/model/output_files.hpp"
+#include "host/model/terminal.hpp"
 #include "tools/centreline/fit/commands.hpp"
 
 #include <CLI/CLI.hpp>
@@ -179,6 +181,7 @@ int main(int argc, char **argv)
     app.require_subcommand(1);
     add_making(app, options);
     add_using(app, options);
+    seld::refuse_empty_values(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {
@@ -188,10 +191,10 @@ int main(int argc, char **argv)
     try {
         return run(app.get_subcommands().front()->get_name(), options);
     } catch (const seld::UsageError &error) {
-        std::fprintf(stderr, "centreline: %s\n", error.what());
+        seld::say(stderr, "centreline: %s\n", error.what());
         return 2;
     } catch (const std::exception &error) {
-        std::fprintf(stderr, "centreline: %s\n", error.what());
+        seld::say(stderr, "centreline: %s\n", error.what());
     }
     return 1;
 }

@@ -113,13 +113,13 @@ head_of "$work/bad/scan_1.nrrd" "$spacing" '(0.00053,0,0) (0,0.00053,0) (0,0,0.0
 spoiled "a spacing in metres is refused" "scan_1.nrrd: spacing 0.00053 x 0.00053 x 0.001 mm cannot be"
 fresh
 head_of "$work/bad/scan_1.nrrd" "$spacing" '(0,0,0) (0,0.53,0) (0,0,1)'
-spoiled "a spacing of zero is refused" "scan_1.nrrd: "
+spoiled "a spacing of zero is refused" "scan_1.nrrd:8: .*spacings above 0"
 fresh
 head_of "$work/bad/scan_2.nrrd" "$spacing" '(0.53,0,0) (0,0.53,0) (0,0,-1)'
 spoiled "mirrored axes are refused" "mirrored"
 fresh
 python3 -c 'import os, sys; os.truncate(sys.argv[1], os.path.getsize(sys.argv[1]) - 20000)' "$work/bad/scan_1.nrrd"
-spoiled "a cut file is refused" "scan_1.nrrd: cannot be read.*truncated"
+spoiled "a cut file is refused" "scan_1.nrrd: .*truncated"
 fresh
 rm "$work/bad/scan_2.nrrd"
 spoiled "a missing scan is named" "scan_2.nrrd: is not there"
@@ -157,7 +157,7 @@ interrupted() { # interrupted FILE COMMAND...: as soon as FILE is there
     done
     kill -INT $process
     wait $process
-    [ $? = 1 ] && grep -q "interrupted: what was finished is kept" "$work/said"
+    [ $? = 1 ] && grep -q "interrupted" "$work/said"
 }
 rm -rf "$work/case"/scan_* "$work/case"/depth_* "$work/case/segmentation"
 interrupted "$work/case/scan_1.nrrd" simulate "$work/case" --views 160 && [ ! -e "$work/case/scan_2.nrrd" ]

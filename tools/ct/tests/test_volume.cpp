@@ -165,6 +165,45 @@ void impossible_grids_are_refused(void **)
     }
 }
 
+// ITK takes what it does not understand as 1 mm, and would measure in a wrong scale.
+void a_scale_that_is_none_is_refused(void **)
+{
+    const Folder folder{"scale"};
+    const auto header = [&](const std::string &scale) {
+        put_bytes(folder.file("a.nrrd"),
+                  "NRRD0004\ntype: int16\ndimension: 3\nsizes: 2 2 2\nendian: little\nencoding: raw\n" +
+                      scale + "\n\n0123456789abcdef");
+    };
+    const std::string space = "space: left-posterior-superior\nspace directions: ";
+    header(space + "(1,0,0) (0,1,0) (0,0,1)");
+    read_volume(folder.file("a.nrrd"));
+    header(space + "(1e300,0,0) (0,1,0) (0,0,1)");
+    refused(folder.file("a.nrrd"), {"a.nrrd:8", "space directions", "1e300"});
+    header(space + "none (0,1,0) (0,0,1)");
+    refused(folder.file("a.nrrd"), {"a.nrrd:8", "'none' gives no scale"});
+    header(space + "(1,0,0) (0,1,0) (0,0,1)\nspace units: \"m\" \"m\" \"m\"");
+    refused(folder.file("a.nrrd"), {"a.nrrd:9", "space units", "mm"});
+    header("space dimension: 3");
+    refused(folder.file("a.nrrd"), {"a.nrrd", "no 'spacings'", "scale is unknown"});
+    header("spacings: 1 nan 1");
+    refused(folder.file("a.nrrd"), {"a.nrrd:7", "spacings", "finite"});
+}
+
+// The first made ITK search without end, the second take memory without end.
+void absurd_numbers_of_axes_and_voxels_are_refused(void **)
+{
+    const Folder folder{"axes"};
+    write_volume(sample(), folder.file("a.mha"));
+    const std::string whole = bytes_of(folder.file("a.mha"));
+    replace_in(folder.file("a.mha"), "NDims = 3", "NDims = -1");
+    refused(folder.file("a.mha"), {"a.mha:", "NDims is '-1'"});
+    put_bytes(folder.file("a.mha"), whole);
+    replace_in(folder.file("a.mha"), "DimSize = 7 9 5", "DimSize = 99999 99999 99999");
+    refused(folder.file("a.mha"), {"a.mha"});
+    put_bytes(folder.file("a.mha"), whole.substr(0, whole.size() - 2));
+    refused(folder.file("a.mha"), {"a.mha", "truncated"});
+}
+
 void truncated_series_are_refused(void **)
 {
     const Folder folder{"series"};
@@ -284,6 +323,8 @@ int main()
         cmocka_unit_test(the_scene_looks_at_the_patient_as_lps_does),
         cmocka_unit_test(mirrored_axes_keep_their_places),
         cmocka_unit_test(impossible_grids_are_refused),
+        cmocka_unit_test(a_scale_that_is_none_is_refused),
+        cmocka_unit_test(absurd_numbers_of_axes_and_voxels_are_refused),
         cmocka_unit_test(truncated_series_are_refused),
         cmocka_unit_test(missing_and_uneven_slices_are_named),
         cmocka_unit_test(other_contents_are_refused),

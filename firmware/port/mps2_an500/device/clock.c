@@ -90,6 +90,11 @@ uint32_t clock_edges_due(void)
     return clock.edges - clock.edges_done;
 }
 
+bool clock_waits_for_plant(void)
+{
+    return is_plants() && clock_edges_due() == 0;
+}
+
 void clock_edge_done(void)
 {
     if (is_plants()) {

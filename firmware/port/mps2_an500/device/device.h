@@ -29,6 +29,7 @@ uint32_t clock_work_begin(void); /* before bytes or an edge are worked on */
 uint32_t clock_edges_due(void);  /* milliseconds that have begun and are not done */
 void clock_edge_begin(void);
 void clock_edge_done(void);
+bool clock_waits_for_plant(void); /* it makes the milliseconds, and none is due */
 void clock_feed_watchdog(void);
 void clock_tick(void); /* the interrupt */
 

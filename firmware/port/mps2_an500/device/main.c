@@ -16,8 +16,10 @@ static bool usb_has_more; /* to do without being asked */
 static uint8_t slots[2][RIG_SLOT_BYTES] __attribute__((section(".scenes"), aligned(8)));
 static char serial[SELD_PORT_SERIAL_BYTES + 1] = "AN500-0001";
 
-/* An idle round takes some 50 instructions, the watchdog waits for 1.5 x 10^9 cycles; it is fed after work, too. */
-enum { FEED_EVERY_rounds = 65536 };
+static bool has_worked; /* since the watchdog was fed */
+enum {
+    LOOK_EVERY_rounds = 65536
+}; /* an idle round takes some 50 instructions, the watchdog waits for 1.5 x 10^9 cycles */
 
 static uint32_t now_us(void *context)
 {
@@ -48,6 +50,7 @@ static seld_port port = {
     .serial = serial,
     .scene_slots = {slots[0], slots[1]},
     .scene_slot_bytes = RIG_SLOT_BYTES,
+    .built = {.damping_mN_s_per_m = 1000, .damping_nN_m_s_per_rad = 2000}, /* of hil_tests/plant */
 };
 
 _Static_assert((int)RIG_TRACK_COUNT == (int)SELD_PORT_TOOL_MAX &&
@@ -93,7 +96,7 @@ static void end_receiving(uint32_t begin)
 {
     rig_write(&rig->device.receive_counts, rig->device.receive_counts + (clock_counts() - begin));
     rig_write(&rig->device.clock_us, clock_us());
-    clock_feed_watchdog();
+    has_worked = true;
     usb_has_more = true; /* what the app said */
 }
 
@@ -134,6 +137,17 @@ static void tick(void)
     rig_write(&rig->device.edge_counts, counts);
     if (counts > rig->device.edge_counts_max) rig_write(&rig->device.edge_counts_max, counts);
     clock_edge_done();
+}
+
+/* The watchdog lives on edges that the app has done to their end: neither a loop that goes round without its milliseconds nor a host
+ * that keeps the pipe busy keeps it quiet. Only where the plant makes the milliseconds and has none for us is nothing to be done. */
+static void feed_watchdog(uint32_t round)
+{
+    static uint32_t fed;
+    const bool looks = has_worked || round % LOOK_EVERY_rounds == 0;
+    if (app.edges_done == fed && !(looks && clock_waits_for_plant())) return;
+    fed = app.edges_done;
+    has_worked = false;
     clock_feed_watchdog();
 }
 
@@ -161,6 +175,6 @@ int main(void)
         receive();
         poll_usb();
         tick();
-        if (round % FEED_EVERY_rounds == 0) clock_feed_watchdog();
+        feed_watchdog(round);
     }
 }

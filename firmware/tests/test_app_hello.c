@@ -1,0 +1,180 @@
+/* Claims about a second program at a rig that has power, and about what a port's watchdog lives on: a conversation that begins in the
+ * middle of another takes nothing away, one that begins after a program that is gone works, and only edges that the app has done to
+ * their end count as signs of life. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "firmware/app/app.h"
+#include "firmware/tests/reference/bench_fixture.h"
+
+enum { FORCE_mN = 1500 };
+
+static seld_wire_reject reject;
+
+static void power_and_push(void)
+{
+    assert_true(bench_power(&b));
+    assert_true(bench_push(&b, FORCE_mN));
+}
+
+/* The library of any host opens with HELLO, and a device that is not READY gets RESET. The refusal keeps it from getting that far. */
+static void a_second_program_is_refused_while_the_first_leads_with_power(void **state)
+{
+    (void)state;
+    power_and_push();
+    for (int i = 0; i < 10; i++) {
+        bench_drain(&b);
+        client_hello(&b.host, seld_wire_schema_hash());
+        assert_true(client_expect_reject(&b.host, &reject));
+        assert_int_equal(reject.request_type, SELD_WIRE_TYPE_hello);
+        assert_int_equal(reject.code, SELD_REJECT_BUSY);
+        bench_tick(&b);
+    }
+    assert_int_equal(seld_sim_read_motors(b.host.sim).drive, 1);
+    assert_true(seld_sim_read_motors(b.host.sim).axial_mN[0] >= FORCE_mN / 2);
+    assert_int_equal(bench_status(&b).state, SELD_WIRE_STATE_RUNNING); /* and the first is still heard */
+}
+
+/* A refused HELLO is no sign of life of the program that leads: its silence ends the forces in their time. */
+static void a_refused_hello_does_not_keep_the_forces_of_a_dead_host(void **state)
+{
+    (void)state;
+    int edges = 0;
+    power_and_push();
+    b.host_speaks = false;
+    client_get(&b.host, SELD_WIRE_GET_STATUS); /* the last word */
+    bench_drain(&b);
+    for (bool is_refused = true; is_refused && edges < 200; edges++) {
+        bench_tick(&b);
+        bench_drain(&b);
+        client_hello(&b.host, seld_wire_schema_hash());
+        is_refused = client_receive(&b.host) == SELD_WIRE_TYPE_reject;
+    }
+    assert_in_range(edges, SELD_APP_HOST_SILENT_ticks, SELD_APP_HOST_SILENT_ticks + SELD_APP_FADE_ticks + 1);
+}
+
+/* A program that crashed is forgotten when its silence has ended the forces; the next one says HELLO, RESET, and begins. */
+static void after_a_host_that_is_gone_hello_works(void **state)
+{
+    (void)state;
+    power_and_push();
+    b.host_speaks = false;
+    for (int i = 0; i < SELD_APP_HOST_SILENT_ticks + SELD_APP_FADE_ticks; i++) bench_tick(&b);
+    assert_true(bench_is_safe(&b));
+    bench_drain(&b);
+    client_hello(&b.host, seld_wire_schema_hash());
+    assert_int_equal(client_receive(&b.host), SELD_WIRE_TYPE_hello_reply);
+    b.host_speaks = true;
+    command(SELD_WIRE_ACTION_RESET);
+    assert_int_equal(status.state, SELD_WIRE_STATE_READY);
+    assert_true(bench_power(&b));
+}
+
+/* STOP or a stopping fault ends the leading as well. */
+static void after_stop_hello_works_at_once(void **state)
+{
+    (void)state;
+    power_and_push();
+    command(SELD_WIRE_ACTION_STOP);
+    client_hello(&b.host, seld_wire_schema_hash());
+    assert_int_equal(client_receive(&b.host), SELD_WIRE_TYPE_hello_reply);
+}
+
+static void without_power_a_second_hello_is_answered(void **state)
+{
+    (void)state;
+    command(SELD_WIRE_ACTION_LOCKSTEP);
+    command(SELD_WIRE_ACTION_ARM);
+    command(SELD_WIRE_ACTION_START);
+    client_hello(&b.host, seld_wire_schema_hash());
+    assert_int_equal(client_receive(&b.host), SELD_WIRE_TYPE_hello_reply);
+    assert_int_equal(bench_status(&b).state, SELD_WIRE_STATE_RUNNING);
+}
+
+/* --- the watchdog --- */
+
+static seld_app app;
+static jmp_buf stuck;
+static bool hangs;
+
+static bool swallow(void *context, const uint8_t *frame, size_t bytes)
+{
+    (void)context;
+    (void)frame;
+    return bytes > 0;
+}
+
+static size_t room(void *context)
+{
+    (void)context;
+    return SIZE_MAX / 2;
+}
+
+static bool no_rig(void *context, seld_port_inputs *inputs)
+{
+    (void)context;
+    (void)inputs;
+    return false;
+}
+
+static uint32_t no_time(void *context)
+{
+    (void)context;
+    return 0;
+}
+
+/* In the middle of an edge's work: what never comes back from here is left by a jump, so that the test may go on. */
+static void outputs(void *context, const seld_port_outputs *wanted)
+{
+    (void)context;
+    (void)wanted;
+    if (hangs) longjmp(stuck, 1);
+}
+
+static const seld_port port = {.transmit = swallow,
+                               .transmit_room = room,
+                               .inputs = no_rig,
+                               .outputs = outputs,
+                               .now_us = no_time,
+                               .serial = "stuck"};
+
+static void only_an_edge_done_to_its_end_counts_for_the_watchdog(void **state)
+{
+    (void)state;
+    static const uint8_t bytes[600] = {1, 2, 3};
+    hangs = false;
+    seld_app_init(&app, &port);
+    assert_int_equal(app.edges_done, 0);
+    for (uint32_t i = 1; i <= 5; i++) {
+        seld_app_timer(&app);
+        assert_int_equal(app.edges_done, i);
+    }
+    for (int i = 0; i < 100; i++) seld_app_receive(&app, bytes, sizeof bytes); /* a busy host is no tick */
+    assert_int_equal(app.edges_done, 5);
+    hangs = true;
+    if (setjmp(stuck) == 0) {
+        seld_app_timer(&app);
+        fail_msg("the edge ended");
+    }
+    assert_int_equal(app.edges_done, 5);
+    hangs = false;
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(a_second_program_is_refused_while_the_first_leads_with_power),
+        TEST(a_refused_hello_does_not_keep_the_forces_of_a_dead_host),
+        TEST(after_a_host_that_is_gone_hello_works),
+        TEST(after_stop_hello_works_at_once),
+        TEST(without_power_a_second_hello_is_answered),
+        cmocka_unit_test(only_an_edge_done_to_its_end_counts_for_the_watchdog),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,213 @@
+/* Claims about a carriage that nobody holds: its force goes within 32 ms, it gets no faster than a hand would make it, a motor that makes
+ * it fast all the same loses its power, and neither a hand that throws it nor one that moves it fast is taken for a motor. Also: a cycle
+ * that the loop keeps up in a hand ends, a tremor goes on. The bench's hand is what the test says; its sensor reads what the hand holds. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "firmware/app/app_internal.h"
+#include "firmware/tests/reference/bench_fixture.h"
+
+enum { LOOSE_mN = 50 };
+
+static int32_t motor_mN(void)
+{
+    return seld_sim_read_motors(b.host.sim).axial_mN[0];
+}
+
+static void expect_running(void)
+{
+    status = bench_status(&b);
+    if (status.state != SELD_WIRE_STATE_RUNNING)
+        fail_msg("ended by %s", seld_wire_fault_name(status.fault_code));
+}
+
+/* One edge at which the carriage moved by `um` and the hand holds `held_mN`; the bench adds what the motor gives to a sensor. */
+static void edge(int32_t um, int32_t held_mN)
+{
+    b.rig.hands[0].translation_counts += um;
+    b.rig.tracks[0].force_raw = held_mN - motor_mN();
+    bench_tick(&b);
+}
+
+/* A wire in a seal of 2 N, and a hand that has pushed in by `um` of the coupling's 1 N/mm and holds. */
+static void push_seal(int32_t um)
+{
+    seld_wire_track track = client_plain_track();
+    track.seal_mN = 2000;
+    track.coupling_uN_m_per_rad = track.coupling_nN_m_s_per_rad = 0;
+    bench_drain(&b);
+    client_rig(&b.host, &track, 1);
+    assert_true(client_expect_status(&b.host, &status));
+    assert_true(bench_power(&b));
+    for (int32_t i = 0; i < um / 10; i++) edge(10, motor_mN());
+    for (int i = 0; i < 20; i++) edge(0, motor_mN());
+    assert_in_range(motor_mN(), um - 100, um + 100);
+}
+
+/* Nobody holds 0.8 N, and the carriage stands in its friction: all of the force for a moment, less from tick to tick, then less than
+ * a hand feels. It comes back when a hand does. */
+static void a_force_that_nobody_holds_goes(void **state)
+{
+    (void)state;
+    push_seal(800);
+    int32_t last = motor_mN();
+    for (int i = 0; i < 40; i++) {
+        edge(0, 0);
+        assert_true(motor_mN() <= last);
+        last = motor_mN();
+    }
+    assert_true(last <= LOOSE_mN);
+    expect_running();
+    for (int i = 0; i < 100; i++) edge(0, motor_mN() + 60);
+    assert_in_range(motor_mN(), 700, 900);
+}
+
+/* 0.8 N swing to and fro in a carriage that nobody holds: after 32 ms no swing is felt. */
+static void a_cycle_of_a_carriage_that_nobody_holds_ends(void **state)
+{
+    (void)state;
+    int32_t at = 0, largest = 0;
+    push_seal(800);
+    for (int i = 0; i < 300; i++) {
+        const int32_t to = (int32_t)lround(800 * (cos(i * 0.1) - 1)); /* 16 Hz, 80 mm/s */
+        edge(to - at, 0);
+        at = to;
+        if (i >= 100 && abs(motor_mN()) > largest) largest = abs(motor_mN());
+    }
+    assert_true(largest <= LOOSE_mN);
+}
+
+/* Away from the wall along its motor's force: when it will have 0.1 m/s in a tick, nothing is left of what nobody holds. */
+static void a_carriage_that_runs_along_its_force_loses_it(void **state)
+{
+    (void)state;
+    push_seal(1800);
+    edge(-14, 0);
+    const int32_t slow_mN = motor_mN();
+    edge(-59, 0);
+    print_message("# at 14 mm/s %d mN, at 59 mm/s %d mN\n", slow_mN, motor_mN());
+    assert_true(slow_mN > 1500 && motor_mN() <= LOOSE_mN);
+}
+
+/* --- what stops --- */
+
+/* Nobody touches it, and with 1.8 N on its motor the carriage gets 20 to 40 mm/s faster from ms to ms, as if more came than is asked for. */
+static void a_carriage_that_its_motor_drives_too_fast_takes_the_power(void **state)
+{
+    (void)state;
+    int edges = 0, fast = 0;
+    push_seal(1800);
+    for (int32_t speed = 20; seld_sim_read_motors(b.host.sim).drive && edges < 40; edges++, speed += 40) {
+        edge(-speed, 0);
+        fast += speed > 250;
+    }
+    print_message("# %d edges, %d of them above 0.25 m/s\n", edges, fast);
+    status = bench_status(&b);
+    assert_int_equal(status.state, SELD_WIRE_STATE_FAULT);
+    assert_int_equal(status.fault_code, SELD_FAULT_CODE_CARRIAGE_FAST);
+    assert_in_range(fast, 1, seld_wire_fault_safe_ms(SELD_FAULT_CODE_CARRIAGE_FAST) + 1);
+}
+
+/* A hand that throws the carriage at 0.5 m/s against the coupling, and has let go: the speed is the hand's. */
+static void a_carriage_that_was_thrown_is_no_fault(void **state)
+{
+    (void)state;
+    assert_true(bench_power(&b));
+    for (int32_t speed = 0; speed <= 500; speed += 25) edge(speed, motor_mN() + 600);
+    for (int32_t speed = 500; speed >= 0; speed -= 10) edge(speed, 0);
+    expect_running();
+}
+
+/* In at 0.25 m/s against a seal that gives way at 0.3 N, and out at 0.5 m/s, gaining 5 m/s^2, which takes 0.4 N of the carriage's 80 g. */
+static void a_fast_hand_is_no_fault(void **state)
+{
+    (void)state;
+    seld_wire_track track = client_plain_track();
+    track.seal_mN = 300;
+    bench_drain(&b);
+    client_rig(&b.host, &track, 1);
+    assert_true(client_expect_status(&b.host, &status));
+    assert_true(bench_power(&b));
+    int32_t speed = 0;
+    for (int round = 0; round < 6; round++) {
+        const int32_t wanted = round % 2 ? -500 : 250;
+        for (int i = 0; i < (round % 2 ? 160 : 320); i++) {
+            const int32_t gain = wanted > speed ? 5 : wanted < speed ? -5 : 0;
+            speed += gain;
+            edge(speed, motor_mN() + 80 * gain + speed);
+        }
+    }
+    expect_running();
+}
+
+/* The hand gives way to a force that swings with it, as a hand does that is shaken: 0.3 N, 20 Hz, and every swing takes work from the
+ * motor. It ends within 0.2 s. */
+static void a_cycle_that_the_loop_keeps_up_in_a_hand_takes_the_power(void **state)
+{
+    (void)state;
+    int32_t at = 0;
+    int ms = 0;
+    push_seal(1000);
+    for (; ms < 1000 && seld_sim_read_motors(b.host.sim).drive; ms++) {
+        const int32_t to = (int32_t)lround(300 * sin(ms * 0.125));
+        edge(to - at, motor_mN() - (int32_t)lround(100 * cos(ms * 0.125)));
+        at = to;
+    }
+    status = bench_status(&b);
+    assert_int_equal(status.fault_code, SELD_FAULT_CODE_PASSIVITY_LASTS);
+    print_message("# a cycle of 0.3 N at 20 Hz ends after %d ms\n", ms);
+    assert_in_range(ms, 50, 200);
+}
+
+/* The same motion by a hand that trembles: it puts the work in. */
+static void a_tremor_goes_on(void **state)
+{
+    (void)state;
+    int32_t at = 0;
+    push_seal(1000);
+    for (int ms = 0; ms < 1000; ms++) {
+        const int32_t to = (int32_t)lround(300 * sin(ms * 0.0628));
+        edge(to - at, motor_mN() + (int32_t)lround(30 * cos(ms * 0.0628)));
+        at = to;
+    }
+    expect_running();
+}
+
+/* A heart of 200 a minute moves the wall, and the wall the hand. */
+static void a_heart_in_the_hand_is_no_cycle(void **state)
+{
+    (void)state;
+    int32_t at = 0;
+    push_seal(1000);
+    for (int ms = 0; ms < 3000; ms++) {
+        const int32_t to = (int32_t)lround(100 * sin(ms * 0.021));
+        edge(to - at, motor_mN() - (int32_t)lround(30 * cos(ms * 0.021)));
+        at = to;
+    }
+    expect_running();
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(a_force_that_nobody_holds_goes),
+        TEST(a_cycle_of_a_carriage_that_nobody_holds_ends),
+        TEST(a_carriage_that_runs_along_its_force_loses_it),
+        TEST(a_carriage_that_its_motor_drives_too_fast_takes_the_power),
+        TEST(a_carriage_that_was_thrown_is_no_fault),
+        TEST(a_fast_hand_is_no_fault),
+        TEST(a_cycle_that_the_loop_keeps_up_in_a_hand_takes_the_power),
+        TEST(a_tremor_goes_on),
+        TEST(a_heart_in_the_hand_is_no_cycle),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

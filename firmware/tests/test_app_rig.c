@@ -1,0 +1,325 @@
+/* Claims about the configuration of the tracks: which couplings a rig can render with what its force is multiplied by, and what a host
+ * may state about a rig without somebody at it. Shown through bytes on the sim port, whose rig was built with 1 um per count,
+ * 1 N s/m and 2 uN m s/rad of own damping and no lag. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "firmware/app/app_internal.h"
+#include "firmware/tests/reference/bench_fixture.h"
+
+enum {
+    FIELD_TRANSLATION = 0,
+    FIELD_ROTATION = 1,
+    FIELD_GAIN = 2,
+    FIELD_OPTIONS = 7,
+    FIELD_FORCE_SCALE = 9,
+    FIELD_DAMPING_ALONG = 10,
+    FIELD_DAMPING_ABOUT = 11,
+    FIELD_COUPLING_ALONG = 15,
+    FIELD_COUPLING_ABOUT = 16,
+};
+
+/* A port with motors that says nothing and hears nothing. */
+static bool swallow(void *context, const uint8_t *frame, size_t bytes)
+{
+    (void)context;
+    (void)frame;
+    return bytes > 0;
+}
+
+static void ignore(void *context, const seld_port_outputs *outputs)
+{
+    (void)context;
+    (void)outputs;
+}
+
+static const seld_port quiet_port = {
+    .transmit = swallow, .outputs = ignore, .serial = "quiet", .capabilities = SELD_WIRE_CAPABILITY_MOTORS};
+
+static void lock(bool is_unlocked)
+{
+    b.rig.local_unlock = is_unlocked;
+    bench_tick(&b);
+}
+
+static void expect_taken(const seld_wire_track *track)
+{
+    bench_drain(&b);
+    client_rig(&b.host, track, 1);
+    if (!client_expect_status(&b.host, &status)) {
+        fail_msg("refused: gain %u, coupling %u, damping %u, lag %u, %u pm", track->force_gain_milli,
+                 track->coupling_N_per_m, track->damping_mN_s_per_m, track->actuator_lag_us,
+                 track->translation_pm_per_count);
+    }
+}
+
+static void expect_refused(const seld_wire_track *track, uint32_t field)
+{
+    seld_wire_reject reject;
+    bench_drain(&b);
+    client_rig(&b.host, track, 1);
+    if (!client_expect_reject(&b.host, &reject)) {
+        fail_msg("taken: gain %u, coupling %u, damping %u, lag %u, %u pm", track->force_gain_milli,
+                 track->coupling_N_per_m, track->damping_mN_s_per_m, track->actuator_lag_us,
+                 track->translation_pm_per_count);
+    }
+    assert_int_equal(reject.code, SELD_REJECT_RIG_RANGE);
+    assert_int_equal(reject.detail2, field);
+}
+
+/* --- what a rig can render --- */
+
+/* b > G (K (T / 2 + t) + B): 1 N s/m bears 800 N/m and 0.2 N s/m at 0.5 ms of lag, just so; a gain of 2 makes the hand feel
+ * 1,600 N/m, and only half of both is left. */
+static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
+{
+    (void)state;
+    seld_wire_track track = client_plain_track();
+    track.coupling_uN_m_per_rad = track.coupling_nN_m_s_per_rad = 0;
+    track.actuator_lag_us = 500;
+    track.coupling_N_per_m = 800;
+    lock(true);
+    expect_taken(&track);
+    track.force_gain_milli = 1001;
+    expect_refused(&track, FIELD_COUPLING_ALONG);
+    track.force_gain_milli = 2000;
+    expect_refused(&track, FIELD_COUPLING_ALONG);
+    track.coupling_N_per_m = 400;
+    expect_refused(&track, FIELD_COUPLING_ALONG); /* 2 x (0.4 + 0.2) */
+    track.coupling_mN_s_per_m = 100;
+    expect_taken(&track);
+    track.coupling_N_per_m = 401;
+    expect_refused(&track, FIELD_COUPLING_ALONG);
+}
+
+/* The tool pushes back less than the hand feels: the coupling itself is as stiff as ever. */
+static void a_gain_below_one_allows_nothing_stiffer(void **state)
+{
+    (void)state;
+    seld_wire_track track = client_plain_track();
+    track.coupling_N_per_m = 1600;
+    expect_taken(&track);
+    track.force_gain_milli = 500;
+    expect_taken(&track);
+    track.coupling_N_per_m = 1601;
+    expect_refused(&track, FIELD_COUPLING_ALONG);
+}
+
+static void a_gain_counts_about_the_line_too(void **state)
+{
+    (void)state;
+    seld_wire_track track = client_plain_track();
+    track.coupling_N_per_m = track.coupling_mN_s_per_m = track.coupling_nN_m_s_per_rad = 0;
+    track.coupling_uN_m_per_rad = 1000;
+    track.force_gain_milli = 4000;
+    lock(true);
+    expect_taken(&track);
+    track.coupling_uN_m_per_rad = 1001;
+    expect_refused(&track, FIELD_COUPLING_ABOUT);
+}
+
+/* --- who may state what --- */
+
+/* Values of one field, asked for one after the other with the local unlock open or closed. */
+typedef struct ask {
+    uint32_t value;
+    bool is_unlocked, is_taken;
+} ask;
+
+static void ask_each(seld_wire_track *track, uint32_t *value, uint32_t field, const ask *asks, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        lock(asks[i].is_unlocked);
+        *value = asks[i].value;
+        if (asks[i].is_taken) {
+            expect_taken(track);
+        } else {
+            expect_refused(track, field);
+        }
+    }
+}
+#define ASK(field, number, ...)                                                                              \
+    do {                                                                                                     \
+        const ask asks[] = {__VA_ARGS__};                                                                    \
+        ask_each(&track, &track.field, number, asks, sizeof asks / sizeof asks[0]);                          \
+    } while (0)
+
+/* A coupling along the line that every damping and gain below bears. */
+static seld_wire_track soft_track(void)
+{
+    seld_wire_track track = client_plain_track();
+    track.coupling_N_per_m = 1;
+    track.coupling_mN_s_per_m = track.coupling_uN_m_per_rad = track.coupling_nN_m_s_per_rad = 0;
+    return track;
+}
+
+/* Nobody gets a force that is more than the tool's without somebody at the rig; less is always free, and what was allowed may be
+ * said again. */
+static void a_gain_above_one_needs_the_local_unlock(void **state)
+{
+    (void)state;
+    seld_wire_track track = soft_track();
+    ASK(force_gain_milli, FIELD_GAIN, {1000, false, true}, {1001, false, false}, {4000, false, false},
+        {0, false, true}, {1000, false, true}, {4000, true, true}, {4000, false, true}, {3999, false, false},
+        {1000, false, true}, {4000, false, false}, {4001, true, false});
+}
+
+/* Damping that is not there makes the device take a coupling that the rig cannot render. */
+static void more_damping_than_was_built_needs_the_local_unlock(void **state)
+{
+    (void)state;
+    seld_wire_track track = soft_track();
+    ASK(damping_mN_s_per_m, FIELD_DAMPING_ALONG, {1000, false, true}, {1001, false, false},
+        {100, false, true}, {1000, false, true}, {1000000, false, false}, {2000, true, true},
+        {2000, false, true}, {1999, false, false}, {1000, false, true});
+    track = soft_track();
+    ASK(damping_nN_m_s_per_rad, FIELD_DAMPING_ABOUT, {2000, false, true}, {2001, false, false},
+        {2001, true, true}, {0, false, true});
+}
+
+/* A lag that is hidden does the same. The rig was built with 700 us. */
+static void less_lag_than_was_built_needs_the_local_unlock(void **state)
+{
+    (void)state;
+    seld_app_track track;
+    seld_port port = {.built = {.actuator_lag_us = 700, .damping_mN_s_per_m = 1000}};
+    seld_app_track_default(&track, &port);
+    assert_int_equal(track.wire.actuator_lag_us, 700);
+    seld_wire_track asked = soft_track();
+    asked.damping_nN_m_s_per_rad = 0;
+    static const ask asks[] = {{700, false, true},   {699, false, false}, {0, false, false},
+                               {20000, false, true}, {0, true, true},     {0, false, true}};
+    static seld_app app; /* the sim's own rig has no lag */
+    seld_app_init(&app, &quiet_port);
+    app.state = SELD_WIRE_STATE_READY;
+    app.has_rig = true;
+    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) app.tracks[k] = track;
+    for (size_t i = 0; i < sizeof asks / sizeof asks[0]; i++) {
+        const seld_wire_rig rig = {.tracks_count = 1, .tracks = {asked}};
+        seld_wire_rig changed = rig;
+        changed.tracks[0].actuator_lag_us = asks[i].value;
+        app.rig.local_unlock = asks[i].is_unlocked;
+        const uint32_t before = app.tracks[0].wire.actuator_lag_us;
+        seld_app_rig_take(&app, &changed);
+        assert_int_equal(app.tracks[0].wire.actuator_lag_us, asks[i].is_taken ? asks[i].value : before);
+    }
+}
+
+/* As the force sensor's: a quarter up or down from what was built, and anything with the unlock. It could move by 5 x 10^5 before. */
+static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
+{
+    (void)state;
+    seld_wire_track track = soft_track();
+    ASK(translation_pm_per_count, FIELD_TRANSLATION, {749999, false, false}, {750000, false, true},
+        {1250000, false, true}, {1250001, false, false}, {1000, false, false}, {500000000, false, false},
+        {25000000, true, true}, {25000000, false, true}, {24000000, false, false}, {1000000, false, true},
+        {25000000, false, false}, {500000001, true, false});
+    track = soft_track();
+    ASK(rotation_counts_per_turn, FIELD_ROTATION, {49151, false, false}, {49152, false, true},
+        {81920, false, true}, {81921, false, false}, {1024, true, true}, {1024, false, true},
+        {65536, false, true});
+}
+
+/* A host that says that a count is a quarter more than it is makes the coupling a quarter stiffer than it says. */
+static void a_larger_scale_counts_as_stiffness(void **state)
+{
+    (void)state;
+    seld_wire_track track = client_plain_track();
+    track.coupling_uN_m_per_rad = track.coupling_nN_m_s_per_rad = 0;
+    track.coupling_mN_s_per_m = 0;
+    track.coupling_N_per_m = 1600;
+    track.translation_pm_per_count = 1250000;
+    lock(false);
+    expect_taken(&track); /* 1.25 x 1,600 x 0.5 ms = 1 N s/m */
+    track.coupling_N_per_m = 1601;
+    expect_refused(&track, FIELD_COUPLING_ALONG);
+    track.translation_pm_per_count = 750000; /* and one that says less gains nothing */
+    track.coupling_N_per_m = 2000;
+    expect_taken(&track);
+    track.coupling_N_per_m = 2001;
+    expect_refused(&track, FIELD_COUPLING_ALONG);
+    track.translation_pm_per_count = 50000000; /* somebody at the rig has another encoder */
+    track.coupling_N_per_m = 2000;
+    lock(true);
+    expect_taken(&track);
+}
+
+/* An encoder that is said to count the other way turns every spring into a push. */
+static void the_sense_of_an_encoder_changes_only_with_the_local_unlock(void **state)
+{
+    (void)state;
+    seld_wire_track track = soft_track();
+    ASK(options, FIELD_OPTIONS, {0, false, true}, {SELD_WIRE_OPTION_TRANSLATION_REVERSED, false, false},
+        {SELD_WIRE_OPTION_ROTATION_REVERSED, false, false},
+        {SELD_WIRE_OPTION_TRANSLATION_REVERSED, true, true},
+        {SELD_WIRE_OPTION_TRANSLATION_REVERSED, false, true}, {0, false, true},
+        {SELD_WIRE_OPTION_TRANSLATION_REVERSED, false, false});
+}
+
+/* A session in LOCKSTEP has its hands on the host, in counts of its own, and drives nothing. What somebody at the rig said is still good
+ * when the host gives the rig back, and what only the host said is not good for a coupling. */
+static void a_track_without_a_coupling_may_have_any_scale(void **state)
+{
+    (void)state;
+    seld_wire_track rig = soft_track(), session = soft_track();
+    rig.translation_pm_per_count = 25000000;
+    rig.options = SELD_WIRE_OPTION_TRANSLATION_REVERSED;
+    session.coupling_N_per_m = 0;
+    session.force_gain_milli = 4000;
+    session.translation_pm_per_count = 4000000;
+    lock(true);
+    expect_taken(&rig);
+    lock(false);
+    expect_taken(&session);
+    session.coupling_N_per_m = 1;
+    expect_refused(&session, FIELD_TRANSLATION);
+    session.coupling_N_per_m = 0;
+    session.force_uN_per_count = 1; /* the force sensor is looked at in every state */
+    expect_refused(&session, FIELD_FORCE_SCALE);
+    expect_taken(&rig);
+}
+
+/* The same table for every way in: here the one that HID takes. */
+static void settings_without_frames_obey_the_same_table(void **state)
+{
+    (void)state;
+    static seld_app app;
+    seld_app_init(&app, &quiet_port);
+    app.state = SELD_WIRE_STATE_READY;
+    app.is_greeted = true;
+    app.has_rig = true;
+    seld_wire_rig rig = {.tracks_count = 1, .tracks = {soft_track()}};
+    rig.tracks[0].damping_nN_m_s_per_rad = 0;
+    rig.tracks[0].force_gain_milli = 1001;
+    seld_app_configure(&app, &rig);
+    assert_int_equal(app.tracks[0].wire.force_gain_milli, 1000);
+    app.rig.local_unlock = true;
+    seld_app_configure(&app, &rig);
+    assert_int_equal(app.tracks[0].wire.force_gain_milli, 1001);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(a_gain_above_one_counts_as_stiffness_and_damping),
+        TEST(a_gain_below_one_allows_nothing_stiffer),
+        TEST(a_gain_counts_about_the_line_too),
+        TEST(a_gain_above_one_needs_the_local_unlock),
+        TEST(more_damping_than_was_built_needs_the_local_unlock),
+        TEST(less_lag_than_was_built_needs_the_local_unlock),
+        TEST(an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock),
+        TEST(a_larger_scale_counts_as_stiffness),
+        TEST(the_sense_of_an_encoder_changes_only_with_the_local_unlock),
+        TEST(a_track_without_a_coupling_may_have_any_scale),
+        TEST(settings_without_frames_obey_the_same_table),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

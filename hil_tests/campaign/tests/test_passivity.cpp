@@ -1,0 +1,57 @@
+// The grid of gain, coupling, damping, lag and hand, a spread of it (make hil-passivity does all): nothing that the device takes drives
+// a carriage too fast or goes on to and fro. And the meter that says so.
+#include "hil_tests/campaign/passivity.hpp"
+#include "hil_tests/l0/sim_bench.hpp"
+#include <cmath>
+#include <csetjmp>
+#include <cstdarg>
+
+extern "C" {
+#include <cmocka.h>
+}
+
+namespace
+{
+
+void nothing_that_is_accepted_is_fast_or_goes_on_to_and_fro(void **)
+{
+    hil::SimLevel level;
+    assert_true(hil::passivity_grid().size() >= 300);
+    assert_int_equal(hil::run_passivity_grid(level, 41, ""), 0);
+}
+
+// 800 N/m at a gain of 2 on honest damping reached 0.34 m/s in a loose hand; it is refused.
+void a_gain_of_two_on_honest_damping_is_refused(void **)
+{
+    hil::SimLevel level;
+    assert_true(hil::run_passivity(level, {1000, 800, 1000, 500, false}).is_accepted);
+    assert_false(hil::run_passivity(level, {2000, 800, 1000, 500, false}).is_accepted);
+}
+
+// A sine of 20 Hz for 250 ms: of 60 mN it is a cycle, of 40 mN none; a step is none.
+void the_meter_measures_cycles(void **)
+{
+    hil::CycleMeter felt(0.1), unfelt(0.1), step(0.1);
+    for (int ms = 0; ms < 250; ms++) {
+        felt.take(0.060 * std::sin(ms * 0.1257));
+        unfelt.take(0.040 * std::sin(ms * 0.1257));
+        step.take(ms < 100 ? 0.0 : 2.0);
+    }
+    assert_true(felt.longest_ms() > 180.0 && felt.longest_ms() <= 250.0);
+    assert_true(std::abs(felt.largest_N() - 0.060) < 0.002);
+    assert_true(unfelt.longest_ms() == 0.0 && step.longest_ms() == 0.0);
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        {"the_meter_measures_cycles", the_meter_measures_cycles, nullptr, nullptr, nullptr},
+        {"a_gain_of_two_on_honest_damping_is_refused", a_gain_of_two_on_honest_damping_is_refused, nullptr,
+         nullptr, nullptr},
+        {"nothing_that_is_accepted_is_fast_or_goes_on_to_and_fro",
+         nothing_that_is_accepted_is_fast_or_goes_on_to_and_fro, nullptr, nullptr, nullptr},
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}

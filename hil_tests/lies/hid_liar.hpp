@@ -1,0 +1,13 @@
+// The HID interface of a rig that lies, as hidapi would give it. May include: lie, host/link. Called by: hil_tests/lies.
+#pragma once
+#include "hil_tests/lies/lie.hpp"
+#include "host/link/hid_rig.hpp"
+#include <functional>
+
+namespace hil
+{
+
+// One at a time; the functions know no user data.
+seld::HidApi lying_hid(const Lie &lie, std::function<void()> struck);
+
+} // namespace hil

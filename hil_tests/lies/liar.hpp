@@ -1,0 +1,74 @@
+// A rig on the fake bus that tells one lie: the firmware's own device behind a mouth that changes what it says.
+// Called by the bus, with its lock held. May include: lie, shared/wire, sim port. Called by: hil_tests/lies.
+#pragma once
+#include "firmware/port/sim/sim.h"
+#include "hil_tests/lies/lie.hpp"
+#include "shared/wire/wire_frame.h"
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace hil
+{
+
+using Bytes = std::vector<std::uint8_t>;
+
+// A frame taken apart, and put together again with a good CRC.
+struct Frame {
+    seld_wire_header header{};
+    Bytes payload;
+};
+Bytes encode(const Frame &frame);
+
+class Liar
+{
+  public:
+    // `frames`: how many an honest device sends to this command; a lie about a later one is told about an earlier one.
+    // `struck` is called when the lie is told first.
+    Liar(const Lie &lie, unsigned frames, seld_sim *sim, std::function<void()> struck);
+    void take(std::span<const std::uint8_t> bytes);
+    std::size_t give(std::span<std::uint8_t> bytes);
+
+  private:
+    using Clock = std::chrono::steady_clock;
+
+    void pull();
+    void say(const Bytes &bytes);
+    void pass(Frame frame, const Bytes &raw);
+    void strike();
+    bool is_only_slow() const; // it says what the device says
+    bool lie_about_frame(const Frame &frame, const Bytes &raw);
+    bool lie_about_snapshot(const Frame &frame, const Bytes &raw);
+    bool lie_about_message(Frame &frame);
+    void forge();
+    std::size_t stream(std::span<std::uint8_t> bytes);
+    std::size_t drip(std::span<std::uint8_t> bytes);
+
+    Lie lie_;
+    unsigned place_;
+    seld_sim *sim_;
+    std::function<void()> struck_;
+    bool has_struck_ = false, is_streaming_ = false;
+    unsigned frames_ = 0, seen_ = 0; // frames said, and messages of the lie's type among them
+    std::unique_ptr<seld_wire_decoder> from_device_, from_host_;
+    seld_wire_header asked_{};
+    Bytes partial_, same_, held_, last_ticks_;
+    std::vector<Frame> snapshot_; // under way
+    std::deque<std::uint8_t> out_, flood_;
+    std::uint32_t random_ = 1;
+    Clock::time_point next_drip_{};
+    std::deque<std::pair<Clock::time_point, Bytes>> late_;
+};
+
+// Changes one field of a message as the lie says; false: this message is not what it is about. (liar_fields.cpp)
+bool change_field(const Lie &lie, Frame &frame, const Bytes &last_ticks);
+// The type of message that a lie about a field is about; 0: none in particular.
+std::uint16_t type_of(const Lie &lie);
+// A message of that type with nothing in it, for a lie that comes unasked.
+Frame empty_message(std::uint16_t type);
+
+} // namespace hil

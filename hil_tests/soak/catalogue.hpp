@@ -1,0 +1,59 @@
+// What sessions are drawn from: baked scenes with their vessels, every instrument and stent that ships, and the sets of instruments that fit
+// into each other. Read once; a session's device and sinks take it from here.
+// May include: host. Called by: hil_tests/soak.
+#pragma once
+#include "host/app/scene_file.hpp"
+#include "host/model/instrument.hpp"
+#include "host/model/lesion_opening.hpp"
+#include "host/model/motion.hpp"
+#include "host/model/vessel_tree.hpp"
+#include "host/stent/design.hpp"
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace soak
+{
+
+struct SoakScene {
+    std::string path; // empty: free space
+    seld::SceneFile file;
+    seld::VesselTree vessels;
+    std::optional<seld::Motion> motion;
+    std::vector<seld::LesionStations> stations;
+    int depth_max_mm = 300; // from the sheath to the root of the tree and a little further
+
+    bool has_branch(const std::string &name) const;
+};
+
+struct SoakTool {
+    std::string path;
+    seld::Instrument instrument;
+    double thickest_mm = 0, tightest_mm = 0; // outer and inner diameter
+
+    bool has_balloon() const { return instrument.table.balloon_count > 0; }
+    int length_mm() const { return static_cast<int>(instrument.length_m * 1e3); }
+};
+
+struct SoakStent {
+    std::string path;
+    seld::StentDesign design;
+};
+
+struct Catalogue {
+    std::vector<SoakScene> scenes;
+    std::vector<SoakTool> tools;
+    std::vector<SoakStent> stents;
+    // Indices into `tools` from the innermost: 1 to 3 of them, each passes the lumen of the next, at most one balloon.
+    std::vector<std::vector<std::size_t>> sets;
+
+    const SoakScene &scene(const std::string &path) const; // throws std::runtime_error
+    const SoakTool &tool(const std::string &path) const;
+    const SoakStent &stent(const std::string &path) const;
+};
+
+// Folders: every .toml in them, by name. Throws FileError, std::runtime_error.
+Catalogue read_catalogue(const std::vector<std::string> &scene_paths, const std::string &tool_folder,
+                         const std::string &stent_folder);
+
+} // namespace soak

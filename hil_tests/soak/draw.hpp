@@ -1,0 +1,22 @@
+// Random sessions that `seldinger run` would take: tools that fit into each other, a way into the vessels, and what hands, inflator, syringe, heart
+// and X-ray room may do on it. The same seed and index give the same session on every machine (docs/soak.md).
+// May include: catalogue, drawn. Called by: hil_tests/soak.
+#pragma once
+#include "hil_tests/soak/catalogue.hpp"
+#include "hil_tests/soak/drawn.hpp"
+
+namespace soak
+{
+
+// The fastest that a hand is drawn with.
+inline constexpr int speed_max_mm_s = 250, turn_max_deg_s = 687; // 12 rad/s
+
+struct DrawSettings {
+    int seconds_min = 25, seconds_max = 65; // of the session, as far as it can be told beforehand
+};
+
+// Throws std::runtime_error when the catalogue is empty.
+DrawnSession draw_session(const Catalogue &catalogue, std::uint64_t seed, std::uint32_t index,
+                          const DrawSettings &settings = {});
+
+} // namespace soak

@@ -1,0 +1,28 @@
+// A drawn session: which scene, which tools, which stents, and an ordinary session script (docs/session.md) as lines. What is drawn can
+// therefore be printed and done again by `seldinger run`. May include: nothing. Called by: hil_tests/soak.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace soak
+{
+
+struct DrawnSession {
+    std::uint64_t seed = 0;
+    std::uint32_t index = 0;
+    std::string scene;              // path; empty: free space
+    std::vector<std::string> tools; // paths, from the innermost
+    std::vector<std::string> stents;
+    std::vector<std::string> lines; // of the script, a statement each
+};
+
+// "seed 1 session 17"
+std::string name_of(const DrawnSession &session);
+std::string script_of(const DrawnSession &session);
+// The command that does it again, with the script in a file of that name.
+std::string command_of(const DrawnSession &session, const std::string &script_path);
+// The same without scene: "j_wire + beacon_5f".
+std::string tools_of(const DrawnSession &session);
+
+} // namespace soak

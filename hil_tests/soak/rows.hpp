@@ -1,0 +1,51 @@
+// The results of one seed as a file of tab-separated rows, a session each, which a later call goes on from.
+// May include: trial, drawn. Called by: hil_tests/soak.
+#pragma once
+#include "hil_tests/soak/trial.hpp"
+#include <map>
+#include <string>
+
+namespace soak
+{
+
+struct Row {
+    std::uint32_t index = 0;
+    std::string scene, tools;
+    Verdict verdict;
+    std::string script; // shrunk; empty: nothing broke
+};
+
+std::string line_of(const Row &row);
+Row row_of(const std::string &line); // throws std::runtime_error
+
+class RowsFile
+{
+  public:
+    // `key` says what the rows were made with; rows of another key are put aside as "path.old". A last line that was cut off is
+    // dropped. Throws std::runtime_error.
+    RowsFile(const std::string &path, const std::string &key);
+
+    void add(const Row &row); // at once into the file
+    bool has(std::uint32_t index) const { return rows_.count(index) > 0; }
+    const std::map<std::uint32_t, Row> &rows() const { return rows_; }
+    bool was_put_aside() const { return was_put_aside_; }
+
+  private:
+    void append(const std::string &text);
+
+    const std::string path_;
+    std::map<std::uint32_t, Row> rows_;
+    bool was_put_aside_ = false;
+};
+
+struct Summary {
+    std::uint64_t sessions = 0, ticks = 0, broken = 0, capped = 0;
+    double penetration_mm = 0, length_pct = 0, force_N = 0, injected_mg = 0;
+    std::uint32_t penetration_at = 0, length_at = 0, force_at = 0; // index of the session
+    std::map<std::string, std::uint64_t> by_bar;                   // broken ones
+};
+Summary sum_of(const RowsFile &rows);
+// Lines as those of out/bench.tsv: name, value, unit, context (docs/bench.md).
+std::string bench_rows(const Summary &summary, std::uint64_t seed);
+
+} // namespace soak

@@ -1,0 +1,175 @@
+#include "hil_tests/soak/trial.hpp"
+#include "hil_tests/soak/watch.hpp"
+#include "host/app/replay.hpp"
+#include "host/app/run.hpp"
+#include "host/model/interrupt.hpp"
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <unistd.h>
+
+namespace soak
+{
+
+namespace
+{
+
+namespace fs = std::filesystem;
+
+constexpr seld::RoomCommand first_stent{seld::RoomAction::load_stent, {}};
+
+// Removed when the trial is over, however it ends.
+struct RecordingFile {
+    explicit RecordingFile(const std::string &folder)
+        : path((folder.empty() ? fs::temp_directory_path() : fs::path(folder)) /
+               ("soak_" + std::to_string(getpid()) + ".rec"))
+    {
+    }
+    ~RecordingFile()
+    {
+        std::error_code ignored;
+        fs::remove(path, ignored);
+    }
+    const fs::path path;
+};
+
+bool has_action(const seld::Session &script, seld::RoomAction action)
+{
+    for (const seld::Statement &statement : script.statements)
+        for (const seld::RoomCommand &command : statement.room)
+            if (command.action == action) return true;
+    return false;
+}
+
+// Everything that one session needs, made as `seldinger run` makes it.
+struct Stage {
+    Stage(const Catalogue &catalogue, const DrawnSession &drawn)
+        : scene(catalogue.scene(drawn.scene)), script(seld::parse_session(script_of(drawn), name_of(drawn)))
+    {
+        for (const std::string &path : drawn.tools) tools.push_back(catalogue.tool(path).instrument);
+        for (const std::string &path : drawn.stents) designs.push_back(catalogue.stent(path).design);
+        const seld::Motion *motion = scene.motion ? &*scene.motion : nullptr;
+        if (!designs.empty())
+            stents =
+                std::make_unique<seld::SessionStents>(designs, scene.vessels, motion, scene.stations, tools);
+        if (has_action(script, seld::RoomAction::inject) && !scene.vessels.branches.empty())
+            contrast = std::make_unique<seld::SessionContrast>(
+                scene.vessels, tools, motion, seld::LesionOpening(scene.vessels, scene.stations));
+        entry = seld::entry_of(scene.file, tools.size(), script.inserted_um);
+    }
+
+    std::unique_ptr<seld::Device> device() const
+    {
+        return std::make_unique<seld::Device>(scene.file, tools, entry, seld::host_rig());
+    }
+
+    seld::RecordingHeader header(const seld::Device &device) const
+    {
+        seld::RecordingHeader header;
+        header.core_version = device.identity().core_version;
+        header.schema_hash = device.identity().schema_hash;
+        header.scene_bytes = static_cast<std::uint32_t>(scene.file.bytes.size());
+        header.scene_crc32 = scene.file.crc32;
+        header.scene_path = scene.path;
+        header.session_path = script.file;
+        header.tools = tools;
+        header.entry = entry;
+        header.rig = device.rig();
+        header.stents = designs;
+        return header;
+    }
+
+    const SoakScene &scene;
+    const seld::Session script;
+    std::vector<seld::Instrument> tools;
+    std::vector<seld::StentDesign> designs;
+    std::unique_ptr<seld::SessionStents> stents;
+    std::unique_ptr<seld::SessionContrast> contrast;
+    seld_wire_entry entry{};
+};
+
+// With a recorder whose recording is closed however the session ends.
+Verdict run_once(Stage &stage, const TrialSettings &settings, const std::string &recording)
+{
+    const std::unique_ptr<seld::Device> device = stage.device();
+    Watch watch(settings, stage.stents.get(), stage.contrast.get(), [&] {
+        seld_wire_fault_log log{};
+        device->ask([&](seld::Link &link) { log = link.read_fault_log(); });
+        return log;
+    });
+    std::unique_ptr<seld::Recorder> recorder;
+    if (settings.replays) recorder = std::make_unique<seld::Recorder>(recording, stage.header(*device));
+    seld::RunSettings run_settings;
+    if (stage.stents && !has_action(stage.script, seld::RoomAction::load_stent))
+        run_settings.begin = {first_stent};
+    Enough end;
+    bool was_interrupted = false;
+    try {
+        const seld::RunResult result =
+            seld::run_session(*device, stage.script, recorder.get(), &watch, run_settings);
+        was_interrupted = result.was_interrupted;
+        watch.look_at_faults(device->link().tick());
+        watch.balance_iodine(device->link().tick());
+    } catch (const Enough &enough) {
+        end = enough;
+        if (end.broken.empty() && recorder) {
+            const std::uint64_t hash = device->link().read_hash64().hash;
+            recorder->finish(device->link().tick(), hash);
+        }
+    }
+    Verdict verdict = watch.worst();
+    verdict.hash = device->link().read_hash64().hash;
+    verdict.broken = end.broken;
+    verdict.text = end.text;
+    verdict.tick = end.tick;
+    verdict.was_interrupted = was_interrupted;
+    if (stage.contrast) verdict.injected_mg = stage.contrast->flow().budget().injected_mg;
+    return verdict;
+}
+
+// On a device that knows nothing of the session, from the file.
+void replay_once(const Stage &stage, const TrialSettings &settings, const std::string &path, Verdict &verdict)
+{
+    seld::Recording recording = seld::read_recording(path);
+    if (settings.disturb) settings.disturb(recording);
+    const std::unique_ptr<seld::Device> device = stage.device();
+    seld::ReplaySettings replay_settings;
+    replay_settings.verifies = true;
+    const seld::ReplayResult replay = seld::replay_recording(*device, recording, nullptr, replay_settings);
+    verdict.was_interrupted = replay.was_interrupted;
+    if (replay.was_interrupted) return;
+    if (!replay.first_difference_tick && replay.ticks_compared == recording.ticks.size() &&
+        replay.ticks_compared == verdict.ticks && replay.hash == verdict.hash)
+        return;
+    verdict.broken = "replay";
+    verdict.tick = replay.first_difference_tick.value_or(replay.tick);
+    verdict.text = replay.first_difference_tick
+                       ? "replay: " + replay.difference
+                       : "replay: " + std::to_string(replay.ticks_compared) + " ticks of " +
+                             std::to_string(verdict.ticks) + " were compared, or the last hash differs";
+}
+
+} // namespace
+
+Verdict run_trial(const Catalogue &catalogue, const DrawnSession &session, const TrialSettings &settings)
+{
+    Verdict verdict;
+    try {
+        Stage stage(catalogue, session);
+        const RecordingFile file(settings.folder);
+        verdict = run_once(stage, settings, file.path.string());
+        if (settings.replays && verdict.broken.empty() && !verdict.was_interrupted)
+            replay_once(stage, settings, file.path.string(), verdict);
+    } catch (const std::exception &error) {
+        if (seld::is_interrupted()) { // what it was doing when Ctrl-C came is no verdict
+            verdict.was_interrupted = true;
+            return verdict;
+        }
+        verdict.broken = "error";
+        verdict.text = error.what();
+        verdict.tick = verdict.ticks;
+    }
+    return verdict;
+}
+
+} // namespace soak

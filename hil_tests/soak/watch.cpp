@@ -1,0 +1,131 @@
+#include "hil_tests/soak/watch.hpp"
+#include "host/model/units.hpp"
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace soak
+{
+
+namespace
+{
+
+// A snap is scaled down, a tool that is wholly out or in slips, and a hand that is too fast is told so: none of these is wrong physics.
+bool is_allowed(std::uint16_t code)
+{
+    return code == SELD_FAULT_CODE_CORE_STEP_CAPPED || code == SELD_FAULT_CODE_CORE_INSERT_END ||
+           code == SELD_FAULT_CODE_CORE_FEED_LIMIT;
+}
+
+std::string sentence(const char *format, double a, double b, const char *unit)
+{
+    char text[160];
+    std::snprintf(text, sizeof text, format, a, unit, b, unit);
+    return text;
+}
+
+} // namespace
+
+Watch::Watch(const TrialSettings &settings, seld::SessionStents *stents, seld::SessionContrast *contrast,
+             std::function<seld_wire_fault_log()> log)
+    : settings_(settings), stents_(stents), contrast_(contrast), log_(std::move(log))
+{
+}
+
+void Watch::hold(const char *bar, double value, double most, const char *unit, std::uint32_t tick) const
+{
+    if (value <= most) return;
+    throw Enough{bar, std::string(bar) + sentence(" of %.4g %s, at most %.4g %s", value, most, unit), tick};
+}
+
+void Watch::tick(const seld_wire_encoders &input, const seld_wire_tick_state &state)
+{
+    if (stents_) stents_->tick(input, state);
+    if (contrast_) contrast_->tick(state);
+    seen_tick_ = state.tick;
+    worst_.ticks = state.tick;
+    const double depth_mm = seld::units::metres(state.penetration_max_m_q30) * 1e3;
+    const double length_pct = std::abs(seld::units::ratio(state.strain_max_q30)) * 1e2;
+    double force_N = 0;
+    for (std::uint16_t k = 0; k < state.tools_count; k++)
+        force_N = std::max(force_N, std::abs(seld::units::newtons(state.tools[k].handle_axial_N_q22)));
+    worst_.penetration_mm = std::max(worst_.penetration_mm, depth_mm);
+    worst_.length_pct = std::max(worst_.length_pct, length_pct);
+    worst_.force_N = std::max(worst_.force_N, force_N);
+    hold("penetration", depth_mm, settings_.bars.penetration_mm, "mm", state.tick);
+    hold("length", length_pct, settings_.bars.length_pct, "%", state.tick);
+    hold("force", force_N, settings_.bars.force_N, "N", state.tick);
+    const std::uint32_t batch = seld::SessionPlayer::observe_every_ticks;
+    if ((state.core_fault_bits & ~fault_bits_) != 0 && news_tick_ == UINT32_MAX)
+        news_tick_ = ((state.tick + batch - 1) / batch + 1) * batch;
+    fault_bits_ = state.core_fault_bits;
+}
+
+void Watch::command(std::uint32_t tick, const seld::RoomCommand &command)
+{
+    if (stents_) stents_->command(tick, command);
+    if (contrast_) contrast_->command(tick, command);
+}
+
+// After a new bit of the core the log is read at the end of the next batch. A session that is long enough ends where device and
+// recording are at the same tick. Neither tick moves while a batch is done.
+std::uint32_t Watch::next_tick() const
+{
+    const std::uint32_t end = seen_tick_ <= settings_.ticks_max ? settings_.ticks_max : UINT32_MAX;
+    return std::min({news_tick_, end, stents_ ? stents_->next_tick() : UINT32_MAX,
+                     contrast_ ? contrast_->next_tick() : UINT32_MAX});
+}
+
+void Watch::frame(const seld::SessionFrame &frame)
+{
+    if (frame.wire.tick >= news_tick_) {
+        look_at_faults(frame.wire.tick);
+        news_tick_ = UINT32_MAX;
+    }
+    if (contrast_) contrast_->advance(frame.wire);
+    if (stents_) stents_->advance(frame.wire);
+    if (frame.wire.tick >= settings_.ticks_max) throw Enough{"", "", frame.wire.tick};
+}
+
+std::optional<seld_wire_scaffold> Watch::order()
+{
+    return stents_ ? stents_->order() : std::optional<seld_wire_scaffold>();
+}
+
+std::optional<seld_wire_strut> Watch::strut_order()
+{
+    return stents_ ? stents_->strut_order() : std::optional<seld_wire_strut>();
+}
+
+void Watch::look_at_faults(std::uint32_t tick)
+{
+    const seld_wire_fault_log log = log_();
+    for (std::uint16_t i = 0; i < log.entries_count; i++) {
+        const seld_wire_fault_entry &entry = log.entries[i];
+        if (entry.code == SELD_FAULT_CODE_CORE_STEP_CAPPED) worst_.capped = entry.count;
+        if (is_allowed(entry.code)) continue;
+        const std::uint32_t when = entry.tick_first <= tick ? entry.tick_first : tick;
+        throw Enough{entry.code == SELD_FAULT_CODE_CORE_SATURATED ? "saturation" : "fault",
+                     std::string(seld_wire_fault_name(entry.code)) + ": " + seld_wire_fault_text(entry.code),
+                     when};
+    }
+}
+
+void Watch::balance_iodine(std::uint32_t tick) const
+{
+    if (!contrast_ || !contrast_->was_used()) return;
+    const seld::IodineBudget &budget = contrast_->flow().budget();
+    const std::optional<seld::RunContrast> given = contrast_->given(0, tick);
+    const double asked_mg = given ? given->volume_ml * given->iodine_mg_ml : 0.0;
+    const double found_mg = contrast_->flow().held_mg() + budget.out_mg + budget.reflux_mg;
+    const double most_mg = settings_.bars.iodine_share * asked_mg + 1e-9;
+    const auto differs = [&](double mg) { return !(std::abs(mg - asked_mg) <= most_mg); };
+    if (!differs(found_mg) && !differs(budget.injected_mg)) return;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "iodine: %.9g mg left the syringe, %.9g mg came in, %.9g mg are in the vessels or went out",
+                  asked_mg, budget.injected_mg, found_mg);
+    throw Enough{"iodine", text, tick};
+}
+
+} // namespace soak

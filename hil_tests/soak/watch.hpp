@@ -1,0 +1,52 @@
+// The sink of a trial: holds every tick against the bars, and does the work of stents and contrast medium, which nobody draws.
+// May include: host, trial. Called by: trial.
+#pragma once
+#include "hil_tests/soak/trial.hpp"
+#include "host/app/session.hpp"
+#include "host/app/session_contrast.hpp"
+#include "host/app/session_stents.hpp"
+#include <stdexcept>
+
+namespace soak
+{
+
+// Ends a session from within.
+struct Enough {
+    std::string broken, text; // as in Verdict; empty: it is long enough
+    std::uint32_t tick = 0;
+};
+
+class Watch final : public seld::FrameSink
+{
+  public:
+    // `stents` and `contrast` may be nullptr. `log` reads the device's fault log.
+    Watch(const TrialSettings &settings, seld::SessionStents *stents, seld::SessionContrast *contrast,
+          std::function<seld_wire_fault_log()> log);
+
+    void tick(const seld_wire_encoders &input, const seld_wire_tick_state &state) override;
+    void command(std::uint32_t tick, const seld::RoomCommand &command) override;
+    std::uint32_t next_tick() const override;
+    void frame(const seld::SessionFrame &frame) override;
+    std::optional<seld_wire_scaffold> order() override;
+    std::optional<seld_wire_strut> strut_order() override;
+    void finish() override {}
+
+    // The device's log as it is now. Throws Enough for what no session may have.
+    void look_at_faults(std::uint32_t tick);
+    // In = in the vessels + out, when the session is over. Throws Enough.
+    void balance_iodine(std::uint32_t tick) const;
+    const Verdict &worst() const { return worst_; }
+
+  private:
+    void hold(const char *bar, double value, double most, const char *unit, std::uint32_t tick) const;
+
+    const TrialSettings &settings_;
+    seld::SessionStents *stents_;
+    seld::SessionContrast *contrast_;
+    std::function<seld_wire_fault_log()> log_;
+    Verdict worst_;
+    std::uint32_t fault_bits_ = 0, seen_tick_ = 0;
+    std::uint32_t news_tick_ = UINT32_MAX; // when the log is read for a new fault
+};
+
+} // namespace soak

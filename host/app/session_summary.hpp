@@ -1,0 +1,28 @@
+// The end of a session, however it was led: figures on the terminal, as JSON and as a score. `run`, `view` and `replay` say the same.
+// May include: run, score, contrast, stents. Called by: cli_run, cli_replay, window.
+#pragma once
+#include "host/app/run.hpp"
+#include <string>
+#include <vector>
+
+namespace seld
+{
+
+// Name, lengths, force and torque of every tool, one below the other; `tips`: where they are.
+void print_tools(const std::vector<Instrument> &tools, const SessionFigures &figures,
+                 const std::vector<TipPlace> &tips = {});
+// "written  NAME", a line each.
+void print_files(const std::vector<std::string> &files);
+// Everything that is known of the session.
+void print_session(const RunResult &result, const std::vector<Instrument> &tools,
+                   const ReportSources &sources);
+
+struct SessionFiles {
+    std::string json, score; // empty: none. A score needs ReportSources::room
+};
+// `session`: the script's name, or who led. Throws OutputError.
+void write_session_files(const SessionFiles &files, const RunResult &result, const std::string &scene,
+                         const std::vector<Instrument> &tools, const std::string &session,
+                         const ReportSources &sources);
+
+} // namespace seld

@@ -1,0 +1,220 @@
+// Frames from the device: found in its bytes, filed by their type, refusals thrown. Nothing that a device sends keeps the host
+// here for ever: bytes without a frame, frames without an answer and time are bounded.
+#include "host/link/link.hpp"
+#include "host/link/link_text.hpp"
+#include "host/model/interrupt.hpp"
+#include <algorithm>
+
+namespace seld
+{
+
+void Link::broken(const char *what) const
+{
+    throw LinkError(transport_.name() + " sent a " + what +
+                    " message that does not have its form; use the same version on both sides");
+}
+
+void Link::silent() const
+{
+    const std::string wait = " (waiting for " + std::string(seld_wire_message_name(waits_for_)) + ")";
+    if (is_interrupted()) throw LinkError(transport_.name() + " did not answer before Ctrl-C" + wait);
+    throw LinkError(transport_.name() + " does not answer" + wait + "; check cable, power and port");
+}
+
+// Silent, slow, or talking about everything but what it was asked.
+void Link::check_patience()
+{
+    if (!transport_.has_own_clock() || !patience_.is_over()) return;
+    patience_.give_up();
+    if (is_interrupted()) silent();
+    throw LinkError(
+        transport_.name() +
+        format(" kept the host waiting for %.1f s%s%s; take it off the bus, and use another firmware",
+               static_cast<double>(patience_.spent().count()) * 1e-3, waits_for_ != 0 ? ", at last for " : "",
+               waits_for_ != 0 ? seld_wire_message_name(waits_for_) : ""));
+}
+
+// A device that talks without end is as bad as a silent one: `frames` counts down to what no honest one says at once.
+bool Link::receive_one_of(std::uint32_t &frames)
+{
+    if (!receive()) return false;
+    if (frames-- > 0) return true;
+    throw LinkError(transport_.name() +
+                    " talks without end and does not answer; take it off the bus, and use another firmware");
+}
+
+bool Link::receive()
+{
+    for (;;) {
+        while (incoming_position_ < incoming_count_) {
+            if (seld_wire_decoder_push(&decoder_, incoming_[incoming_position_++]) != SELD_WIRE_FRAME)
+                continue;
+            bytes_without_frame_ = 0;
+            return true;
+        }
+        check_patience();
+        incoming_position_ = 0;
+        incoming_count_ = transport_.read(incoming_);
+        if (incoming_count_ == 0) return false;
+        check_patience(); // what came may be the answer, and too late for this device's account
+        bytes_without_frame_ += incoming_count_;
+        if (bytes_without_frame_ <= bytes_without_frame_max) continue;
+        bytes_without_frame_ = 0;
+        incoming_count_ = 0;
+        throw LinkError(
+            transport_.name() +
+            format(" sends bytes that are no message: %zu of them without a whole frame. Remedy: plug "
+                   "it out and in; install this release's firmware, or unplug what uses the rig's number",
+                   bytes_without_frame_max));
+    }
+}
+
+// Keep what a frame says. A refusal is an error of the request that is being answered.
+void Link::file_frame()
+{
+    const std::uint8_t *payload = decoder_.payload;
+    const std::size_t length = decoder_.payload_bytes;
+    switch (decoder_.header.type) {
+    case SELD_WIRE_TYPE_hello_reply:
+        if (!seld_wire_decode_hello_reply(payload, length, &hello_reply_)) broken("hello_reply");
+        break;
+    case SELD_WIRE_TYPE_status:
+        if (!seld_wire_decode_status(payload, length, &status_)) broken("status");
+        break;
+    case SELD_WIRE_TYPE_ticks:
+        if (!seld_wire_decode_ticks(payload, length, &ticks_)) broken("ticks");
+        break;
+    case SELD_WIRE_TYPE_rig:
+        if (!seld_wire_decode_rig(payload, length, &rig_)) broken("rig");
+        break;
+    case SELD_WIRE_TYPE_set_up:
+        if (!seld_wire_decode_set_up(payload, length, &set_up_)) broken("set_up");
+        break;
+    case SELD_WIRE_TYPE_sensors:
+        if (!seld_wire_decode_sensors(payload, length, &sensors_)) broken("sensors");
+        break;
+    case SELD_WIRE_TYPE_nodes:
+        if (!seld_wire_decode_nodes(payload, length, &nodes_)) broken("nodes");
+        break;
+    case SELD_WIRE_TYPE_node_table:
+        if (!seld_wire_decode_node_table(payload, length, &node_table_)) broken("node_table");
+        break;
+    case SELD_WIRE_TYPE_contacts:
+        if (!seld_wire_decode_contacts(payload, length, &contacts_)) broken("contacts");
+        break;
+    case SELD_WIRE_TYPE_fault_log:
+        if (!seld_wire_decode_fault_log(payload, length, &fault_log_)) broken("fault_log");
+        break;
+    case SELD_WIRE_TYPE_hash64: {
+        seld_wire_hash64 hash;
+        if (!seld_wire_decode_hash64(payload, length, &hash)) broken("hash64");
+        hash64_ = Hash64{hash.tick, hash.hash};
+        break;
+    }
+    case SELD_WIRE_TYPE_reject: {
+        seld_wire_reject reject;
+        if (!seld_wire_decode_reject(payload, length, &reject)) broken("reject");
+        throw LinkError(describe(reject), reject);
+    }
+    default:
+        file_stream();
+    }
+}
+
+// Ticks of a batch follow each other. A batch that came before is not taken twice; one that never came is counted.
+void Link::file_live()
+{
+    seld_wire_live live;
+    if (!seld_wire_decode_live(decoder_.payload, decoder_.payload_bytes, &live)) broken("live");
+    for (std::uint16_t i = 1; i < live.ticks_count; i++) {
+        if (live.ticks[i].state.tick != live.ticks[0].state.tick + i) broken("live");
+    }
+    live_ = live;
+    for (std::uint16_t i = 0; i < live.ticks_count; i++) {
+        const std::uint32_t tick = live.ticks[i].state.tick;
+        if (live_tick_ && tick <= *live_tick_) continue;
+        if (live_tick_) ticks_missing_ += tick - *live_tick_ - 1;
+        live_tick_ = tick;
+        tick_ = std::max(tick_, tick);
+        if (live_ticks_.size() == live_ticks_max) { // nobody takes them
+            ticks_missing_++;
+            continue;
+        }
+        live_ticks_.push_back(live.ticks[i]);
+        free_run_states_.push_back(live.ticks[i].state);
+    }
+}
+
+// What a device says by itself or in several frames.
+void Link::file_stream()
+{
+    const std::uint8_t *payload = decoder_.payload;
+    const std::size_t length = decoder_.payload_bytes;
+    switch (decoder_.header.type) {
+    case SELD_WIRE_TYPE_live:
+        file_live();
+        break;
+    case SELD_WIRE_TYPE_notice: {
+        seld_wire_notice notice;
+        if (!seld_wire_decode_notice(payload, length, &notice)) broken("notice");
+        if (notices_.size() == notices_max) notices_.erase(notices_.begin());
+        notices_.push_back(notice);
+        break;
+    }
+    case SELD_WIRE_TYPE_snapshot_begin:
+        if (!seld_wire_decode_snapshot_begin(payload, length, &snapshot_begin_) ||
+            snapshot_begin_.snapshot_bytes > snapshot_bytes_max) {
+            snapshot_begin_ = {};
+            broken("snapshot_begin");
+        }
+        snapshot_.clear();
+        break;
+    case SELD_WIRE_TYPE_snapshot_chunk: {
+        seld_wire_snapshot_chunk chunk;
+        if (!seld_wire_decode_snapshot_chunk(payload, length, &chunk) || chunk.offset != snapshot_.size() ||
+            chunk.data_count > snapshot_begin_.snapshot_bytes - snapshot_.size()) {
+            broken("snapshot_chunk");
+        }
+        snapshot_.insert(snapshot_.end(), chunk.data, chunk.data + chunk.data_count);
+        break;
+    }
+    case SELD_WIRE_TYPE_snapshot_end:
+        if (snapshot_.size() != snapshot_begin_.snapshot_bytes ||
+            seld_wire_crc32(0, snapshot_.data(), snapshot_.size()) != snapshot_begin_.crc32) {
+            broken("snapshot_end");
+        }
+        break;
+    default:
+        throw LinkError(transport_.name() +
+                        format(" sent a message of unknown type %u; use the same version on both sides",
+                               static_cast<unsigned>(decoder_.header.type)));
+    }
+}
+
+// About an earlier request, whose answer came too late, or about an order that did not come in a frame.
+bool Link::is_late_refusal() const
+{
+    if (decoder_.header.type != SELD_WIRE_TYPE_reject) return false;
+    const auto since = static_cast<std::uint16_t>(decoder_.header.answers - asked_from_);
+    const auto asked = static_cast<std::uint16_t>(sequence_ - asked_from_);
+    return decoder_.header.answers == 0 || since > asked;
+}
+
+void Link::receive_answer(std::uint16_t type, std::size_t ticks)
+{
+    patience_.begin(Patience::free_per_tick * ticks);
+    waits_for_ = type;
+    for (std::uint32_t frames = frames_at_once_max;;) {
+        if (!receive_one_of(frames)) {
+            patience_.give_up();
+            silent();
+        }
+        if (is_late_refusal()) continue;
+        file_frame();
+        if (decoder_.header.type != type || decoder_.header.answers != sequence_) continue;
+        patience_.end();
+        return;
+    }
+}
+
+} // namespace seld

@@ -1,0 +1,16 @@
+// Text of messages with numbers in it. May include: nothing. Called by: link.
+#pragma once
+#include <cstdio>
+#include <string>
+
+namespace seld
+{
+
+inline std::string format(const char *pattern, auto... values)
+{
+    char text[512];
+    std::snprintf(text, sizeof text, pattern, values...);
+    return text;
+}
+
+} // namespace seld

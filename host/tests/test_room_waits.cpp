@@ -1,0 +1,169 @@
+// Claims: a run of cine or DSA begins when C-arm and table stand where they were asked to go, and says so while it waits; a pedal that
+// goes up before that makes no run, and the room says why; every five minutes of fluoroscopy are reminded of until acknowledged.
+#include "host/room/room.hpp"
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+extern "C" {
+#include <cmocka.h>
+}
+
+using namespace seld;
+
+namespace
+{
+
+struct Bench {
+    void ask(RoomAction action, std::int32_t a = 0, std::int32_t b = 0, std::int32_t c = 0)
+    {
+        assert_string_equal(room.give(now, {action, {a, b, c}}).c_str(), "");
+    }
+    // Up to tick `end`, this one not included.
+    void run_to(std::uint32_t end, const Eigen::Vector3d *tip = nullptr)
+    {
+        for (; now < end; ++now) {
+            room.advance(now, tip);
+            if (room.is_pulse_due()) room.expose(XrayPicture{});
+            if (room.is_beam_on() && room.status().kind != RunKind::fluoro && begin_tick == 0)
+                begin_tick = now;
+        }
+    }
+    bool notice_has(const char *text) const
+    {
+        return std::strstr(room.status().notice.c_str(), text) != nullptr;
+    }
+
+    Room room;
+    std::uint32_t now = 0, begin_tick = 0; // of the first run
+};
+
+// 30 degrees at 25 degrees/s and 40 degrees/s^2 take 1.2 s + 0.625 s. Asked at tick 1, so the run begins at tick 1826 or 1827.
+void check_waits(std::int32_t program)
+{
+    Bench bench;
+    bench.run_to(1);
+    bench.ask(RoomAction::angles, 30'000);
+    bench.run_to(500);
+    bench.ask(RoomAction::program, program);
+    bench.ask(RoomAction::acquire_pedal, 1);
+    bench.run_to(502);
+    assert_true(bench.notice_has("WAITS - the C-arm or the table is moving"));
+    bench.run_to(3000);
+    assert_in_range(bench.begin_tick, 1820, 1830);
+    assert_true(bench.room.status().carm.primary_deg == 30.0); // not stopped on its way
+    bench.ask(RoomAction::acquire_pedal, 0);
+    bench.run_to(3100);
+    assert_int_equal(bench.room.store().runs().size(), 1);
+    assert_true(bench.room.refusals().empty());
+}
+
+} // namespace
+
+static void dsa_waits_for_the_motors_and_they_reach_their_target(void **)
+{
+    check_waits(1);
+}
+
+static void cine_waits_for_the_motors_and_they_reach_their_target(void **)
+{
+    check_waits(0);
+}
+
+static void a_pedal_that_goes_up_too_early_makes_no_run_and_the_room_says_why(void **)
+{
+    Bench bench;
+    bench.run_to(1);
+    bench.ask(RoomAction::table, 100'000, 0, 0);
+    bench.run_to(100);
+    bench.ask(RoomAction::program, 1);
+    bench.ask(RoomAction::acquire_pedal, 1);
+    bench.run_to(300);
+    bench.ask(RoomAction::acquire_pedal, 0);
+    bench.run_to(301);
+    assert_true(bench.notice_has("NO DSA RUN - the pedal went up"));
+    bench.run_to(5000);
+    assert_int_equal(bench.room.store().runs().size(), 0);
+    assert_true(bench.room.dose().irradiations().empty());
+    assert_int_equal(bench.room.refusals().size(), 1);
+    assert_int_equal(bench.room.refusals()[0].tick, 300);
+    assert_non_null(std::strstr(bench.room.refusals()[0].why.c_str(), "hold the pedal longer"));
+}
+
+// A run that was, and one that was asked for while the motors stood, are no refusals.
+static void a_pedal_on_a_room_that_stands_is_never_refused(void **)
+{
+    Bench bench;
+    bench.run_to(10);
+    for (int run = 0; run < 2; ++run) {
+        bench.ask(RoomAction::acquire_pedal, 1);
+        bench.run_to(bench.now + 300);
+        bench.ask(RoomAction::acquire_pedal, 0);
+        bench.run_to(bench.now + 300);
+    }
+    assert_int_equal(bench.room.store().runs().size(), 2);
+    assert_true(bench.room.refusals().empty());
+}
+
+static void fluoroscopy_goes_on_while_a_run_waits(void **)
+{
+    Bench bench;
+    bench.run_to(1);
+    bench.ask(RoomAction::fluoro_pedal, 1);
+    bench.ask(RoomAction::angles, 30'000);
+    bench.run_to(400);
+    bench.ask(RoomAction::acquire_pedal, 1);
+    bench.run_to(1700);
+    assert_true(bench.room.is_beam_on() && bench.room.status().kind == RunKind::fluoro);
+    bench.run_to(2000);
+    assert_true(bench.room.is_beam_on() && bench.room.status().kind == RunKind::cine);
+}
+
+// A tip that goes on would keep the table moving for ever: the table follows it again during the run of cine.
+static void a_table_that_follows_a_tip_comes_to_rest_for_a_run(void **)
+{
+    Bench bench;
+    bench.ask(RoomAction::follow, 1);
+    Eigen::Vector3d tip(0.0, 0.0, 0.0);
+    bench.run_to(1, &tip);
+    for (; bench.now < 4000 && bench.begin_tick == 0;) {
+        tip.y() += 0.1e-3; // 100 mm/s
+        bench.run_to(bench.now + 1, &tip);
+        if (bench.now == 1500) bench.ask(RoomAction::acquire_pedal, 1);
+    }
+    assert_in_range(bench.begin_tick, 1500, 3500);
+}
+
+static void five_minutes_of_fluoroscopy_are_reminded_of_until_acknowledged(void **)
+{
+    Bench bench;
+    bench.run_to(1);
+    bench.ask(RoomAction::fluoro_rate, 375);
+    bench.ask(RoomAction::fluoro_pedal, 1);
+    bench.run_to(300'000);
+    assert_false(bench.room.dose().has_unseen_reminder());
+    bench.run_to(300'002);
+    assert_true(bench.room.dose().has_unseen_reminder() && bench.notice_has("FLUOROSCOPY 5 MIN"));
+    bench.run_to(310'000);
+    assert_true(bench.room.dose().has_unseen_reminder());
+    bench.ask(RoomAction::acknowledge);
+    bench.run_to(310'001);
+    assert_false(bench.room.dose().has_unseen_reminder());
+    bench.run_to(600'002);
+    assert_true(bench.room.dose().has_unseen_reminder() && bench.notice_has("FLUOROSCOPY 10 MIN"));
+}
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(dsa_waits_for_the_motors_and_they_reach_their_target),
+        cmocka_unit_test(cine_waits_for_the_motors_and_they_reach_their_target),
+        cmocka_unit_test(a_pedal_that_goes_up_too_early_makes_no_run_and_the_room_says_why),
+        cmocka_unit_test(a_pedal_on_a_room_that_stands_is_never_refused),
+        cmocka_unit_test(fluoroscopy_goes_on_while_a_run_waits),
+        cmocka_unit_test(a_table_that_follows_a_tip_comes_to_rest_for_a_run),
+        cmocka_unit_test(five_minutes_of_fluoroscopy_are_reminded_of_until_acknowledged),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}

@@ -1,0 +1,235 @@
+#!/usr/bin/env python3
+"""Every bar that was ever set and a command can show, held against what is measured now (docs/bars.md).
+
+  bars.py --build build [--only TEXT]
+
+Reads tools/bars/bars.tsv. What is counted (instructions, sizes, hashes, physics) is measured here and fails when it is over its bar;
+what another command measures is read from the file that the command writes and is "not measured here" without it; a time is printed
+with its ratio to the bar and never fails. Writes out/bars.tsv. The last lines are `bars.held<TAB>N` and `bars.red<TAB>N`; ends with 1
+when a bar is red or could not be measured.
+"""
+import argparse
+import collections
+import os
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.insert(0, os.path.join(ROOT, "tools", "bench"))
+import budget  # noqa: E402
+import run_bench  # noqa: E402
+
+LIST = os.path.join("tools", "bars", "bars.tsv")
+TABLE = os.path.join("out", "bars.tsv")
+SCENE = os.path.join("out", "aorta.scene")
+
+Bar = collections.namedtuple("Bar", "name op limit asked issue since source kind")
+
+
+class CannotMeasure(Exception):
+    """The text says why."""
+
+
+def read_bars(path=LIST):
+    bars = []
+    with open(os.path.join(ROOT, path), encoding="utf-8") as file:
+        for number, line in enumerate(file, 1):
+            if line.startswith("#") or not line.strip():
+                continue
+            fields = line.rstrip("\n").split("\t")
+            if len(fields) != 8 or fields[1] not in ("<=", ">="):
+                raise CannotMeasure("%s:%d: eight columns are wanted, the second <= or >=" % (path, number))
+            bars.append(Bar(fields[0], fields[1], float(fields[2]), *fields[3:]))
+    return bars
+
+
+def run(command, limit_s=600):
+    try:
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=limit_s, check=False)
+    except (OSError, subprocess.TimeoutExpired) as problem:
+        raise CannotMeasure("%s: %s" % (command[0], problem)) from problem
+    if done.returncode != 0:
+        raise CannotMeasure("%s: exit code %d: %s" % (" ".join(command), done.returncode, (done.stderr or done.stdout).strip()[-300:]))
+    return done.stdout
+
+
+# --- sources: each gives values by name -----------------------------------------------------------------------------
+def from_budget(options, _):
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            rows = budget.measure(options.build, folder)
+    except budget.CannotMeasure as problem:
+        raise CannotMeasure(str(problem)) from problem
+    return {"%s %s" % (name, budget.key_of(context)): value for name, value, _, context in rows}
+
+
+def from_bench(options, wanted):
+    """Cases of one benchmark program; only those that a bar names."""
+    program = os.path.join(options.build, "bench", "bench_lumen" if wanted[0].startswith("lumen") else "bench_rod")
+    values = {}
+    try:
+        for number, (name, _, context, mode) in enumerate(run_bench.list_cases(program)):
+            full = "%s %s" % (name, context)
+            named = next((want for want in wanted if full == want or full.startswith(want + " ")), None)
+            if named is not None:
+                values[named] = run_bench.measure(program, number, mode)
+    except run_bench.CannotMeasure as problem:
+        raise CannotMeasure(str(problem)) from problem
+    return values
+
+
+def validation_values(text):
+    """Figures beyond their tolerance, and per case the worst error as a share of its tolerance."""
+    values = collections.defaultdict(float)
+    beyond = 0
+    for line in text.splitlines()[1:]:
+        fields = line.split("\t")
+        beyond += fields[9] not in ("pass", "-", "")
+        if "-" in (fields[6], fields[7]):
+            continue  # a figure that is reported and not judged
+        error, tolerance = abs(float(fields[6])), float(fields[7])
+        share = error / tolerance if tolerance > 0 else float(error > 0)
+        name = "validation.%s.worst_of_tolerance" % fields[0].split(".")[0]
+        values[name] = max(values[name], share)
+    values["validation.figures_beyond_their_tolerance"] = beyond
+    return values
+
+
+def from_validate(options, _):
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([os.path.join(options.build, "bin", "validate"), "--quick", "--jobs", str(options.jobs), "-o", folder], cwd=ROOT,
+                       capture_output=True, timeout=600, check=False)
+        path = os.path.join(folder, "validation.tsv")
+        if not os.path.exists(path):
+            raise CannotMeasure("build/bin/validate wrote no validation.tsv")
+        with open(path, encoding="utf-8") as file:
+            return validation_values(file.read())
+
+
+def from_golden(options, _):
+    with tempfile.TemporaryDirectory() as folder:
+        program = os.path.join(folder, "hash")
+        sources = [os.path.join(ROOT, "tools/check", name) for name in ("core_hash.c", "core_scenes.c", "console_stdio.c")]
+        run(["gcc", "-std=c11", "-O2", "-I" + ROOT] + sources + [os.path.join(options.build, "lib", "libfirmware_core.a"), "-o", program])
+        now = run([program]).splitlines()
+    with open(os.path.join(ROOT, "tools/check/core_hash.golden"), encoding="utf-8") as file:
+        golden = file.read().splitlines()
+    differ = sum(a != b for a, b in zip(now, golden)) + abs(len(now) - len(golden))
+    return {"core.golden_hash_lines_that_differ": differ}
+
+
+def counted_values(counts):
+    """As hil's own table: the median, the value that 1 tick in 1,000 exceeds, and the largest."""
+    counts = sorted(counts)
+    last = len(counts) - 1
+    return {"hil.m7_instructions_per_tick " + name: counts[int(share * last + 0.5)]
+            for name, share in (("median", 0.5), ("p99.9", 0.999), ("max", 1.0))}
+
+
+def from_counts(options, _):
+    if not os.path.exists(os.path.join(ROOT, SCENE)):
+        raise CannotMeasure("%s does not exist: `make %s` makes it" % (SCENE, SCENE))
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "counts.tsv")
+        run([os.path.join(options.build, "bin", "hil"), "--scene", SCENE, "--counts", path], limit_s=1200)
+        with open(path, encoding="utf-8") as file:
+            return counted_values([float(line.split("\t")[1]) for line in file])
+
+
+def from_file(path, wanted):
+    """Rows `name value ...` separated by tabs; out/bench.tsv has the context in its fourth column. None without the file."""
+    if not os.path.exists(os.path.join(ROOT, path)):
+        return None
+    values = {}
+    with open(os.path.join(ROOT, path), encoding="utf-8") as file:
+        for line in file:
+            fields = line.rstrip("\n").split("\t")
+            full = fields[0] + (" " + fields[3] if len(fields) > 3 else "")
+            for name in wanted:
+                if len(fields) > 1 and (full == name or full.startswith(name + " ") or fields[0] == name):
+                    values[name] = float(fields[1])
+    return values
+
+
+def measure(source, wanted, options):
+    if source.startswith("file:"):
+        return from_file(source[len("file:"):], wanted)
+    known = {"budget": from_budget, "bench": from_bench, "validate": from_validate, "golden": from_golden, "counts": from_counts}
+    return known[source.split(":")[0]](options, wanted)
+
+
+# --- verdicts ----------------------------------------------------------------------------------------------------
+def judge(bar, value):
+    """'held', 'red', 'time' or 'not measured here'."""
+    if bar.kind == "time":
+        return "not measured here" if value is None else "time"
+    if value is None:
+        return "not measured here" if bar.source.startswith("file:") else "red"
+    return "held" if (value <= bar.limit if bar.op == "<=" else value >= bar.limit) else "red"
+
+
+def text_of(value):
+    return "-" if value is None else ("%.6g" % value if abs(value) < 1e6 else "%.0f" % value)
+
+
+def ratio_of(bar, value):
+    return "-" if value is None or bar.limit == 0 else "%.2f" % (value / bar.limit)
+
+
+def all_values(bars, options):
+    """Values by source and name; a source that cannot be measured says why and leaves its bars red."""
+    values = {}
+    for source in dict.fromkeys(bar.source for bar in bars):
+        wanted = [bar.name for bar in bars if bar.source == source]
+        try:
+            values[source] = measure(source, wanted, options) or {}
+        except CannotMeasure as problem:
+            print("bars: %s: %s" % (source, problem), file=sys.stderr)
+            values[source] = {}
+    return values
+
+
+def report(bars, values):
+    """Prints and writes the table; the number of red bars."""
+    verdicts = collections.Counter()
+    width = max(len(bar.name) for bar in bars)
+    rows = []
+    for bar in bars:
+        value = values[bar.source].get(bar.name)
+        verdict = judge(bar, value)
+        verdicts[verdict] += 1
+        note = "" if verdict != "not measured here" else "  (%s)" % bar.source[len("file:"):]
+        print("%-*s %s %-10s now %-10s ratio %-5s since %s  %s%s"
+              % (width, bar.name, bar.op, text_of(bar.limit), text_of(value), ratio_of(bar, value), bar.since, verdict, note))
+        rows.append((bar.name, bar.op + text_of(bar.limit), text_of(value), ratio_of(bar, value), bar.asked, bar.issue, bar.since, bar.kind, verdict))
+    os.makedirs(os.path.join(ROOT, "out"), exist_ok=True)
+    with open(os.path.join(ROOT, TABLE), "w", encoding="utf-8") as file:
+        file.write("name\tbar\tnow\tratio\tasked\tissue\tsince\tkind\tverdict\n")
+        file.writelines("\t".join(row) + "\n" for row in rows)
+        file.write("bars.held\t%d\nbars.red\t%d\n" % (verdicts["held"], verdicts["red"]))
+    print("bars.not_measured_here\t%d" % verdicts["not measured here"])
+    print("bars.held\t%d" % verdicts["held"])
+    print("bars.red\t%d" % verdicts["red"])
+    return verdicts["red"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", default="build", help="build folder (default: build)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="of validate (default: cores)")
+    parser.add_argument("--only", default="", help="only bars with this text in their name or source")
+    options = parser.parse_args()
+    try:
+        bars = [bar for bar in read_bars() if options.only in bar.name or options.only in bar.source]
+    except CannotMeasure as problem:
+        print("bars: %s" % problem, file=sys.stderr)
+        return 1
+    if not bars:
+        print("bars: no bar has '%s' in its name" % options.only, file=sys.stderr)
+        return 2
+    return 1 if report(bars, all_values(bars, options)) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,101 @@
+#!/usr/bin/env python3
+"""Repeats the tests that know time, processes or windows beside busy processes, and names what failed (docs/bars.md).
+
+  flakes.py --build build [--rounds 30] [--load 4] [--tests TEXT]
+
+The tests are those of tools/bars/flakes.txt, run one after the other as `make test` runs them. Writes out/flakes.tsv; what a failed test
+said is kept in out/flakes. The last line is `flakes.failed<TAB>N`, the number of failed runs; ends with 1 when there is one.
+"""
+import argparse
+import collections
+import os
+import subprocess
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.insert(0, os.path.join(ROOT, "tools", "check"))
+import run_tests  # noqa: E402
+
+LIST = os.path.join(ROOT, "tools", "bars", "flakes.txt")
+BUSY = "while True: pass"
+
+
+def read_list(wanted):
+    with open(LIST, encoding="utf-8") as file:
+        return [line.strip() for line in file if line.strip() and not line.startswith("#") and wanted in line]
+
+
+class Load:
+    """Busy processes for as long as it is open."""
+
+    def __init__(self, count):
+        self.busy = [subprocess.Popen([sys.executable, "-c", BUSY]) for _ in range(count)]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for process in self.busy:
+            process.kill()
+            process.wait()
+
+
+def keep_output(outcome, name, number):
+    folder = os.path.join("out", "flakes")
+    os.makedirs(folder, exist_ok=True)
+    with open(os.path.join(folder, "%s_%d.txt" % (name.replace("/", "_"), number)), "w", encoding="utf-8") as file:
+        file.write("\n".join("not ok: " + what for what in outcome.failed) + "\n" + outcome.output)
+
+
+def run_rounds(jobs, rounds):
+    """Failed runs by test: number of the round and what failed."""
+    failed = collections.defaultdict(list)
+    for number in range(1, rounds + 1):
+        for function, arguments in jobs:
+            outcome = function(*arguments)
+            if outcome.failed:
+                failed[outcome.title].append((number, outcome.failed))
+                keep_output(outcome, outcome.title, number)
+                print("round %d: FAILED %s: %s" % (number, outcome.title, "; ".join(outcome.failed)), flush=True)
+        print("round %d of %d: %d failed runs so far" % (number, rounds, sum(map(len, failed.values()))), flush=True)
+    return failed
+
+
+def write_table(jobs, failed, rounds, load):
+    total = sum(map(len, failed.values()))
+    os.makedirs("out", exist_ok=True)
+    with open(os.path.join("out", "flakes.tsv"), "w", encoding="utf-8") as file:
+        for _, arguments in jobs:
+            file.write("%s\t%d\tof %d\n" % (arguments[0], len(failed.get(arguments[0], [])), rounds))
+        file.write("flakes.rounds\t%d\nflakes.load\t%d\nflakes.failed\t%d\n" % (rounds, load, total))
+    return total
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", default="build", help="build folder (default: build)")
+    parser.add_argument("--rounds", type=int, default=30, help="(default: 30)")
+    parser.add_argument("--load", type=int, default=4, help="busy processes beside them (default: 4)")
+    parser.add_argument("--tests", default="", help="only tests with this text in their name")
+    options = parser.parse_args()
+    os.chdir(ROOT)
+    names = read_list(options.tests)
+    if not names:
+        print("flakes: no test has '%s' in its name" % options.tests, file=sys.stderr)
+        return 2
+    scripts = [name for name in names if name.endswith((".sh", ".py"))]
+    options.scripts, options.programs = scripts, [name for name in names if name not in scripts]
+    options.sanitized, options.fuzz = [], []
+    jobs = run_tests.make_jobs(options)
+    with Load(options.load):
+        failed = run_rounds(jobs, options.rounds)
+    for title, runs in sorted(failed.items()):
+        print("%-50s failed in %d of %d rounds: %s" % (title, len(runs), options.rounds, ", ".join(str(number) for number, _ in runs)))
+    total = write_table(jobs, failed, options.rounds, options.load)
+    print("flakes.rounds\t%d" % options.rounds)
+    print("flakes.failed\t%d" % total)
+    return 1 if total else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

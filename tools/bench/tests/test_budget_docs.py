@@ -1,0 +1,32 @@
+#!/usr/bin/env python3
+"""Claims about the generated column of docs/bench.md. Prints TAP."""
+import os
+import subprocess
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
+TOOL = os.path.join(ROOT, "tools", "bench", "budget_docs.py")
+sys.path.insert(0, os.path.dirname(TOOL))
+import budget  # noqa: E402
+import budget_docs  # noqa: E402
+
+
+def the_page_says_what_the_budget_says():
+    return subprocess.run([TOOL], cwd=ROOT, check=False).returncode == 0
+
+
+def another_budget_gives_another_page():
+    rows = budget.read_budget()
+    with open(budget_docs.PAGE, encoding="utf-8") as file:
+        text = file.read()
+    return budget_docs.renewed(text, {key: value + 5000 for key, value in rows.items()}) != text
+
+
+TESTS = (the_page_says_what_the_budget_says, another_budget_gives_another_page)
+failed = 0
+print("1..%d" % len(TESTS))
+for count, test in enumerate(TESTS, 1):
+    good = test()
+    failed += not good
+    print("%s %d - %s" % ("ok" if good else "not ok", count, test.__name__))
+sys.exit(1 if failed else 0)

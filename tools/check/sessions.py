@@ -1,0 +1,99 @@
+"""Runs shipped sessions for tests that print TAP: with their turns, and with these left out."""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+BUILD = os.environ.get("BUILD", "build")
+TURN = re.compile(r"^\s*(steer|engage|rotate)\b")
+WITH_TURN = re.compile(r"\s+while\s+rotate\b.*")
+EXPECTS = re.compile(r"^\s*expect\b", re.M)
+
+
+def without_turns(text):
+    """The script with every turn, steering and engaging taken out."""
+    kept = [WITH_TURN.sub("", line) for line in text.splitlines() if not TURN.match(line)]
+    return "\n".join(kept) + "\n"
+
+
+class Sessions:
+    """A folder for what is made, and a count of results."""
+
+    def __enter__(self):
+        self.folder = tempfile.mkdtemp(prefix="seldinger_sessions_")
+        self.number = self.failed = 0
+        return self
+
+    def __exit__(self, *_):
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def result(self, is_good, name, why=""):
+        """One line of TAP."""
+        self.number += 1
+        self.failed += not is_good
+        if not is_good:
+            for line in why.splitlines()[-12:]:
+                print("#", line)
+        print(("ok" if is_good else "not ok"), self.number, "-", name, flush=True)
+
+    def call(self, program, *words):
+        """Exit code and everything said."""
+        done = subprocess.run([f"{BUILD}/bin/{program}", *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              text=True, check=False)
+        return done.returncode, done.stdout
+
+    def scene(self, anatomy):
+        """Path of the shipped anatomy's scene, without its bodies."""
+        made = f"{self.folder}/{anatomy}"
+        code, said = self.call("anatomy", anatomy, "--no-bodies", "--quiet", "-o", made)
+        if code == 0:
+            code, said = self.call("bake", f"{made}/scene.toml", "--points", "1000", "--poses", "0", "-o", f"{made}.scene")
+        if code != 0:
+            self.result(False, f"{anatomy}_is_made", said)
+            self.end()
+        return f"{made}.scene"
+
+    def run(self, script, scene, tools):
+        """Exit code and everything said, of one session without pictures."""
+        words = ["--scene", scene] if scene else []
+        for tool in tools:
+            words += ["--tool", f"shared/examples/instruments/{tool}.toml"]
+        return self.call("seldinger", "run", "--quiet", *words, "--session", script)
+
+    def session(self, name, scene, tools):
+        """It states its end and reaches it; without its turns it fails by name."""
+        path = f"shared/examples/{name}.session"
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        code, said = self.run(path, scene, tools)
+        short = name.split("/")[1]
+        self.result(code == 0 and EXPECTS.search(text) is not None, f"{short}_reaches_the_end_that_it_states", said)
+        stripped = without_turns(text)
+        if stripped == text.rstrip("\n") + "\n":
+            return  # only pushes
+        script = f"{self.folder}/{short}.session"
+        with open(script, "w", encoding="utf-8") as file:
+            file.write(stripped)
+        code, said = self.run(script, scene, tools)
+        self.result(code == 1 and ": expected " in said, f"{short}_without_its_turns_misses_it", said)
+
+    def changed(self, name, scene, tool, change, replacements):
+        """The session reaches its end with another tool, too."""
+        with open(f"shared/examples/instruments/{tool}.toml", encoding="utf-8") as file:
+            text = file.read()
+        for old, new in replacements.items():
+            assert old in text, old
+            text = text.replace(old, new)
+        path = f"{self.folder}/{change}.toml"
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        code, said = self.call("seldinger", "run", "--quiet", "--scene", scene, "--tool", path, "--session",
+                               f"shared/examples/{name}.session")
+        self.result(code == 0, f"{name.split('/')[1]}_reaches_its_end_with_{change}", said)
+
+    def end(self):
+        """The plan and the exit code."""
+        print(f"1..{self.number}")
+        sys.exit(1 if self.failed else 0)

@@ -1,0 +1,13 @@
+#!/usr/bin/env python3
+"""The shipped sessions of the beating heart: each reaches the end that it states, and with its turns left out it does not. Medium flows without pictures.
+
+The scene is that of `make coronary`, without what is only seen.
+"""
+import sessions
+
+if __name__ == "__main__":
+    with sessions.Sessions() as run:
+        scene = run.scene("heart")
+        run.session("sessions/coronary", scene, ["j_wire", "guide_jl3_6f"])
+        run.session("sessions/coronary_right", scene, ["j_wire", "guide_ntr_6f"])
+        run.end()

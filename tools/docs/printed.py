@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""What the documents show of a program's output is what it prints today.
+
+  printed.py --write     run every command and put its lines into the documents
+  printed.py --check     exit 1 when a document shows other lines
+
+A block is marked by a line `<!-- printed by: COMMAND -->`; the indented lines below it are the command with `$`, then lines of what it prints on
+standard output. A line `...` stands for lines that are left out up to the next line that is shown, or up to the end. COMMAND runs in the root folder; `seldinger` in
+it is build/bin/seldinger. Called by: make docs, tools/check/test_printed.py.
+"""
+import argparse
+import os
+import re
+import subprocess
+import sys
+
+MARK = re.compile(r"^<!-- printed by: (.+) -->$")
+SHOWN = "    "
+
+
+def blocks(lines):
+    """(command, first line, line behind the last) of every marked block."""
+    at = 0
+    while at < len(lines):
+        mark = MARK.match(lines[at])
+        at += 1
+        if not mark:
+            continue
+        begin = at
+        while at < len(lines) and lines[at].startswith(SHOWN):
+            at += 1
+        yield mark.group(1), begin, at
+
+
+def output_of(command, build):
+    words = command.replace("seldinger ", os.path.join(build, "bin", "seldinger") + " ", 1)
+    done = subprocess.run(["bash", "-c", words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=60)
+    if done.returncode != 0:
+        raise RuntimeError("'%s' ended with %d: %s" % (command, done.returncode, done.stderr.strip()))
+    return [line.rstrip() for line in done.stdout.splitlines()]
+
+
+def renewed(shown, printed):
+    """The lines to show: as many as before, in the same places between the `...`."""
+    result, at = [], 0
+    parts = [[]]
+    for line in shown:
+        if line == "...":
+            parts.append([])
+        else:
+            parts[-1].append(line)
+    for number, part in enumerate(parts):
+        if number > 0:
+            result.append("...")
+            # The first word says where the program's lines go on.
+            first = part[0].split()[:1] if part else []
+            at = next((i for i in range(at, len(printed)) if printed[i].split()[:1] == first), len(printed)) if part else at
+        result += printed[at:at + len(part)]
+        at += len(part)
+    if len(parts) == 1 and len(printed) > len(shown):
+        result += printed[at:]
+    return result
+
+
+def examine(path, build):
+    """(document as it should be, what differs)."""
+    with open(path, encoding="utf-8") as file:
+        lines = file.read().split("\n")
+    differences, pieces, last = [], [], 0
+    for command, begin, end in blocks(lines):
+        shown = [line[len(SHOWN):].rstrip() for line in lines[begin:end]]
+        title = "$ " + command
+        wanted = [title] + renewed(shown[1:] if shown and shown[0].startswith("$ ") else shown, output_of(command, build))
+        if wanted != shown:
+            differences.append("%s:%d: '%s' prints something else now; run: make docs" % (path, begin + 1, command))
+        pieces += lines[last:begin] + [(SHOWN + line).rstrip() for line in wanted]
+        last = end
+    return "\n".join(pieces + lines[last:]), differences
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    action = parser.add_mutually_exclusive_group(required=True)
+    action.add_argument("--write", action="store_true")
+    action.add_argument("--check", action="store_true")
+    parser.add_argument("--build", default=os.environ.get("BUILD", "build"))
+    options = parser.parse_args()
+    found = []
+    for name in ["README.md"] + sorted("docs/" + n for n in os.listdir("docs") if n.endswith(".md")):
+        text, differences = examine(name, options.build)
+        found += differences
+        if options.write and differences:
+            with open(name, "w", encoding="utf-8") as file:
+                file.write(text)
+            print("Written: " + name)
+    if options.check:
+        print("\n".join(found) if found else "every marked block is what its command prints")
+    return 1 if options.check and found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,222 @@
+#!/usr/bin/env python3
+"""Malformed meshes, TOML, scans and centrelines to the programs' readers: `make importers`, and a small part in `make test`.
+
+  importers.py --program build/bin/importers --files 3600 -o out/importers.tsv
+
+Files are mutations of valid ones (seeded: --seed) and a list made by hand. The program `importers` runs the real readers. What it
+accepts is read again by strict.py, and both must understand the same: otherwise it was silently wrong. Rows: importers.files,
+importers.crashes (the program ended, or a sanitizer found something in our code), importers.over_20s, importers.over_2GB,
+importers.silently_wrong. Exit code 1 unless all but the first are 0."""
+import argparse
+import glob
+import json
+import math
+import os
+import select
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import corpus
+import strict
+
+TIME_MAX_S, MEMORY_MAX_MiB = 20.0, 2048
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+
+
+class Reader:
+    """The program, started again when it ended."""
+
+    def __init__(self, program, folder):
+        self.program, self.folder, self.process, self.MiB_before = program, folder, None, 0
+
+    def start(self):
+        options = "log_path=%s:abort_on_error=0:detect_leaks=0:allocator_may_return_null=1" % os.path.join(self.folder, "report")
+        self.noise = open(os.path.join(self.folder, "stderr"), "ab")
+        self.process = subprocess.Popen([self.program, "read"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.noise,
+                                        env=dict(os.environ, ASAN_OPTIONS=options, UBSAN_OPTIONS=options + ":print_stacktrace=1"))
+        self.MiB_before = 0
+
+    def stop(self):
+        if self.process:
+            self.process.kill()
+            self.process.wait()
+            self.process.stdin.close()
+            self.process.stdout.close()
+            self.noise.close()
+        self.process = None
+
+    def ask(self, kind, path):
+        """What the program says of a file; None when it ended, or had nothing to say for three times the limit."""
+        if not self.process:
+            self.start()
+        self.process.stdin.write(("%s\t%s\n" % (kind, path)).encode())
+        self.process.stdin.flush()
+        if not select.select([self.process.stdout], [], [], 3 * TIME_MAX_S)[0]:
+            self.stop()
+            return None
+        line = self.process.stdout.readline()
+        if not line:
+            self.stop()
+            return None
+        answer = json.loads(line)
+        answer["is_over"] = answer["MiB"] > MEMORY_MAX_MiB and answer["MiB"] > self.MiB_before
+        self.MiB_before = max(self.MiB_before, answer["MiB"])
+        return answer
+
+
+def reports(folder):
+    """Sanitizer reports of our code; what a parser of others does in the child ends only the child."""
+    found = []
+    for path in glob.glob(os.path.join(folder, "report*")):
+        with open(path, encoding="utf-8", errors="replace") as file:
+            text = file.read()
+        os.remove(path)
+        frames = [line for line in text.splitlines() if line.strip().startswith("#")]
+        first = next((line for line in frames if "libasan" not in line and "__interceptor" not in line and "sanitizer" not in line), "")
+        if "runtime error" in text or "seld::" in first:
+            found.append(text[:3000])
+    return found
+
+
+def near(a, b):
+    if a is None or b is None:
+        return True
+    if isinstance(a, list):
+        return len(a) == len(b) and all(near(x, y) for x, y in zip(a, b))
+    if isinstance(a, float) and not math.isfinite(a):
+        return True # nothing to compare, as in a file without triangles
+    return abs(a - b) <= 1e-5 * max(1.0, abs(a), abs(b))
+
+
+def disagreement(path, data, answer):
+    """Why an accepted file was not understood, or None."""
+    try:
+        expected = strict.READERS[os.path.splitext(path)[1]](data)
+    except Exception as error:  # whatever a strict reading stumbles over
+        return "accepted, though a strict reading says: %s: %s" % (type(error).__name__, str(error)[:200])
+    if expected is None:
+        return None
+    wrong = ["%s is %s, expected %s" % (key, answer.get(key), value) for key, value in expected.items()
+             if not near(value, answer.get(key))]
+    return "; ".join(wrong) or None
+
+
+class Campaign:
+    def __init__(self, program, folder, keep):
+        self.reader, self.folder, self.keep = Reader(program, folder), folder, keep
+        self.count = {"files": 0, "crashes": 0, "over_20s": 0, "over_2GB": 0, "silently_wrong": 0}
+        self.accepted, self.longest_s, self.refused = 0, 0.0, {}
+
+    def note(self, row, path, why):
+        self.count[row] += 1
+        os.makedirs(self.keep, exist_ok=True)
+        kept = os.path.join(self.keep, "%s-%d-%s" % (row, self.count["files"], os.path.basename(path)))
+        source = os.path.dirname(path) if path.endswith(".dcm") else path
+        (shutil.copytree if os.path.isdir(source) else shutil.copy)(source, kept)
+        print("%s: %s\n    %s" % (row, kept, why), flush=True)
+
+    def give(self, name, data, is_valid=None, folder=None):
+        """One file; is_valid: that it must be accepted or refused."""
+        path = os.path.join(folder or self.folder, name)
+        with open(path, "wb") as file:
+            file.write(data)
+        kind = corpus.KINDS[os.path.splitext(name)[1]]
+        answer = self.reader.ask("scan" if kind == "series" else kind, os.path.dirname(path) if kind == "series" else path)
+        self.count["files"] += 1
+        for text in reports(self.folder):
+            self.note("crashes", path, text)
+        if answer is None:
+            self.note("crashes", path, "the program ended, or said nothing for %d s" % (3 * TIME_MAX_S))
+        else:
+            self.judge(path, data, answer, is_valid, kind)
+        if not folder:
+            os.remove(path)
+
+    def judge(self, path, data, answer, is_valid, kind):
+        self.longest_s = max(self.longest_s, answer["seconds"])
+        self.accepted += answer["ok"]
+        if answer["seconds"] > TIME_MAX_S:
+            self.note("over_20s", path, "%.1f s" % answer["seconds"])
+        if answer["is_over"]:
+            self.note("over_2GB", path, "%d MiB" % answer["MiB"])
+        if answer["ok"] and is_valid is False:
+            self.note("silently_wrong", path, "accepted: %s" % answer)
+        elif not answer["ok"] and is_valid:
+            self.note("silently_wrong", path, "refused, though it is valid: %s" % answer["message"])
+        elif answer["ok"] and kind != "series":
+            why = disagreement(path, data, answer)
+            if why:
+                self.note("silently_wrong", path, why)
+        elif not answer["ok"] and os.path.dirname(path) not in answer["message"] and kind != "toml":
+            self.note("silently_wrong", path, "the message names no file: %s" % answer["message"])
+
+
+def texts():
+    """TOML that ships."""
+    paths = sorted(glob.glob(os.path.join(ROOT, "shared", "examples", "**", "*.toml"), recursive=True))
+    for path in paths:
+        with open(path, "rb") as file:
+            yield os.path.basename(path), file.read()
+
+
+def run(program, files, seed, keep):
+    draw = corpus.generator(seed)
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([program, "seeds", folder], check=True, timeout=120)
+        valid = {"mesh": corpus.seeds(), "toml": list(texts()), "scan": [], "line": [], "series": []}
+        for path in sorted(glob.glob(os.path.join(folder, "seed*")) + glob.glob(os.path.join(folder, "series", "*"))):
+            with open(path, "rb") as file:
+                kind = "line" if path.endswith("_line.obj") else corpus.KINDS[os.path.splitext(path)[1]]
+                valid[kind].append((os.path.basename(path), file.read()))
+        valid["line"] = [row for row in valid["line"] if not row[0].endswith(".obj")]
+        work, series = os.path.join(folder, "work"), os.path.join(folder, "series")
+        os.mkdir(work)
+        campaign = Campaign(program, work, keep)
+        try:
+            for kind, seeds in valid.items():
+                for name, data in seeds if kind != "series" else []:
+                    campaign.give(name, data, True)
+            for name, data in corpus.by_hand():
+                campaign.give(name, data, False)
+            # Shares of the kinds: meshes have five formats.
+            shares = ["mesh"] * 8 + ["toml"] * 3 + ["scan"] * 5 + ["line"] * 4 + ["series"]
+            while campaign.count["files"] < files:
+                kind = shares[campaign.count["files"] % len(shares)]
+                name, data = draw.choice(valid[kind])
+                if kind == "series":
+                    campaign.give(name, corpus.mutated(data, draw), None, series)
+                    with open(os.path.join(series, name), "wb") as file:
+                        file.write(data)
+                else:
+                    campaign.give(name, corpus.mutated(data, draw))
+        finally:
+            campaign.reader.stop()
+    return campaign
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", default="build/bin/importers")
+    parser.add_argument("--files", type=int, default=3600)
+    parser.add_argument("--seed", type=int, default=20)
+    parser.add_argument("--keep", default="out/importers", help="folder for files that broke something")
+    parser.add_argument("-o", "--output", help="the table (tab-separated)")
+    options = parser.parse_args()
+    began = time.monotonic()
+    campaign = run(options.program, options.files, options.seed, options.keep)
+    rows = "".join("importers.%s\t%d\n" % row for row in campaign.count.items())
+    print("%s%d accepted, longest %.1f s, %d MiB at most, %.0f s in all, seed %d" %
+          (rows, campaign.accepted, campaign.longest_s, campaign.reader.MiB_before, time.monotonic() - began, options.seed))
+    if options.output:
+        os.makedirs(os.path.dirname(options.output) or ".", exist_ok=True)
+        with open(options.output, "w", encoding="utf-8") as file:
+            file.write(rows)
+    return 1 if any(value for row, value in campaign.count.items() if row != "files") else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,29 @@
+#!/usr/bin/env python3
+"""A part of `make importers` on the plain build: what was made by hand to break readers, and some hundred mutations. Prints TAP."""
+import os
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
+sys.path.insert(0, os.path.join(ROOT, "tools", "importers"))
+sys.path.insert(0, os.path.join(ROOT, "tools", "check"))
+import importers
+import tree
+
+FILES, SEED = 500, 7
+
+
+def main():
+    report = tree.Report()
+    with tempfile.TemporaryDirectory() as folder:
+        campaign = importers.run(os.path.join(ROOT, os.environ.get("BUILD", "build"), "bin", "importers"), FILES, SEED, folder)
+    count = campaign.count
+    report.check("%d malformed files are given to the readers" % FILES, [] if count["files"] >= FILES else ["only %d" % count["files"]])
+    for row, claim in (("crashes", "no file ends a program"), ("over_20s", "no file takes over 20 s"),
+                       ("over_2GB", "no file takes over 2 GB"), ("silently_wrong", "no file is taken for another one")):
+        report.check(claim, ["%d files: make importers keeps them in out/importers" % count[row]] if count[row] else [])
+    report.end()
+
+
+if __name__ == "__main__":
+    main()

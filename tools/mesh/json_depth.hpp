@@ -1,0 +1,31 @@
+// How deep the brackets of a JSON text lie in each other: whatever walks through the parsed text goes one call deeper with each.
+// May include: nothing. Called by: readers of JSON, before its parser.
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <string_view>
+
+namespace seld
+{
+
+inline constexpr int json_depth_max = 64;
+
+inline int json_depth(std::string_view text)
+{
+    int depth = 0, deepest = 0;
+    bool is_text = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (is_text && c == '\\')
+            ++i;
+        else if (c == '"')
+            is_text = !is_text;
+        else if (!is_text && (c == '[' || c == '{'))
+            deepest = std::max(deepest, ++depth);
+        else if (!is_text && (c == ']' || c == '}'))
+            --depth;
+    }
+    return deepest;
+}
+
+} // namespace seld

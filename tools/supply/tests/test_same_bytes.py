@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+"""Two builds in two folders give the same bytes, and no program knows the folder that it was built in. Shown by building a set of targets of every kind
+(objects of C and of C++ with debug information, archives, a linked program, a firmware image and its hex file) in two copies of the tree whose paths have
+different lengths; and, of everything that is built here, by looking for this folder's name in the programs. Prints TAP.
+
+Precompiled headers are left out of the copies, since they take a minute to make (what they do to the bytes is covered by the second part alone),
+and the core is compiled with -O1, which is quicker."""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "check"))
+import tree  # noqa: E402
+
+BUILD = os.environ.get("BUILD", "build")
+TARGETS = ["build/lib/libshared_wire.a", "build/lib/libshared_scene.a", "build/lib/libfirmware_port_sim.a", "build/obj/host/model/terminal.cpp.o",
+           "build/obj/host/model/pending_file.cpp.o", "build/obj/firmware/core/fixed.c.o", "build/bin/docs",
+           "build/firmware/seldinger-imxrt1062.hex"]
+COMPARED = re.compile(r"\.(o|a|elf|hex)$|/bin/[a-z]+$")
+# Folders that these targets are made of.
+COPIED = re.compile(r"^(Makefile$|shared/(wire|scene|mailbox)/|firmware/|host/model/|tools/docs/|tools/.*\.mk$|hil_tests/(usb|library)/|hil_tests/.*\.mk$)")
+
+
+def copy_tree(folder):
+    for path in tree.files(""):
+        if COPIED.match(path):
+            target = os.path.join(folder, path)
+            os.makedirs(os.path.dirname(target), exist_ok=True)
+            shutil.copy(os.path.join(tree.ROOT, path), target)
+
+
+def build(folder):
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS", "CCACHE", "BUILD"))}
+    environment["CCACHE_DISABLE"] = "1"
+    done = subprocess.run(["make", "-s", "PACKAGES=skip", "PCH=", "DEBUG=-g", "CORE_OPT=-O1", *TARGETS], cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          check=False)
+    return [] if done.returncode == 0 else [done.stdout.decode("utf-8", "replace")[-2000:]]
+
+
+def products(folder):
+    found = {}
+    for place, _, names in os.walk(os.path.join(folder, "build")):
+        for name in names:
+            path = os.path.join(place, name)
+            if COMPARED.search(path):
+                with open(path, "rb") as file:
+                    found[os.path.relpath(path, folder)] = file.read()
+    return found
+
+
+def holds(path, words):
+    with open(path, "rb") as file:
+        return words in file.read()
+
+
+def check_two_folders(report, work):
+    folders = [os.path.join(work, "a"), os.path.join(work, "another", "folder with a longer name".replace(" ", "_"))]
+    for folder in folders:
+        copy_tree(folder)
+        faults = build(folder)
+        if faults:
+            report.check("the targets are built", faults)
+            return
+    one, two = products(folders[0]), products(folders[1])
+    report.check("both folders have the same files, of every kind",
+                 [] if one.keys() == two.keys() and len(one) > 60 else ["%d and %d files" % (len(one), len(two))])
+    for kind in (r"\.c\.o$", r"\.cpp\.o$", r"\.a$", r"/bin/", r"\.elf$", r"\.hex$"):
+        names = [n for n in one if re.search(kind, n)]
+        report.check("two builds in two folders give the same bytes: %d files %s" % (len(names), kind.replace("\\", "").strip("$/")),
+                     ["%s differs" % n for n in names if one[n] != two.get(n)] or ([] if names else ["there are none"]))
+    report.check("none of them names its folder", ["%s does" % n for n, data in one.items() if folders[0].encode() in data])
+    report.check("debug information is among what is compared", [] if b".debug_info" in one["build/obj/host/model/terminal.cpp.o"] else ["it is not there"])
+
+
+def check_programs(report):
+    folder = os.path.join(tree.ROOT, BUILD, "bin")
+    made = os.path.getmtime(os.path.join(tree.ROOT, "Makefile"))
+    # Programs of an older Makefile say nothing about this one.
+    names = [n for n in sorted(os.listdir(folder)) if os.path.getmtime(os.path.join(folder, n)) > made] if os.path.isdir(folder) else []
+    report.check("no program names the folder that it was built in (%d programs)" % len(names),
+                 ["%s names %s: it has an object that was compiled by an older Makefile, or one of its rules lacks $(SAME); make clean tells which"
+                  % (n, tree.ROOT) for n in names if holds(os.path.join(folder, n), tree.ROOT.encode())])
+    with open(os.path.join(tree.ROOT, "Makefile"), encoding="utf-8") as file:
+        flags = file.read()
+    report.check("every compiler is told", ["%s lacks $(SAME)" % name for name in ("CFLAGS ", "CXXFLAGS ", "M7_FLAGS ")
+                                            if not re.search(r"^%s *:= .*\$\(SAME\)" % name.strip(), flags, re.M)])
+    timed = [p for p in tree.files(".c", ".h", ".cpp", ".hpp") if re.search(r"__(DATE|TIME|TIMESTAMP)__", tree.code_only(tree.read(p)))]
+    report.check("no source asks for the time of the build", timed)
+
+
+def main():
+    report = tree.Report()
+    work = tempfile.mkdtemp()
+    try:
+        check_two_folders(report, work)
+    finally:
+        shutil.rmtree(work)
+    check_programs(report)
+    report.end()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
