@@ -1,6 +1,7 @@
 #include "host/app/surface_file.hpp"
 #include "host/model/lesion_wall.hpp"
 #include "host/model/pending_file.hpp"
+#include "host/model/scene_anatomy.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

@@ -80,6 +80,18 @@ void the_deepest_text_that_is_allowed_is_read(void **)
     assert_int_equal(depth, 32 + 32 * 32);
 }
 
+// toml++ asks whether such a letter is a blank, which ended the sanitized program for most of them (host/model/toml.hpp).
+void a_letter_outside_ascii_is_no_blank(void **)
+{
+    begins_with(refusal("\xEF\xBB\x9F\x07"), "1:1 ");
+    begins_with(refusal("a = 1\nb = 2 \u00e4\n"), "2:7 ");
+    begins_with(refusal("a = [1\"\"\"\uFD7F\"\"\"]\n"), "1:");
+    const toml::table table =
+        seld::parse_toml("\uFEFF\"\u00e4\" = '\u00f6' # \u00fc\nb = \"\"\"\\\n \u00e4 \uFD7F\"\"\"\n", "a.toml");
+    assert_string_equal(table["\u00e4"].value_or(std::string()).c_str(), "\u00f6");
+    assert_string_equal(table["b"].value_or(std::string()).c_str(), "\u00e4 \uFD7F");
+}
+
 } // namespace
 
 int main()
@@ -90,6 +102,7 @@ int main()
         cmocka_unit_test(a_text_of_data_is_refused),
         cmocka_unit_test(what_looks_deep_in_strings_and_comments_is_read),
         cmocka_unit_test(the_deepest_text_that_is_allowed_is_read),
+        cmocka_unit_test(a_letter_outside_ascii_is_no_blank),
     };
     cmocka_set_message_output(CM_OUTPUT_TAP);
     return cmocka_run_group_tests(tests, nullptr, nullptr);
