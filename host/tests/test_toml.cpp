@@ -86,8 +86,8 @@ void a_letter_outside_ascii_is_no_blank(void **)
     begins_with(refusal("\xEF\xBB\x9F\x07"), "1:1 ");
     begins_with(refusal("a = 1\nb = 2 \u00e4\n"), "2:7 ");
     begins_with(refusal("a = [1\"\"\"\uFD7F\"\"\"]\n"), "1:");
-    const toml::table table =
-        seld::parse_toml("\uFEFF\"\u00e4\" = '\u00f6' # \u00fc\nb = \"\"\"\\\n \u00e4 \uFD7F\"\"\"\n", "a.toml");
+    const toml::table table = seld::parse_toml(
+        "\uFEFF\"\u00e4\" = '\u00f6' # \u00fc\nb = \"\"\"\\\n \u00e4 \uFD7F\"\"\"\n", "a.toml");
     assert_string_equal(table["\u00e4"].value_or(std::string()).c_str(), "\u00f6");
     assert_string_equal(table["b"].value_or(std::string()).c_str(), "\u00e4 \uFD7F");
 }
