@@ -1,8 +1,8 @@
 #include "hil_tests/cases/aorta_session.hpp"
 #include "host/app/device.hpp"
-#include "host/model/interrupt.hpp"
 #include "host/app/session.hpp"
 #include "host/link/sim_transport.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/model/timeline.hpp"
 #include "host/model/units.hpp"
 #include <algorithm>

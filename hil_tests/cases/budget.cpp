@@ -3,8 +3,8 @@
 #include "hil_tests/l1/emulated_bench.hpp"
 #include "host/app/device.hpp"
 #include "host/app/hand_motion.hpp"
-#include "host/model/interrupt.hpp"
 #include "host/app/session.hpp"
+#include "host/model/interrupt.hpp"
 #include <algorithm>
 
 namespace hil

@@ -5,8 +5,8 @@
 #include "hil_tests/cases/remote_bench.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
-#include "host/model/interrupt.hpp"
 #include "host/link/sim_transport.hpp"
+#include "host/model/interrupt.hpp"
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>

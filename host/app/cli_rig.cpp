@@ -1,8 +1,8 @@
 // seldinger rig: the command line, and the commands that only look.
 #include "host/app/cli_rig.hpp"
 #include "host/app/device_choice.hpp"
-#include "host/model/interrupt.hpp"
 #include "host/link/usb_transport.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/model/output_files.hpp"
 #include "host/model/terminal.hpp"
 #include <CLI/CLI.hpp>

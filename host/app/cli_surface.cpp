@@ -1,8 +1,8 @@
 // seldinger surface
 #include "host/app/cli.hpp"
-#include "host/model/interrupt.hpp"
 #include "host/app/replay.hpp"
 #include "host/app/session_summary.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/model/terminal.hpp"
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "host/app/device_choice.hpp"
-#include "host/model/interrupt.hpp"
 #include "host/link/emulated_transport.hpp"
 #include "host/link/sim_transport.hpp"
 #include "host/link/usb_transport.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/model/output_files.hpp"
 
 namespace seld

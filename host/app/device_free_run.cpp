@@ -5,8 +5,8 @@
 // that came: set up, snapshot, the inputs since again in LOCKSTEP with every hash compared, then FREE_RUN with a new reference of
 // the hands. The state at that point is part of the recording.
 #include "host/app/device.hpp"
-#include "host/model/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
+#include "host/model/interrupt.hpp"
 #include <algorithm>
 #include <utility>
 

@@ -1,7 +1,7 @@
 // What a Device does while a session runs: open, set up, step, and go on after the device went and came back.
 #include "host/app/device.hpp"
-#include "host/model/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
+#include "host/model/interrupt.hpp"
 #include <algorithm>
 #include <cstdio>
 

@@ -1,9 +1,9 @@
 // A session that the device leads: its ticks are recorded as they come, its pictures shown as they come.
-#include "host/model/interrupt.hpp"
 #include "host/app/presence.hpp"
 #include "host/app/rig_pedals.hpp"
 #include "host/app/run.hpp"
 #include "host/link/usb_devices.hpp"
+#include "host/model/interrupt.hpp"
 #include <chrono>
 #include <cstdio>
 

@@ -1,7 +1,7 @@
 #include "host/app/session_pictures.hpp"
-#include "host/model/interrupt.hpp"
 #include "host/app/progress_line.hpp"
 #include "host/app/session_balloon.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/model/terminal.hpp"
 #include <algorithm>
 #include <cstdio>

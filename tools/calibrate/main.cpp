@@ -1,7 +1,7 @@
 // Command line of `calibrate`: docs/calibrate.md.
-#include "host/model/interrupt.hpp"
 #include "host/app/progress_line.hpp"
 #include "host/model/command_values.hpp"
+#include "host/model/interrupt.hpp"
 #include "host/model/output_files.hpp"
 #include "host/model/pending_file.hpp"
 #include "host/model/terminal.hpp"

@@ -18,6 +18,21 @@ def without_turns(text):
     return "\n".join(kept) + "\n"
 
 
+def scene_text(made, lesion):
+    """Path of a scene's text, the lesion's behind the anatomy's."""
+    path = f"{made}/scene.toml"
+    if not lesion:
+        return path
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    with open(f"shared/examples/lesions/{lesion}.toml", encoding="utf-8") as file:
+        text += file.read()
+    path = f"{made}/{lesion}.toml"
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    return path
+
+
 class Sessions:
     """A folder for what is made, and a count of results."""
 
@@ -44,30 +59,35 @@ class Sessions:
                               text=True, check=False)
         return done.returncode, done.stdout
 
-    def scene(self, anatomy):
-        """Path of the shipped anatomy's scene, without its bodies."""
+    def scene(self, anatomy, lesion=None):
+        """Path of the shipped anatomy's scene, without its bodies, with one of shared/examples/lesions if named."""
         made = f"{self.folder}/{anatomy}"
-        code, said = self.call("anatomy", anatomy, "--no-bodies", "--quiet", "-o", made)
+        baked = f"{made}_{lesion}.scene"
+        code, said = 0, ""
+        if not os.path.exists(made):
+            code, said = self.call("anatomy", anatomy, "--no-bodies", "--quiet", "-o", made)
         if code == 0:
-            code, said = self.call("bake", f"{made}/scene.toml", "--points", "1000", "--poses", "0", "-o", f"{made}.scene")
+            code, said = self.call("bake", scene_text(made, lesion), "--points", "1000", "--poses", "0", "-o", baked)
         if code != 0:
             self.result(False, f"{anatomy}_is_made", said)
             self.end()
-        return f"{made}.scene"
+        return baked
 
-    def run(self, script, scene, tools):
+    def run(self, script, scene, tools, stent=None):
         """Exit code and everything said, of one session without pictures."""
         words = ["--scene", scene] if scene else []
         for tool in tools:
             words += ["--tool", f"shared/examples/instruments/{tool}.toml"]
+        if stent:
+            words += ["--stent", f"shared/examples/stents/{stent}.toml"]
         return self.call("seldinger", "run", "--quiet", *words, "--session", script)
 
-    def session(self, name, scene, tools):
+    def session(self, name, scene, tools, stent=None):
         """It states its end and reaches it; without its turns it fails by name."""
         path = f"shared/examples/{name}.session"
         with open(path, encoding="utf-8") as file:
             text = file.read()
-        code, said = self.run(path, scene, tools)
+        code, said = self.run(path, scene, tools, stent)
         short = name.split("/")[1]
         self.result(code == 0 and EXPECTS.search(text) is not None, f"{short}_reaches_the_end_that_it_states", said)
         stripped = without_turns(text)
@@ -76,7 +96,7 @@ class Sessions:
         script = f"{self.folder}/{short}.session"
         with open(script, "w", encoding="utf-8") as file:
             file.write(stripped)
-        code, said = self.run(script, scene, tools)
+        code, said = self.run(script, scene, tools, stent)
         self.result(code == 1 and ": expected " in said, f"{short}_without_its_turns_misses_it", said)
 
     def changed(self, name, scene, tool, change, replacements):

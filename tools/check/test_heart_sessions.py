@@ -10,4 +10,6 @@ if __name__ == "__main__":
         scene = run.scene("heart")
         run.session("sessions/coronary", scene, ["j_wire", "guide_jl3_6f"])
         run.session("sessions/coronary_right", scene, ["j_wire", "guide_ntr_6f"])
+        run.session("sessions/pci_lad", run.scene("heart", "lad_middle"), ["coronary_014", "balloon_3x20", "guide_jl3_6f"],
+                    "coronary_3_0x18")
         run.end()

@@ -32,6 +32,8 @@ if __name__ == "__main__":
         run.session("sessions/free_space", "", AORTA)
         for name, tools in CASES.items():
             run.session(name, scene, tools)
+        run.session("sessions/pci_renal", run.scene("aorta", "renal_ostium"), ["terumo_stiff_angled", "balloon_6x20", "guide_jr4_6f"],
+                    "renal_6_0x18")
         for name, changes in CHANGES.items():
             run.changed("sessions/demo", scene, "j_wire", name, changes)
         run.end()
