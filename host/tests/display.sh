@@ -17,7 +17,7 @@ export DISPLAY=":$DISPLAY"
 # then, and a key that is down through N pieces is held for more than 500 (N - 1) ticks. Everything else in there is smaller.
 recorded() { cat "$1".part* "$1" 2>/dev/null | wc -c; }
 ticks_pass() {
-    local until patience=600
+    local until patience=4000 # 200 s
     for _ in $(seq "$2"); do
         until=$(($(recorded "$1") + 10000))
         while [ "$(recorded "$1")" -lt "$until" ]; do

@@ -63,7 +63,7 @@ xdotool key Escape
 wait "$window"
 EOF
 export program wire work
-timeout 60 bash "$work/keys.sh"
+timeout 300 bash "$work/keys.sh"
 result $? "Escape ends it with exit code 0"
 "$program" replay "$work/live.rec" --verify >"$work/log" 2>&1
 result $? "keys are recorded and replay bit for bit"
@@ -86,7 +86,7 @@ for _ in $(seq 100); do grep -q "the emulator ended" "$work/gone" && break; slee
 xdotool search --name Seldinger windowfocus key Escape >/dev/null 2>&1
 wait "$window"
 EOF
-timeout 60 bash "$work/gone.sh"
+timeout 300 bash "$work/gone.sh"
 [ $? = 1 ] && grep -q "ended by a fault: the emulator ended" "$work/gone"
 result $? "a device that goes away is told, and the exit code is 1"
 "$program" replay "$work/gone.rec" --verify >"$work/log" 2>&1
@@ -106,7 +106,7 @@ xdotool key Escape
 wait "$window"
 EOF
 export catheter=shared/examples/instruments/beacon_5f.toml
-timeout 60 bash "$work/two.sh"
+timeout 300 bash "$work/two.sh"
 result $? "two tools open, move and end with exit code 0"
 "$program" replay "$work/two.rec" --verify >"$work/log" 2>&1
 result $? "what the keys did to two tools replays bit for bit"
@@ -126,7 +126,7 @@ ticks_pass "$work/stop.rec" 1
 kill -INT "$window"
 wait "$window"
 EOF
-timeout 60 bash "$work/stop.sh"
+timeout 300 bash "$work/stop.sh"
 code=$?
 echo "exit code $code" >>"$work/stop"
 [ $code = 1 ] && grep -q "interrupted" "$work/stop" && "$program" info "$work/stop.rec" | grep -q "complete"
