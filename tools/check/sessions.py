@@ -62,7 +62,7 @@ class Sessions:
     def scene(self, anatomy, lesion=None):
         """Path of the shipped anatomy's scene, without its bodies, with one of shared/examples/lesions if named."""
         made = f"{self.folder}/{anatomy}"
-        baked = f"{made}_{lesion}.scene"
+        baked = f"{self.folder}/{lesion or anatomy}.scene"
         code, said = 0, ""
         if not os.path.exists(made):
             code, said = self.call("anatomy", anatomy, "--no-bodies", "--quiet", "-o", made)
