@@ -7,8 +7,10 @@ import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
 sys.path.insert(0, os.path.join(ROOT, "tools", "bars"))
+sys.path.insert(0, os.path.join(ROOT, "tools", "check"))
 import bars  # noqa: E402
 import flakes  # noqa: E402
+import tap  # noqa: E402
 
 
 def bar(op="<=", limit=10.0, source="budget", kind="count"):
@@ -88,10 +90,4 @@ TESTS = (every_test_that_is_repeated_beside_a_load_exists, a_test_that_opens_a_w
          what_another_command_has_not_measured_is_named_and_neither_held_nor_red, what_cannot_be_measured_here_is_red,
          a_damaged_line_is_refused_with_its_number, files_of_other_commands_are_read_by_name_and_context,
          a_figure_beyond_its_tolerance_is_counted)
-failed = 0
-print("1..%d" % len(TESTS))
-for count, test in enumerate(TESTS, 1):
-    good = test()
-    failed += not good
-    print("%s %d - %s" % ("ok" if good else "not ok", count, test.__name__))
-sys.exit(1 if failed else 0)
+tap.run(TESTS)

@@ -7,8 +7,10 @@ import sys
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
 TOOL = os.path.join(ROOT, "tools", "bench", "budget_docs.py")
 sys.path.insert(0, os.path.dirname(TOOL))
+sys.path.insert(0, os.path.join(ROOT, "tools", "check"))
 import budget  # noqa: E402
 import budget_docs  # noqa: E402
+import tap  # noqa: E402
 
 
 def the_page_says_what_the_budget_says():
@@ -23,10 +25,4 @@ def another_budget_gives_another_page():
 
 
 TESTS = (the_page_says_what_the_budget_says, another_budget_gives_another_page)
-failed = 0
-print("1..%d" % len(TESTS))
-for count, test in enumerate(TESTS, 1):
-    good = test()
-    failed += not good
-    print("%s %d - %s" % ("ok" if good else "not ok", count, test.__name__))
-sys.exit(1 if failed else 0)
+tap.run(TESTS)

@@ -1,0 +1,13 @@
+"""Runs functions that return whether their claim holds, for tests that print TAP."""
+import sys
+
+
+def run(tests):
+    """One line for each, called by its name; ends the program with 1 if one does not hold."""
+    failed = 0
+    print("1..%d" % len(tests))
+    for count, test in enumerate(tests, 1):
+        good = test()
+        failed += not good
+        print("%s %d - %s" % ("ok" if good else "not ok", count, test.__name__))
+    sys.exit(1 if failed else 0)
