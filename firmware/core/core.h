@@ -23,7 +23,7 @@
 #endif
 
 enum {
-    SELD_CORE_VERSION = 14,      /* changes whenever the same inputs may give another hash */
+    SELD_CORE_VERSION = 15,      /* changes whenever the same inputs may give another hash */
     SELD_TOOL_MAX = 3,           /* coaxial tools of one line */
     SELD_KNOT_MAX = 32,          /* knots of one instrument */
     SELD_BALLOON_POINT_MAX = 12, /* of a balloon's table */
@@ -144,9 +144,10 @@ typedef struct seld_output {
     int32_t penetration_max_m_q30; /* deepest contact depth after the step */
     int32_t strain_max_q30;        /* length error of the free part, relative, whole length */
     uint16_t contact_count;
-    uint16_t solve_count; /* 1; 2 where a contact was missed: solved again, or cut short at a wall at rest */
-    uint16_t lead_tool;   /* whose tip is node 0 */
-    uint32_t fault_bits;  /* sticky SELD_FAULT_* of the state */
+    uint16_t
+        solve_count; /* 1; 2 where a contact was missed: solved again at a moving wall, seen in the next tick at one at rest */
+    uint16_t lead_tool;     /* whose tip is node 0 */
+    uint32_t fault_bits;    /* sticky SELD_FAULT_* of the state */
     uint32_t heart_phase32; /* after the tick: where the wall is that the contacts met */
     uint32_t breath_phase32;
     uint32_t beat_ms;      /* since the beat began */

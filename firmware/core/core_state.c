@@ -138,10 +138,10 @@ static bool within(int32_t value, int32_t most)
     return value >= -most && value <= most;
 }
 
-/* Bounds that the tick's own arithmetic keeps: displacements of 62 mm, turns of half a radian a tick. */
+/* Bounds that the tick's own arithmetic keeps: steps of 3.9 mm (3.1 are possible), bristles of 62 mm, turns of half a radian a tick. */
 static bool node_is_valid(const seld_node_state *node)
 {
-    enum { STEP_MAX_M_Q33 = 1 << 24, BRISTLE_MAX_M_Q33 = 1 << 29, TURN_MAX_Q30 = 1 << 29 };
+    enum { STEP_MAX_M_Q33 = 1 << 25, BRISTLE_MAX_M_Q33 = 1 << 29, TURN_MAX_Q30 = 1 << 29 };
     bool turns = true;
     for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
         turns = turns && within(node->spin_q30[k], TURN_MAX_Q30);
@@ -212,7 +212,7 @@ static bool words_are_valid(const seld_model *model, const seld_state_words *wor
     if (model->mesh[na - 1].arc_m_q30 >= inserted || model->mesh[na].arc_m_q30 < inserted) {
         return false;
     }
-    if (words->release_q30 < 0 || words->release_q30 > SELD_ONE_Q30 ||
+    if (words->has_missed > 1 || words->release_q30 < 0 || words->release_q30 > SELD_ONE_Q30 ||
         words->release_q30 % SELD_RELEASE_STEP_Q30 != 0) {
         return false;
     }

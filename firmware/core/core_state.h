@@ -77,6 +77,7 @@ typedef struct seld_state_words {
     int32_t line_change_N_q22; /* its change in the last tick, and the way of the leading tip that made it */
     int32_t line_feed_m_q30;
     uint32_t line_compliance_m_N_q40; /* of the line seen from the hands, the least of the last ticks */
+    uint32_t has_missed;              /* 1: the last tick ended in a wall at rest where no contact was seen */
     int32_t release_q30; /* share of the rest shapes in force: 0 in the introducer, 1 after 256 ticks */
     seld_rhythm rhythm;
     seld_balloon_state balloon;
@@ -191,6 +192,7 @@ typedef struct seld_scratch {
     seld_joint mouth[2];       /* joints na-1 and na with their cells clipped at the inserter's mouth */
     int32_t mouth_axial_N_q22; /* force of the mouth on a bent line */
     int32_t feed_m_q33;        /* of the leading tip: how far the line slides along itself */
+    int32_t kept_m_q33;        /* length that edges would have gained by turning in the solve, taken back */
     int32_t slide_m_q33[SELD_TOOL_MAX];      /* of each tool along the line: its feed less that of the line */
     int32_t turn_q30[SELD_TOOL_MAX];         /* of each tool in the inserter, radians */
     int32_t torque_N_m_q30[SELD_TOOL_MAX];   /* on each handle */

@@ -29,8 +29,8 @@ static void scale_step(seld_state *state, int32_t share_q30)
 }
 
 /* Cuts the deviation short when a node would move more than max(0.5 mm, 1.5 feeds) beyond the slide, or end in a wall at rest
- * where no contact was seen: one factor for all nodes keeps the shape, limits per node add energy (docs/rod.md, "contact").
- * Returns whether a contact was missed. */
+ * where no contact was seen: one factor for all nodes keeps the shape, limits per node add energy (docs/rod.md, "contact"). Only the first of
+ * ticks that miss a contact is cut for it, or the line is held back tick after tick. Returns whether a contact was missed. */
 static bool cut_step(const seld_model *model, seld_state *state, int32_t largest_m_q33)
 {
     const int32_t feed =
@@ -46,7 +46,7 @@ static bool cut_step(const seld_model *model, seld_state *state, int32_t largest
         const int32_t to_wall_q30 =
             seld_contact_share(model, state, largest_m_q33 < cap ? largest_m_q33 : cap);
         missed = to_wall_q30 < share_q30;
-        share_q30 = missed ? to_wall_q30 : share_q30;
+        share_q30 = missed && state->words.has_missed == 0 ? to_wall_q30 : share_q30;
     }
     if (share_q30 < SELD_ONE_Q30) {
         scale_step(state, share_q30);
@@ -149,9 +149,10 @@ void seld_step(const seld_model *model, seld_state *state, const seld_input *inp
     const int32_t largest_m_q33 = solve(model, state, output);
     int32_t line_axial_N_q22 =
         seld_add_sat(seld_rod_handle_axial(model, state), state->scratch.mouth_axial_N_q22);
-    if (cut_step(model, state, largest_m_q33)) {
-        output->solve_count = 2;
-    }
+    const bool missed = cut_step(model, state, largest_m_q33);
+    output->solve_count = missed ? 2 : output->solve_count;
+    seld_rod_keep_lengths(model, state, largest_m_q33);
+    state->words.has_missed = missed;
     seld_contact_finish(model, state, output);
     seld_balloon_finish(model, state, output);
     seld_tools_slide(model, state);

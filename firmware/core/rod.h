@@ -132,6 +132,14 @@ void seld_rod_bend(const seld_model *model, seld_state *state);
  * each will turn with it: in `slide_m_q33` of the scratch. */
 uint32_t seld_tip_predict(const seld_model *model, seld_state *state, uint32_t free_count);
 
+/* rod_length.c: adds to the shift of the nodes ahead what keeps edge i as long at x* as it is at x. `slide_m_q33` is node i's without
+ * this addition; node i + 1 is at x* already. */
+void seld_slide_keep_length(const seld_model *model, const seld_state *state, uint32_t i,
+                            const seld_vec3 *slide_m_q33, seld_vec3 *shift_m_q33);
+
+/* rod_length.c: the same for the solve's deviation, whose largest component is given, from the hand to the tip. */
+void seld_rod_keep_lengths(const seld_model *model, seld_state *state, int32_t largest_m_q33);
+
 /* The joint at node i as this tick sees it: clipped at the mouth for i = na-1 and na. */
 static inline const seld_joint *seld_rod_joint(const seld_state *state, uint32_t i)
 {

@@ -3,7 +3,7 @@
 #include "firmware/core/rod.h"
 
 /* +-1.98 m, so that a tick's slide can be added without overflow. Beyond it only in a scene without walls. Overflow of the
- * sum: impossible, a tick's motion is below 2^21 in Q30. */
+ * sum: impossible, a tick's motion is below 2^22 in Q30. */
 static int32_t limit_position(int32_t m_q30)
 {
     return seld_clamp(m_q30, -SELD_POSITION_MAX_M_Q30, SELD_POSITION_MAX_M_Q30);
@@ -20,12 +20,12 @@ static void move_node(seld_state *state, uint32_t i)
     }
 }
 
-/* Elongation of all free edges to first order: that at x* plus t . (delta[i+1] - delta[i]). Sideways motion of one tick
- * adds its square over twice the edge, below 0.02 % while steps are below the cap.
+/* Elongation of all free edges: that at x* plus t . (delta[i+1] - delta[i]), plus what rod_length.c took back for turning. Edges that
+ * turn by less than that acts on add half the square of their turn, below 0.4 %.
  * Format: sum of Q33 m in 64 bits. Overflow: edges are below 2^25 in Q30. */
 static int64_t elongation_m_q33(const seld_model *model, const seld_state *state)
 {
-    int64_t sum = 0;
+    int64_t sum = state->scratch.kept_m_q33;
     for (uint32_t i = 0; i < state->words.free_count; i++) {
         const seld_work *work = &state->scratch.nodes[i];
         const seld_vec3 *t = &state->words.nodes[i].tangent_q30;

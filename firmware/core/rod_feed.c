@@ -5,7 +5,8 @@
 #include "firmware/core/rod.h"
 
 enum {
-    FOLLOW_SHIFT = 2, /* the feed covers a quarter of the hand's lead each tick */
+    FOLD_Q28 = 265751102, /* 0.99: cos^2 of half a turn of 11.5 degrees from edge to edge */
+    FOLLOW_SHIFT = 2,     /* the feed covers a quarter of the hand's lead each tick */
     WALL_COMPLIANCE_m_N_Q40 =
         43980465,                   /* 4e-5 m/N: the contact that blocks the tip, k_c + k_deep = 25 kN/m */
     TURN32_TO_Q30_RAD = 1686629713, /* pi / 2 in Q30 */
@@ -191,30 +192,95 @@ static void free_node(seld_state *state, uint32_t i)
     }
 }
 
-/* x* = x - T ds with the mean T of the two tangents at node `guide`, plus the turn of a rigid tip that the scratch holds, and the
- * inertia's right side m/h^2 ((1 - gamma h) u - slide).
- * Overflow: displacements per tick stay below 2^24 m Q33 (feed 0.5, turn 0.6, cap 0.75 mm), differences below 2^25, their eightfold below 2^28. */
-static void slide_node(const seld_model *model, seld_state *state, uint32_t i, uint32_t guide)
+/* Mean T of the two tangents at a node. Returns its square, Q28: cos^2 of half the joint's angle. */
+static inline int32_t mean_tangent(const seld_state *state, uint32_t i, seld_vec3 *mean_q30)
+{
+    const seld_vec3 *ahead = &state->words.nodes[i > 0 ? i - 1 : 0].tangent_q30;
+    const seld_vec3 *behind = &state->words.nodes[i].tangent_q30;
+    int32_t square_q28 = 0;
+    for (int k = 0; k < 3; k++) {
+        mean_q30->v[k] = seld_asr32(ahead->v[k], 1) + seld_asr32(behind->v[k], 1);
+        square_q28 = seld_mulh_add(square_q28, mean_q30->v[k], mean_q30->v[k]);
+    }
+    return square_q28;
+}
+
+/* How a node of a fold slides: T / T^2 ds, which takes it as far along both edges as their other ends go; doubled at most, from a
+ * right angle on. Overflow: a slide of 0.5 mm becomes 0.71 mm. */
+SELD_RARE static void slide_round(seld_vec3 *slide_m_q33, int32_t square_q28)
+{
+    const int32_t factor_q28 = square_q28 > 1 << 27 ? seld_quotient(1 << 28, square_q28, 28) : 1 << 29;
+    for (int k = 0; k < 3; k++) {
+        slide_m_q33->v[k] = seld_mul(slide_m_q33->v[k], factor_q28, 28);
+    }
+}
+
+/* Puts node i at x* = x + slide and the inertia's right side m/h^2 ((1 - gamma h) u - slide).
+ * Overflow: slides stay below 2^24 m Q33 (feed 0.71, turn 0.6, shift 0.5 mm), displacements per tick below 2^25 (1.25 mm more by cap and
+ * shift), differences below 2^26, their eightfold below 2^29. */
+static inline void predict_node(const seld_model *model, seld_state *state, uint32_t i,
+                                const seld_vec3 *slide_m_q33)
 {
     seld_node_state *node = &state->words.nodes[i];
     seld_work *work = &state->scratch.nodes[i];
-    const seld_vec3 *ahead = &state->words.nodes[guide > 0 ? guide - 1 : 0].tangent_q30;
-    const seld_vec3 *behind = &state->words.nodes[guide].tangent_q30;
     const int32_t inertia_q18 = seld_line_inertia(model, &state->line.nodes[i])
                                 << (18 - model->stiffness_exponent);
-    const int32_t back_m_q35 = -4 * state->scratch.feed_m_q33;
     for (int k = 0; k < 3; k++) {
-        int32_t tangent = seld_asr32(ahead->v[k], 1) + seld_asr32(behind->v[k], 1);
-        int32_t slide = seld_mulh(back_m_q35, tangent);
-        if (guide != i) {
-            slide += work->slide_m_q33.v[k];
-        }
-        int32_t drift = node->step_m_q33.v[k] - slide;
-        int32_t kept = seld_mulh_add(drift, node->step_m_q33.v[k], -4 * SELD_DAMPING_KEEP_Q30);
+        const int32_t slide = slide_m_q33->v[k];
+        const int32_t drift = node->step_m_q33.v[k] - slide;
+        const int32_t kept = seld_mulh_add(drift, node->step_m_q33.v[k], -4 * SELD_DAMPING_KEEP_Q30);
         work->slide_m_q33.v[k] = slide;
         work->drift_m_q33.v[k] = drift;
         work->position_m_q30.v[k] = node->position_m_q30.v[k] + ((slide + 4) >> 3);
         work->force_N_q22.v[k] = seld_mulh(inertia_q18, kept * 8); /* Q18 N/m x Q36 m */
+    }
+}
+
+/* What the nodes ahead have moved on by to keep the edges of folds behind them as long as they are. */
+typedef struct fold_shift {
+    seld_vec3 shift_m_q33;
+    bool was_fold;  /* the node behind is one of a fold, */
+    bool is_passed; /* some node behind is */
+} fold_shift;
+
+/* The slide of a node in a fold or ahead of one; `is_inside`: the edge behind it slides too and is no part of the rigid tip. */
+SELD_RARE static void slide_apart(const seld_model *model, const seld_state *state, uint32_t i,
+                                  bool is_inside, int32_t square_q28, fold_shift *fold,
+                                  seld_vec3 *slide_m_q33)
+{
+    const bool is_fold = square_q28 < FOLD_Q28;
+    if (is_fold) {
+        slide_round(slide_m_q33, square_q28);
+    }
+    *slide_m_q33 = seld_vec3_add(*slide_m_q33, fold->shift_m_q33);
+    if (is_inside && (is_fold || fold->was_fold)) {
+        const seld_vec3 before = fold->shift_m_q33;
+        seld_slide_keep_length(model, state, i, slide_m_q33, &fold->shift_m_q33);
+        *slide_m_q33 = seld_vec3_add(*slide_m_q33, seld_vec3_sub(fold->shift_m_q33, before));
+    }
+    fold->was_fold = is_fold;
+    fold->is_passed |= is_fold;
+}
+
+/* Nodes 0 .. count-1 slide by -T ds; the first `rigid` of them as node `rigid` does, plus the turn that the scratch holds. From the
+ * hand on, so that where the line is folded the nodes ahead follow the edges behind them. */
+static void slide_nodes(const seld_model *model, seld_state *state, uint32_t count, uint32_t rigid)
+{
+    const int32_t back_m_q35 = -4 * state->scratch.feed_m_q33;
+    fold_shift fold = {{{0, 0, 0}}, false, false};
+    for (uint32_t i = count; i-- > 0;) {
+        seld_vec3 mean, slide;
+        const int32_t square_q28 = mean_tangent(state, i < rigid ? rigid : i, &mean);
+        for (int k = 0; k < 3; k++) {
+            slide.v[k] = seld_mulh(back_m_q35, mean.v[k]);
+        }
+        if (square_q28 < FOLD_Q28 || fold.is_passed) {
+            slide_apart(model, state, i, i >= rigid && i + 1 < count, square_q28, &fold, &slide);
+        }
+        if (i < rigid) {
+            slide = seld_vec3_add(slide, state->scratch.nodes[i].slide_m_q33);
+        }
+        predict_node(model, state, i, &slide);
     }
 }
 
@@ -298,9 +364,7 @@ void seld_rod_feed(const seld_model *model, seld_state *state, const seld_input 
     seld_line_update(model, state);
     uint32_t sliding = before < now ? before : now;
     uint32_t rigid = seld_tip_predict(model, state, sliding);
-    for (uint32_t i = 0; i < sliding; i++) {
-        slide_node(model, state, i, i < rigid ? rigid : i);
-    }
+    slide_nodes(model, state, sliding, rigid);
     for (uint32_t i = sliding; i < now + 3; i++) {
         place_inside(model, state, inserted, i);
         if (i < now) {

@@ -42,7 +42,7 @@ static uint32_t count_rigid(const seld_model *model, const seld_state *state, ui
 /* Takes the turn about an axis through node `root` out of what is left of the tip's motion and adds what is kept of it to the
  * slide. `drift_m_q33` holds that motion here, against the root's. Least squares: angle = sum (a x r).w / sum (a x r)^2.
  * Returns the sum of a x r, Q24 m.
- * Overflow: arms are below 2^26.7 in Q30 (96 mm, where restored edges are twice as long), motions below 2^25.9 in Q33, nodes below 2^8:
+ * Overflow: arms are below 2^26.7 in Q30 (96 mm, where restored edges are twice as long), motions below 2^26.9 in Q33, nodes below 2^8:
  * sums below 2^62. */
 static seld_vec3 turn_about(seld_state *state, uint32_t root, const seld_vec3 *axis_q30)
 {
