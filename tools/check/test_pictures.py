@@ -70,6 +70,20 @@ def check_rules(tap):
         check_stamps(tap, folder)
 
 
+def check_moments(tap):
+    report = {"ticks": 60000, "expected": [{"at_s": 12.5}], "room": {"irradiations": [{"run": 2, "begin_s": 40.0, "end_s": 44.0}]}}
+    maker = pictures.Maker({})
+    maker.reports["a"] = report
+    picture = {"file": "a.jpg", "film": "a"}
+    found = [maker.moment(picture, at) for at in (7.5, "expect 1", "run 2 at 1.5", "end")]
+    tap.claim(found == [7.5, 12.5, 41.5, 59.9], "a moment is seconds, an expectation, a place in a run, or the end", str(found))
+    for at, why in ((67.3, "ends after 60.0 s"), ("run 2 at 5", "no X-ray run 2"), ("run 1 at 1", "no X-ray run 1"), ("soon", "is no moment")):
+        try:
+            tap.claim(False, "no picture is taken at %s" % at, "at %s s" % maker.moment(picture, at))
+        except pictures.PictureError as error:
+            tap.claim(why in str(error), "no picture is taken at %s" % at, str(error))
+
+
 def check_stamps(tap, folder):
     fields = {"core": "14", "command": "make run", "inputs": "0123456789ab", "shows": "-"}
     for name, data in (("a.jpg", JPEG), ("a.png", png())):
@@ -86,6 +100,7 @@ def check_stamps(tap, folder):
 def main():
     tap = Tap()
     check_rules(tap)
+    check_moments(tap)
     found = pictures.problems(pictures.read_manifest(), pictures.linked_pictures(pictures.documents()), pictures.core_version())
     tap.claim(not found, "every picture of README and docs is current", "\n".join(found))
     print("1..%d" % tap.count)

@@ -235,7 +235,7 @@ class Maker:
         print("  %s" % picture["file"], flush=True)
 
     def compose(self, picture):
-        """Frames of the film side by side. A moment is seconds, or `expect N`: when the session's Nth expectation was judged."""
+        """Frames of the film side by side."""
         if "frames" not in picture:
             return
         film = "%s/%s.mp4" % (WORK, picture["film"])
@@ -255,12 +255,29 @@ class Maker:
     def moment(self, picture, frame):
         wanted = frame["at"] if isinstance(frame, dict) else frame
         report = self.film(frame["film"] if isinstance(frame, dict) and "film" in frame else picture["film"])
-        end_s = report["ticks"] * 1e-3
-        if isinstance(wanted, str):
-            number = int(wanted.removeprefix("expect "))
-            wanted = report["expected"][number - 1]["at_s"]
+        at_s, end_s = seconds_of(wanted, report), report["ticks"] * 1e-3
+        if at_s > end_s:
+            raise PictureError("%s: no frame at %s, its film ends after %.1f s; give `frames` of %s in %s anew" %
+                               (picture["file"], wanted, end_s, picture["file"], MANIFEST))
         # The last picture of a film stands for its last fifteenth of a second.
-        return max(min(wanted, end_s - 0.1), 0.0)
+        return max(min(at_s, end_s - 0.1), 0.0)
+
+
+def seconds_of(wanted, report):
+    """A moment of a film: seconds; `end`; `expect N`: when the session's Nth expectation was judged; `run N at S`: into an X-ray run."""
+    if not isinstance(wanted, str):
+        return wanted
+    words = wanted.split()
+    if wanted == "end":
+        return report["ticks"] * 1e-3
+    if words[0] == "expect" and len(words) == 2:
+        return report["expected"][int(words[1]) - 1]["at_s"]
+    if words[0] == "run" and words[2:3] == ["at"] and len(words) == 4:
+        for one in report["room"]["irradiations"]:
+            if one["run"] == int(words[1]) and one["begin_s"] + float(words[3]) <= one["end_s"]:
+                return one["begin_s"] + float(words[3])
+        raise PictureError("no X-ray run %s that lasts %s s; see `irradiations` of the film's report" % (words[1], words[3]))
+    raise PictureError("'%s' is no moment: seconds, end, expect N or run N at S" % wanted)
 
 
 def main():
