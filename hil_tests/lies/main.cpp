@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iomanip>
 #include <map>
 #include <sstream>
 
@@ -19,6 +20,36 @@ struct Options {
     bool lists = false;
 };
 
+struct Totals {
+    std::size_t cases = 0;
+    double slowest_s = 0.0, interrupt_slowest_s = 0.0;
+    unsigned false_hashes = 0, failed = 0;
+};
+
+Totals totals_of(const std::vector<hil::Verdict> &verdicts)
+{
+    Totals totals;
+    totals.cases = verdicts.size();
+    for (const hil::Verdict &verdict : verdicts) {
+        totals.slowest_s = std::max(totals.slowest_s, verdict.seconds);
+        totals.interrupt_slowest_s = std::max(totals.interrupt_slowest_s, verdict.interrupt_s);
+        totals.false_hashes += verdict.is_false;
+        totals.failed += !verdict.failure.empty();
+    }
+    return totals;
+}
+
+// One line each, name and value: what make bars reads, at the end of the table too.
+std::string text_of(const Totals &totals, char between)
+{
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(3) << "lies.cases" << between << totals.cases
+         << "\nlies.slowest_s" << between << totals.slowest_s << "\nlies.interrupt_slowest_s" << between
+         << totals.interrupt_slowest_s << "\nlies.false_hashes" << between << totals.false_hashes
+         << "\nlies.failed" << between << totals.failed << '\n';
+    return text.str();
+}
+
 void write_table(const std::string &path, const std::vector<hil::LieCase> &cases,
                  const std::vector<hil::Verdict> &verdicts)
 {
@@ -31,6 +62,7 @@ void write_table(const std::string &path, const std::vector<hil::LieCase> &cases
              << verdict.seconds << '\t' << verdict.interrupt_s << '\t' << verdict.has_struck << '\t'
              << verdict.message << '\n';
     }
+    text << text_of(totals_of(verdicts), '\t');
     const auto folder = std::filesystem::path(path).parent_path();
     if (!folder.empty()) std::filesystem::create_directories(folder);
     seld::write_whole_file(path, text.str());
@@ -43,19 +75,15 @@ int print(const std::vector<hil::LieCase> &cases, const std::vector<hil::Verdict
         double slowest_s = 0.0, interrupt_slowest_s = 0.0;
     };
     std::map<std::string, Row> rows;
-    Row all;
-    unsigned false_hashes = 0;
     for (std::size_t i = 0; i < cases.size(); i++) {
         const hil::Verdict &verdict = verdicts[i];
-        for (Row *row : {&rows[cases[i].command->name], &all}) {
-            row->cases++;
-            row->told += verdict.has_struck;
-            row->refused += verdict.code == 1;
-            row->failed += !verdict.failure.empty();
-            row->slowest_s = std::max(row->slowest_s, verdict.seconds);
-            row->interrupt_slowest_s = std::max(row->interrupt_slowest_s, verdict.interrupt_s);
-        }
-        false_hashes += verdict.is_false;
+        Row &row = rows[cases[i].command->name];
+        row.cases++;
+        row.told += verdict.has_struck;
+        row.refused += verdict.code == 1;
+        row.failed += !verdict.failure.empty();
+        row.slowest_s = std::max(row.slowest_s, verdict.seconds);
+        row.interrupt_slowest_s = std::max(row.interrupt_slowest_s, verdict.interrupt_s);
         if (!verdict.failure.empty()) {
             std::printf("failed: %s: %s: %s (%.2f s) %s\n", cases[i].command->name,
                         hil::line_of(cases[i].lie).c_str(), verdict.failure.c_str(), verdict.seconds,
@@ -67,10 +95,9 @@ int print(const std::vector<hil::LieCase> &cases, const std::vector<hil::Verdict
     for (const auto &[name, row] : rows)
         std::printf("%-16s %6u %6u %8u %10.2f %12.2f %7u\n", name.c_str(), row.cases, row.told, row.refused,
                     row.slowest_s, row.interrupt_slowest_s, row.failed);
-    std::printf("lies.cases %u\nlies.slowest_s %.3f\nlies.interrupt_slowest_s %.3f\nlies.false_hashes %u\n"
-                "lies.failed %u\n",
-                all.cases, all.slowest_s, all.interrupt_slowest_s, false_hashes, all.failed);
-    return all.failed == 0 ? 0 : 1;
+    const Totals totals = totals_of(verdicts);
+    std::fputs(text_of(totals, ' ').c_str(), stdout);
+    return totals.failed == 0 ? 0 : 1;
 }
 
 int run(const Options &options)
