@@ -213,9 +213,14 @@ std::size_t run_passivity_grid(Level &level, std::size_t nth, const std::string 
         fastest_m_per_s = std::max(fastest_m_per_s, outcome.fastest_m_per_s);
         if (!outcome.failure.empty()) std::printf("BROKEN %s", line.c_str());
     }
-    std::printf("passivity.combinations\t%zu\npassivity.accepted\t%zu\npassivity.stopped\t%zu\n"
-                "passivity.fastest_m_per_s\t%.3f\npassivity.broken\t%zu\n",
-                count, accepted, stopped, fastest_m_per_s, broken);
+    // Name and value, one line each: what make bars reads, at the end of the table too.
+    char totals[256];
+    std::snprintf(totals, sizeof totals,
+                  "passivity.combinations\t%zu\npassivity.accepted\t%zu\npassivity.stopped\t%zu\n"
+                  "passivity.fastest_m_per_s\t%.3f\npassivity.broken\t%zu\n",
+                  count, accepted, stopped, fastest_m_per_s, broken);
+    std::fputs(totals, stdout);
+    lines += totals;
     if (file.empty()) return broken;
     const auto folder = std::filesystem::path(file).parent_path();
     if (!folder.empty()) std::filesystem::create_directories(folder);
