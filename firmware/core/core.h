@@ -144,8 +144,7 @@ typedef struct seld_output {
     int32_t penetration_max_m_q30; /* deepest contact depth after the step */
     int32_t strain_max_q30;        /* length error of the free part, relative, whole length */
     uint16_t contact_count;
-    uint16_t
-        solve_count; /* 1; 2 where a contact was missed: solved again at a moving wall, seen in the next tick at one at rest */
+    uint16_t solve_count;   /* 1; 2 where a contact was missed, whether or not that took a second solve */
     uint16_t lead_tool;     /* whose tip is node 0 */
     uint32_t fault_bits;    /* sticky SELD_FAULT_* of the state */
     uint32_t heart_phase32; /* after the tick: where the wall is that the contacts met */

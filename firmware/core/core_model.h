@@ -32,7 +32,7 @@ enum {
     SELD_HOLD_STIFFNESS_N_m = 200000, /* of a held tip; within LOAD_RESERVE_N_m of core_build.c */
     SELD_CONTACT_DEEP_M_Q30 = 214748, /* 0.2 mm */
     SELD_MISSED_CONTACT_M_Q30 =
-        107374, /* 0.1 mm: where no contact was seen a node gets no deeper in the first tick of several */
+        107374, /* 0.1 mm: a contact that was not seen gets no deeper, in the first tick of several */
     SELD_FEED_MAX_M_Q30 = 536871,         /* 0.5 mm per tick = 0.5 m/s */
     SELD_TURN_MAX_TURN32 = 13671000,      /* 0.02 rad per tick = 20 rad/s */
     SELD_DAMPING_KEEP_Q30 = 21474836,     /* 20/s x 1 ms = 0.02: blood's drag, mass proportional */

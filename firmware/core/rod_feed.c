@@ -252,11 +252,11 @@ SELD_RARE static void slide_apart(const seld_model *model, const seld_state *sta
     if (is_fold) {
         slide_round(slide_m_q33, square_q28);
     }
-    *slide_m_q33 = seld_vec3_add(*slide_m_q33, fold->shift_m_q33);
+    const seld_vec3 alone = *slide_m_q33;
+    *slide_m_q33 = seld_vec3_add(alone, fold->shift_m_q33);
     if (is_inside && (is_fold || fold->was_fold)) {
-        const seld_vec3 before = fold->shift_m_q33;
         seld_slide_keep_length(model, state, i, slide_m_q33, &fold->shift_m_q33);
-        *slide_m_q33 = seld_vec3_add(*slide_m_q33, seld_vec3_sub(fold->shift_m_q33, before));
+        *slide_m_q33 = seld_vec3_add(alone, fold->shift_m_q33);
     }
     fold->was_fold = is_fold;
     fold->is_passed |= is_fold;

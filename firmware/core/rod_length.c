@@ -1,14 +1,12 @@
 /* Edges that turn fast keep their length (docs/rod.md, "Turning edges"): when the two ends of an edge move straight on while it turns
- * by an angle, it gets longer by half the angle's square, which for a line that is 1e4 N stiff looks like a pull of many newtons.
+ * by an angle, it gets longer by half the angle's square, which for a line of some kN of axial stiffness is a pull of many newtons.
  * What is too long is taken back by moving the nodes ahead of the edge, towards the tip. May include: rod.h. Called by: rod_feed.c,
  * core_step.c. */
 #include "firmware/core/rod.h"
 
 enum {
     EXCESS_MAX_Q30 = SELD_ONE_Q30 / 4, /* taken back of one edge in one tick */
-    SHIFT_MAX_M_Q33 =
-        1
-        << 22, /* 0.49 mm: of all edges together, in each direction, once for the slide and once for the solve */
+    SHIFT_MAX_M_Q33 = 1 << 22, /* 0.49 mm in each direction: all edges of the slide, and of the solve */
 };
 
 /* Moves the nodes ahead on by `way` along `along_q30`. Overflow: clamped, both are below 2^31 - 2^22. */
@@ -47,9 +45,7 @@ void seld_slide_keep_length(const seld_model *model, const seld_state *state, ui
         w.v[k] = over_length(from->v[k] + ((slide_m_q33->v[k] + 4) >> 3), ahead->v[k], inverse);
         excess_q30 += seld_asr64(((int64_t)w.v[k] - before) * ((int64_t)w.v[k] + before) / 2, 30);
     }
-    const int32_t e = (int32_t)(excess_q30 > EXCESS_MAX_Q30    ? EXCESS_MAX_Q30
-                                : excess_q30 < -EXCESS_MAX_Q30 ? -EXCESS_MAX_Q30
-                                                               : excess_q30);
+    const int32_t e = seld_clamp(seld_sat32(excess_q30), -EXCESS_MAX_Q30, EXCESS_MAX_Q30);
     /* 1 - 1 / sqrt(1 + 2 e) of w, by its series; off by 3 % at 1/4, 0.04 % at 0.1 */
     const int32_t square = seld_scale_q30(e, e);
     const int32_t part = e - square - square / 2 + seld_scale_q30(square, e) / 2 * 5;
