@@ -43,7 +43,7 @@ $(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/room host
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
 ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS) $(TOOL_TESTS) $(LINE_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(ROD_TESTS) $(CASE_TESTS) $(CT_TESTS) $(CALIBRATE_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
 
-tests-build: $(ALL_TEST_PROGRAMS) $(HIL_RIG) $(BUILD)/firmware/seldinger-mps2_an500.elf $(BUILD)/firmware/seldinger-imxrt1062.elf $(BUILD)/bench/budget_make ## build the test programs
+tests-build: $(ALL_TEST_PROGRAMS) $(HIL_RIG) $(BUILD)/firmware/seldinger-mps2_an500.elf $(BUILD)/firmware/seldinger-imxrt1062.elf $(BUILD)/bench/budget_make $(BUILD)/bench/bench_lumen $(M7_IMAGE) ## build the test programs
 tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS),$(call test_program,$(t))) $(BUILD)/firmware/seldinger-mps2_an500.elf $(BUILD)/bin/seldinger ## build those without OpenVDB
 
 # --- the USB side against the host's libraries: docs/usb.md --------------------------------------------------------------
@@ -100,7 +100,7 @@ SAN_MAKE   = $(TEST_MAKE) BUILD=$(BUILD)/san CC=clang CXX=clang++ PCH=$(if $(CCA
 FUZZ_MAKE  = $(TEST_MAKE) BUILD=$(BUILD)/fuzz CC=clang CXX=clang++ SAN=fuzzer-no-link,address,undefined OPT=-O2 CORE_OPT=-O2
 
 # What does not build is reported by run_tests.py as failed, with everything else run all the same.
-test: packages-build+test+matrix+usb ## build and run every test, also under the sanitizers, and a short fuzz run
+test: packages-build+test+matrix+usb+bench ## build and run every test, also under the sanitizers, and a short fuzz run
 	@status=0; \
 	$(TEST_MAKE) -k $(PROGRAMS) tests-build || status=1; \
 	$(SAN_MAKE) -k tests-build-san hil-programs || status=1; \

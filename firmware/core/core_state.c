@@ -299,14 +299,20 @@ void seld_state_hash_lanes(const seld_state *state, uint32_t lane[2])
 
 uint64_t seld_state_hash64(const seld_state *state)
 {
+    const uint64_t prime = 1099511628211u,
+                   prime_to_4 = prime * prime * prime * prime; /* modulo 2^64, as defined */
     const uint32_t *words = (const uint32_t *)&state->words;
     hashed_range ranges[2];
     hashed_words(&state->words, ranges);
     uint64_t hash = 14695981039346656037u;
     for (int r = 0; r < 2; r++) {
         for (size_t i = ranges[r].first; i < ranges[r].end; i++) {
+            if (words[i] == 0) { /* common: bristles without contact, tools that are not there */
+                hash *= prime_to_4;
+                continue;
+            }
             for (int k = 0; k < 4; k++) {
-                hash = (hash ^ ((words[i] >> (8 * k)) & 255u)) * 1099511628211u;
+                hash = (hash ^ ((words[i] >> (8 * k)) & 255u)) * prime;
             }
         }
     }

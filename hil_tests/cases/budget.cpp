@@ -29,6 +29,17 @@ AortaRun count_aorta(const AortaFiles &files, std::uint32_t ticks_max)
     });
 }
 
+std::size_t Overruns::count() const
+{
+    return static_cast<std::size_t>(
+        std::count_if(edge_us.begin(), edge_us.end(), [](double us) { return us > 1000.0; }));
+}
+
+double Overruns::worst_us() const
+{
+    return edge_us.empty() ? 0.0 : *std::max_element(edge_us.begin(), edge_us.end());
+}
+
 Overruns overruns_of_aorta(const AortaFiles &files, int icount_shift, std::uint32_t ticks_max)
 {
     const seld::Session session = seld::read_session(files.session);
@@ -42,7 +53,7 @@ Overruns overruns_of_aorta(const AortaFiles &files, int icount_shift, std::uint3
     double inserted_m = 0.0;
     seld_wire_hand before{};
     Plant::Track &track = bench.plant().track(0);
-    while (!player.is_done() && result.ticks < ticks_max && !seld::is_interrupted()) {
+    while (!player.is_done() && result.edge_us.size() < ticks_max && !seld::is_interrupted()) {
         const seld_wire_hand hand = player.next().hands[0];
         track.translation.move_hand((hand.translation_counts - before.translation_counts) * 1e3 /
                                     seld::counts_per_m);
@@ -50,17 +61,15 @@ Overruns overruns_of_aorta(const AortaFiles &files, int icount_shift, std::uint3
                                  seld::counts_per_turn);
         before = hand;
         bench.advance(1);
-        result.ticks++;
-        const double us = bench.emulator().page().device.edge_counts * seld::Emulator::count_ns * 1e-3;
-        result.worst_us = std::max(result.worst_us, us);
-        result.overruns += us > 1000.0;
-        if (result.ticks % 8 == 0) keep_talking(link);
-        if (result.ticks % seld::SessionPlayer::observe_every_ticks != 0) continue;
+        result.edge_us.push_back(bench.emulator().page().device.edge_counts * seld::Emulator::count_ns *
+                                 1e-3);
+        if (result.edge_us.size() % 8 == 0) keep_talking(link);
+        if (result.edge_us.size() % seld::SessionPlayer::observe_every_ticks != 0) continue;
         inserted_m = link.read_nodes().inserted_m_q30[0] * 0x1p-30;
         look_at_aorta(link, files, *vessels, player, inserted_m);
     }
-    check(link.read_status().state == SELD_WIRE_STATE_RUNNING, "the session ended by itself after %u ticks",
-          unsigned{result.ticks});
+    check(link.read_status().state == SELD_WIRE_STATE_RUNNING, "the session ended by itself after %zu ticks",
+          result.edge_us.size());
     return result;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include "hil_tests/cases/aorta_session.hpp"
 #include <cstdint>
+#include <vector>
 
 namespace hil
 {
@@ -12,8 +13,9 @@ namespace hil
 AortaRun count_aorta(const AortaFiles &files, std::uint32_t ticks_max);
 
 struct Overruns {
-    std::uint32_t ticks = 0, overruns = 0; // work on one edge took longer than 1 ms
-    double worst_us = 0.0;
+    std::vector<double> edge_us; // work on each edge
+    std::size_t count() const;   // of those that took longer than 1 ms
+    double worst_us() const;
 };
 
 // The aorta session in FREE_RUN, the hands moved by the plant, at 1,000 / 2^shift instructions per us.

@@ -34,14 +34,29 @@ static inline seld_wire_reader seld_wire_reader_make(const uint8_t *bytes, size_
     return reader;
 }
 
-/* Write the low `count` bytes (1 .. 8) of `value`. */
+/* Four stores that a compiler makes one. */
+static inline void seld_wire_put_u32_at(uint8_t *to, uint32_t value)
+{
+    to[0] = (uint8_t)value;
+    to[1] = (uint8_t)(value >> 8);
+    to[2] = (uint8_t)(value >> 16);
+    to[3] = (uint8_t)(value >> 24);
+}
+
+/* Write the low `count` bytes (1 .. 8) of `value`. Without a loop where `count` is a constant that is common. */
 static inline void seld_wire_write(seld_wire_writer *writer, uint64_t value, unsigned count)
 {
     if (writer->overflowed || writer->capacity - writer->length < count) {
         writer->overflowed = true;
         return;
     }
-    for (unsigned i = 0; i < count; i++) writer->bytes[writer->length++] = (uint8_t)(value >> (8 * i));
+    uint8_t *to = writer->bytes + writer->length;
+    writer->length += count;
+    if (count == 4) {
+        seld_wire_put_u32_at(to, (uint32_t)value);
+        return;
+    }
+    for (unsigned i = 0; i < count; i++) to[i] = (uint8_t)(value >> (8 * i));
 }
 
 /* Read `count` bytes (1 .. 8); 0 when they are not there. */

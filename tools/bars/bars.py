@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Every bar that was ever set and a command can show, held against what is measured now (docs/bars.md).
 
-  bars.py --build build [--only TEXT]
+  bars.py --build build [--only TEXT] [--here] [--scene FILE] [--tap]
 
 Reads tools/bars/bars.tsv. What is counted (instructions, sizes, hashes, physics) is measured here and fails when it is over its bar;
 what another command measures is read from the file that the command writes and is "not measured here" without it; a time is printed
 with its ratio to the bar and never fails. Writes out/bars.tsv. The last lines are `bars.held<TAB>N` and `bars.red<TAB>N`; ends with 1
-when a bar is red or could not be measured.
+when a bar is red or could not be measured. --here leaves out times and what other commands measure; --tap prints one line of TAP
+per bar instead of the table.
 """
 import argparse
 import collections
@@ -127,14 +128,27 @@ def counted_values(counts):
             for name, share in (("median", 0.5), ("p99.9", 0.999), ("max", 1.0))}
 
 
-def from_counts(options, _):
-    if not os.path.exists(os.path.join(ROOT, SCENE)):
-        raise CannotMeasure("%s does not exist: `make %s` makes it" % (SCENE, SCENE))
+def aorta_ticks(options, what):
+    """The second column of the table that `hil --counts` or `hil --overruns` writes: one value per tick of the aorta session."""
+    if not os.path.exists(os.path.join(ROOT, options.scene)):
+        raise CannotMeasure("%s does not exist: `make %s` makes it" % (options.scene, SCENE))
     with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "counts.tsv")
-        run([os.path.join(options.build, "bin", "hil"), "--scene", SCENE, "--counts", path], limit_s=1200)
+        path = os.path.join(folder, "ticks.tsv")
+        run([os.path.join(options.build, "bin", "hil"), "--scene", options.scene, what, path], limit_s=1200)
         with open(path, encoding="utf-8") as file:
-            return counted_values([float(line.split("\t")[1]) for line in file])
+            return [float(line.split("\t")[1]) for line in file]
+
+
+def from_counts(options, _):
+    return counted_values(aorta_ticks(options, "--counts"))
+
+
+def overrun_values(edges_us):
+    return {"hil.edges_over_1_ms at=500_mips": sum(us > 1000 for us in edges_us), "hil.edge_us_max at=500_mips": max(edges_us)}
+
+
+def from_overruns(options, _):
+    return overrun_values(aorta_ticks(options, "--overruns"))
 
 
 def from_file(path, wanted):
@@ -155,7 +169,8 @@ def from_file(path, wanted):
 def measure(source, wanted, options):
     if source.startswith("file:"):
         return from_file(source[len("file:"):], wanted)
-    known = {"budget": from_budget, "bench": from_bench, "validate": from_validate, "golden": from_golden, "counts": from_counts}
+    known = {"budget": from_budget, "bench": from_bench, "validate": from_validate, "golden": from_golden, "counts": from_counts,
+             "overruns": from_overruns}
     return known[source.split(":")[0]](options, wanted)
 
 
@@ -190,6 +205,26 @@ def all_values(bars, options):
     return values
 
 
+def text_of_bar(bar, value, width):
+    note = "  (%s)" % bar.source[len("file:"):] if judge(bar, value) == "not measured here" else ""
+    return ("%-*s %s %-10s now %-10s ratio %-5s since %s  %s%s"
+            % (width, bar.name, bar.op, text_of(bar.limit), text_of(value), ratio_of(bar, value), bar.since, judge(bar, value), note))
+
+
+def print_tap(bars, values):
+    """One line of TAP per bar; the number of red ones."""
+    red = 0
+    for number, bar in enumerate(bars, 1):
+        value = values[bar.source].get(bar.name)
+        is_held = judge(bar, value) == "held"
+        red += not is_held
+        if not is_held:
+            print("#", text_of_bar(bar, value, 0))
+        print("%s %d - %s" % ("ok" if is_held else "not ok", number, bar.name))
+    print("1..%d" % len(bars))
+    return red
+
+
 def report(bars, values):
     """Prints and writes the table; the number of red bars."""
     verdicts = collections.Counter()
@@ -199,9 +234,7 @@ def report(bars, values):
         value = values[bar.source].get(bar.name)
         verdict = judge(bar, value)
         verdicts[verdict] += 1
-        note = "" if verdict != "not measured here" else "  (%s)" % bar.source[len("file:"):]
-        print("%-*s %s %-10s now %-10s ratio %-5s since %s  %s%s"
-              % (width, bar.name, bar.op, text_of(bar.limit), text_of(value), ratio_of(bar, value), bar.since, verdict, note))
+        print(text_of_bar(bar, value, width))
         rows.append((bar.name, bar.op + text_of(bar.limit), text_of(value), ratio_of(bar, value), bar.asked, bar.issue, bar.since, bar.kind, verdict))
     os.makedirs(os.path.join(ROOT, "out"), exist_ok=True)
     with open(os.path.join(ROOT, TABLE), "w", encoding="utf-8") as file:
@@ -219,16 +252,21 @@ def main():
     parser.add_argument("--build", default="build", help="build folder (default: build)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="of validate (default: cores)")
     parser.add_argument("--only", default="", help="only bars with this text in their name or source")
+    parser.add_argument("--here", action="store_true", help="only what is measured here and fails: neither times nor files")
+    parser.add_argument("--scene", default=SCENE, help="of the aorta session (default: %s)" % SCENE)
+    parser.add_argument("--tap", action="store_true", help="TAP instead of the table, and no out/bars.tsv")
     options = parser.parse_args()
     try:
-        bars = [bar for bar in read_bars() if options.only in bar.name or options.only in bar.source]
+        bars = [bar for bar in read_bars() if (options.only in bar.name or options.only in bar.source)
+                and not (options.here and (bar.source.startswith("file:") or bar.kind == "time"))]
     except CannotMeasure as problem:
         print("bars: %s" % problem, file=sys.stderr)
         return 1
     if not bars:
         print("bars: no bar has '%s' in its name" % options.only, file=sys.stderr)
         return 2
-    return 1 if report(bars, all_values(bars, options)) else 0
+    values = all_values(bars, options)
+    return 1 if (print_tap if options.tap else report)(bars, values) else 0
 
 
 if __name__ == "__main__":

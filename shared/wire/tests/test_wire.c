@@ -50,6 +50,17 @@ static void crc32_of_the_digits_is_the_published_value(void **state)
     assert_int_equal(in_two, 0xcbf43926u);
 }
 
+/* The table's every entry, by the definition: one bit after the other through the polynomial 0xedb88320. */
+static void crc32_of_every_byte_is_that_of_its_bits(void **state)
+{
+    (void)state;
+    for (uint32_t byte = 0; byte < 256; byte++) {
+        uint32_t crc = 0xffffffffu ^ byte;
+        for (int bit = 0; bit < 8; bit++) crc = (crc >> 1) ^ ((crc & 1u) != 0 ? 0xedb88320u : 0);
+        assert_int_equal(seld_wire_crc32(0, &(const uint8_t){(uint8_t)byte}, 1), ~crc);
+    }
+}
+
 /* Lengths around the COBS block border of 254, and the largest; with few and many zeros. */
 static void frames_of_every_length_come_back(void **state)
 {
@@ -280,6 +291,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(crc32_of_the_digits_is_the_published_value),
+        cmocka_unit_test(crc32_of_every_byte_is_that_of_its_bits),
         cmocka_unit_test(frames_of_every_length_come_back),
         cmocka_unit_test(the_longest_payload_fits_and_one_more_byte_is_refused),
         cmocka_unit_test(a_flipped_bit_never_gives_another_message),

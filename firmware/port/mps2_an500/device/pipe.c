@@ -41,9 +41,12 @@ size_t pipe_room(void *context)
     return used <= RIG_RING_BYTES ? RIG_RING_BYTES - used : 0;
 }
 
+/* Words first, wherever they begin: to the processor this memory is normal memory. */
 static void copy(uint8_t *to, const uint8_t *from, size_t count)
 {
-    for (size_t i = 0; i < count; i++) to[i] = from[i];
+    size_t i = 0;
+    for (; i + 4 <= count; i += 4) __builtin_memcpy(&to[i], &from[i], 4);
+    for (; i < count; i++) to[i] = from[i];
 }
 
 bool pipe_transmit(void *context, const uint8_t *frame, size_t frame_bytes)

@@ -1,0 +1,14 @@
+#!/usr/bin/env python3
+"""Every bar that the same code keeps or breaks on every machine: instructions, sizes, hashes, physics (docs/bars.md). Prints TAP."""
+import os
+import subprocess
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
+sys.path.insert(0, os.path.join(ROOT, "tools", "check"))
+import sessions  # noqa: E402
+
+os.chdir(ROOT)
+with sessions.Sessions() as made:
+    command = ["tools/bars/bars.py", "--build", sessions.BUILD, "--here", "--tap", "--scene", made.scene("aorta")]
+    sys.exit(subprocess.run(command, check=False).returncode)
