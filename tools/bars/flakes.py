@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Repeats the tests that know time, processes or windows beside busy processes, and names what failed (docs/bars.md).
 
-  flakes.py --build build [--rounds 30] [--load 4] [--tests TEXT]
+  flakes.py --build build [--rounds 30] [--load 4] [--jobs 2] [--tests TEXT]
 
-The tests are those of tools/bars/flakes.txt, run one after the other as `make test` runs them. Writes out/flakes.tsv; what a failed test
-said is kept in out/flakes. The last line is `flakes.failed<TAB>N`, the number of failed runs; ends with 1 when there is one.
+The tests are those of tools/bars/flakes.txt, run as `make test` runs them. Writes out/flakes.tsv after every round, so that an
+interrupted run keeps what it has; what a failed test said is kept in out/flakes. The last line is `flakes.failed<TAB>N`, the number of
+failed runs; ends with 1 when there is one.
 """
 import argparse
 import collections
+import concurrent.futures
 import os
 import subprocess
 import sys
@@ -47,17 +49,25 @@ def keep_output(outcome, name, number):
         file.write("\n".join("not ok: " + what for what in outcome.failed) + "\n" + outcome.output)
 
 
-def run_rounds(jobs, rounds):
-    """Failed runs by test: number of the round and what failed."""
+def run_round(jobs, number, at_once):
+    """Outcomes of the tests that failed."""
+    with concurrent.futures.ThreadPoolExecutor(at_once) as pool:
+        outcomes = [future.result() for future in [pool.submit(function, *arguments) for function, arguments in jobs]]
+    failed = [outcome for outcome in outcomes if outcome.failed]
+    for outcome in failed:
+        keep_output(outcome, outcome.title, number)
+        print("round %d: FAILED %s: %s" % (number, outcome.title, "; ".join(outcome.failed)), flush=True)
+    return failed
+
+
+def run_rounds(jobs, options):
+    """Numbers of the rounds that failed, by test."""
     failed = collections.defaultdict(list)
-    for number in range(1, rounds + 1):
-        for function, arguments in jobs:
-            outcome = function(*arguments)
-            if outcome.failed:
-                failed[outcome.title].append((number, outcome.failed))
-                keep_output(outcome, outcome.title, number)
-                print("round %d: FAILED %s: %s" % (number, outcome.title, "; ".join(outcome.failed)), flush=True)
-        print("round %d of %d: %d failed runs so far" % (number, rounds, sum(map(len, failed.values()))), flush=True)
+    for number in range(1, options.rounds + 1):
+        for outcome in run_round(jobs, number, options.jobs):
+            failed[outcome.title].append(number)
+        total = write_table(jobs, failed, number, options.load)
+        print("round %d of %d: %d failed runs so far" % (number, options.rounds, total), flush=True)
     return failed
 
 
@@ -76,6 +86,7 @@ def main():
     parser.add_argument("--build", default="build", help="build folder (default: build)")
     parser.add_argument("--rounds", type=int, default=30, help="(default: 30)")
     parser.add_argument("--load", type=int, default=4, help="busy processes beside them (default: 4)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="tests at a time (default: cores)")
     parser.add_argument("--tests", default="", help="only tests with this text in their name")
     options = parser.parse_args()
     os.chdir(ROOT)
@@ -88,10 +99,10 @@ def main():
     options.sanitized, options.fuzz = [], []
     jobs = run_tests.make_jobs(options)
     with Load(options.load):
-        failed = run_rounds(jobs, options.rounds)
-    for title, runs in sorted(failed.items()):
-        print("%-50s failed in %d of %d rounds: %s" % (title, len(runs), options.rounds, ", ".join(str(number) for number, _ in runs)))
-    total = write_table(jobs, failed, options.rounds, options.load)
+        failed = run_rounds(jobs, options)
+    for title, rounds in sorted(failed.items()):
+        print("%-50s failed in %d of %d rounds: %s" % (title, len(rounds), options.rounds, ", ".join(map(str, rounds))))
+    total = sum(map(len, failed.values()))
     print("flakes.rounds\t%d" % options.rounds)
     print("flakes.failed\t%d" % total)
     return 1 if total else 0
