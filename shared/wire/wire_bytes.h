@@ -34,7 +34,7 @@ static inline seld_wire_reader seld_wire_reader_make(const uint8_t *bytes, size_
     return reader;
 }
 
-/* Four stores that a compiler makes one. */
+/* Four stores; a compiler merges them into one. */
 static inline void seld_wire_put_u32_at(uint8_t *to, uint32_t value)
 {
     to[0] = (uint8_t)value;
@@ -43,7 +43,7 @@ static inline void seld_wire_put_u32_at(uint8_t *to, uint32_t value)
     to[3] = (uint8_t)(value >> 24);
 }
 
-/* Write the low `count` bytes (1 .. 8) of `value`. Without a loop where `count` is a constant that is common. */
+/* Write the low `count` bytes (1 .. 8) of `value`. Four bytes, the commonest count, need no loop. */
 static inline void seld_wire_write(seld_wire_writer *writer, uint64_t value, unsigned count)
 {
     if (writer->overflowed || writer->capacity - writer->length < count) {

@@ -1,7 +1,7 @@
 /* CRC-32, COBS and frames. */
 #include "shared/wire/wire_frame.h"
 
-/* The CRC of each byte, polynomial 0xedb88320: 1 kB of flash; with a table of 16 entries a byte takes four instructions more. */
+/* The remainder of each byte, polynomial 0xedb88320: 1 kB of flash; with a table of 16 entries a byte takes four instructions more. */
 static const uint32_t crc_of[256] = {
     0x00000000u, 0x77073096u, 0xee0e612cu, 0x990951bau, 0x076dc419u, 0x706af48fu, 0xe963a535u, 0x9e6495a3u,
     0x0edb8832u, 0x79dcb8a4u, 0xe0d5e91eu, 0x97d2d988u, 0x09b64c2bu, 0x7eb17cbdu, 0xe7b82d07u, 0x90bf1d91u,
@@ -56,8 +56,8 @@ typedef struct cobs_writer {
 static void cobs_put_all(cobs_writer *writer, const uint8_t *bytes, size_t length)
 {
     uint8_t *code = writer->bytes + writer->code_position, *to = writer->bytes + writer->length;
-    for (const uint8_t *const end = bytes + length; bytes != end; bytes++) {
-        const uint8_t byte = *bytes;
+    for (size_t i = 0; i < length; i++) {
+        const uint8_t byte = bytes[i];
         if (byte != 0) {
             *to++ = byte;
             if (to != code + COBS_BLOCK_BYTES) continue;

@@ -51,8 +51,11 @@ def keep_output(outcome, name, number):
 
 def run_round(jobs, number, at_once):
     """Outcomes of the tests that failed."""
-    with concurrent.futures.ThreadPoolExecutor(at_once) as pool:
+    pool = concurrent.futures.ThreadPoolExecutor(max(1, at_once))
+    try:
         outcomes = [future.result() for future in [pool.submit(function, *arguments) for function, arguments in jobs]]
+    finally:
+        pool.shutdown(cancel_futures=True)  # an interrupt ends the tests that run, and begins no other
     failed = [outcome for outcome in outcomes if outcome.failed]
     for outcome in failed:
         keep_output(outcome, outcome.title, number)
@@ -98,6 +101,7 @@ def main():
     options.scripts, options.programs = scripts, [name for name in names if name not in scripts]
     options.sanitized, options.fuzz = [], []
     jobs = run_tests.make_jobs(options)
+    write_table(jobs, {}, 0, options.load)  # what an earlier run left is not for this one
     with Load(options.load):
         failed = run_rounds(jobs, options)
     for title, rounds in sorted(failed.items()):

@@ -79,6 +79,16 @@ static void frames_of_every_length_come_back(void **state)
     }
 }
 
+static void a_frame_without_payload_needs_no_bytes(void **state)
+{
+    (void)state;
+    const seld_wire_header header = {1, 0, 1};
+    seld_wire_decoder_init(&decoder);
+    const size_t bytes = seld_wire_frame_encode(&header, NULL, 0, frame, sizeof frame);
+    assert_int_equal(push_all(&decoder, frame, bytes), SELD_WIRE_FRAME);
+    assert_int_equal(decoder.payload_bytes, 0);
+}
+
 static void the_longest_payload_fits_and_one_more_byte_is_refused(void **state)
 {
     (void)state;
@@ -293,6 +303,7 @@ int main(void)
         cmocka_unit_test(crc32_of_the_digits_is_the_published_value),
         cmocka_unit_test(crc32_of_every_byte_is_that_of_its_bits),
         cmocka_unit_test(frames_of_every_length_come_back),
+        cmocka_unit_test(a_frame_without_payload_needs_no_bytes),
         cmocka_unit_test(the_longest_payload_fits_and_one_more_byte_is_refused),
         cmocka_unit_test(a_flipped_bit_never_gives_another_message),
         cmocka_unit_test(the_frame_after_garbage_is_received),

@@ -10,5 +10,5 @@ import sessions  # noqa: E402
 
 os.chdir(ROOT)
 with sessions.Sessions() as made:
-    command = ["tools/bars/bars.py", "--build", sessions.BUILD, "--here", "--tap", "--scene", made.scene("aorta")]
+    command = ["tools/bars/bars.py", "--build", sessions.BUILD, "--jobs", "1", "--here", "--tap", "--scene", made.scene("aorta")]
     sys.exit(subprocess.run(command, check=False).returncode)

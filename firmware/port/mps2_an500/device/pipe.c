@@ -41,7 +41,7 @@ size_t pipe_room(void *context)
     return used <= RIG_RING_BYTES ? RIG_RING_BYTES - used : 0;
 }
 
-/* Words first, wherever they begin: to the processor this memory is normal memory. */
+/* Words first, aligned or not: the PSRAM is normal memory. */
 static void copy(uint8_t *to, const uint8_t *from, size_t count)
 {
     size_t i = 0;
