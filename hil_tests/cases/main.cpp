@@ -28,7 +28,7 @@ struct Options {
     std::string level, case_name, debugger, bench, serial, counts, overruns;
     std::vector<std::string> also;
     bool lists = false, only_aorta = false, without_aorta = false;
-    std::uint32_t ticks_max = UINT32_MAX;
+    std::uint32_t ticks_max = UINT32_MAX, elements = 256;
     hil::CaseOptions cases{.pause_s = 10.0, .ticks = 2000, .free_ms = 4000};
     hil::AortaFiles files;
 };
@@ -177,7 +177,7 @@ void judge_overruns(const hil::Overruns &run, hil::Report &report)
 void count_only(const Options &options, Table &table)
 {
     hil::AortaFiles files = options.files;
-    files.element_shaft_um = hil::shaft_of(options.files, 256);
+    if (options.elements > 0) files.element_shaft_um = hil::shaft_of(options.files, options.elements);
     if (!options.counts.empty()) {
         table.run("L1", "m7_instructions_per_tick", [&](hil::Report &report) {
             seld::PendingFile file(options.counts);
@@ -307,6 +307,10 @@ void parse(CLI::App &app, Options &options)
     app.add_option("--overruns", options.overruns,
                    "Only the aorta session in FREE_RUN at 500 instructions per us, and how long each edge "
                    "takes into this file");
+    app.add_option("--elements", options.elements,
+                   "With --counts or --overruns: of the J wire; 0: as it ships")
+        ->capture_default_str()
+        ->check(CLI::IsMember({0, 128, 256}));
     app.add_option("--aorta-ticks", options.ticks_max, "Only so many ticks of it");
     app.add_option("--scene", options.files.scene, "Scene of the aorta session")->capture_default_str();
     app.add_option("--pause", options.cases.pause_s, "Seconds that a pause lasts")->capture_default_str();
