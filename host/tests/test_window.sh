@@ -107,7 +107,9 @@ wait "$window"
 EOF
 export catheter=shared/examples/instruments/beacon_5f.toml
 timeout 300 bash "$work/two.sh"
-result $? "two tools open, move and end with exit code 0"
+code=$?
+ls "$work" >>"$work/two" # a second recording: a key began the session anew
+log="$work/two" result $code "two tools open, move and end with exit code 0"
 "$program" replay "$work/two.rec" --verify >"$work/log" 2>&1
 result $? "what the keys did to two tools replays bit for bit"
 # The wire went with the second push only, the catheter with both.
