@@ -12,8 +12,7 @@ void seld_scene_put_u16(uint8_t *bytes, uint16_t value)
 
 void seld_scene_put_u32(uint8_t *bytes, uint32_t value)
 {
-    seld_scene_put_u16(bytes, (uint16_t)value);
-    seld_scene_put_u16(bytes + 2, (uint16_t)(value >> 16));
+    seld_wire_put_u32_at(bytes, value);
 }
 
 static uint64_t padded(uint64_t bytes)

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Every bar that was ever set and a command can show, held against what is measured now (docs/bars.md).
 
-  bars.py --build build [--only TEXT] [--here] [--scene FILE] [--tap]
+  bars.py --build build [--only TEXT] [--scene FILE] [--tap]
 
 Reads tools/bars/bars.tsv. What is counted (instructions, sizes, hashes, physics) is measured here and fails when it is over its bar;
 what another command measures is read from the file that the command writes and is "not measured here" without it; a time is printed
 with its ratio to the bar and never fails. Writes out/bars.tsv. The last lines are `bars.held<TAB>N` and `bars.red<TAB>N`; ends with 1
-when a bar is red or could not be measured. --here leaves out times and what other commands measure; --tap prints one line of TAP
-per bar instead of the table.
+when a bar is red or could not be measured. --tap prints one line of TAP per bar instead, without times and without what other commands
+measure.
 """
 import argparse
 import collections
@@ -210,9 +210,10 @@ def values_of(source, bars, options):
 
 
 def text_of_bar(bar, value, width):
-    note = "  (%s)" % bar.source[len("file:"):] if judge(bar, value) == "not measured here" else ""
+    verdict = judge(bar, value)
+    note = "  (%s)" % bar.source[len("file:"):] if verdict == "not measured here" else ""
     return ("%-*s %s %-10s now %-10s ratio %-5s since %s  %s%s"
-            % (width, bar.name, bar.op, text_of(bar.limit), text_of(value), ratio_of(bar, value), bar.since, judge(bar, value), note))
+            % (width, bar.name, bar.op, text_of(bar.limit), text_of(value), ratio_of(bar, value), bar.since, verdict, note))
 
 
 def print_tap(bars, options):
@@ -222,12 +223,12 @@ def print_tap(bars, options):
     for source in dict.fromkeys(bar.source for bar in bars):
         values = values_of(source, bars, options)
         for bar in (bar for bar in bars if bar.source == source):
-            verdict, number = judge(bar, values.get(bar.name)), number + 1
-            red += verdict == "red"
-            if verdict == "red":
+            number += 1
+            is_red = judge(bar, values.get(bar.name)) == "red"
+            red += is_red
+            if is_red:
                 print("#", text_of_bar(bar, values.get(bar.name), 0))
-            print("%s %d - %s%s" % ("not ok" if verdict == "red" else "ok", number, bar.name,
-                                    " # SKIP not measured here" if verdict == "not measured here" else ""), flush=True)
+            print("%s %d - %s" % ("not ok" if is_red else "ok", number, bar.name), flush=True)
     return red
 
 
@@ -259,13 +260,12 @@ def main():
     parser.add_argument("--build", default="build", help="build folder (default: build)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="of validate (default: cores)")
     parser.add_argument("--only", default="", help="only bars with this text in their name or source")
-    parser.add_argument("--here", action="store_true", help="only what is measured here and fails: neither times nor files")
     parser.add_argument("--scene", default=SCENE, help="of the aorta session (default: %s)" % SCENE)
-    parser.add_argument("--tap", action="store_true", help="TAP instead of the table, and no out/bars.tsv")
+    parser.add_argument("--tap", action="store_true", help="TAP of what is measured here and fails, and no out/bars.tsv")
     options = parser.parse_args()
     try:
         bars = [bar for bar in read_bars() if (options.only in bar.name or options.only in bar.source)
-                and not (options.here and (bar.source.startswith("file:") or bar.kind == "time"))]
+                and not (options.tap and (bar.source.startswith("file:") or bar.kind == "time"))]
     except CannotMeasure as problem:
         print("bars: %s" % problem, file=sys.stderr)
         return 1

@@ -71,6 +71,23 @@ def a_figure_beyond_its_tolerance_is_counted():
     return values["validation.figures_beyond_their_tolerance"] == 1 and abs(values["validation.euler.worst_of_tolerance"] - 4 / 3) < 1e-12
 
 
+def edges_are_late_beyond_1_ms():
+    return bars.overrun_values([400.0, 1000.0, 1000.04]) == {"hil.edges_over_1_ms at=500_mips": 1, "hil.edge_us_max at=500_mips": 1000.04}
+
+
+def is_refused(ticks):
+    try:
+        bars.checked_ticks(ticks)
+    except bars.CannotMeasure:
+        return True
+    return False
+
+
+def a_session_cut_short_or_without_cost_holds_no_bar():
+    whole = [1.0] * bars.SESSION_TICKS
+    return not is_refused(whole) and is_refused(whole[1:]) and is_refused(whole + [0.0]) and is_refused([])
+
+
 def every_test_that_is_repeated_beside_a_load_exists():
     names = flakes.read_list("")
     return len(names) >= 15 and all(any(os.path.exists(os.path.join(ROOT, name + end)) for end in ("", ".c", ".cpp")) for name in names)
@@ -89,5 +106,5 @@ def a_test_that_opens_a_window_or_a_mocked_bus_is_repeated_beside_a_load():
 TESTS = (every_test_that_is_repeated_beside_a_load_exists, a_test_that_opens_a_window_or_a_mocked_bus_is_repeated_beside_a_load, no_bar_vanishes_and_none_is_there_twice, a_value_over_its_bar_is_red_and_one_at_it_is_held, a_time_is_never_red,
          what_another_command_has_not_measured_is_named_and_neither_held_nor_red, what_cannot_be_measured_here_is_red,
          a_damaged_line_is_refused_with_its_number, files_of_other_commands_are_read_by_name_and_context,
-         a_figure_beyond_its_tolerance_is_counted)
+         a_figure_beyond_its_tolerance_is_counted, edges_are_late_beyond_1_ms, a_session_cut_short_or_without_cost_holds_no_bar)
 tap.run(TESTS)

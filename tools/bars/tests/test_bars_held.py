@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every bar that the same code keeps or breaks on every machine: instructions, sizes, hashes, physics (docs/bars.md). Prints TAP."""
+"""Every bar that the same code keeps or breaks on every machine of one architecture: instructions, sizes, hashes, physics (docs/bars.md). Prints TAP."""
 import os
 import subprocess
 import sys
@@ -10,5 +10,5 @@ import sessions  # noqa: E402
 
 os.chdir(ROOT)
 with sessions.Sessions() as made:
-    command = ["tools/bars/bars.py", "--build", sessions.BUILD, "--jobs", "1", "--here", "--tap", "--scene", made.scene("aorta")]
+    command = ["tools/bars/bars.py", "--build", sessions.BUILD, "--jobs", "1", "--tap", "--scene", made.scene("aorta")]
     sys.exit(subprocess.run(command, check=False).returncode)
