@@ -1,4 +1,4 @@
-# Seldinger: `make help` lists the targets. Everything is built under $(BUILD); results go to out/.
+# Cournand: `make help` lists the targets. Everything is built under $(BUILD); results go to out/.
 #   BUILD=build/clang CC=clang CXX=clang++   another compiler in its own folder
 #   OPT=-O0 CORE_OPT=-O0 BUILD=build/O0      another optimisation level: other flags need a folder of their own
 #   SAN=address,undefined BUILD=build/san    sanitizers
@@ -57,7 +57,7 @@ BAKE_LINK     := $(VDB_LINK) -lassimp -lccd -lpugixml -lz
 LINE_LINK     := $(BAKE_LINK) -lpng -lglfw -ldl
 HOST_LINK     := -lpng -lglfw -lusb-1.0 -ldl -ldcmdata -lofstd -lccd
 
-PROGRAMS := $(BUILD)/bin/seldinger $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/centreline $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
+PROGRAMS := $(BUILD)/bin/cournand $(BUILD)/bin/bake $(BUILD)/bin/anatomy $(BUILD)/bin/centreline $(BUILD)/bin/vcsim3 $(BUILD)/bin/docs $(BUILD)/bin/validate
 
 .PHONY: docs-pictures gallery coronary coronary-real demo-pci dissector all run window test validate validate-centreline bench bench-peers thesis fuzz fuzz-coverage fuzz-corpus compilers matrix budget format help clean docs tests-build tests-build-san fuzz-programs hil-programs hil-mock hil-guest firmware firmware-board registers hil hil-full hil-rig hil-faults hil-loop hil-emulator hil-machines install-udev bench-xray-peers
 .DEFAULT_GOAL := all
@@ -81,7 +81,7 @@ Q = @$(if $(V),,echo "  $(@:$(BUILD)/%=%)";)$(if $(V),set -x;)
 $(BUILD)/obj/firmware/core/%.c.o: OPT := $(CORE_OPT)
 $(BUILD)/obj/firmware/core/%.c.o: CFLAGS += -ffreestanding $(if $(findstring clang,$(CC)),,-fno-schedule-insns -fno-tree-pre)
 # The number a rig shows on the bus, vendor:product in hexadecimal: docs/usb.md.
-USB_ID_FLAGS := -DSELD_USB_VENDOR_ID=0x$(word 1,$(subst :, ,$(USB_ID))) -DSELD_USB_PRODUCT_ID=0x$(word 2,$(subst :, ,$(USB_ID)))
+USB_ID_FLAGS := -DCRN_USB_VENDOR_ID=0x$(word 1,$(subst :, ,$(USB_ID))) -DCRN_USB_PRODUCT_ID=0x$(word 2,$(subst :, ,$(USB_ID)))
 $(BUILD)/obj/firmware/app/usb/%.c.o $(BUILD)/obj/hil_tests/library/%.c.o: CFLAGS += $(USB_ID_FLAGS)
 $(BUILD)/obj/host/link/%.cpp.o $(BUILD)/obj/host/app/%.cpp.o: CXXFLAGS += $(USB_ID_FLAGS)
 # The command line's parser is half a minute of templates that run once: not optimised, half of that.
@@ -137,7 +137,7 @@ $(BUILD)/bin/$(1): $(call objects,$(2)) $(foreach lib,$(3),$(call lib_file,$(lib
 	@mkdir -p $$(@D)
 	$$(Q) $(CXX) $$^ -o $$@ $(LDFLAGS) $(4)
 endef
-$(eval $(call program,seldinger,host/app/main.cpp,$(HOST_LIBS),$(HOST_LINK)))
+$(eval $(call program,cournand,host/app/main.cpp,$(HOST_LIBS),$(HOST_LINK)))
 $(eval $(call program,bake,tools/bake/main.cpp,$(BAKE_LIBS),$(BAKE_LINK)))
 $(eval $(call program,anatomy,tools/anatomy/main.cpp,$(ANATOMY_LIBS),$(BAKE_LINK)))
 $(eval $(call program,centreline,tools/centreline/fit/main.cpp $(LINE_HOST),$(LINE_LIBS),$(LINE_LINK)))
@@ -171,23 +171,23 @@ $(SCENE) $(SCENE:.scene=.bodies) &: $(ANATOMY) $(BUILD)/bin/bake
 	@echo "Baking $(SCENE)"
 	@$(BUILD)/bin/bake $(ANATOMY) -o $(SCENE)
 DEMO_OUT := out/demo.mp4 out/demo.png out/demo.rec out/demo.json
-$(DEMO_OUT) &: $(SCENE) $(DEMO) $(WIRE) $(BUILD)/bin/seldinger
+$(DEMO_OUT) &: $(SCENE) $(DEMO) $(WIRE) $(BUILD)/bin/cournand
 	@echo "Running $(DEMO)"
-	@$(BUILD)/bin/seldinger run --scene $(SCENE) --instrument $(WIRE) --session $(DEMO) --record out/demo.rec \
+	@$(BUILD)/bin/cournand run --scene $(SCENE) --instrument $(WIRE) --session $(DEMO) --record out/demo.rec \
 	    --json out/demo.json --png out/demo.png --mp4 out/demo.mp4
 
 run: packages-build+run ## build, make the anatomy, run the demo into out/, and open the window where there is a display
 	@$(QUIET_MAKE) $(PROGRAMS)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(DEMO_OUT)
 	@echo "Written: out/demo.mp4 out/demo.png out/demo.rec out/demo.json"
-	@if [ -n "$$DISPLAY" ]; then $(BUILD)/bin/seldinger view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec || \
+	@if [ -n "$$DISPLAY" ]; then $(BUILD)/bin/cournand view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec || \
 	    echo "The demo is complete; only the window did not open."; \
 	else echo "No display, so no window: 'make window' opens it where there is one."; fi
 
 window: packages-build+run ## push and turn a wire by keyboard (needs a display)
 	@$(QUIET_MAKE) $(PROGRAMS)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
-	@$(BUILD)/bin/seldinger view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec
+	@$(BUILD)/bin/cournand view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec
 
 # --- the heart and its coronary arteries: docs/contrast.md -------------------------------------------------------------
 HEART_TEXT  := $(BUILD)/anatomy/heart/scene.toml
@@ -202,9 +202,9 @@ $(HEART) $(HEART:.scene=.bodies) &: $(HEART_TEXT) $(BUILD)/bin/bake
 	@$(BUILD)/bin/bake $(HEART_TEXT) -o $(HEART)
 # coronary_session(session, guide): film, last picture and figures of one artery's session
 define coronary_session
-out/$(1).mp4 out/$(1).png out/$(1).json &: $(HEART) shared/examples/sessions/$(1).session $(WIRE) shared/examples/instruments/$(2).toml $(BUILD)/bin/seldinger
+out/$(1).mp4 out/$(1).png out/$(1).json &: $(HEART) shared/examples/sessions/$(1).session $(WIRE) shared/examples/instruments/$(2).toml $(BUILD)/bin/cournand
 	@echo "Running shared/examples/sessions/$(1).session"
-	@$(BUILD)/bin/seldinger run --scene $(HEART) --tool $(WIRE) --tool shared/examples/instruments/$(2).toml \
+	@$(BUILD)/bin/cournand run --scene $(HEART) --tool $(WIRE) --tool shared/examples/instruments/$(2).toml \
 	    --session shared/examples/sessions/$(1).session --json out/$(1).json --png out/$(1).png --mp4 out/$(1).mp4
 endef
 $(eval $(call coronary_session,coronary,guide_jl3_6f))
@@ -217,7 +217,7 @@ coronary: packages-build packages-run ## guides take the left and the right coro
 	@echo "Written: $(CORONARY_OUT)"
 
 # The same on real arteries, where their meshes are.
-REAL_DATA  := $(or $(SELD_ANATOMY),../shared/anatomy)
+REAL_DATA  := $(or $(CRN_ANATOMY),../shared/anatomy)
 REAL_ATLAS := $(REAL_DATA)/hra/VH_M_Blood_Vasculature_Heart.glb
 REAL_LINES := $(foreach side,left right,$(dir $(ANATOMY))real_$(side).csv)
 $(REAL_LINES) &: $(ANATOMY) tools/anatomy/real_coronaries.sh $(BUILD)/bin/centreline
@@ -230,8 +230,8 @@ $(REAL_BEAT): shared/examples/real_coronaries_lumen.toml shared/examples/centrel
 out/real_coronaries.scene: shared/examples/real_coronaries.toml $(REAL_BEAT) $(BUILD)/bin/bake
 	@mkdir -p out && echo "Baking $@ (5 minutes of one core)"
 	@$(BUILD)/bin/bake $< --data $(REAL_DATA) --shipped $(dir $(ANATOMY)) -o $@
-out/coronary_real.mp4: out/real_coronaries.scene shared/examples/sessions/coronary_real.session $(BUILD)/bin/seldinger
-	@$(BUILD)/bin/seldinger run --scene $< --tool shared/examples/instruments/guide_jr4_6f.toml \
+out/coronary_real.mp4: out/real_coronaries.scene shared/examples/sessions/coronary_real.session $(BUILD)/bin/cournand
+	@$(BUILD)/bin/cournand run --scene $< --tool shared/examples/instruments/guide_jr4_6f.toml \
 	    --session $(word 2,$^) --json $(@:.mp4=.json) --png $(@:.mp4=.png) --mp4 $@
 coronary-real: packages-build packages-run ## a guide takes the right coronary artery of the Human Reference Atlas, which beats (needs ../shared/anatomy): out/coronary_real.mp4
 	@if [ ! -e $(REAL_ATLAS) ]; then echo "Skipped: $(REAL_ATLAS) is not there (docs/contrast.md)"; else \
@@ -248,15 +248,15 @@ gallery: packages-build packages-run ## renew the pictures of docs/gallery.md
 	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE)
 	@mkdir -p out/gallery $(GALLERY_DOCS)
 	@for name in $(GALLERY); do \
-	    $(BUILD)/bin/seldinger run --scene $(SCENE) --tool $(WIRE) --session shared/examples/gallery/$$name.session \
+	    $(BUILD)/bin/cournand run --scene $(SCENE) --tool $(WIRE) --session shared/examples/gallery/$$name.session \
 	        --fps 8 --quiet --png out/gallery/$$name.png > out/gallery/$$name.log || exit 1; \
 	    ffmpeg -v error -y -i out/gallery/$$name.png -q:v 4 $(GALLERY_DOCS)/$$name.jpg || exit 1; \
 	    echo "$(GALLERY_DOCS)/$$name.jpg"; done
-	@$(BUILD)/bin/seldinger run --scene $(SCENE) --tool $(WIRE) --session shared/examples/gallery/arch.session \
+	@$(BUILD)/bin/cournand run --scene $(SCENE) --tool $(WIRE) --session shared/examples/gallery/arch.session \
 	    --fps 8 --quiet --style vcsim3 --png out/gallery/arch_vcsim3.png > out/gallery/arch_vcsim3.log
 	@ffmpeg -v error -y -i out/gallery/arch_vcsim3.png -i out/gallery/arch.png -filter_complex hstack -q:v 4 \
 	    $(GALLERY_DOCS)/thesis_look.jpg && echo "$(GALLERY_DOCS)/thesis_look.jpg"
-	@$(BUILD)/bin/seldinger run --scene $(SCENE) $(RENAL_TOOLS) --session shared/examples/sessions/renal.session \
+	@$(BUILD)/bin/cournand run --scene $(SCENE) $(RENAL_TOOLS) --session shared/examples/sessions/renal.session \
 	    --quiet --mp4 out/gallery/renal.mp4 > out/gallery/renal.log
 	@ffmpeg -v error -y $(foreach s,$(RENAL_SECONDS),-ss $(s) -i out/gallery/renal.mp4) -filter_complex \
 	    '[0:v]trim=end_frame=1[a];[1:v]trim=end_frame=1[b];[2:v]trim=end_frame=1[c];[3:v]trim=end_frame=1[d];[a][b][c][d]hstack=4' \
@@ -275,7 +275,7 @@ validate: packages-build ## compare the rod with closed forms; writes out/valida
 
 validate-centreline: packages-build packages-test ## recover the stEVE_bench curves from their surface (needs ../shared/anatomy): docs/centreline.md
 	@$(QUIET_MAKE) $(BUILD)/test/tools/centreline/tests/test_steve
-	@SELD_WHOLE=1 $(BUILD)/test/tools/centreline/tests/test_steve
+	@CRN_WHOLE=1 $(BUILD)/test/tools/centreline/tests/test_steve
 
 # --- benchmarks: docs/bench.md -------------------------------------------------------------------------------------
 BENCHES := $(wildcard firmware/bench/bench_*.c)
@@ -338,7 +338,7 @@ budget: packages-build packages-matrix packages-budget ## count the Cortex-M7's 
 	@tools/bench/budget.py --build $(BUILD) $(if $(ACCEPT),--accept)
 
 # --- the device's image: docs/hil.md ---------------------------------------------------------------------------------
-IMAGE         := $(BUILD)/firmware/seldinger-mps2_an500.elf
+IMAGE         := $(BUILD)/firmware/cournand-mps2_an500.elf
 IMAGE_FOLDER  := firmware/port/mps2_an500/device
 IMAGE_SOURCES := $(wildcard firmware/core/*.c firmware/app/*.c firmware/app/usb/*.c firmware/port/mailbox/*.c firmware/port/usb/*.c shared/wire/*.c shared/scene/*.c \
                  $(IMAGE_FOLDER)/*.c) firmware/port/mps2_an500/memory.c
@@ -354,7 +354,7 @@ $(BUILD)/firmware/obj/%.c.o: %.c
 $(IMAGE): $(IMAGE_SOURCES:%=$(BUILD)/firmware/obj/%.o) $(IMAGE_FOLDER)/device.ld
 	$(Q) $(M7_CC) -mcpu=cortex-m7 -mthumb -mfloat-abi=soft -nostdlib -Wl,--gc-sections -T $(IMAGE_FOLDER)/device.ld $(filter %.o,$^) -o $@ -lgcc
 
-HIL_LEVELS := $(HIL_RIG) $(HIL_PROGRAM) $(HIL_CAMPAIGN) $(IMAGE) $(BUILD)/bin/seldinger
+HIL_LEVELS := $(HIL_RIG) $(HIL_PROGRAM) $(HIL_CAMPAIGN) $(IMAGE) $(BUILD)/bin/cournand
 # Seconds of a session that the rig leads at L2 and L3, milliseconds of one in FREE_RUN at L0 and L1.
 HIL_LED  ?= 15
 HIL_FREE ?= 4000
@@ -363,7 +363,7 @@ HIL_SPREAD ?= 40
 ON_USB := BUILD=$(BUILD) HIL=$(HIL_FOLDER) SECONDS_LED=$(HIL_LED) hil_tests/on_usb.sh
 hil_also = --also "$(1) $(3) $(ON_USB) $(1) $(2)"
 hil_usb = $(call hil_also,$(1),checks,libusb_and_hidapi) $(call hil_also,$(1),app,the_whole_app) $(call hil_also,$(1),cases,the_same_cases_on_the_image) \
-          $(call hil_also,$(1),aorta,aorta_session_by_seldinger) $(call hil_also,$(1),free_run,a_session_that_the_rig_leads) \
+          $(call hil_also,$(1),aorta,aorta_session_by_cournand) $(call hil_also,$(1),free_run,a_session_that_the_rig_leads) \
           $(call hil_also,$(1),unplug,unplugged_in_a_session) $(call hil_also,$(1),two,two_rigs_by_serial_number)
 HIL_L2 := $(call hil_usb,L2)
 HIL_L3 := $(call hil_usb,L3)
@@ -399,7 +399,7 @@ hil-rig: packages-build packages-run packages-usb ## the cases that need no plan
 	@$(HIL_PROGRAM) --level rig --serial "$(SERIAL)" --scene $(SCENE)
 
 # The real board's image, never run on hardware: docs/porting.md
-RT1062_IMAGE   := $(BUILD)/firmware/seldinger-imxrt1062.elf
+RT1062_IMAGE   := $(BUILD)/firmware/cournand-imxrt1062.elf
 RT1062_FOLDER  := firmware/port/imxrt1062
 RT1062_OBJECTS := $(BUILD)/firmware/imxrt1062
 RT1062_SOURCES := $(wildcard firmware/core/*.c firmware/app/*.c firmware/app/usb/*.c firmware/port/usb/*.c shared/wire/*.c shared/scene/*.c \
@@ -457,7 +457,7 @@ $(WIRES_FIGURE): $(HEART_FRAME) $(BUILD)/bin/centreline
 # The right artery under fluoroscopy when the first injection has filled it, in both looks; both arteries in cine.
 SCREEN_FIGURE := out/thesis/figure_5_6.png
 out/coronary_right_vcsim3.mp4: out/coronary_right.mp4
-	@$(BUILD)/bin/seldinger run --scene $(HEART) --tool $(WIRE) --tool shared/examples/instruments/guide_ntr_6f.toml \
+	@$(BUILD)/bin/cournand run --scene $(HEART) --tool $(WIRE) --tool shared/examples/instruments/guide_ntr_6f.toml \
 	    --session shared/examples/sessions/coronary_right.session --style vcsim3 --mp4 $@ > $(@:.mp4=.log)
 $(SCREEN_FIGURE): out/coronary_right_vcsim3.mp4 out/coronary_right.mp4
 	@mkdir -p $(@D) && ffmpeg -v error -y -ss 45.6 -i $< -ss 45.6 -i $(word 2,$^) -filter_complex hstack -frames:v 1 $@
@@ -467,11 +467,11 @@ $(MEDIUM_FIGURE): out/coronary_right.png out/coronary.png
 
 # The LAD under its balloon (tools/pci.mk): three moments under fluoroscopy, and the polygons round the lesion.
 LESION_FIGURE := out/thesis/figure_5_10.png
-out/thesis/figure_5_10.png: out/pci_lad.rec tools/vcsim3/figure_5_10.sh $(BUILD)/bin/seldinger
+out/thesis/figure_5_10.png: out/pci_lad.rec tools/vcsim3/figure_5_10.sh $(BUILD)/bin/cournand
 	@mkdir -p $(@D) && tools/vcsim3/figure_5_10.sh $< $@ $(BUILD)
 
 thesis: packages-build packages-run packages-bench ## Figures 5.6 to 5.10 and 5.11 to 5.14 of the thesis, by its own rod and by ours: out/thesis/index.html (minutes)
-	@$(QUIET_MAKE) $(BUILD)/bin/seldinger
+	@$(QUIET_MAKE) $(BUILD)/bin/cournand
 	@$(MAKE) --no-print-directory PACKAGES=skip $(WIRES_FIGURE) $(SCREEN_FIGURE) $(MEDIUM_FIGURE) $(LESION_FIGURE)
 	@$(QUIET_MAKE) $(BUILD)/bin/vcsim3 $(BUILD)/bin/centreline $(PHANTOM_SCENE)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(LINE_FIGURE)
@@ -483,22 +483,22 @@ docs-pictures: packages-build packages-run ## make the pictures of README and do
 	@tools/docs/pictures.py --write $(NAMES)
 
 docs: packages-build ## write the generated tables of docs/wire.md, usb.md, faults.md and instruments.md, and its picture
-	@$(QUIET_MAKE) $(BUILD)/bin/docs $(BUILD)/bin/seldinger
+	@$(QUIET_MAKE) $(BUILD)/bin/docs $(BUILD)/bin/cournand
 	@$(BUILD)/bin/docs --write
 	@tools/docs/printed.py --write --build $(BUILD)
-	@$(BUILD)/bin/seldinger instruments --table docs/instruments.md --png docs/images/instruments.png > /dev/null
+	@$(BUILD)/bin/cournand instruments --table docs/instruments.md --png docs/images/instruments.png > /dev/null
 
-dissector: packages-build ## write out/seldinger.lua, which lets Wireshark read the wire (docs/wire.md)
+dissector: packages-build ## write out/cournand.lua, which lets Wireshark read the wire (docs/wire.md)
 	@$(QUIET_MAKE) $(BUILD)/bin/docs
 	@mkdir -p out
-	@$(BUILD)/bin/docs --dissector out/seldinger.lua
-	@echo "Written: out/seldinger.lua; use it as wireshark -X lua_script:out/seldinger.lua"
+	@$(BUILD)/bin/docs --dissector out/cournand.lua
+	@echo "Written: out/cournand.lua; use it as wireshark -X lua_script:out/cournand.lua"
 
 # --- the right to open a rig: docs/rig.md --------------------------------------------------------------------------------
-UDEV_RULES := $(DESTDIR)/etc/udev/rules.d/60-seldinger.rules
+UDEV_RULES := $(DESTDIR)/etc/udev/rules.d/60-cournand.rules
 install-udev: ## let users of this machine open a rig on USB (as root, or DESTDIR=folder)
 	@mkdir -p $(dir $(UDEV_RULES))
-	@sed 's/=="1209"/=="$(word 1,$(subst :, ,$(USB_ID)))"/; s/=="0001"/=="$(word 2,$(subst :, ,$(USB_ID)))"/' tools/udev/60-seldinger.rules > $(UDEV_RULES)
+	@sed 's/=="1209"/=="$(word 1,$(subst :, ,$(USB_ID)))"/; s/=="0001"/=="$(word 2,$(subst :, ,$(USB_ID)))"/' tools/udev/60-cournand.rules > $(UDEV_RULES)
 	@if [ -z "$(DESTDIR)" ]; then udevadm control --reload && udevadm trigger --subsystem-match=usb --subsystem-match=hidraw; fi
 	@echo "Written: $(UDEV_RULES). Plug the rig out and in."
 

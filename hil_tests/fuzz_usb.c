@@ -42,11 +42,11 @@ static void require(bool condition)
     if (!condition) abort();
 }
 
-static void token(seld_mailbox_token kind, uint8_t endpoint, uint32_t flags, uint32_t count)
+static void token(crn_mailbox_token kind, uint8_t endpoint, uint32_t flags, uint32_t count)
 {
-    seld_mailbox_reply reply;
+    crn_mailbox_reply reply;
     uint32_t in_bytes;
-    uint8_t in[SELD_MAILBOX_DATA_MAX];
+    uint8_t in[CRN_MAILBOX_DATA_MAX];
     usb_result result =
         usb_host_token(&rig.host, kind, endpoint, flags, data, count, &reply, in, sizeof in, &in_bytes);
     require(result == USB_OK); /* served, within the polls of a host's patience, and by the rules */
@@ -80,7 +80,7 @@ static void standard(input *in)
 
 static void raw(input *in)
 {
-    uint32_t place = take(in) % (sizeof(seld_mailbox_host_half) / 4);
+    uint32_t place = take(in) % (sizeof(crn_mailbox_host_half) / 4);
     uint32_t word = 0;
     for (int i = 0; i < 4; i++) word |= (uint32_t)take(in) << (8 * i);
     memcpy((uint8_t *)&rig.mailbox.host + 4 * place, &word, 4);
@@ -89,9 +89,9 @@ static void raw(input *in)
 
 static void operate(input *in)
 {
-    static const seld_mailbox_bus buses[] = {SELD_MAILBOX_UNPLUGGED,  SELD_MAILBOX_RESET_FULL,
-                                             SELD_MAILBOX_RESET_HIGH, SELD_MAILBOX_SUSPENDED,
-                                             SELD_MAILBOX_RESUMED,    (seld_mailbox_bus)77};
+    static const crn_mailbox_bus buses[] = {CRN_MAILBOX_UNPLUGGED,  CRN_MAILBOX_RESET_FULL,
+                                            CRN_MAILBOX_RESET_HIGH, CRN_MAILBOX_SUSPENDED,
+                                            CRN_MAILBOX_RESUMED,    (crn_mailbox_bus)77};
     const uint8_t op = take(in) % 12;
     uint8_t first = 0, second = 0;
     if (op == 2 || op == 3) first = take(in), second = take(in);
@@ -99,7 +99,7 @@ static void operate(input *in)
     switch (op) {
     case 0:
         for (int i = 0; i < 8; i++) data[i] = take(in);
-        token(SELD_MAILBOX_SETUP, 0, 0, 8);
+        token(CRN_MAILBOX_SETUP, 0, 0, 8);
         break;
     case 1:
         control(in);
@@ -107,24 +107,24 @@ static void operate(input *in)
     case 2: {
         uint32_t count = 4u * take(in);
         memset(data, take(in), count);
-        token(SELD_MAILBOX_OUT, first, second, count);
+        token(CRN_MAILBOX_OUT, first, second, count);
         break;
     }
     case 3:
-        token(SELD_MAILBOX_IN, first, second, 0);
+        token(CRN_MAILBOX_IN, first, second, 0);
         break;
     case 4:
         require(usb_host_bus(&rig.host, buses[first % 6]) == USB_OK);
         break;
     case 5:
-        for (int i = 0; i < first % 32; i++) seld_usb_poll(&rig.usb);
+        for (int i = 0; i < first % 32; i++) crn_usb_poll(&rig.usb);
         break;
     case 6:
         for (int i = 0; i < first % 64; i++) usb_rig_tick(&rig);
         break;
     case 7:
         memset(data, first | 1, sizeof data);
-        seld_usb_transmit(&rig.usb, data, 4u * first);
+        crn_usb_transmit(&rig.usb, data, 4u * first);
         break;
     case 8:
         usb_rig_configure(&rig, first & 1);
@@ -143,14 +143,14 @@ static void operate(input *in)
 
 static void check_books(void)
 {
-    const seld_usb *usb = &rig.usb;
+    const crn_usb *usb = &rig.usb;
     require(usb->queue_count <= usb->config.queue_bytes && usb->queue_begin < usb->config.queue_bytes);
     require(usb->sending <= usb->queue_count);
     require(usb->held_begin <= usb->held_end && usb->held_end <= sizeof usb->stream_out);
     require(usb->configuration <= 1 && usb->address <= 127);
-    require((usb->link == SELD_USB_DETACHED) == (usb->configuration == 0));
+    require((usb->link == CRN_USB_DETACHED) == (usb->configuration == 0));
     require(rig.frames_lost == 0); /* no reply was ever refused: requests are held instead */
-    for (int pipe = 0; pipe < SELD_USB_PIPE_COUNT; pipe++)
+    for (int pipe = 0; pipe < CRN_USB_PIPE_COUNT; pipe++)
         require(!(usb->is_armed[pipe] && usb->is_halted[pipe]));
 }
 
@@ -163,7 +163,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count)
         operate(&in);
         check_books();
     }
-    for (int i = 0; i <= SELD_USB_OFF_MAX_ms && !usb_host_sees_device(&rig.host); i++) usb_rig_tick(&rig);
+    for (int i = 0; i <= CRN_USB_OFF_MAX_ms && !usb_host_sees_device(&rig.host); i++) usb_rig_tick(&rig);
     require(usb_rig_configure(&rig, true) == USB_OK);
     return 0;
 }

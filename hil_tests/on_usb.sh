@@ -3,7 +3,7 @@
 # guest with Debian's kernel (L3). Prints TAP, or the table of the program hil.
 #
 #   on_usb.sh L2|L3 cases        the cases of the program hil on the image, with the plant
-#   on_usb.sh L2|L3 aorta        the aorta session by seldinger on the image: $AORTA_HASH, or the host alone
+#   on_usb.sh L2|L3 aorta        the aorta session by cournand on the image: $AORTA_HASH, or the host alone
 #   on_usb.sh L2|L3 free_run     the rig leads for $SECONDS s, with power; the recording is replayed on the host, bit for bit
 #   on_usb.sh L2|L3 checks       libusb and both back ends of hidapi against a rig that sends everything back
 #   on_usb.sh L2|L3 app          a session with the whole app, in a process and on the image
@@ -53,7 +53,7 @@ aorta)
 free_run)
     in_rig --live
     bus --mailbox '{mailbox}' -- env BUILD="$build" hil_tests/library/free_run.sh "${SECONDS_LED:-60}" "$place" || exit 1
-    if "$build/bin/seldinger" replay "$folder/free_run.rec" --verify >"$folder/replay.log"; then
+    if "$build/bin/cournand" replay "$folder/free_run.rec" --verify >"$folder/replay.log"; then
         echo "ok 5 - the_recording_replays_bit_for_bit"
         sed -n 's/^verified: /#- replayed: /p' "$folder/replay.log"
     else

@@ -33,7 +33,7 @@ namespace
 {
 
 namespace fs = std::filesystem;
-using namespace seld;
+using namespace crn;
 
 constexpr int length_mm = 110, around = 24;
 constexpr double lesion_mm = 70.0; // its middle
@@ -75,7 +75,7 @@ void write_tube()
 
 int bake_scene(void **)
 {
-    folder = fs::temp_directory_path() / ("seldinger_angioplasty_" + std::to_string(getpid()));
+    folder = fs::temp_directory_path() / ("cournand_angioplasty_" + std::to_string(getpid()));
     fs::create_directories(folder);
     write_tube();
     const char *build = std::getenv("BUILD"); // set by the test runner
@@ -121,7 +121,7 @@ struct Case {
             std::vector<std::string>(stents, "shared/examples/stents/coronary_3_0x18.toml"), instruments);
         settings.size = 64;
         const Session session = parse_session(script, "case");
-        const seld_wire_entry entry = entry_of(scene, instruments.size(), session.inserted_um);
+        const crn_wire_entry entry = entry_of(scene, instruments.size(), session.inserted_um);
         Device device(scene, instruments, entry, host_rig());
         std::unique_ptr<SessionPictures> pictures;
         std::unique_ptr<SessionStents> unseen;
@@ -343,7 +343,7 @@ double off_axis_mm(const WireNode &node)
 Recording without_struts(Recording recording)
 {
     for (RecordedTick &tick : recording.ticks) {
-        seld_wire_encoders &input = tick.input;
+        crn_wire_encoders &input = tick.input;
         input.strut_number = input.strut_joined = 0;
         input.strut_x_um = input.strut_y_um = input.strut_z_um = 0;
         input.strut_inside_um = input.strut_thickness_um = 0;
@@ -432,28 +432,28 @@ void a_recording_cut_in_mid_inflation_replays_to_the_cut(void **)
 class PumpedRig final : public Transport
 {
   public:
-    PumpedRig() : sim_(seld_sim_create(16u << 20), seld_sim_destroy) { pass_time_ms(1); }
+    PumpedRig() : sim_(crn_sim_create(16u << 20), crn_sim_destroy) { pass_time_ms(1); }
     void write(std::span<const std::uint8_t> bytes) override
     {
-        seld_sim_write(sim_.get(), bytes.data(), bytes.size());
+        crn_sim_write(sim_.get(), bytes.data(), bytes.size());
     }
     std::size_t read(std::span<std::uint8_t> bytes) override
     {
-        return seld_sim_read(sim_.get(), bytes.data(), bytes.size());
+        return crn_sim_read(sim_.get(), bytes.data(), bytes.size());
     }
     void pass_time_ms(std::uint32_t milliseconds) override
     {
         for (std::uint32_t i = 0; i < milliseconds; ++i, ++passed_ms_) {
-            seld_port_inputs inputs = seld_sim_healthy_inputs();
-            inputs.inflator_sensor = SELD_PORT_SENSOR_OK;
+            crn_port_inputs inputs = crn_sim_healthy_inputs();
+            inputs.inflator_sensor = CRN_PORT_SENSOR_OK;
             inputs.inflator_raw = passed_ms_ < 1000 ? std::min(passed_ms_ * 5, 1000) : 0;
-            seld_sim_set_inputs(sim_.get(), &inputs);
-            seld_sim_timer(sim_.get(), 1);
+            crn_sim_set_inputs(sim_.get(), &inputs);
+            crn_sim_timer(sim_.get(), 1);
         }
     }
 
   private:
-    std::unique_ptr<seld_sim, void (*)(seld_sim *)> sim_;
+    std::unique_ptr<crn_sim, void (*)(crn_sim *)> sim_;
     std::int32_t passed_ms_ = 0;
 };
 

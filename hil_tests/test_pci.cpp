@@ -37,7 +37,7 @@ fs::path folder;
 
 int make_folder(void **)
 {
-    folder = fs::temp_directory_path() / ("seldinger_pci_" + std::to_string(getpid()));
+    folder = fs::temp_directory_path() / ("cournand_pci_" + std::to_string(getpid()));
     return fs::create_directories(folder) ? 0 : 1;
 }
 
@@ -63,7 +63,7 @@ std::string in_folder(const char *name)
 }
 
 // The place of the line so far behind its leading tip.
-Vector3d place_m(const seld::WireFrame &wire, double arc_m)
+Vector3d place_m(const crn::WireFrame &wire, double arc_m)
 {
     const auto &nodes = wire.nodes;
     std::size_t i = 0;
@@ -73,25 +73,25 @@ Vector3d place_m(const seld::WireFrame &wire, double arc_m)
 }
 
 // Looks ten times a second.
-class Watch : public seld::SteadySink
+class Watch : public crn::SteadySink
 {
   public:
-    Watch(const seld::VesselTree &tree, seld::SessionEffects &effects)
+    Watch(const crn::VesselTree &tree, crn::SessionEffects &effects)
         : SteadySink(10), tree_(tree), effects_(effects)
     {
     }
 
-    void look(const seld::SessionFrame &frame) override { effects_.look(frame); }
+    void look(const crn::SessionFrame &frame) override { effects_.look(frame); }
 
-    void tick(const seld_wire_encoders &, const seld_wire_tick_state &state) override
+    void tick(const crn_wire_encoders &, const crn_wire_tick_state &state) override
     {
         pressure_kPa = state.balloon_kPa;
         burst = burst || state.balloon_bits != 0;
     }
 
-    void picture(const seld::SessionFrame &frame) override
+    void picture(const crn::SessionFrame &frame) override
     {
-        const seld::WireFrame &wire = frame.wire;
+        const crn::WireFrame &wire = frame.wire;
         kept = 0;
         for (double open : wire.lesions_open) kept = std::max(kept, open);
         if (pressure_kPa < 790) return;
@@ -112,9 +112,9 @@ class Watch : public seld::SteadySink
     // Along the lesion's branch, + towards its end; fails outside that branch.
     double arc_behind_throat_mm(const Vector3d &p_m) const
     {
-        const seld::VesselLesion &lesion = tree_.lesions.at(0);
-        const seld::VesselBranch &branch = tree_.branches.at(lesion.branch);
-        const seld::VesselFoot foot = seld::vessel_foot(branch, p_m);
+        const crn::VesselLesion &lesion = tree_.lesions.at(0);
+        const crn::VesselBranch &branch = tree_.branches.at(lesion.branch);
+        const crn::VesselFoot foot = crn::vessel_foot(branch, p_m);
         if (foot.radii > 2) fail_msg("%.1f radii from the middle of %s", foot.radii, branch.name.c_str());
         const auto arc_mm = [&](std::size_t point) {
             double sum = 0;
@@ -127,8 +127,8 @@ class Watch : public seld::SteadySink
         return here + foot.share * (next - here) - arc_mm(tree_.throat(lesion));
     }
 
-    const seld::VesselTree &tree_;
-    seld::SessionEffects &effects_; // knows how narrow the lesion is, which the script expects something of
+    const crn::VesselTree &tree_;
+    crn::SessionEffects &effects_; // knows how narrow the lesion is, which the script expects something of
 };
 
 void check(const char *what, double value, double least, double most)
@@ -141,28 +141,28 @@ void treat(const char *scene_name, const std::string &session_name,
            const std::vector<std::string> &tool_names)
 {
     const fs::path file = folder / scene_name;
-    seld::Bodies bodies;
+    crn::Bodies bodies;
     std::string error;
-    if (!seld::read_bodies(fs::path(file).replace_extension(".bodies").string(), bodies, error))
+    if (!crn::read_bodies(fs::path(file).replace_extension(".bodies").string(), bodies, error))
         fail_msg("%s", error.c_str());
-    std::vector<seld::Instrument> tools;
+    std::vector<crn::Instrument> tools;
     for (const std::string &name : tool_names)
-        tools.push_back(seld::read_instrument("shared/examples/instruments/" + name + ".toml"));
-    const seld::SceneFile scene = seld::read_scene(file.string());
-    const seld::Session session = seld::read_session("shared/examples/sessions/" + session_name);
-    seld::Device device(scene, tools, seld::entry_of(scene, tools.size(), session.inserted_um),
-                        seld::host_rig());
-    seld::PictureSettings files;
+        tools.push_back(crn::read_instrument("shared/examples/instruments/" + name + ".toml"));
+    const crn::SceneFile scene = crn::read_scene(file.string());
+    const crn::Session session = crn::read_session("shared/examples/sessions/" + session_name);
+    crn::Device device(scene, tools, crn::entry_of(scene, tools.size(), session.inserted_um),
+                       crn::host_rig());
+    crn::PictureSettings files;
     files.bodies_path = fs::path(file).replace_extension(".bodies").string();
     files.scene_path = file.string();
-    seld::SessionEffects effects(files, tools);
-    const std::unique_ptr<seld::TipPlaces> tips = seld::read_tip_places(files.bodies_path, files.scene_path);
-    const seld::EffectsWitness witness(tips->map(), effects.contrast(), nullptr);
+    crn::SessionEffects effects(files, tools);
+    const std::unique_ptr<crn::TipPlaces> tips = crn::read_tip_places(files.bodies_path, files.scene_path);
+    const crn::EffectsWitness witness(tips->map(), effects.contrast(), nullptr);
     Watch watch(bodies.vessels, effects);
-    seld::RunSettings settings;
+    crn::RunSettings settings;
     settings.tips = tips.get();
     settings.witness = &witness;
-    const seld::RunResult result = seld::run_session(device, session, nullptr, &watch, settings);
+    const crn::RunResult result = crn::run_session(device, session, nullptr, &watch, settings);
     if (!result.failures.empty()) fail_msg("%s", result.failures[0].c_str());
     assert_true(result.given_up_lines.empty());
     assert_false(watch.burst);
@@ -172,9 +172,9 @@ void treat(const char *scene_name, const std::string &session_name,
     check("open under the balloon", watch.open_most, 0.8, 1);
     check("kept at the end", watch.kept, 0.4, 0.8 * watch.open_most);
     check("penetration, mm", result.figures.penetration_max_m * 1e3, 0, 0.5);
-    for (const seld::ToolFigures &tool : result.figures.tools) check("hand force, N", tool.axial_max_N, 0, 4);
+    for (const crn::ToolFigures &tool : result.figures.tools) check("hand force, N", tool.axial_max_N, 0, 4);
     for (std::uint16_t i = 0; i < result.faults.entries_count; i++)
-        assert_int_equal(result.faults.entries[i].code, SELD_FAULT_CODE_CORE_STEP_CAPPED);
+        assert_int_equal(result.faults.entries[i].code, CRN_FAULT_CODE_CORE_STEP_CAPPED);
 }
 
 void the_ostium_of_a_renal_artery_is_opened(void **)
@@ -238,8 +238,8 @@ void the_snap_of_a_guide_does_not_shake_the_hands(void **)
         std::string tools;
         for (const char *name : {"terumo_stiff_angled", "balloon_6x20", "guide_jr4_6f"})
             tools += std::string(" --tool shared/examples/instruments/") + name + ".toml";
-        call("seldinger", "run --quiet --scene " + in_folder("renal.scene") + tools + " --session " +
-                              in_folder("snap.session") + " --json " + in_folder("snap.json"));
+        call("cournand", "run --quiet --scene " + in_folder("renal.scene") + tools + " --session " +
+                             in_folder("snap.session") + " --json " + in_folder("snap.json"));
         const nlohmann::json report = nlohmann::json::parse(std::ifstream(folder / "snap.json"));
         for (const nlohmann::json &tool : report["tools"])
             check("hand force, N", tool["handle_force_max_N"], 0, 4.5);
@@ -252,10 +252,10 @@ void the_snap_of_a_guide_does_not_shake_the_hands(void **)
 nlohmann::json score_of_session(const std::string &session, const std::string &balloon,
                                 const std::string &stent)
 {
-    call("seldinger", "run --quiet --scene " + in_folder("lad.scene") +
-                          " --tool shared/examples/instruments/coronary_014.toml --tool '" + balloon +
-                          "' --session '" + session + "' --stent '" + stent + "' --json " +
-                          in_folder("score.json") + " --score " + in_folder("score.html"));
+    call("cournand", "run --quiet --scene " + in_folder("lad.scene") +
+                         " --tool shared/examples/instruments/coronary_014.toml --tool '" + balloon +
+                         "' --session '" + session + "' --stent '" + stent + "' --json " +
+                         in_folder("score.json") + " --score " + in_folder("score.html"));
     const nlohmann::json report = nlohmann::json::parse(std::ifstream(folder / "score.json"));
     nlohmann::json metrics;
     for (const nlohmann::json &metric : report["score"]["metrics"]) {

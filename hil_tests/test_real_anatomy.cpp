@@ -35,31 +35,31 @@ constexpr std::uint32_t frames_per_second = 50;
 
 fs::path anatomy_folder()
 {
-    const char *given = std::getenv("SELD_ANATOMY");
+    const char *given = std::getenv("CRN_ANATOMY");
     return given ? fs::path(given) : fs::path("../shared/anatomy");
 }
 
 // The scene baked once for all tests of this program, with its surface.
 struct Baked {
     fs::path folder, scene;
-    seld::bake::Mesh surface;
-    std::unique_ptr<seld::bake::TriangleTree> tree;
+    crn::bake::Mesh surface;
+    std::unique_ptr<crn::bake::TriangleTree> tree;
     bool is_there = false;
 };
 Baked baked;
 
-seld::bake::Mesh read_surface(const fs::path &file)
+crn::bake::Mesh read_surface(const fs::path &file)
 {
-    seld::bake::MeshText text;
+    crn::bake::MeshText text;
     text.file = file;
     text.placement.unit = "mm";
-    return seld::bake::load_mesh(text);
+    return crn::bake::load_mesh(text);
 }
 
 int bake_scene(void **)
 {
     if (!fs::exists(anatomy_folder() / "steve_bench")) return 0;
-    baked.folder = fs::temp_directory_path() / ("seldinger_anatomy_" + std::to_string(getpid()));
+    baked.folder = fs::temp_directory_path() / ("cournand_anatomy_" + std::to_string(getpid()));
     fs::create_directories(baked.folder);
     baked.scene = baked.folder / "steve.scene";
     const char *build = std::getenv("BUILD"); // set by the test runner
@@ -74,7 +74,7 @@ int bake_scene(void **)
         return 1;
     }
     baked.surface = read_surface(surface);
-    baked.tree = std::make_unique<seld::bake::TriangleTree>(baked.surface);
+    baked.tree = std::make_unique<crn::bake::TriangleTree>(baked.surface);
     baked.is_there = true;
     return 0;
 }
@@ -86,11 +86,11 @@ int remove_scene(void **)
 }
 
 // Measures every frame against the surface.
-class Referee : public seld::SteadySink
+class Referee : public crn::SteadySink
 {
   public:
     Referee() : SteadySink(frames_per_second) {}
-    void picture(const seld::SessionFrame &frame) override
+    void picture(const crn::SessionFrame &frame) override
     {
         const auto &nodes = frame.wire.nodes;
         double length_mm = 0.0;
@@ -131,21 +131,21 @@ void check(const char *what, double value, double most)
 
 // Bars: deeper than 0.3 mm in at most 0.1 % of samples, nowhere deeper than 1 mm; length error at most 0.1 % (no tool is
 // pushed against anything here); at least `inserted_mm` of every tool inserted. The referee takes the outermost tool's radius.
-void drive(const std::vector<std::string> &instrument_files, const seld::Session &session, double inserted_mm)
+void drive(const std::vector<std::string> &instrument_files, const crn::Session &session, double inserted_mm)
 {
     if (!baked.is_there) skip();
-    const seld::SceneFile scene = seld::read_scene(baked.scene.string());
-    std::vector<seld::Instrument> tools;
+    const crn::SceneFile scene = crn::read_scene(baked.scene.string());
+    std::vector<crn::Instrument> tools;
     std::string names;
     for (const std::string &file : instrument_files) {
-        tools.push_back(seld::read_instrument("shared/examples/instruments/" + file));
+        tools.push_back(crn::read_instrument("shared/examples/instruments/" + file));
         names += (names.empty() ? "" : " + ") + file;
     }
-    const seld_wire_entry entry = seld::entry_of(scene, tools.size(), session.inserted_um);
-    seld::Device device(scene, tools, entry, seld::host_rig());
+    const crn_wire_entry entry = crn::entry_of(scene, tools.size(), session.inserted_um);
+    crn::Device device(scene, tools, entry, crn::host_rig());
     Referee referee;
-    const seld::RunSettings settings;
-    const seld::RunResult result = seld::run_session(device, session, nullptr, &referee, settings);
+    const crn::RunSettings settings;
+    const crn::RunResult result = crn::run_session(device, session, nullptr, &referee, settings);
     const double deep_pct =
         100.0 * static_cast<double>(referee.deep_samples) / static_cast<double>(referee.samples);
     std::printf("# %s: %llu samples, %.4f %% deeper than 0.3 mm, deepest %.3f mm, length error %.4f %%, "
@@ -155,7 +155,7 @@ void drive(const std::vector<std::string> &instrument_files, const seld::Session
                 referee.axial_max_N);
     assert_false(result.was_interrupted);
     assert_true(result.given_up_lines.empty());
-    for (const seld::ToolFigures &tool : result.figures.tools)
+    for (const crn::ToolFigures &tool : result.figures.tools)
         check("length asked for minus the inserted one", inserted_mm - tool.inserted_max_m * 1e3, 0.0);
     check("samples deeper than 0.3 mm in %", deep_pct, 0.1);
     check("deepest sample in mm", referee.depth_max_mm, 1.0);
@@ -163,9 +163,9 @@ void drive(const std::vector<std::string> &instrument_files, const seld::Session
 }
 
 // Pushed in strokes, turned a little, as a hand would. Not iliac_to_arch.session, which steers by the names of the shipped vessels.
-seld::Session iliac_to_arch()
+crn::Session iliac_to_arch()
 {
-    return seld::parse_session(
+    return crn::parse_session(
         "begin inserted 5 mm\n"
         "wait 0.5 s\n"
         "advance 60 mm at 30 mm/s in strokes of 30 mm\n"
@@ -192,12 +192,12 @@ void bentson_wire_reaches_the_arch_inside_the_vessel(void **)
 void a_catheter_follows_a_wire_inside_the_vessel(void **)
 {
     drive({"bentson.toml", "beacon_5f.toml"},
-          seld::parse_session("begin inserted 5 mm\n"
-                              "advance wire until inserted 200 mm at 100 mm/s\n"
-                              "advance catheter until inserted 150 mm at 80 mm/s\n"
-                              "advance together 40 mm at 60 mm/s while rotate catheter 180 deg\n"
-                              "withdraw wire until inserted 120 mm at 80 mm/s\n",
-                              "over the wire"),
+          crn::parse_session("begin inserted 5 mm\n"
+                             "advance wire until inserted 200 mm at 100 mm/s\n"
+                             "advance catheter until inserted 150 mm at 80 mm/s\n"
+                             "advance together 40 mm at 60 mm/s while rotate catheter 180 deg\n"
+                             "withdraw wire until inserted 120 mm at 80 mm/s\n",
+                             "over the wire"),
           150.0);
 }
 

@@ -11,8 +11,8 @@
 #include "firmware/tests/reference/client.h"
 
 static client host;
-static seld_wire_status status;
-static seld_wire_ticks ticks;
+static crn_wire_status status;
+static crn_wire_ticks ticks;
 
 static int set_up(void **state)
 {
@@ -31,7 +31,7 @@ static int tear_down(void **state)
 static void a_session_gives_the_same_hashes_every_time(void **state)
 {
     (void)state;
-    seld_wire_tick_state last[2];
+    crn_wire_tick_state last[2];
     for (int run = 0; run < 2; run++) {
         client_close(&host);
         client_open(&host, 0);
@@ -51,7 +51,7 @@ static void batches_of_one_and_of_many_give_the_same_hashes(void **state)
     assert_true(client_start_session(&host));
     client_step(&host, 0, 64, 0, 25);
     assert_true(client_expect_ticks(&host, &ticks));
-    seld_wire_tick_state expected = ticks.states[63];
+    crn_wire_tick_state expected = ticks.states[63];
     client_close(&host);
     client_open(&host, 0);
     assert_true(client_start_session(&host));
@@ -65,11 +65,11 @@ static void batches_of_one_and_of_many_give_the_same_hashes(void **state)
 static void bytes_may_come_one_by_one(void **state)
 {
     (void)state;
-    const uint8_t get_status[] = {SELD_WIRE_GET_STATUS};
-    const seld_wire_header header = {500, 0, SELD_WIRE_TYPE_get};
+    const uint8_t get_status[] = {CRN_WIRE_GET_STATUS};
+    const crn_wire_header header = {500, 0, CRN_WIRE_TYPE_get};
     assert_true(client_start_session(&host));
-    size_t bytes = seld_wire_frame_encode(&header, get_status, 1, host.frame, sizeof host.frame);
-    for (size_t i = 0; i < bytes; i++) seld_sim_write(host.sim, host.frame + i, 1);
+    size_t bytes = crn_wire_frame_encode(&header, get_status, 1, host.frame, sizeof host.frame);
+    for (size_t i = 0; i < bytes; i++) crn_sim_write(host.sim, host.frame + i, 1);
     assert_true(client_expect_status(&host, &status));
     assert_int_equal(host.decoder.header.answers, 500);
 }
@@ -79,15 +79,15 @@ static void a_frame_cut_anywhere_costs_only_itself(void **state)
 {
     (void)state;
     assert_true(client_start_session(&host));
-    const uint8_t get_status[] = {SELD_WIRE_GET_STATUS};
+    const uint8_t get_status[] = {CRN_WIRE_GET_STATUS};
     const uint8_t zero = 0;
-    const seld_wire_header header = {9, 0, SELD_WIRE_TYPE_get};
-    size_t bytes = seld_wire_frame_encode(&header, get_status, 1, host.frame, sizeof host.frame);
+    const crn_wire_header header = {9, 0, CRN_WIRE_TYPE_get};
+    size_t bytes = crn_wire_frame_encode(&header, get_status, 1, host.frame, sizeof host.frame);
     for (size_t cut = 1; cut + 1 < bytes; cut++) {
-        size_t again = seld_wire_frame_encode(&header, get_status, 1, host.frame, sizeof host.frame);
-        seld_sim_write(host.sim, host.frame, cut);
-        seld_sim_write(host.sim, &zero, 1);
-        seld_sim_write(host.sim, host.frame, again);
+        size_t again = crn_wire_frame_encode(&header, get_status, 1, host.frame, sizeof host.frame);
+        crn_sim_write(host.sim, host.frame, cut);
+        crn_sim_write(host.sim, &zero, 1);
+        crn_sim_write(host.sim, host.frame, again);
         assert_true(client_expect_status(&host, &status));
         assert_int_equal(status.frames_bad, cut);
         assert_int_equal(client_receive(&host), 0);
@@ -99,13 +99,13 @@ static void a_host_that_does_not_read_loses_frames_and_nothing_else(void **state
 {
     (void)state;
     assert_true(client_start_session(&host));
-    for (int i = 0; i < 400; i++) client_get(&host, SELD_WIRE_GET_NODE_TABLE);
-    for (int i = 0; i < 50; i++) client_get(&host, SELD_WIRE_GET_SNAPSHOT);
+    for (int i = 0; i < 400; i++) client_get(&host, CRN_WIRE_GET_NODE_TABLE);
+    for (int i = 0; i < 50; i++) client_get(&host, CRN_WIRE_GET_SNAPSHOT);
     while (client_receive(&host) != 0) {
     }
     client_step(&host, 0, 1, 0, 0);
     assert_true(client_expect_ticks(&host, &ticks));
-    client_get(&host, SELD_WIRE_GET_STATUS);
+    client_get(&host, CRN_WIRE_GET_STATUS);
     assert_true(client_expect_status(&host, &status));
     assert_true(status.transmit_dropped > 0);
     assert_int_equal(status.tick, 1);
@@ -114,15 +114,15 @@ static void a_host_that_does_not_read_loses_frames_and_nothing_else(void **state
 static void nodes_run_from_the_tip_into_the_inserter(void **state)
 {
     (void)state;
-    static seld_wire_nodes nodes;
-    static seld_wire_node_table table;
+    static crn_wire_nodes nodes;
+    static crn_wire_node_table table;
     assert_true(client_start_session(&host));
-    client_get(&host, SELD_WIRE_GET_NODES);
-    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_nodes);
-    assert_true(seld_wire_decode_nodes(host.decoder.payload, host.decoder.payload_bytes, &nodes));
-    client_get(&host, SELD_WIRE_GET_NODE_TABLE);
-    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_node_table);
-    assert_true(seld_wire_decode_node_table(host.decoder.payload, host.decoder.payload_bytes, &table));
+    client_get(&host, CRN_WIRE_GET_NODES);
+    assert_int_equal(client_receive(&host), CRN_WIRE_TYPE_nodes);
+    assert_true(crn_wire_decode_nodes(host.decoder.payload, host.decoder.payload_bytes, &nodes));
+    client_get(&host, CRN_WIRE_GET_NODE_TABLE);
+    assert_int_equal(client_receive(&host), CRN_WIRE_TYPE_node_table);
+    assert_true(crn_wire_decode_node_table(host.decoder.payload, host.decoder.payload_bytes, &table));
     /* 50 mm outside along +y, so the tip is at y = 50 mm and the last node at or behind the mouth */
     assert_in_range(nodes.positions[0].y_m_q30, 53687091 - 1100, 53687091 + 1100);
     assert_true(nodes.positions[nodes.positions_count - 1].y_m_q30 <= 0);

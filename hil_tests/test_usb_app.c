@@ -35,26 +35,26 @@ static usb_result hid(uint8_t type, uint8_t request, uint16_t value, uint16_t le
 
 static void order(uint8_t number, uint8_t action)
 {
-    const seld_hid_command command = {.number = number, .action = action};
-    uint8_t report[1 + SELD_HID_BYTES_command] = {SELD_HID_ID_command};
-    seld_wire_writer writer = seld_wire_writer_make(report + 1, sizeof report - 1);
-    seld_hid_put_command(&writer, &command);
+    const crn_hid_command command = {.number = number, .action = action};
+    uint8_t report[1 + CRN_HID_BYTES_command] = {CRN_HID_ID_command};
+    crn_wire_writer writer = crn_wire_writer_make(report + 1, sizeof report - 1);
+    crn_hid_put_command(&writer, &command);
     assert_int_equal(usb_host_out(&device.host, STATUS, 64, report, sizeof report), USB_OK);
     usb_device_settle(&device);
 }
 
-static seld_hid_state next_state(void)
+static crn_hid_state next_state(void)
 {
-    seld_hid_state state = {0};
+    crn_hid_state state = {0};
     usb_device_tick(&device);
     do {
         assert_int_equal(usb_host_in(&device.host, STATUS, 64, bytes, 64, &count), USB_OK);
-        assert_true(seld_hid_decode_state(bytes + 1, count - 1, &state));
-    } while (device.rig_usb.usb.report_count > 0 || device.rig_usb.usb.is_armed[SELD_USB_STATUS_IN]);
+        assert_true(crn_hid_decode_state(bytes + 1, count - 1, &state));
+    } while (device.rig_usb.usb.report_count > 0 || device.rig_usb.usb.is_armed[CRN_USB_STATUS_IN]);
     return state;
 }
 
-static void run_session(client *c, seld_wire_ticks *last)
+static void run_session(client *c, crn_wire_ticks *last)
 {
     assert_true(client_start_tools(c, 3));
     for (uint32_t tick = 0; tick < 320; tick += 64) {
@@ -68,7 +68,7 @@ static void run_session(client *c, seld_wire_ticks *last)
 static void a_session_over_usb_gives_the_hashes_of_any_other_pipe(void **state)
 {
     (void)state;
-    static seld_wire_ticks over_usb, over_sim;
+    static crn_wire_ticks over_usb, over_sim;
     static client sim;
     device.host.lose_in = 7; /* and acknowledgements that get lost change nothing */
     device.host.lose_out = 5;
@@ -88,10 +88,10 @@ static void the_serial_number_is_that_of_the_port(void **state)
     assert_int_equal(usb_host_control(&device.host, &get, bytes, &count), USB_OK);
     assert_int_equal(count, 2 + 2 * strlen("USB-0001"));
     for (size_t i = 0; i < strlen("USB-0001"); i++) assert_int_equal(bytes[2 + 2 * i], "USB-0001"[i]);
-    seld_wire_hello_reply reply;
-    client_hello(&host, seld_wire_schema_hash());
-    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_hello_reply);
-    assert_true(seld_wire_decode_hello_reply(host.decoder.payload, host.decoder.payload_bytes, &reply));
+    crn_wire_hello_reply reply;
+    client_hello(&host, crn_wire_schema_hash());
+    assert_int_equal(client_receive(&host), CRN_WIRE_TYPE_hello_reply);
+    assert_true(crn_wire_decode_hello_reply(host.decoder.payload, host.decoder.payload_bytes, &reply));
     assert_memory_equal(reply.serial, "USB-0001", strlen("USB-0001"));
 }
 
@@ -100,13 +100,13 @@ static void no_answer_is_lost_when_the_host_reads_late(void **state)
 {
     (void)state;
     assert_true(client_start_tools(&host, 3));
-    seld_wire_status status;
-    for (int i = 0; i < 3; i++) client_get(&host, SELD_WIRE_GET_SNAPSHOT);
+    crn_wire_status status;
+    for (int i = 0; i < 3; i++) client_get(&host, CRN_WIRE_GET_SNAPSHOT);
     int ends = 0;
     for (uint16_t type = client_receive(&host); type != 0; type = client_receive(&host))
-        ends += type == SELD_WIRE_TYPE_snapshot_end;
+        ends += type == CRN_WIRE_TYPE_snapshot_end;
     assert_int_equal(ends, 3);
-    client_get(&host, SELD_WIRE_GET_STATUS);
+    client_get(&host, CRN_WIRE_GET_STATUS);
     assert_true(client_expect_status(&host, &status));
     assert_int_equal(status.transmit_dropped, 0);
     assert_int_equal(status.frames_bad, 0);
@@ -116,37 +116,37 @@ static void no_answer_is_lost_when_the_host_reads_late(void **state)
 static void hid_shows_the_state_and_takes_power_away(void **state)
 {
     (void)state;
-    seld_hid_state report = next_state();
-    assert_int_equal(report.state, SELD_WIRE_STATE_INIT);
-    order(1, SELD_WIRE_ACTION_RESET); /* nobody said HELLO yet */
+    crn_hid_state report = next_state();
+    assert_int_equal(report.state, CRN_WIRE_STATE_INIT);
+    order(1, CRN_WIRE_ACTION_RESET); /* nobody said HELLO yet */
     report = next_state();
     assert_int_equal(report.command_number, 1);
-    assert_int_equal(report.command_result, SELD_REJECT_WRONG_STATE);
+    assert_int_equal(report.command_result, CRN_REJECT_WRONG_STATE);
     while (client_receive(&host) != 0) {
     }
     assert_true(client_start_session(&host));
     client_step(&host, 0, 10, 0, 25);
     report = next_state();
-    assert_int_equal(report.state, SELD_WIRE_STATE_RUNNING);
-    assert_int_equal(report.mode, SELD_WIRE_MODE_LOCKSTEP);
+    assert_int_equal(report.state, CRN_WIRE_STATE_RUNNING);
+    assert_int_equal(report.mode, CRN_WIRE_MODE_LOCKSTEP);
     assert_int_equal(report.tick, 10);
     for (uint8_t action = 0; action < 12; action++) {
-        if (action == SELD_WIRE_ACTION_STOP || action == SELD_WIRE_ACTION_RESET) continue;
+        if (action == CRN_WIRE_ACTION_STOP || action == CRN_WIRE_ACTION_RESET) continue;
         order((uint8_t)(10 + action), action);
         report = next_state();
         assert_int_equal(report.command_number, 10 + action);
-        assert_int_equal(report.command_result, SELD_REJECT_ACTION_UNKNOWN);
-        assert_int_equal(report.state, SELD_WIRE_STATE_RUNNING);
+        assert_int_equal(report.command_result, CRN_REJECT_ACTION_UNKNOWN);
+        assert_int_equal(report.state, CRN_WIRE_STATE_RUNNING);
     }
-    order(31, SELD_WIRE_ACTION_STOP);
+    order(31, CRN_WIRE_ACTION_STOP);
     report = next_state();
     assert_int_equal(report.command_number, 31);
     assert_int_equal(report.command_result, 0);
-    assert_int_equal(report.state, SELD_WIRE_STATE_ARMED);
-    order(32, SELD_WIRE_ACTION_RESET);
+    assert_int_equal(report.state, CRN_WIRE_STATE_ARMED);
+    order(32, CRN_WIRE_ACTION_RESET);
     report = next_state();
     assert_int_equal(report.command_result, 0);
-    assert_int_equal(report.state, SELD_WIRE_STATE_READY);
+    assert_int_equal(report.state, CRN_WIRE_STATE_READY);
 }
 
 /* STOP does not wait for the rest of a frame, and costs the stream nothing: the frame is whole when its rest comes, no sequence
@@ -154,64 +154,64 @@ static void hid_shows_the_state_and_takes_power_away(void **state)
 static void stop_by_hid_passes_a_frame_that_is_half_there(void **state)
 {
     (void)state;
-    seld_wire_status status;
-    const uint8_t get[] = {SELD_WIRE_GET_STATUS};
+    crn_wire_status status;
+    const uint8_t get[] = {CRN_WIRE_GET_STATUS};
     assert_true(client_start_session(&host));
-    const seld_wire_header header = {(uint16_t)(host.sequence + 1), 0, SELD_WIRE_TYPE_get};
-    const size_t frame_bytes = seld_wire_frame_encode(&header, get, 1, host.frame, sizeof host.frame);
+    const crn_wire_header header = {(uint16_t)(host.sequence + 1), 0, CRN_WIRE_TYPE_get};
+    const size_t frame_bytes = crn_wire_frame_encode(&header, get, 1, host.frame, sizeof host.frame);
     usb_device_write(&device, host.frame, frame_bytes - 4);
-    order(1, SELD_WIRE_ACTION_STOP);
-    assert_int_equal(next_state().state, SELD_WIRE_STATE_ARMED);
+    order(1, CRN_WIRE_ACTION_STOP);
+    assert_int_equal(next_state().state, CRN_WIRE_STATE_ARMED);
     usb_device_write(&device, host.frame + frame_bytes - 4, 4);
     host.sequence++;
-    client_get(&host, SELD_WIRE_GET_STATUS);
+    client_get(&host, CRN_WIRE_GET_STATUS);
     while (client_expect_status(&host, &status) && host.decoder.header.answers != host.sequence) {
     }
     assert_int_equal(host.decoder.header.answers, host.sequence);
     assert_int_equal(status.frames_bad, 0);
     assert_int_equal(status.sequence_gaps, 0);
-    assert_int_equal(status.state, SELD_WIRE_STATE_ARMED);
+    assert_int_equal(status.state, CRN_WIRE_STATE_ARMED);
 }
 
 static usb_result set_limit(uint32_t force_limit_mN)
 {
-    seld_hid_limits limits;
-    const uint16_t value = 0x0300 | SELD_HID_ID_limits;
+    crn_hid_limits limits;
+    const uint16_t value = 0x0300 | CRN_HID_ID_limits;
     assert_int_equal(hid(0xa1, 1, value, 64), USB_OK);
-    assert_true(seld_hid_decode_limits(bytes + 1, count - 1, &limits));
+    assert_true(crn_hid_decode_limits(bytes + 1, count - 1, &limits));
     limits.tracks[1].force_limit_mN = force_limit_mN;
-    seld_wire_writer writer = seld_wire_writer_make(bytes + 1, sizeof bytes - 1);
-    seld_hid_put_limits(&writer, &limits);
-    return hid(0x21, 9, value, 1 + SELD_HID_BYTES_limits);
+    crn_wire_writer writer = crn_wire_writer_make(bytes + 1, sizeof bytes - 1);
+    crn_hid_put_limits(&writer, &limits);
+    return hid(0x21, 9, value, 1 + CRN_HID_BYTES_limits);
 }
 
 /* Settings are the wire's `rig`: only after HELLO, only in READY, limits only down. */
 static void settings_by_hid_obey_the_rules_of_the_wire(void **state)
 {
     (void)state;
-    seld_hid_calibration calibration;
-    const uint16_t value = 0x0300 | SELD_HID_ID_calibration;
+    crn_hid_calibration calibration;
+    const uint16_t value = 0x0300 | CRN_HID_ID_calibration;
     assert_int_equal(set_limit(5000), USB_STALLED);
     assert_int_equal(client_receive(&host),
-                     SELD_WIRE_TYPE_reject); /* which answers nothing that the stream asked */
+                     CRN_WIRE_TYPE_reject); /* which answers nothing that the stream asked */
     assert_int_equal(host.decoder.header.answers, 0);
-    client_hello(&host, seld_wire_schema_hash());
-    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_hello_reply);
+    client_hello(&host, crn_wire_schema_hash());
+    assert_int_equal(client_receive(&host), CRN_WIRE_TYPE_hello_reply);
     assert_int_equal(set_limit(5000), USB_OK);
     assert_int_equal(device.app.tracks[1].force_limit_mN, 5000);
     assert_int_equal(set_limit(5001), USB_STALLED);
     assert_int_equal(device.app.tracks[1].force_limit_mN, 5000);
     assert_int_equal(hid(0xa1, 1, value, 64), USB_OK);
-    assert_true(seld_hid_decode_calibration(bytes + 1, count - 1, &calibration));
+    assert_true(crn_hid_decode_calibration(bytes + 1, count - 1, &calibration));
     calibration.tracks[2].translation_pm_per_count = 2500000;
-    seld_wire_writer writer = seld_wire_writer_make(bytes + 1, sizeof bytes - 1);
-    seld_hid_put_calibration(&writer, &calibration);
-    assert_int_equal(hid(0x21, 9, value, 1 + SELD_HID_BYTES_calibration), USB_OK);
+    crn_wire_writer writer = crn_wire_writer_make(bytes + 1, sizeof bytes - 1);
+    crn_hid_put_calibration(&writer, &calibration);
+    assert_int_equal(hid(0x21, 9, value, 1 + CRN_HID_BYTES_calibration), USB_OK);
     assert_int_equal(device.app.tracks[2].wire.translation_pm_per_count, 2500000);
     calibration.tracks[2].rotation_counts_per_turn = 3; /* out of range */
-    writer = seld_wire_writer_make(bytes + 1, sizeof bytes - 1);
-    seld_hid_put_calibration(&writer, &calibration);
-    assert_int_equal(hid(0x21, 9, value, 1 + SELD_HID_BYTES_calibration), USB_STALLED);
+    writer = crn_wire_writer_make(bytes + 1, sizeof bytes - 1);
+    crn_hid_put_calibration(&writer, &calibration);
+    assert_int_equal(hid(0x21, 9, value, 1 + CRN_HID_BYTES_calibration), USB_STALLED);
     assert_int_equal(device.app.tracks[2].wire.rotation_counts_per_turn, 65536);
     while (client_receive(&host) != 0) {
     }
@@ -223,27 +223,27 @@ static void settings_by_hid_obey_the_rules_of_the_wire(void **state)
 
 static usb_result set_gain(uint32_t gain_milli)
 {
-    seld_hid_calibration calibration;
-    const uint16_t value = 0x0300 | SELD_HID_ID_calibration;
+    crn_hid_calibration calibration;
+    const uint16_t value = 0x0300 | CRN_HID_ID_calibration;
     assert_int_equal(hid(0xa1, 1, value, 64), USB_OK);
-    assert_true(seld_hid_decode_calibration(bytes + 1, count - 1, &calibration));
+    assert_true(crn_hid_decode_calibration(bytes + 1, count - 1, &calibration));
     calibration.tracks[0].force_gain_milli = gain_milli;
-    seld_wire_writer writer = seld_wire_writer_make(bytes + 1, sizeof bytes - 1);
-    seld_hid_put_calibration(&writer, &calibration);
-    return hid(0x21, 9, value, 1 + SELD_HID_BYTES_calibration);
+    crn_wire_writer writer = crn_wire_writer_make(bytes + 1, sizeof bytes - 1);
+    crn_hid_put_calibration(&writer, &calibration);
+    return hid(0x21, 9, value, 1 + CRN_HID_BYTES_calibration);
 }
 
 /* 800 N/m is what 1 N s/m bears at 0.5 ms of lag: the report that doubles what the hand feels of it is refused as the wire's `rig` is. */
 static void a_gain_that_is_not_passive_is_refused_by_hid(void **state)
 {
     (void)state;
-    seld_wire_status status;
-    seld_wire_track track = client_plain_track();
+    crn_wire_status status;
+    crn_wire_track track = client_plain_track();
     track.actuator_lag_us = 500;
     track.coupling_N_per_m = 800;
     track.coupling_uN_m_per_rad = track.coupling_nN_m_s_per_rad = 0;
-    client_hello(&host, seld_wire_schema_hash());
-    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_hello_reply);
+    client_hello(&host, crn_wire_schema_hash());
+    assert_int_equal(client_receive(&host), CRN_WIRE_TYPE_hello_reply);
     client_rig(&host, &track, 1);
     assert_true(client_expect_status(&host, &status));
     assert_int_equal(set_gain(2000), USB_STALLED);
@@ -257,14 +257,14 @@ static void free_run_ticks_come_by_hid_one_by_one(void **state)
 {
     (void)state;
     assert_true(client_start_session(&host));
-    client_command(&host, SELD_WIRE_ACTION_STOP);
-    client_command(&host, SELD_WIRE_ACTION_FREE_RUN);
-    client_command(&host, SELD_WIRE_ACTION_START);
+    client_command(&host, CRN_WIRE_ACTION_STOP);
+    client_command(&host, CRN_WIRE_ACTION_FREE_RUN);
+    client_command(&host, CRN_WIRE_ACTION_START);
     uint32_t tick = next_state().tick;
     for (int i = 0; i < 50; i++) {
-        const seld_hid_state report = next_state();
+        const crn_hid_state report = next_state();
         assert_int_equal(report.tick, tick + 1);
-        assert_int_equal(report.mode, SELD_WIRE_MODE_FREE_RUN);
+        assert_int_equal(report.mode, CRN_WIRE_MODE_FREE_RUN);
         tick = report.tick;
     }
 }

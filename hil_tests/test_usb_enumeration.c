@@ -45,7 +45,7 @@ static usb_result set_address(uint8_t address)
 static void linux_way(bool high_speed)
 {
     usb_judged judged;
-    const seld_mailbox_bus reset = high_speed ? SELD_MAILBOX_RESET_HIGH : SELD_MAILBOX_RESET_FULL;
+    const crn_mailbox_bus reset = high_speed ? CRN_MAILBOX_RESET_HIGH : CRN_MAILBOX_RESET_FULL;
     assert_true(usb_host_sees_device(&rig.host));
     assert_int_equal(usb_host_bus(&rig.host, reset), USB_OK);
     assert_int_equal(get_descriptor(0x0100, 0, 64), USB_OK);
@@ -71,7 +71,7 @@ static void linux_way(bool high_speed)
     assert_int_equal(usb_rig_control(&rig, 0x81, 6, 0x2200, 0, judged.report_descriptor_bytes, bytes, &count),
                      USB_OK);
     assert_int_equal(count, judged.report_descriptor_bytes);
-    assert_int_equal(rig.link, SELD_USB_CONFIGURED);
+    assert_int_equal(rig.link, CRN_USB_CONFIGURED);
 }
 
 static void linux_enumerates_at_high_speed(void **state)
@@ -94,9 +94,9 @@ static void windows_enumerates_and_learns_about_winusb(void **state)
     usb_judged judged;
     uint8_t vendor_code = 0, first_interface = 0, device[18];
     uint16_t set_bytes = 0;
-    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_RESET_HIGH), USB_OK);
+    assert_int_equal(usb_host_bus(&rig.host, CRN_MAILBOX_RESET_HIGH), USB_OK);
     assert_int_equal(get_descriptor(0x0100, 0, 64), USB_OK);
-    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_RESET_HIGH), USB_OK);
+    assert_int_equal(usb_host_bus(&rig.host, CRN_MAILBOX_RESET_HIGH), USB_OK);
     assert_int_equal(set_address(1), USB_OK);
     assert_int_equal(get_descriptor(0x0100, 0, 18), USB_OK);
     memcpy(device, bytes, sizeof device);
@@ -122,8 +122,8 @@ static void a_short_read_gets_the_beginning(void **state)
     (void)state;
     static const struct {
         uint16_t value, index, length;
-    } wanted[] = {{0x0100, 0, 18}, {0x0200, 0, 64}, {0x0302, 0x0409, 28}, {0x0f00, 0, 33}, {0x0600, 0, 10}};
-    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_RESET_HIGH), USB_OK);
+    } wanted[] = {{0x0100, 0, 18}, {0x0200, 0, 64}, {0x0302, 0x0409, 26}, {0x0f00, 0, 33}, {0x0600, 0, 10}};
+    assert_int_equal(usb_host_bus(&rig.host, CRN_MAILBOX_RESET_HIGH), USB_OK);
     for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
         uint8_t whole[256];
         assert_int_equal(get_descriptor(wanted[i].value, wanted[i].index, 256), USB_OK);
@@ -174,9 +174,9 @@ static void a_full_speed_device_has_no_other_speed(void **state)
 static void reports_have_the_lengths_of_their_descriptor(void **state)
 {
     (void)state;
-    static const uint32_t expected[][3] = {
-        {1, SELD_HID_ID_state, 63},        {2, SELD_HID_ID_command, 11},     {3, SELD_HID_ID_identity, 24},
-        {3, SELD_HID_ID_capabilities, 13}, {3, SELD_HID_ID_calibration, 36}, {3, SELD_HID_ID_limits, 24}};
+    static const uint32_t expected[][3] = {{1, CRN_HID_ID_state, 63},       {2, CRN_HID_ID_command, 11},
+                                           {3, CRN_HID_ID_identity, 24},    {3, CRN_HID_ID_capabilities, 13},
+                                           {3, CRN_HID_ID_calibration, 36}, {3, CRN_HID_ID_limits, 24}};
     usb_judged_report reports[USB_JUDGE_REPORT_MAX];
     size_t report_count = 0;
     assert_int_equal(usb_rig_configure(&rig, true), USB_OK);
@@ -219,14 +219,14 @@ static void strings_are_utf16_in_english(void **state)
 static void the_identity_tells_both_hashes(void **state)
 {
     (void)state;
-    seld_hid_identity identity;
+    crn_hid_identity identity;
     assert_int_equal(usb_rig_configure(&rig, true), USB_OK);
-    assert_int_equal(usb_rig_control(&rig, 0xa1, 1, 0x0300 | SELD_HID_ID_identity, 0, 64, bytes, &count),
+    assert_int_equal(usb_rig_control(&rig, 0xa1, 1, 0x0300 | CRN_HID_ID_identity, 0, 64, bytes, &count),
                      USB_OK);
-    assert_true(seld_hid_decode_identity(bytes + 1, count - 1, &identity));
-    assert_true(identity.schema_hash == seld_wire_schema_hash());
-    assert_true(identity.report_hash == seld_hid_report_hash());
-    assert_int_equal(identity.protocol_major, SELD_WIRE_PROTOCOL_MAJOR);
+    assert_true(crn_hid_decode_identity(bytes + 1, count - 1, &identity));
+    assert_true(identity.schema_hash == crn_wire_schema_hash());
+    assert_true(identity.report_hash == crn_hid_report_hash());
+    assert_int_equal(identity.protocol_major, CRN_WIRE_PROTOCOL_MAJOR);
     assert_int_equal(identity.core_version, 7);
 }
 
@@ -235,18 +235,18 @@ static void a_bad_configuration_is_refused_at_power_up(void **state)
 {
     (void)state;
     static const char *const bad[] = {"", "with space", "umlaut\xfc", "0123456789012345678901234567890123"};
-    seld_usb_config config = rig.usb.config;
+    crn_usb_config config = rig.usb.config;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         config.serial = bad[i];
-        assert_false(seld_usb_init(&rig.usb, &config));
+        assert_false(crn_usb_init(&rig.usb, &config));
     }
     config.serial = "01234567890123456789012345678901";
-    assert_true(seld_usb_init(&rig.usb, &config));
-    config.queue_bytes = 2 * SELD_WIRE_FRAME_MAX - 1;
-    assert_false(seld_usb_init(&rig.usb, &config));
-    config.queue_bytes = 2 * SELD_WIRE_FRAME_MAX;
-    config.reply_bytes = SELD_WIRE_FRAME_MAX - 1;
-    assert_false(seld_usb_init(&rig.usb, &config));
+    assert_true(crn_usb_init(&rig.usb, &config));
+    config.queue_bytes = 2 * CRN_WIRE_FRAME_MAX - 1;
+    assert_false(crn_usb_init(&rig.usb, &config));
+    config.queue_bytes = 2 * CRN_WIRE_FRAME_MAX;
+    config.reply_bytes = CRN_WIRE_FRAME_MAX - 1;
+    assert_false(crn_usb_init(&rig.usb, &config));
 }
 
 #define TEST(name) cmocka_unit_test_setup(name, set_up)

@@ -138,7 +138,7 @@ static void what_is_not_allowed_is_refused_and_changes_nothing(void **state)
     }
     assert_int_equal(rig.calibration.tracks[0].translation_pm_per_count, 10000000);
     assert_int_equal(rig.commands, 0);
-    assert_int_equal(rig.link, SELD_USB_CONFIGURED);
+    assert_int_equal(rig.link, CRN_USB_CONFIGURED);
     assert_int_equal(rig.mailbox.device.test_selector, 0);
 }
 
@@ -147,7 +147,7 @@ static void an_address_alone_allows_little(void **state)
 {
     (void)state;
     assert_int_equal(ask(0x00, 9, 0, 0, 0), USB_OK);
-    assert_int_equal(rig.link, SELD_USB_DETACHED);
+    assert_int_equal(rig.link, CRN_USB_DETACHED);
     assert_int_equal(ask(0x80, 8, 0, 0, 1), USB_OK);
     assert_int_equal(bytes[0], 0);
     assert_int_equal(ask(0x81, 0, 0, 0, 2), USB_STALLED);
@@ -159,7 +159,7 @@ static void an_address_alone_allows_little(void **state)
     assert_int_equal(ask(0xa1, 1, 0x0101, 0, 64), USB_STALLED);
     assert_int_equal(usb_host_packet_in(&rig.host, 1, bytes, 64, &count), USB_SILENT);
     assert_int_equal(usb_host_packet_out(&rig.host, 2, bytes, 64), USB_SILENT);
-    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_RESET_HIGH), USB_OK);
+    assert_int_equal(usb_host_bus(&rig.host, CRN_MAILBOX_RESET_HIGH), USB_OK);
     assert_int_equal(ask(0x00, 9, 1, 0, 0), USB_STALLED); /* address 0 may not be configured */
 }
 
@@ -167,7 +167,7 @@ static void an_address_alone_allows_little(void **state)
 static void the_address_changes_after_the_status_stage(void **state)
 {
     (void)state;
-    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_RESET_HIGH), USB_OK);
+    assert_int_equal(usb_host_bus(&rig.host, CRN_MAILBOX_RESET_HIGH), USB_OK);
     for (uint8_t address = 127; address > 120; address--) {
         assert_int_equal(ask(0x00, 5, address, 0, 0), USB_OK);
         assert_int_equal(ask(0x80, 8, 0, 0, 1), USB_SILENT);
@@ -176,9 +176,9 @@ static void the_address_changes_after_the_status_stage(void **state)
     }
     /* A host that never comes to the status stage leaves the address as it was. */
     static const uint8_t setup[8] = {0x00, 5, 3, 0, 0, 0, 0, 0};
-    seld_mailbox_reply reply;
-    usb_host_token(&rig.host, SELD_MAILBOX_SETUP, 0, 0, setup, 8, &reply, NULL, 0, &count);
-    assert_int_equal(reply, SELD_MAILBOX_ACK);
+    crn_mailbox_reply reply;
+    usb_host_token(&rig.host, CRN_MAILBOX_SETUP, 0, 0, setup, 8, &reply, NULL, 0, &count);
+    assert_int_equal(reply, CRN_MAILBOX_ACK);
     assert_int_equal(ask(0x80, 8, 0, 0, 1), USB_OK);
 }
 
@@ -203,7 +203,7 @@ static void a_halt_is_set_seen_and_cleared(void **state)
         assert_int_equal(endpoint_status(address), 0);
     }
     /* All four work again; the toggles agree, or the packets below would be dropped or refused. */
-    static const uint8_t command[12] = {SELD_HID_ID_command, 1, 6, 0};
+    static const uint8_t command[12] = {CRN_HID_ID_command, 1, 6, 0};
     usb_rig_tick(&rig);
     assert_int_equal(usb_host_in(&rig.host, 1, 64, bytes, 64, &count), USB_OK);
     assert_int_equal(usb_host_out(&rig.host, 1, 64, command, sizeof command), USB_OK);
@@ -236,15 +236,15 @@ static void clearing_what_is_not_halted_resets_the_toggle(void **state)
 static void a_setup_packet_ends_what_was_under_way(void **state)
 {
     (void)state;
-    static const uint8_t set_report[8] = {0x21, 9, SELD_HID_ID_limits, 3, 0, 0, 25, 0};
+    static const uint8_t set_report[8] = {0x21, 9, CRN_HID_ID_limits, 3, 0, 0, 25, 0};
     static const uint8_t get_configuration[8] = {0x80, 6, 0, 2, 0, 0, 255, 0};
     static const uint8_t set_idle[8] = {0x21, 10, 0, 4, 0, 0, 0, 0};
     static const uint8_t *const setups[] = {set_report, get_configuration, set_idle};
     for (int i = 0; i < 3; i++) {
         for (int stages = 0; stages < 2; stages++) {
-            seld_mailbox_reply reply = SELD_MAILBOX_NAK;
-            usb_host_token(&rig.host, SELD_MAILBOX_SETUP, 0, 0, setups[i], 8, &reply, NULL, 0, &count);
-            assert_int_equal(reply, SELD_MAILBOX_ACK);
+            crn_mailbox_reply reply = CRN_MAILBOX_NAK;
+            usb_host_token(&rig.host, CRN_MAILBOX_SETUP, 0, 0, setups[i], 8, &reply, NULL, 0, &count);
+            assert_int_equal(reply, CRN_MAILBOX_ACK);
             rig.host.toggle_in[0] = rig.host.toggle_out[0] = true;
             if (stages == 1 && i == 0) assert_int_equal(usb_host_packet_out(&rig.host, 0, bytes, 8), USB_OK);
             if (stages == 1 && i == 1)
@@ -260,9 +260,9 @@ static void a_setup_packet_ends_what_was_under_way(void **state)
 static void a_data_stage_may_end_early(void **state)
 {
     (void)state;
-    static const uint8_t get_set[8] = {0xc0, SELD_USB_REQUEST_MS_OS, 0, 0, 7, 0, 178, 0};
-    seld_mailbox_reply reply;
-    usb_host_token(&rig.host, SELD_MAILBOX_SETUP, 0, 0, get_set, 8, &reply, NULL, 0, &count);
+    static const uint8_t get_set[8] = {0xc0, CRN_USB_REQUEST_MS_OS, 0, 0, 7, 0, 178, 0};
+    crn_mailbox_reply reply;
+    usb_host_token(&rig.host, CRN_MAILBOX_SETUP, 0, 0, get_set, 8, &reply, NULL, 0, &count);
     rig.host.toggle_in[0] = rig.host.toggle_out[0] = true;
     assert_int_equal(usb_host_packet_in(&rig.host, 0, bytes, 64, &count), USB_OK);
     assert_int_equal(usb_host_packet_out(&rig.host, 0, NULL, 0), USB_OK);
@@ -273,13 +273,13 @@ static void a_data_stage_may_end_early(void **state)
 static void a_data_stage_of_the_wrong_length_is_refused(void **state)
 {
     (void)state;
-    static const uint8_t set_report[8] = {0x21, 9, SELD_HID_ID_limits, 3, 0, 0, 25, 0};
+    static const uint8_t set_report[8] = {0x21, 9, CRN_HID_ID_limits, 3, 0, 0, 25, 0};
     static const uint8_t lengths[] = {0, 1, 24, 26, 64};
     for (size_t i = 0; i < sizeof lengths; i++) {
-        seld_mailbox_reply reply;
+        crn_mailbox_reply reply;
         memset(bytes, 0, sizeof bytes);
-        bytes[0] = SELD_HID_ID_limits;
-        usb_host_token(&rig.host, SELD_MAILBOX_SETUP, 0, 0, set_report, 8, &reply, NULL, 0, &count);
+        bytes[0] = CRN_HID_ID_limits;
+        usb_host_token(&rig.host, CRN_MAILBOX_SETUP, 0, 0, set_report, 8, &reply, NULL, 0, &count);
         rig.host.toggle_in[0] = rig.host.toggle_out[0] = true;
         usb_result result = usb_host_packet_out(&rig.host, 0, bytes, lengths[i]);
         if (result == USB_OK) result = usb_host_packet_in(&rig.host, 0, bytes, 64, &count);
@@ -304,13 +304,13 @@ static void test_modes_are_handed_to_the_controller(void **state)
 static void lost_acknowledgements_change_nothing(void **state)
 {
     (void)state;
-    static const uint8_t first[8] = {SELD_HID_ID_command, 9, 1};
+    static const uint8_t first[8] = {CRN_HID_ID_command, 9, 1};
     for (uint32_t every = 2; every < 6; every++) {
         rig.host.lose_in = rig.host.lose_out = every;
         assert_int_equal(ask(0x80, 6, 0x0200, 0, 255), USB_OK);
         assert_int_equal(count, 64);
         memcpy(bytes, first, sizeof first);
-        assert_int_equal(usb_rig_control(&rig, 0x21, 9, 0x0200 | SELD_HID_ID_command, 0, 12, bytes, &count),
+        assert_int_equal(usb_rig_control(&rig, 0x21, 9, 0x0200 | CRN_HID_ID_command, 0, 12, bytes, &count),
                          USB_OK);
         assert_int_equal(rig.commands, every - 1);
     }

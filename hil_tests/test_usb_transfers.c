@@ -59,20 +59,20 @@ static void echo(const uint8_t *frame, uint32_t length)
 static void frames_of_any_length_come_back(void **state)
 {
     (void)state;
-    static uint8_t frame[SELD_WIRE_FRAME_MAX];
+    static uint8_t frame[CRN_WIRE_FRAME_MAX];
     reference_random random = reference_random_seed(1);
     for (uint32_t length = 2; length < 20; length++) {
         make_frame(&random, frame, length);
         echo(frame, length);
     }
-    for (uint32_t packets = 1; packets * PACKET + 2 < SELD_WIRE_FRAME_MAX; packets++) {
+    for (uint32_t packets = 1; packets * PACKET + 2 < CRN_WIRE_FRAME_MAX; packets++) {
         for (uint32_t length = packets * PACKET - 2; length <= packets * PACKET + 2; length++) {
             make_frame(&random, frame, length);
             echo(frame, length);
         }
     }
-    make_frame(&random, frame, SELD_WIRE_FRAME_MAX);
-    echo(frame, SELD_WIRE_FRAME_MAX);
+    make_frame(&random, frame, CRN_WIRE_FRAME_MAX);
+    echo(frame, CRN_WIRE_FRAME_MAX);
     assert_int_equal(rig.frames_lost, 0);
 }
 
@@ -165,27 +165,27 @@ static void a_full_queue_refuses_whole_frames(void **state)
     (void)state;
     static const uint8_t filler[1000] = {1};
     uint32_t taken = 0;
-    while (seld_usb_transmit(&rig.usb, filler, sizeof filler)) taken++;
+    while (crn_usb_transmit(&rig.usb, filler, sizeof filler)) taken++;
     assert_int_equal(taken, USB_RIG_QUEUE_BYTES / sizeof filler);
-    assert_int_equal(seld_usb_queue_room(&rig.usb), USB_RIG_QUEUE_BYTES - taken * sizeof filler);
+    assert_int_equal(crn_usb_queue_room(&rig.usb), USB_RIG_QUEUE_BYTES - taken * sizeof filler);
     assert_int_equal(rig.usb.frames_refused, 1);
-    assert_true(seld_usb_transmit(&rig.usb, filler, seld_usb_queue_room(&rig.usb)));
+    assert_true(crn_usb_transmit(&rig.usb, filler, crn_usb_queue_room(&rig.usb)));
     uint32_t got = 0;
     while (got < USB_RIG_QUEUE_BYTES) {
         assert_int_equal(usb_host_in(&rig.host, STREAM, PACKET, bytes, sizeof bytes, &count), USB_OK);
         got += count;
     }
     assert_int_equal(got, USB_RIG_QUEUE_BYTES);
-    assert_int_equal(seld_usb_queue_room(&rig.usb), USB_RIG_QUEUE_BYTES);
+    assert_int_equal(crn_usb_queue_room(&rig.usb), USB_RIG_QUEUE_BYTES);
 }
 
 static void nobody_is_configured_so_nothing_is_queued(void **state)
 {
     (void)state;
-    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_RESET_HIGH), USB_OK);
-    assert_int_equal(rig.link, SELD_USB_DETACHED);
-    assert_int_equal(seld_usb_queue_room(&rig.usb), 0);
-    assert_false(seld_usb_transmit(&rig.usb, (const uint8_t *)"\1", 2));
+    assert_int_equal(usb_host_bus(&rig.host, CRN_MAILBOX_RESET_HIGH), USB_OK);
+    assert_int_equal(rig.link, CRN_USB_DETACHED);
+    assert_int_equal(crn_usb_queue_room(&rig.usb), 0);
+    assert_false(crn_usb_transmit(&rig.usb, (const uint8_t *)"\1", 2));
 }
 
 /* What interrupts a conversation; each leaves the device as a host needs it to begin again. */
@@ -221,8 +221,8 @@ static void interrupt(interruption kind)
         assert_int_equal(usb_rig_control(&rig, 0x01, 11, 0, 1, 0, NULL, NULL), USB_OK);
         break;
     case UNPLUG:
-        assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_UNPLUGGED), USB_OK);
-        assert_int_equal(rig.link, SELD_USB_DETACHED);
+        assert_int_equal(usb_host_bus(&rig.host, CRN_MAILBOX_UNPLUGGED), USB_OK);
+        assert_int_equal(rig.link, CRN_USB_DETACHED);
         assert_int_equal(usb_rig_configure(&rig, true), USB_OK);
         return;
     case REBOOT:
@@ -272,7 +272,7 @@ static void interruptions_cost_only_what_was_under_way(void **state)
                 interrupt((interruption)kind);
                 drain_new_stream();
                 echo(frame, sizeof frame);
-                assert_int_equal(rig.link, SELD_USB_CONFIGURED);
+                assert_int_equal(rig.link, CRN_USB_CONFIGURED);
             }
         }
     }
@@ -281,11 +281,11 @@ static void interruptions_cost_only_what_was_under_way(void **state)
 /* --- HID ------------------------------------------------------------------------------------------------------------- */
 static uint32_t next_report_tick(void)
 {
-    seld_hid_state report;
+    crn_hid_state report;
     assert_int_equal(usb_host_packet_in(&rig.host, STATUS, bytes, 64, &count), USB_OK);
     assert_int_equal(count, 64);
-    assert_int_equal(bytes[0], SELD_HID_ID_state);
-    assert_true(seld_hid_decode_state(bytes + 1, count - 1, &report));
+    assert_int_equal(bytes[0], CRN_HID_ID_state);
+    assert_true(crn_hid_decode_state(bytes + 1, count - 1, &report));
     return report.tick;
 }
 
@@ -305,8 +305,8 @@ static void state_reports_follow_the_ticks(void **state)
         usb_rig_settle(&rig);
     }
     assert_int_equal(next_report_tick(), 101);
-    assert_int_equal(rig.usb.reports_dropped, 400 - 101 - SELD_USB_REPORT_QUEUE);
-    for (uint32_t tick = 401 - SELD_USB_REPORT_QUEUE; tick <= 400; tick++)
+    assert_int_equal(rig.usb.reports_dropped, 400 - 101 - CRN_USB_REPORT_QUEUE);
+    for (uint32_t tick = 401 - CRN_USB_REPORT_QUEUE; tick <= 400; tick++)
         assert_int_equal(next_report_tick(), tick);
     assert_int_equal(usb_host_packet_in(&rig.host, STATUS, bytes, 64, &count), USB_NAKED);
 }
@@ -315,8 +315,8 @@ static void state_reports_follow_the_ticks(void **state)
 static void state_reports_carry_every_field(void **state)
 {
     (void)state;
-    seld_hid_state sent = {.tick = UINT32_MAX, .state = 4, .mode = 1, .fault_code = 0xabcd, .buttons = 0x81};
-    seld_hid_state report;
+    crn_hid_state sent = {.tick = UINT32_MAX, .state = 4, .mode = 1, .fault_code = 0xabcd, .buttons = 0x81};
+    crn_hid_state report;
     sent.command_number = 255;
     sent.command_result = 7;
     sent.syringe_counts = INT32_MIN;
@@ -324,11 +324,11 @@ static void state_reports_carry_every_field(void **state)
     sent.lines = 0x1f;
     sent.fault_count = 200;
     for (int k = 0; k < 3; k++)
-        sent.tracks[k] = (seld_hid_track){INT32_MIN + k, INT32_MAX - k, (int16_t)(-8000 - k), INT16_MAX,
-                                          (int16_t)(INT16_MIN + k)};
-    seld_usb_timer(&rig.usb, &sent);
+        sent.tracks[k] = (crn_hid_track){INT32_MIN + k, INT32_MAX - k, (int16_t)(-8000 - k), INT16_MAX,
+                                         (int16_t)(INT16_MIN + k)};
+    crn_usb_timer(&rig.usb, &sent);
     assert_int_equal(usb_host_packet_in(&rig.host, STATUS, bytes, 64, &count), USB_OK);
-    assert_true(seld_hid_decode_state(bytes + 1, count - 1, &report));
+    assert_true(crn_hid_decode_state(bytes + 1, count - 1, &report));
     assert_int_equal(report.tick, sent.tick);
     assert_int_equal(report.state, sent.state);
     assert_int_equal(report.mode, sent.mode);
@@ -353,7 +353,7 @@ static void commands_come_by_pipe_and_by_control(void **state)
 {
     (void)state;
     static const uint8_t command[12] = {
-        SELD_HID_ID_command, 5, 3, 1, 0xff, 0xff, 0xff, 0xff, 0x10, 0x27, 0, 0};
+        CRN_HID_ID_command, 5, 3, 1, 0xff, 0xff, 0xff, 0xff, 0x10, 0x27, 0, 0};
     assert_int_equal(usb_host_out(&rig.host, STATUS, 64, command, sizeof command), USB_OK);
     usb_rig_settle(&rig);
     assert_int_equal(rig.commands, 1);
@@ -364,8 +364,7 @@ static void commands_come_by_pipe_and_by_control(void **state)
     assert_int_equal(rig.command.value2, 10000);
     memcpy(bytes, command, sizeof command);
     bytes[1] = 6;
-    assert_int_equal(usb_rig_control(&rig, 0x21, 9, 0x0200 | SELD_HID_ID_command, 0, 12, bytes, NULL),
-                     USB_OK);
+    assert_int_equal(usb_rig_control(&rig, 0x21, 9, 0x0200 | CRN_HID_ID_command, 0, 12, bytes, NULL), USB_OK);
     assert_int_equal(rig.commands, 2);
     assert_int_equal(rig.command.number, 6);
 }
@@ -374,15 +373,15 @@ static void commands_come_by_pipe_and_by_control(void **state)
 static void broken_commands_are_counted_and_the_pipe_stays_open(void **state)
 {
     (void)state;
-    uint8_t command[64] = {SELD_HID_ID_command, 1};
+    uint8_t command[64] = {CRN_HID_ID_command, 1};
     assert_int_equal(usb_host_packet_out(&rig.host, STATUS, command, 0), USB_OK);
     assert_int_equal(usb_host_packet_out(&rig.host, STATUS, command, 11), USB_OK);
-    command[0] = SELD_HID_ID_state;
+    command[0] = CRN_HID_ID_state;
     assert_int_equal(usb_host_packet_out(&rig.host, STATUS, command, 12), USB_OK);
     usb_rig_settle(&rig);
     assert_int_equal(rig.usb.reports_refused, 3);
     assert_int_equal(rig.commands, 0);
-    command[0] = SELD_HID_ID_command;
+    command[0] = CRN_HID_ID_command;
     assert_int_equal(usb_host_packet_out(&rig.host, STATUS, command, 64), USB_OK);
     usb_rig_settle(&rig);
     assert_int_equal(rig.commands, 1);
@@ -392,21 +391,21 @@ static void broken_commands_are_counted_and_the_pipe_stays_open(void **state)
 static void settings_are_read_back_and_refused(void **state)
 {
     (void)state;
-    seld_hid_limits limits, back;
-    const uint16_t value = 0x0300 | SELD_HID_ID_limits;
+    crn_hid_limits limits, back;
+    const uint16_t value = 0x0300 | CRN_HID_ID_limits;
     assert_int_equal(usb_rig_control(&rig, 0xa1, 1, value, 0, 64, bytes, &count), USB_OK);
-    assert_true(seld_hid_decode_limits(bytes + 1, count - 1, &limits));
+    assert_true(crn_hid_decode_limits(bytes + 1, count - 1, &limits));
     limits.tracks[1].force_limit_mN = 3000;
-    seld_wire_writer writer = seld_wire_writer_make(bytes + 1, 63);
-    seld_hid_put_limits(&writer, &limits);
+    crn_wire_writer writer = crn_wire_writer_make(bytes + 1, 63);
+    crn_hid_put_limits(&writer, &limits);
     assert_int_equal(usb_rig_control(&rig, 0x21, 9, value, 0, 25, bytes, NULL), USB_OK);
     limits.tracks[0].force_limit_mN = 1000;
     limits.tracks[1].force_limit_mN = 3001;
-    writer = seld_wire_writer_make(bytes + 1, 63);
-    seld_hid_put_limits(&writer, &limits);
+    writer = crn_wire_writer_make(bytes + 1, 63);
+    crn_hid_put_limits(&writer, &limits);
     assert_int_equal(usb_rig_control(&rig, 0x21, 9, value, 0, 25, bytes, NULL), USB_STALLED);
     assert_int_equal(usb_rig_control(&rig, 0xa1, 1, value, 0, 64, bytes, &count), USB_OK);
-    assert_true(seld_hid_decode_limits(bytes + 1, count - 1, &back));
+    assert_true(crn_hid_decode_limits(bytes + 1, count - 1, &back));
     assert_int_equal(back.tracks[0].force_limit_mN, 8000);
     assert_int_equal(back.tracks[1].force_limit_mN, 3000);
 }
@@ -419,14 +418,14 @@ static void suspend_keeps_everything(void **state)
     static const uint8_t frame[] = {7, 7, 7, 0};
     assert_int_equal(usb_host_out(&rig.host, STREAM, PACKET, frame, sizeof frame), USB_OK);
     usb_rig_settle(&rig);
-    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_SUSPENDED), USB_OK);
-    assert_int_equal(rig.link, SELD_USB_SUSPENDED);
-    assert_true(seld_usb_transmit(&rig.usb, frame, sizeof frame));
+    assert_int_equal(usb_host_bus(&rig.host, CRN_MAILBOX_SUSPENDED), USB_OK);
+    assert_int_equal(rig.link, CRN_USB_SUSPENDED);
+    assert_true(crn_usb_transmit(&rig.usb, frame, sizeof frame));
     usb_rig_tick(&rig);
     usb_rig_settle(&rig);
-    assert_false(rig.usb.is_armed[SELD_USB_STATUS_IN]);
-    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_RESUMED), USB_OK);
-    assert_int_equal(rig.link, SELD_USB_CONFIGURED);
+    assert_false(rig.usb.is_armed[CRN_USB_STATUS_IN]);
+    assert_int_equal(usb_host_bus(&rig.host, CRN_MAILBOX_RESUMED), USB_OK);
+    assert_int_equal(rig.link, CRN_USB_CONFIGURED);
     assert_int_equal(usb_host_in(&rig.host, STREAM, PACKET, bytes, 4, &count), USB_OK);
     assert_memory_equal(bytes, frame, sizeof frame);
     assert_int_equal(usb_host_in(&rig.host, STREAM, PACKET, bytes, 4, &count), USB_OK);
@@ -436,19 +435,19 @@ static void suspend_keeps_everything(void **state)
     usb_rig_tick(&rig);
     assert_int_equal(next_report_tick(), 2);
     /* A reset wakes it too. */
-    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_SUSPENDED), USB_OK);
+    assert_int_equal(usb_host_bus(&rig.host, CRN_MAILBOX_SUSPENDED), USB_OK);
     assert_int_equal(usb_rig_configure(&rig, true), USB_OK);
-    assert_int_equal(rig.link, SELD_USB_CONFIGURED);
+    assert_int_equal(rig.link, CRN_USB_CONFIGURED);
 }
 
 /* The device pulls its own plug when it is asked to, and comes back after so many milliseconds. */
 static void the_device_unplugs_itself_on_request(void **state)
 {
     (void)state;
-    assert_int_equal(usb_rig_control(&rig, 0x40, SELD_USB_REQUEST_UNPLUG, 250, 0, 0, NULL, NULL), USB_OK);
+    assert_int_equal(usb_rig_control(&rig, 0x40, CRN_USB_REQUEST_UNPLUG, 250, 0, 0, NULL, NULL), USB_OK);
     usb_rig_settle(&rig);
     assert_false(usb_host_sees_device(&rig.host));
-    assert_int_equal(rig.link, SELD_USB_DETACHED);
+    assert_int_equal(rig.link, CRN_USB_DETACHED);
     assert_int_equal(usb_host_packet_in(&rig.host, STATUS, bytes, 64, &count), USB_SILENT);
     for (int i = 0; i < 249; i++) usb_rig_tick(&rig);
     assert_false(usb_host_sees_device(&rig.host));
@@ -467,13 +466,13 @@ static void the_device_unplugs_itself_within_a_transfer(void **state)
     static uint8_t frame[5 * 512];
     memset(frame, 'x', sizeof frame);
     const uint32_t before = rig.bytes_in;
-    assert_int_equal(usb_rig_control(&rig, 0x40, SELD_USB_REQUEST_UNPLUG, 20, 3, 0, NULL, NULL), USB_OK);
+    assert_int_equal(usb_rig_control(&rig, 0x40, CRN_USB_REQUEST_UNPLUG, 20, 3, 0, NULL, NULL), USB_OK);
     usb_rig_settle(&rig);
     assert_true(usb_host_sees_device(&rig.host));
     assert_int_not_equal(usb_host_out(&rig.host, STREAM, 512, frame, sizeof frame), USB_OK);
     assert_int_equal(rig.bytes_in - before, 2 * 512);
     assert_false(usb_host_sees_device(&rig.host));
-    assert_int_equal(rig.link, SELD_USB_DETACHED);
+    assert_int_equal(rig.link, CRN_USB_DETACHED);
     for (int i = 0; i < 20; i++) usb_rig_tick(&rig);
     assert_int_equal(usb_rig_configure(&rig, true), USB_OK);
     drain_new_stream();
@@ -484,12 +483,12 @@ static void the_device_unplugs_itself_within_a_transfer(void **state)
 static void a_bus_out_of_order_is_survived(void **state)
 {
     (void)state;
-    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_UNPLUGGED), USB_OK);
-    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_RESUMED), USB_OK);
-    assert_int_equal(usb_host_bus(&rig.host, SELD_MAILBOX_SUSPENDED), USB_OK);
-    assert_int_equal(usb_host_bus(&rig.host, (seld_mailbox_bus)99), USB_OK);
+    assert_int_equal(usb_host_bus(&rig.host, CRN_MAILBOX_UNPLUGGED), USB_OK);
+    assert_int_equal(usb_host_bus(&rig.host, CRN_MAILBOX_RESUMED), USB_OK);
+    assert_int_equal(usb_host_bus(&rig.host, CRN_MAILBOX_SUSPENDED), USB_OK);
+    assert_int_equal(usb_host_bus(&rig.host, (crn_mailbox_bus)99), USB_OK);
     assert_int_equal(usb_host_packet_out(&rig.host, STREAM, bytes, 10), USB_SILENT);
-    assert_int_equal(rig.link, SELD_USB_DETACHED);
+    assert_int_equal(rig.link, CRN_USB_DETACHED);
     assert_int_equal(usb_rig_configure(&rig, true), USB_OK);
     drain_new_stream();
     echo((const uint8_t *)"\1\2\3", 4);
@@ -501,26 +500,26 @@ static void malformed_tokens_are_not_answered(void **state)
     (void)state;
     static const struct {
         uint32_t kind, endpoint, flags, count;
-    } tokens[] = {{SELD_MAILBOX_OUT, STREAM, 0, PACKET + 1},
-                  {SELD_MAILBOX_OUT, STREAM, 0, UINT32_MAX},
-                  {SELD_MAILBOX_OUT, 16, 0, 1},
-                  {SELD_MAILBOX_IN, 0xffffffff, 0, 0},
-                  {SELD_MAILBOX_SETUP, 0, 0, 7},
-                  {SELD_MAILBOX_SETUP, 0, SELD_MAILBOX_DATA1, 8},
-                  {SELD_MAILBOX_SETUP, 1, 0, 8},
+    } tokens[] = {{CRN_MAILBOX_OUT, STREAM, 0, PACKET + 1},
+                  {CRN_MAILBOX_OUT, STREAM, 0, UINT32_MAX},
+                  {CRN_MAILBOX_OUT, 16, 0, 1},
+                  {CRN_MAILBOX_IN, 0xffffffff, 0, 0},
+                  {CRN_MAILBOX_SETUP, 0, 0, 7},
+                  {CRN_MAILBOX_SETUP, 0, CRN_MAILBOX_DATA1, 8},
+                  {CRN_MAILBOX_SETUP, 1, 0, 8},
                   {0, 0, 0, 0},
                   {0xdeadbeef, 0, 0, 0}};
     for (size_t i = 0; i < sizeof tokens / sizeof tokens[0]; i++) {
-        seld_mailbox_host_half *half = &rig.mailbox.host;
-        seld_mailbox_write(&half->token_kind, tokens[i].kind);
-        seld_mailbox_write(&half->token_endpoint, tokens[i].endpoint);
-        seld_mailbox_write(&half->token_flags, tokens[i].flags);
-        seld_mailbox_write(&half->token_bytes, tokens[i].count);
-        seld_mailbox_write(&half->token_address, 5);
-        seld_mailbox_write(&half->token, seld_mailbox_read(&half->token) + 1);
+        crn_mailbox_host_half *half = &rig.mailbox.host;
+        crn_mailbox_write(&half->token_kind, tokens[i].kind);
+        crn_mailbox_write(&half->token_endpoint, tokens[i].endpoint);
+        crn_mailbox_write(&half->token_flags, tokens[i].flags);
+        crn_mailbox_write(&half->token_bytes, tokens[i].count);
+        crn_mailbox_write(&half->token_address, 5);
+        crn_mailbox_write(&half->token, crn_mailbox_read(&half->token) + 1);
         usb_rig_settle(&rig);
-        assert_int_equal(seld_mailbox_read(&rig.mailbox.device.token_done), seld_mailbox_read(&half->token));
-        assert_int_equal(seld_mailbox_read(&rig.mailbox.device.reply), SELD_MAILBOX_SILENCE);
+        assert_int_equal(crn_mailbox_read(&rig.mailbox.device.token_done), crn_mailbox_read(&half->token));
+        assert_int_equal(crn_mailbox_read(&rig.mailbox.device.reply), CRN_MAILBOX_SILENCE);
     }
     echo((const uint8_t *)"\1\2\3", 4);
 }

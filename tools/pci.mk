@@ -14,10 +14,10 @@ $(eval $(call diseased,renal_pci,$(ANATOMY),renal_ostium))
 # angioplasty(session, scene, wire balloon guide, stent): film, last picture, figures, score, DICOM runs and recording of a session.
 PCI_TOOLS = $(foreach tool,$(1),--tool shared/examples/instruments/$(tool).toml)
 define angioplasty
-out/$(1).mp4 out/$(1).png out/$(1).json out/$(1).html out/$(1).rec &: out/$(2).scene shared/examples/sessions/$(1).session $(foreach tool,$(3),shared/examples/instruments/$(tool).toml) shared/examples/stents/$(4).toml $(BUILD)/bin/seldinger
+out/$(1).mp4 out/$(1).png out/$(1).json out/$(1).html out/$(1).rec &: out/$(2).scene shared/examples/sessions/$(1).session $(foreach tool,$(3),shared/examples/instruments/$(tool).toml) shared/examples/stents/$(4).toml $(BUILD)/bin/cournand
 	@echo "Running shared/examples/sessions/$(1).session"
 	@rm -rf out/$(1)_dicom
-	@$(BUILD)/bin/seldinger run --scene out/$(2).scene $(call PCI_TOOLS,$(3)) --session shared/examples/sessions/$(1).session \
+	@$(BUILD)/bin/cournand run --scene out/$(2).scene $(call PCI_TOOLS,$(3)) --session shared/examples/sessions/$(1).session \
 	    --stent shared/examples/stents/$(4).toml --record out/$(1).rec --json out/$(1).json --score out/$(1).html --png out/$(1).png --mp4 out/$(1).mp4 --dicom out/$(1)_dicom
 endef
 $(eval $(call angioplasty,pci_lad,lad_pci,coronary_014 balloon_3x20 guide_jl3_6f,coronary_3_0x18))

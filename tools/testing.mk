@@ -43,8 +43,8 @@ $(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/room host
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
 ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS) $(TOOL_TESTS) $(LINE_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(ROD_TESTS) $(CASE_TESTS) $(CT_TESTS) $(CALIBRATE_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
 
-tests-build: $(ALL_TEST_PROGRAMS) $(HIL_RIG) $(HIL_PROGRAM) $(BUILD)/firmware/seldinger-mps2_an500.elf $(BUILD)/firmware/seldinger-imxrt1062.elf $(BUILD)/bench/budget_make $(BUILD)/bench/bench_lumen $(BUILD)/m7/budget_image.elf ## build the test programs
-tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS),$(call test_program,$(t))) $(BUILD)/firmware/seldinger-mps2_an500.elf $(BUILD)/bin/seldinger ## build those without OpenVDB
+tests-build: $(ALL_TEST_PROGRAMS) $(HIL_RIG) $(HIL_PROGRAM) $(BUILD)/firmware/cournand-mps2_an500.elf $(BUILD)/firmware/cournand-imxrt1062.elf $(BUILD)/bench/budget_make $(BUILD)/bench/bench_lumen $(BUILD)/m7/budget_image.elf ## build the test programs
+tests-build-san: $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS),$(call test_program,$(t))) $(BUILD)/firmware/cournand-mps2_an500.elf $(BUILD)/bin/cournand ## build those without OpenVDB
 
 # --- the USB side against the host's libraries: docs/usb.md --------------------------------------------------------------
 HIL_FOLDER := $(BUILD)/hil

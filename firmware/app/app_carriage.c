@@ -29,27 +29,27 @@ static int32_t size_of(int32_t value)
 }
 
 /* Counts since the last edge, + into the patient. */
-int32_t seld_app_carriage_moved(const seld_app *app, uint32_t k)
+int32_t crn_app_carriage_moved(const crn_app *app, uint32_t k)
 {
     const uint32_t now = (uint32_t)app->rig.hands[k].translation_counts,
                    last = (uint32_t)app->watches[k].last.translation_counts;
-    const bool is_reversed = (app->tracks[k].wire.options & SELD_WIRE_OPTION_TRANSLATION_REVERSED) != 0;
-    return seld_wire_i32_from_u32(is_reversed ? last - now : now - last);
+    const bool is_reversed = (app->tracks[k].wire.options & CRN_WIRE_OPTION_TRANSLATION_REVERSED) != 0;
+    return crn_wire_i32_from_u32(is_reversed ? last - now : now - last);
 }
 
 /* Speed that the carriage has at least, whatever lies between two counts: over one tick or over eight, where counts are coarse.
  * Format: counts x pm / 1000 per ms = um/s. Overflow: 8 x twice 5 mm in pm is below 2^37; held to 10 m/s. */
-static int32_t speed_um_s(const seld_app *app, uint32_t k)
+static int32_t speed_um_s(const crn_app *app, uint32_t k)
 {
-    const seld_app_watch *watch = &app->watches[k];
+    const crn_app_watch *watch = &app->watches[k];
     const int64_t pm = app->tracks[k].wire.translation_pm_per_count;
     int64_t sum = 0, fastest = 0;
-    for (uint32_t i = 0; i < SELD_APP_ASKED_ticks; i++) sum += watch->moved[i];
+    for (uint32_t i = 0; i < CRN_APP_ASKED_ticks; i++) sum += watch->moved[i];
     const int64_t ways[2] = {watch->moved[app->asked_at], sum};
     for (uint32_t i = 0; i < 2; i++) {
         const int64_t sure = (ways[i] < 0 ? -ways[i] : ways[i]) - 1;
         const int64_t size =
-            sure <= 0 ? 0 : seld_app_quotient(sure * pm, i == 0 ? 1000 : 1000 * SELD_APP_ASKED_ticks);
+            sure <= 0 ? 0 : crn_app_quotient(sure * pm, i == 0 ? 1000 : 1000 * CRN_APP_ASKED_ticks);
         if (size > (fastest < 0 ? -fastest : fastest)) fastest = ways[i] < 0 ? -size : size;
     }
     const int64_t most = 10000000;
@@ -68,14 +68,13 @@ static int32_t share_of(int32_t value, int32_t full, int32_t none)
 }
 
 /* By the speed that the carriage will have when the force is there: now it gains as much per tick as in the last one. */
-static int32_t speed_share(const seld_app *app, uint32_t k, int32_t asked_mN)
+static int32_t speed_share(const crn_app *app, uint32_t k, int32_t asked_mN)
 {
-    const seld_app_watch *watch = &app->watches[k];
-    const uint32_t before = (app->asked_at + SELD_APP_ASKED_ticks - 1) % SELD_APP_ASKED_ticks;
+    const crn_app_watch *watch = &app->watches[k];
+    const uint32_t before = (app->asked_at + CRN_APP_ASKED_ticks - 1) % CRN_APP_ASKED_ticks;
     const int32_t speed = speed_um_s(app, k);
     const int64_t gained = (int64_t)watch->moved[app->asked_at] - watch->moved[before];
-    const int64_t gained_um_s =
-        seld_app_quotient(gained * app->tracks[k].wire.translation_pm_per_count, 1000);
+    const int64_t gained_um_s = crn_app_quotient(gained * app->tracks[k].wire.translation_pm_per_count, 1000);
     const bool is_faster = (gained_um_s > 0) == (speed > 0);
     const int32_t size = size_of(speed + (is_faster ? (int32_t)gained_um_s : 0)); /* both below 2^25 */
     const bool is_braked = (speed > 0) == (asked_mN > 0) && speed != 0; /* + pushes out, + moves in */
@@ -85,15 +84,15 @@ static int32_t speed_share(const seld_app *app, uint32_t k, int32_t asked_mN)
 
 /* The largest force that the track may be given now. A hand that holds is felt by the force sensor, which may be wrong by a quarter. Of a
  * track without one nothing is known of the hand, and the speed alone counts. */
-int32_t seld_app_carriage_bound(seld_app *app, uint32_t k, int32_t asked_mN)
+int32_t crn_app_carriage_bound(crn_app *app, uint32_t k, int32_t asked_mN)
 {
-    seld_app_watch *watch = &app->watches[k];
-    const int32_t measured = seld_app_force_measured(app, k), most = 2 * SELD_APP_FORCE_LIMIT_mN;
+    crn_app_watch *watch = &app->watches[k];
+    const int32_t measured = crn_app_force_measured(app, k), most = 2 * CRN_APP_FORCE_LIMIT_mN;
     const int32_t by_speed = speed_share(app, k, asked_mN), size = size_of(asked_mN);
     int32_t held = asked_mN < 0 ? -measured : measured;
     held = held < 0 ? 0 : held > most ? most : held;
     const int32_t sure = LOOSE_mN + held + held / 3;
-    const bool has_sensor = app->rig.tracks[k].force_sensor == SELD_PORT_SENSOR_OK;
+    const bool has_sensor = app->rig.tracks[k].force_sensor == CRN_PORT_SENSOR_OK;
     if (has_sensor && size > sure) {
         if (watch->loose_ticks < LOOSE_GRACE_ticks + LOOSE_FADE_ticks) watch->loose_ticks++;
     } else if (held > LOOSE_mN) {
@@ -109,12 +108,12 @@ int32_t seld_app_carriage_bound(seld_app *app, uint32_t k, int32_t asked_mN)
 
 /* A hand may throw a carriage, and then it is fast without a motor; it may move it as fast as it likes, and then it is felt. What is left is a
  * carriage that gained its speed while nobody touched it and a motor pushed. */
-static bool is_driven_fast(seld_app *app, uint32_t k)
+static bool is_driven_fast(crn_app *app, uint32_t k)
 {
-    seld_app_watch *watch = &app->watches[k];
+    crn_app_watch *watch = &app->watches[k];
     const int32_t speed = size_of(speed_um_s(app, k));
-    const bool is_touched = size_of(seld_app_force_measured(app, k)) >= TOUCH_mN ||
-                            app->rig.tracks[k].force_sensor != SELD_PORT_SENSOR_OK;
+    const bool is_touched = size_of(crn_app_force_measured(app, k)) >= TOUCH_mN ||
+                            app->rig.tracks[k].force_sensor != CRN_PORT_SENSOR_OK;
     if (is_touched) {
         watch->untouched_ticks = watch->fast_ticks = 0;
         watch->speed_begin_um_s = speed;
@@ -134,22 +133,21 @@ static bool is_driven_fast(seld_app *app, uint32_t k)
 }
 
 /* Of a track that is driven, in this edge's sample. */
-seld_fault_code seld_app_carriage_check(seld_app *app, uint32_t k, int32_t *value)
+crn_fault_code crn_app_carriage_check(crn_app *app, uint32_t k, int32_t *value)
 {
-    seld_app_watch *watch = &app->watches[k];
+    crn_app_watch *watch = &app->watches[k];
     /* More than twice what is a jump is no motion, and sums of it fit. */
     const int32_t most = 2 * (int32_t)app->tracks[k].translation_jump_counts;
-    const int32_t told = seld_app_carriage_moved(app, k), moved = told > most    ? most
-                                                                  : told < -most ? -most
-                                                                                 : told;
+    const int32_t told = crn_app_carriage_moved(app, k), moved = told > most    ? most
+                                                                 : told < -most ? -most
+                                                                                : told;
     watch->moved[app->asked_at] = moved;
     if (is_driven_fast(app, k)) {
         *value = size_of(speed_um_s(app, k)) / 1000;
-        return SELD_FAULT_CODE_CARRIAGE_FAST;
+        return CRN_FAULT_CODE_CARRIAGE_FAST;
     }
-    *value = (int32_t)seld_app_quotient(app->energies[k].taken_pJ, 1000) / 1000;
-    watch->passivity_ticks = seld_app_gives_energy(&app->energies[k]) ? watch->passivity_ticks + 1 : 0;
+    *value = (int32_t)crn_app_quotient(app->energies[k].taken_pJ, 1000) / 1000;
+    watch->passivity_ticks = crn_app_gives_energy(&app->energies[k]) ? watch->passivity_ticks + 1 : 0;
     const bool lasts = watch->passivity_ticks >= PASSIVITY_ticks;
-    return seld_app_cycle_lasts(app, k, moved) || lasts ? SELD_FAULT_CODE_PASSIVITY_LASTS
-                                                        : SELD_FAULT_CODE_NONE;
+    return crn_app_cycle_lasts(app, k, moved) || lasts ? CRN_FAULT_CODE_PASSIVITY_LASTS : CRN_FAULT_CODE_NONE;
 }

@@ -4,28 +4,28 @@
 
 enum { START_DEPTH_MAX_M_Q30 = 322123 /* 0.3 mm: the wall pushes that back without a jolt */ };
 
-void seld_app_set_state(seld_app *app, uint8_t state)
+void crn_app_set_state(crn_app *app, uint8_t state)
 {
     uint8_t old = app->state;
     app->state = state;
-    if (old != state) seld_app_notice(app, SELD_WIRE_EVENT_STATE, state, old, 0);
+    if (old != state) crn_app_notice(app, CRN_WIRE_EVENT_STATE, state, old, 0);
 }
 
 /* --- ARM: constants and rest state from what was set up --- */
 
 /* No tool may begin with more outside than it has. False: refused. */
-static bool lengths_fit(seld_app *app)
+static bool lengths_fit(crn_app *app)
 {
     for (uint32_t k = 0; k < app->tool_count; k++) {
         uint32_t length_um = app->tools[k].knots[app->tools[k].knot_count - 1].arc_um;
         if (app->inserted_um[k] <= length_um) continue;
-        seld_app_reject(app, SELD_WIRE_TYPE_command, SELD_REJECT_LENGTH_INSERTED, k, length_um);
+        crn_app_reject(app, CRN_WIRE_TYPE_command, CRN_REJECT_LENGTH_INSERTED, k, length_um);
         return false;
     }
     return true;
 }
 
-static uint32_t longest_um(const seld_app *app)
+static uint32_t longest_um(const crn_app *app)
 {
     uint32_t longest = 0;
     for (uint32_t k = 0; k < app->tool_count; k++) {
@@ -34,51 +34,51 @@ static uint32_t longest_um(const seld_app *app)
     return longest;
 }
 
-static void arm(seld_app *app)
+static void arm(crn_app *app)
 {
-    const uint16_t type = SELD_WIRE_TYPE_command;
-    SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_READY, SELD_REJECT_WRONG_STATE, app->state, 0);
-    SELD_REJECT_IF(app, type, app->tool_count == 0 || !app->has_entry, SELD_REJECT_SET_UP_MISSING,
-                   app->tool_count, app->has_entry);
-    seld_build_place place = {0, 0};
-    seld_build_status status = seld_model_build(&app->model, app->tools, app->tool_count,
-                                                app->has_scene ? &app->lumen : NULL, &app->entry, &place);
-    if (status != SELD_BUILD_OK) {
-        seld_app_reject_build(app, type, status, &place);
+    const uint16_t type = CRN_WIRE_TYPE_command;
+    CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_READY, CRN_REJECT_WRONG_STATE, app->state, 0);
+    CRN_REJECT_IF(app, type, app->tool_count == 0 || !app->has_entry, CRN_REJECT_SET_UP_MISSING,
+                  app->tool_count, app->has_entry);
+    crn_build_place place = {0, 0};
+    crn_build_status status = crn_model_build(&app->model, app->tools, app->tool_count,
+                                              app->has_scene ? &app->lumen : NULL, &app->entry, &place);
+    if (status != CRN_BUILD_OK) {
+        crn_app_reject_build(app, type, status, &place);
         return;
     }
     if (!lengths_fit(app)) return;
-    seld_state_init(&app->model, &app->core, app->inserted_um);
-    int32_t depth_m_q30 = seld_state_depth(&app->model, &app->core);
-    SELD_REJECT_IF(app, type, depth_m_q30 > START_DEPTH_MAX_M_Q30, SELD_REJECT_START_IN_WALL,
-                   (uint32_t)(((uint64_t)(uint32_t)depth_m_q30 * 1000000u) >> 30), longest_um(app));
-    seld_app_hands_reset(app);
-    seld_app_coupling_reset(app);
-    seld_app_motors_reset(app);
-    seld_app_motors_off(app);
-    seld_app_stream_clear(app);
+    crn_state_init(&app->model, &app->core, app->inserted_um);
+    int32_t depth_m_q30 = crn_state_depth(&app->model, &app->core);
+    CRN_REJECT_IF(app, type, depth_m_q30 > START_DEPTH_MAX_M_Q30, CRN_REJECT_START_IN_WALL,
+                  (uint32_t)(((uint64_t)(uint32_t)depth_m_q30 * 1000000u) >> 30), longest_um(app));
+    crn_app_hands_reset(app);
+    crn_app_coupling_reset(app);
+    crn_app_motors_reset(app);
+    crn_app_motors_off(app);
+    crn_app_stream_clear(app);
     app->core_faults_seen = 0;
     app->ticks.states_count = 0;
     app->has_stop = false;
-    seld_app_set_state(app, SELD_WIRE_STATE_ARMED);
-    seld_app_send_status(app, type);
+    crn_app_set_state(app, CRN_WIRE_STATE_ARMED);
+    crn_app_send_status(app, type);
 }
 
 /* --- ARM_MOTORS and CONFIRM --- */
 
 /* Has the rig a track that could be driven? */
-static uint32_t driven_tracks(const seld_app *app)
+static uint32_t driven_tracks(const crn_app *app)
 {
     uint32_t count = 0;
     for (uint32_t k = 0; k < app->tool_count; k++) {
-        const seld_app_axis *axes = app->tracks[k].axes;
-        if (axes[SELD_APP_ALONG].stiffness > 0 || axes[SELD_APP_ABOUT].stiffness > 0) count++;
+        const crn_app_axis *axes = app->tracks[k].axes;
+        if (axes[CRN_APP_ALONG].stiffness > 0 || axes[CRN_APP_ABOUT].stiffness > 0) count++;
     }
     return count;
 }
 
 /* A code that no frame holds by chance: of the clock and a counter, mixed (a permutation of 32 bits), never 0. */
-static uint32_t next_code(seld_app *app)
+static uint32_t next_code(crn_app *app)
 {
     uint32_t code = app->port->now_us(app->port->context) ^ (++app->arm_code_count * 0x9e3779b9u);
     code = (code ^ (code >> 16)) * 0x7feb352du;
@@ -87,172 +87,172 @@ static uint32_t next_code(seld_app *app)
     return code == 0 ? 1 : code;
 }
 
-static bool may_arm_motors(seld_app *app)
+static bool may_arm_motors(crn_app *app)
 {
-    const uint16_t type = SELD_WIRE_TYPE_command;
-    if (app->mode != SELD_WIRE_MODE_FREE_RUN) {
-        seld_app_reject(app, type, SELD_REJECT_WRONG_MODE, app->mode, 0);
+    const uint16_t type = CRN_WIRE_TYPE_command;
+    if (app->mode != CRN_WIRE_MODE_FREE_RUN) {
+        crn_app_reject(app, type, CRN_REJECT_WRONG_MODE, app->mode, 0);
         return false;
     }
-    if (app->state != SELD_WIRE_STATE_ARMED) {
-        seld_app_reject(app, type, SELD_REJECT_WRONG_STATE, app->state, 0);
+    if (app->state != CRN_WIRE_STATE_ARMED) {
+        crn_app_reject(app, type, CRN_REJECT_WRONG_STATE, app->state, 0);
         return false;
     }
     if (!app->has_rig || driven_tracks(app) == 0) {
-        seld_app_reject(app, type, SELD_REJECT_NO_RIG, app->has_rig, app->tool_count);
+        crn_app_reject(app, type, CRN_REJECT_NO_RIG, app->has_rig, app->tool_count);
         return false;
     }
-    seld_fault_code code = seld_app_safety_ready(app);
-    if (code != SELD_FAULT_CODE_NONE) seld_app_reject(app, type, SELD_REJECT_NOT_SAFE, code, 0);
-    return code == SELD_FAULT_CODE_NONE;
+    crn_fault_code code = crn_app_safety_ready(app);
+    if (code != CRN_FAULT_CODE_NONE) crn_app_reject(app, type, CRN_REJECT_NOT_SAFE, code, 0);
+    return code == CRN_FAULT_CODE_NONE;
 }
 
-static void arm_motors(seld_app *app)
+static void arm_motors(crn_app *app)
 {
     app->motors_armed = false;
     app->arm_code = 0;
     if (!may_arm_motors(app)) return;
     app->arm_code = next_code(app);
     app->arm_code_age = 0;
-    seld_app_send_status(app, SELD_WIRE_TYPE_command);
+    crn_app_send_status(app, CRN_WIRE_TYPE_command);
 }
 
 /* Any answer spends the code, the wrong one too. */
-static void confirm(seld_app *app, uint32_t code)
+static void confirm(crn_app *app, uint32_t code)
 {
     uint32_t wanted = app->arm_code;
     app->arm_code = 0;
     app->motors_armed = false;
-    SELD_REJECT_IF(app, SELD_WIRE_TYPE_command, wanted == 0 || code != wanted, SELD_REJECT_CODE_WRONG,
-                   app->arm_code_age, code);
+    CRN_REJECT_IF(app, CRN_WIRE_TYPE_command, wanted == 0 || code != wanted, CRN_REJECT_CODE_WRONG,
+                  app->arm_code_age, code);
     if (!may_arm_motors(app)) return;
     app->motors_armed = true;
     app->arm_code_age = 0;
-    seld_app_send_status(app, SELD_WIRE_TYPE_command);
+    crn_app_send_status(app, CRN_WIRE_TYPE_command);
 }
 
 /* --- START, STOP, RESET, modes --- */
 
 /* Where the hands are at the next reading is their new reference, without force. */
-static void forget_hands(seld_app *app)
+static void forget_hands(crn_app *app)
 {
-    seld_app_hands_take_reference(app);
-    seld_app_coupling_reset(app);
+    crn_app_hands_take_reference(app);
+    crn_app_coupling_reset(app);
 }
 
 /* In FREE_RUN nobody listened to the hands before START, so it begins with a new reference and the motors at nothing. In LOCKSTEP
  * a session stopped goes on exactly where it was. A change of mode takes a new reference too, so that a snapshot of ARMED is what
  * START begins with: with it a session of FREE_RUN that was resumed replays bit for bit. */
-static void begin_listening(seld_app *app)
+static void begin_listening(crn_app *app)
 {
     app->silent_ticks = 0;
     app->order_count = 0;
     app->inflator_raw = 0;
     app->has_stop = false;
-    if (app->mode != SELD_WIRE_MODE_FREE_RUN) return;
+    if (app->mode != CRN_WIRE_MODE_FREE_RUN) return;
     forget_hands(app);
-    seld_app_motors_reset(app);
+    crn_app_motors_reset(app);
     app->has_mailbox = false;
 }
 
-static void start(seld_app *app)
+static void start(crn_app *app)
 {
-    const uint16_t type = SELD_WIRE_TYPE_command;
-    SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_ARMED, SELD_REJECT_WRONG_STATE, app->state, 0);
-    bool powers = app->mode == SELD_WIRE_MODE_FREE_RUN && app->has_rig && driven_tracks(app) > 0;
-    SELD_REJECT_IF(app, type, powers && !app->motors_armed, SELD_REJECT_NOT_CONFIRMED, 0, 0);
+    const uint16_t type = CRN_WIRE_TYPE_command;
+    CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_ARMED, CRN_REJECT_WRONG_STATE, app->state, 0);
+    bool powers = app->mode == CRN_WIRE_MODE_FREE_RUN && app->has_rig && driven_tracks(app) > 0;
+    CRN_REJECT_IF(app, type, powers && !app->motors_armed, CRN_REJECT_NOT_CONFIRMED, 0, 0);
     if (powers && !may_arm_motors(app)) return;
-    seld_app_motors_off(app); /* spends the permission */
+    crn_app_motors_off(app); /* spends the permission */
     begin_listening(app);
     if (powers) {
-        seld_app_safety_begin(app);
+        crn_app_safety_begin(app);
         app->is_driving = true;
     }
-    seld_app_set_state(app, SELD_WIRE_STATE_RUNNING);
-    seld_app_send_status(app, type);
+    crn_app_set_state(app, CRN_WIRE_STATE_RUNNING);
+    crn_app_send_status(app, type);
 }
 
 /* Without a word to the host: it is told by whoever calls. */
-void seld_app_stop(seld_app *app)
+void crn_app_stop(crn_app *app)
 {
     app->has_stop = false;
-    seld_app_motors_off(app);
-    seld_app_set_state(app, SELD_WIRE_STATE_ARMED);
-    if (app->mode != SELD_WIRE_MODE_FREE_RUN) return;
-    seld_app_hands_take_reference(app);
-    seld_app_motors_reset(app);
+    crn_app_motors_off(app);
+    crn_app_set_state(app, CRN_WIRE_STATE_ARMED);
+    if (app->mode != CRN_WIRE_MODE_FREE_RUN) return;
+    crn_app_hands_take_reference(app);
+    crn_app_motors_reset(app);
 }
 
-/* A STOP for a tick to come is remembered; it is carried out by seld_app_tick. */
-static void stop(seld_app *app, uint32_t tick)
+/* A STOP for a tick to come is remembered; it is carried out by crn_app_tick. */
+static void stop(crn_app *app, uint32_t tick)
 {
-    SELD_REJECT_IF(app, SELD_WIRE_TYPE_command, app->state != SELD_WIRE_STATE_RUNNING,
-                   SELD_REJECT_WRONG_STATE, app->state, 0);
+    CRN_REJECT_IF(app, CRN_WIRE_TYPE_command, app->state != CRN_WIRE_STATE_RUNNING, CRN_REJECT_WRONG_STATE,
+                  app->state, 0);
     app->has_stop = tick > app->core.words.tick;
     app->stop_tick = tick;
-    if (!app->has_stop) seld_app_stop(app);
-    seld_app_send_status(app, SELD_WIRE_TYPE_command);
+    if (!app->has_stop) crn_app_stop(app);
+    crn_app_send_status(app, CRN_WIRE_TYPE_command);
 }
 
-static void reset(seld_app *app)
+static void reset(crn_app *app)
 {
-    seld_app_motors_off(app);
-    app->fault_code = SELD_FAULT_CODE_NONE;
+    crn_app_motors_off(app);
+    app->fault_code = CRN_FAULT_CODE_NONE;
     app->snapshot_upload.open = false;
     app->ticks.states_count = 0;
     app->has_stop = false;
-    seld_app_set_state(app, SELD_WIRE_STATE_READY);
-    seld_app_send_status(app, SELD_WIRE_TYPE_command);
+    crn_app_set_state(app, CRN_WIRE_STATE_READY);
+    crn_app_send_status(app, CRN_WIRE_TYPE_command);
 }
 
-static void set_mode(seld_app *app, uint8_t mode)
+static void set_mode(crn_app *app, uint8_t mode)
 {
-    bool is_at_rest = app->state == SELD_WIRE_STATE_READY || app->state == SELD_WIRE_STATE_ARMED;
-    SELD_REJECT_IF(app, SELD_WIRE_TYPE_command, !is_at_rest, SELD_REJECT_WRONG_STATE, app->state, 0);
-    seld_app_motors_off(app);
+    bool is_at_rest = app->state == CRN_WIRE_STATE_READY || app->state == CRN_WIRE_STATE_ARMED;
+    CRN_REJECT_IF(app, CRN_WIRE_TYPE_command, !is_at_rest, CRN_REJECT_WRONG_STATE, app->state, 0);
+    crn_app_motors_off(app);
     if (mode != app->mode) forget_hands(app);
     app->mode = mode;
-    seld_app_motors_reset(app);
-    seld_app_send_status(app, SELD_WIRE_TYPE_command);
+    crn_app_motors_reset(app);
+    crn_app_send_status(app, CRN_WIRE_TYPE_command);
 }
 
-void seld_app_command_take(seld_app *app, const seld_wire_command *command)
+void crn_app_command_take(crn_app *app, const crn_wire_command *command)
 {
-    seld_app_notice(app, SELD_WIRE_EVENT_COMMAND, command->action, 0, 0);
+    crn_app_notice(app, CRN_WIRE_EVENT_COMMAND, command->action, 0, 0);
     switch (command->action) {
-    case SELD_WIRE_ACTION_ARM:
+    case CRN_WIRE_ACTION_ARM:
         arm(app);
         break;
-    case SELD_WIRE_ACTION_START:
+    case CRN_WIRE_ACTION_START:
         start(app);
         break;
-    case SELD_WIRE_ACTION_STOP:
+    case CRN_WIRE_ACTION_STOP:
         stop(app, command->tick);
         break;
-    case SELD_WIRE_ACTION_RESET:
+    case CRN_WIRE_ACTION_RESET:
         reset(app);
         break;
-    case SELD_WIRE_ACTION_LOCKSTEP:
-        set_mode(app, SELD_WIRE_MODE_LOCKSTEP);
+    case CRN_WIRE_ACTION_LOCKSTEP:
+        set_mode(app, CRN_WIRE_MODE_LOCKSTEP);
         break;
-    case SELD_WIRE_ACTION_FREE_RUN:
-        set_mode(app, SELD_WIRE_MODE_FREE_RUN);
+    case CRN_WIRE_ACTION_FREE_RUN:
+        set_mode(app, CRN_WIRE_MODE_FREE_RUN);
         break;
-    case SELD_WIRE_ACTION_ARM_MOTORS:
+    case CRN_WIRE_ACTION_ARM_MOTORS:
         arm_motors(app);
         break;
-    case SELD_WIRE_ACTION_CONFIRM:
+    case CRN_WIRE_ACTION_CONFIRM:
         confirm(app, command->code);
         break;
     default:
-        seld_app_reject(app, SELD_WIRE_TYPE_command, SELD_REJECT_ACTION_UNKNOWN, command->action, 0);
+        crn_app_reject(app, CRN_WIRE_TYPE_command, CRN_REJECT_ACTION_UNKNOWN, command->action, 0);
     }
 }
 
-void seld_app_command(seld_app *app, const uint8_t *payload, size_t length)
+void crn_app_command(crn_app *app, const uint8_t *payload, size_t length)
 {
-    seld_wire_command command;
-    SELD_REJECT_IF(app, SELD_WIRE_TYPE_command, !seld_wire_decode_command(payload, length, &command),
-                   SELD_REJECT_MALFORMED, length, SELD_WIRE_BYTES_command);
-    seld_app_command_take(app, &command);
+    crn_wire_command command;
+    CRN_REJECT_IF(app, CRN_WIRE_TYPE_command, !crn_wire_decode_command(payload, length, &command),
+                  CRN_REJECT_MALFORMED, length, CRN_WIRE_BYTES_command);
+    crn_app_command_take(app, &command);
 }

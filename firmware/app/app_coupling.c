@@ -23,22 +23,22 @@ enum {
 /* --- constants of a track --- */
 
 /* Overflow: stiffness <= 5 000 x 2^12 along and 10^5 x 26 986 about; a limit of force shifted stays below 2^61. */
-void seld_app_axis_set(seld_app_axis *axis, int which, const seld_wire_track *wire)
+void crn_app_axis_set(crn_app_axis *axis, int which, const crn_wire_track *wire)
 {
-    bool is_along = which == SELD_APP_ALONG;
+    bool is_along = which == CRN_APP_ALONG;
     const int64_t unit = is_along ? 1 << 12 : ABOUT_SCALE;
     const int64_t stiffness = is_along ? wire->coupling_N_per_m : wire->coupling_uN_m_per_rad;
     /* mN s/m over a tick of 1 ms is N/m, and nN m s/rad is uN m/rad. */
     const int64_t damping = is_along ? wire->coupling_mN_s_per_m : wire->coupling_nN_m_s_per_rad;
-    *axis = (seld_app_axis){
+    *axis = (crn_app_axis){
         .stiffness = stiffness * unit,
         .damping = damping * unit,
         .estimate_max = (is_along ? ALONG_ESTIMATE_MAX : ABOUT_ESTIMATE_MAX) * unit,
-        .seal = is_along ? (int32_t)seld_app_quotient((int64_t)wire->seal_mN << 22, 1000)
-                         : (int32_t)seld_app_quotient(seld_app_quotient((int64_t)wire->seal_uN_m << 24, 1000),
-                                                      1000),
-        .force_max = is_along ? SELD_APP_FORCE_LIMIT_mN / 1000 * (1 << 22)
-                              : (int32_t)(((int64_t)SELD_APP_TORQUE_LIMIT_uN_m << 24) / 1000000),
+        .seal = is_along
+                    ? (int32_t)crn_app_quotient((int64_t)wire->seal_mN << 22, 1000)
+                    : (int32_t)crn_app_quotient(crn_app_quotient((int64_t)wire->seal_uN_m << 24, 1000), 1000),
+        .force_max = is_along ? CRN_APP_FORCE_LIMIT_mN / 1000 * (1 << 22)
+                              : (int32_t)(((int64_t)CRN_APP_TORQUE_LIMIT_uN_m << 24) / 1000000),
         .step_max = is_along ? ALONG_STEP_MAX : ABOUT_STEP_MAX,
         .sense_step = is_along ? ALONG_SENSE : ABOUT_SENSE,
         .shift = is_along ? ALONG_SHIFT : ABOUT_SHIFT,
@@ -46,7 +46,7 @@ void seld_app_axis_set(seld_app_axis *axis, int which, const seld_wire_track *wi
     };
     if (stiffness > 0) {
         axis->lead_max =
-            (int64_t)seld_divide_u64((uint64_t)axis->force_max << axis->shift, (uint64_t)axis->stiffness);
+            (int64_t)crn_divide_u64((uint64_t)axis->force_max << axis->shift, (uint64_t)axis->stiffness);
         if (axis->lead_max > INT32_MAX / 2) axis->lead_max = INT32_MAX / 2;
     }
 }
@@ -61,22 +61,22 @@ static int64_t limited(int64_t value, int64_t limit)
 
 static int32_t wrapped_difference(int32_t a, int32_t b)
 {
-    return seld_wire_i32_from_u32((uint32_t)a - (uint32_t)b);
+    return crn_wire_i32_from_u32((uint32_t)a - (uint32_t)b);
 }
 
 /* Format: force / way x 2^shift times way. Overflow: |lead| <= lead_max, so that stiffness x lead is at most the force
  * limit shifted; the damper adds at most as much times damping / stiffness, and the sum is held to four force limits. */
-static int32_t spring_force(const seld_app_axis *axis, int64_t lead, int64_t lead_before)
+static int32_t spring_force(const crn_app_axis *axis, int64_t lead, int64_t lead_before)
 {
-    int64_t elastic = seld_rshift_round64(axis->stiffness * lead, axis->shift);
+    int64_t elastic = crn_rshift_round64(axis->stiffness * lead, axis->shift);
     int64_t viscous =
-        seld_rshift_round64(axis->damping * limited(lead - lead_before, axis->lead_max), axis->shift);
+        crn_rshift_round64(axis->damping * limited(lead - lead_before, axis->lead_max), axis->shift);
     return (int32_t)limited(elastic + viscous, 2 * (int64_t)axis->force_max);
 }
 
 /* Way of the tool in this tick: as far as spring, rod and friction are in balance again, were the rod as stiff as it has
  * shown (implicit Euler of a tool without mass). Within the friction it does not move at all. */
-static int32_t step_of(const seld_app_axis *axis, const seld_app_spring *spring, int32_t force)
+static int32_t step_of(const crn_app_axis *axis, const crn_app_spring *spring, int32_t force)
 {
     int64_t rest = (int64_t)force - spring->force;
     int64_t moving = (rest < 0 ? -rest : rest) - axis->seal;
@@ -84,19 +84,19 @@ static int32_t step_of(const seld_app_axis *axis, const seld_app_spring *spring,
     moving = limited(moving, 4 * (int64_t)axis->force_max);
     uint64_t stiffness = (uint64_t)(axis->stiffness + axis->damping + spring->estimate);
     int64_t step =
-        limited((int64_t)seld_divide_u64((uint64_t)moving << axis->shift, stiffness), axis->step_max);
+        limited((int64_t)crn_divide_u64((uint64_t)moving << axis->shift, stiffness), axis->step_max);
     return (int32_t)(rest < 0 ? -step : step);
 }
 
 /* `hand` and `way` are positions of hand and tool; both may wrap. */
-static int32_t step_spring(const seld_app_axis *axis, seld_app_spring *spring, int32_t hand, int32_t way)
+static int32_t step_spring(const crn_app_axis *axis, crn_app_spring *spring, int32_t hand, int32_t way)
 {
     if (!spring->is_set) {
-        *spring = (seld_app_spring){.is_set = true, .reference = wrapped_difference(hand, way)};
+        *spring = (crn_app_spring){.is_set = true, .reference = wrapped_difference(hand, way)};
     }
     int64_t lead = wrapped_difference(wrapped_difference(hand, way), spring->reference);
     int64_t kept = limited(lead, axis->lead_max); /* beyond the force limit the hand slips */
-    spring->reference = seld_wire_i32_from_u32((uint32_t)spring->reference + (uint32_t)(lead - kept));
+    spring->reference = crn_wire_i32_from_u32((uint32_t)spring->reference + (uint32_t)(lead - kept));
     spring->lead_before = spring->lead;
     spring->lead = (int32_t)kept;
     spring->way = way;
@@ -104,29 +104,29 @@ static int32_t step_spring(const seld_app_axis *axis, seld_app_spring *spring, i
 }
 
 /* Hands -> what the core is told. It follows by a quarter of the lead, so four times the step is one step. */
-void seld_app_coupling_before(seld_app *app, seld_input *input)
+void crn_app_coupling_before(crn_app *app, crn_input *input)
 {
     for (uint32_t k = 0; k < app->tool_count; k++) {
-        const seld_app_axis *axes = app->tracks[k].axes;
-        const seld_tool_state *tool = &app->core.words.tools[k];
-        seld_hand_pose *hand = &input->hands[k];
-        if (axes[SELD_APP_ALONG].stiffness > 0) {
-            int32_t step = step_spring(&axes[SELD_APP_ALONG], &app->springs[k][SELD_APP_ALONG],
+        const crn_app_axis *axes = app->tracks[k].axes;
+        const crn_tool_state *tool = &app->core.words.tools[k];
+        crn_hand_pose *hand = &input->hands[k];
+        if (axes[CRN_APP_ALONG].stiffness > 0) {
+            int32_t step = step_spring(&axes[CRN_APP_ALONG], &app->springs[k][CRN_APP_ALONG],
                                        hand->feed_m_q30, tool->inserted_m_q30);
             int64_t feed = (int64_t)tool->inserted_m_q30 - tool->hand_offset_m_q30 + FOLLOW * step;
             hand->feed_m_q30 = (int32_t)limited(feed, INT32_MAX);
         }
-        if (axes[SELD_APP_ABOUT].stiffness > 0) {
+        if (axes[CRN_APP_ABOUT].stiffness > 0) {
             int32_t step =
-                step_spring(&axes[SELD_APP_ABOUT], &app->springs[k][SELD_APP_ABOUT],
-                            seld_wire_i32_from_u32(hand->turn32), seld_wire_i32_from_u32(tool->base_turn32));
+                step_spring(&axes[CRN_APP_ABOUT], &app->springs[k][CRN_APP_ABOUT],
+                            crn_wire_i32_from_u32(hand->turn32), crn_wire_i32_from_u32(tool->base_turn32));
             hand->turn32 = tool->base_turn32 + (uint32_t)(FOLLOW * step);
         }
     }
 }
 
 /* What the tool shows of its stiffness is believed at once when it is stiffer, and forgotten along the way it goes. */
-static void settle_spring(const seld_app_axis *axis, seld_app_spring *spring, int32_t way, int32_t force)
+static void settle_spring(const crn_app_axis *axis, crn_app_spring *spring, int32_t way, int32_t force)
 {
     int32_t moved = wrapped_difference(way, spring->way);
     int64_t size = moved < 0 ? -(int64_t)moved : moved;
@@ -136,7 +136,7 @@ static void settle_spring(const seld_app_axis *axis, seld_app_spring *spring, in
         spring->estimate -= (spring->estimate * faded) >> axis->relax_shift;
         uint64_t shown = 0;
         change = limited(change, 4 * (int64_t)axis->force_max);
-        if (change > 0) shown = seld_divide_u64((uint64_t)change << axis->shift, (uint64_t)size);
+        if (change > 0) shown = crn_divide_u64((uint64_t)change << axis->shift, (uint64_t)size);
         if (shown > (uint64_t)axis->estimate_max) shown = (uint64_t)axis->estimate_max;
         if (spring->estimate < (int64_t)shown) spring->estimate = (int64_t)shown;
     }
@@ -145,27 +145,27 @@ static void settle_spring(const seld_app_axis *axis, seld_app_spring *spring, in
     spring->output = spring_force(axis, limited(spring->lead, axis->lead_max), spring->lead_before);
 }
 
-void seld_app_coupling_after(seld_app *app, const seld_output *output)
+void crn_app_coupling_after(crn_app *app, const crn_output *output)
 {
     for (uint32_t k = 0; k < app->tool_count; k++) {
-        const seld_app_axis *axes = app->tracks[k].axes;
-        const seld_tool_state *tool = &app->core.words.tools[k];
-        if (axes[SELD_APP_ALONG].stiffness > 0) {
-            settle_spring(&axes[SELD_APP_ALONG], &app->springs[k][SELD_APP_ALONG], tool->inserted_m_q30,
+        const crn_app_axis *axes = app->tracks[k].axes;
+        const crn_tool_state *tool = &app->core.words.tools[k];
+        if (axes[CRN_APP_ALONG].stiffness > 0) {
+            settle_spring(&axes[CRN_APP_ALONG], &app->springs[k][CRN_APP_ALONG], tool->inserted_m_q30,
                           output->tools[k].axial_N_q22);
         }
-        if (axes[SELD_APP_ABOUT].stiffness > 0) {
-            settle_spring(&axes[SELD_APP_ABOUT], &app->springs[k][SELD_APP_ABOUT],
-                          seld_wire_i32_from_u32(tool->base_turn32), output->tools[k].torque_N_m_q24);
+        if (axes[CRN_APP_ABOUT].stiffness > 0) {
+            settle_spring(&axes[CRN_APP_ABOUT], &app->springs[k][CRN_APP_ABOUT],
+                          crn_wire_i32_from_u32(tool->base_turn32), output->tools[k].torque_N_m_q24);
         }
     }
 }
 
 /* The next tick takes hands and tools as they are: no lead, no force. */
-void seld_app_coupling_reset(seld_app *app)
+void crn_app_coupling_reset(crn_app *app)
 {
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
-        for (int i = 0; i < 2; i++) app->springs[k][i] = (seld_app_spring){.is_set = false};
-        app->energies[k] = (seld_app_energy){.scale_q16 = 1 << 16};
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
+        for (int i = 0; i < 2; i++) app->springs[k][i] = (crn_app_spring){.is_set = false};
+        app->energies[k] = (crn_app_energy){.scale_q16 = 1 << 16};
     }
 }

@@ -19,22 +19,22 @@ static int64_t limited(int64_t value)
     return value > most ? most : value < -most ? -most : value;
 }
 
-static int64_t width_nm(const seld_app_swing *swing)
+static int64_t width_nm(const crn_app_swing *swing)
 {
     return swing->way_nm < 0 ? -swing->way_nm : swing->way_nm;
 }
 
 /* What the hand put into two swings by more than its mean force: swings that grow do not end where they began, and the force that
  * holds against a wall would count. Overflow: ways below 2^41 nm, the mean below 2^31 mN / CYCLE_ticks. */
-static int64_t hand_pJ(const seld_app_swing *now, const seld_app_swing *last)
+static int64_t hand_pJ(const crn_app_swing *now, const crn_app_swing *last)
 {
-    const int64_t mean_mN = seld_app_quotient(now->hand_mN_ms + last->hand_mN_ms, now->ticks + last->ticks);
+    const int64_t mean_mN = crn_app_quotient(now->hand_mN_ms + last->hand_mN_ms, now->ticks + last->ticks);
     return now->hand_pJ + last->hand_pJ - mean_mN * (now->way_nm + last->way_nm);
 }
 
 /* Two swings that are one cycle: as wide as each other (7/8, where the damping of an honest rig in the softest hand leaves 0.81), fast, felt,
  * and the hand took more than 1/64 of what the cycle's box of force and way would hold (noise of the sensor: a fifth of that). */
-static bool is_kept_up(const seld_app_swing *now, const seld_app_swing *last, bool is_felt)
+static bool is_kept_up(const crn_app_swing *now, const crn_app_swing *last, bool is_felt)
 {
     const int32_t low = now->low_mN < last->low_mN ? now->low_mN : last->low_mN,
                   high = now->high_mN > last->high_mN ? now->high_mN : last->high_mN;
@@ -45,26 +45,26 @@ static bool is_kept_up(const seld_app_swing *now, const seld_app_swing *last, bo
     return span_mN > SPAN_mN && hand_pJ(now, last) < -span_mN * width_nm(now) / 64;
 }
 
-static void turn(seld_app_cycle *cycle, bool is_felt, int32_t driven_mN)
+static void turn(crn_app_cycle *cycle, bool is_felt, int32_t driven_mN)
 {
     cycle->now.way_nm = cycle->far_nm;
     cycle->driven_ticks =
         is_kept_up(&cycle->now, &cycle->last, is_felt) ? cycle->driven_ticks + cycle->now.ticks : 0;
     cycle->last = cycle->now;
-    cycle->now = (seld_app_swing){.low_mN = driven_mN, .high_mN = driven_mN};
+    cycle->now = (crn_app_swing){.low_mN = driven_mN, .high_mN = driven_mN};
     cycle->at_nm -= cycle->far_nm;
     cycle->far_nm = cycle->at_nm;
     cycle->direction = -cycle->direction;
 }
 
-bool seld_app_cycle_lasts(seld_app *app, uint32_t k, int32_t moved_counts)
+bool crn_app_cycle_lasts(crn_app *app, uint32_t k, int32_t moved_counts)
 {
-    seld_app_cycle *cycle = &app->watches[k].cycle;
-    const bool is_felt = app->rig.tracks[k].force_sensor == SELD_PORT_SENSOR_OK;
-    const int32_t driven_mN = app->driven[k].axial_mN, measured_mN = seld_app_force_measured(app, k);
+    crn_app_cycle *cycle = &app->watches[k].cycle;
+    const bool is_felt = app->rig.tracks[k].force_sensor == CRN_PORT_SENSOR_OK;
+    const int32_t driven_mN = app->driven[k].axial_mN, measured_mN = crn_app_force_measured(app, k);
     const int64_t pm = app->tracks[k].wire.translation_pm_per_count;
-    const int64_t moved_nm = seld_app_quotient(moved_counts * pm, 1000),
-                  two_nm = seld_app_quotient(2 * pm, 1000);
+    const int64_t moved_nm = crn_app_quotient(moved_counts * pm, 1000),
+                  two_nm = crn_app_quotient(2 * pm, 1000);
     if (cycle->now.ticks < UINT32_MAX) cycle->now.ticks++;
     if (driven_mN < cycle->now.low_mN) cycle->now.low_mN = driven_mN;
     if (driven_mN > cycle->now.high_mN) cycle->now.high_mN = driven_mN;

@@ -2,20 +2,20 @@
  * position is scaled from the sum, never summed itself, so that rounding does not drift. Called by: app_session.c. */
 #include "firmware/app/app_internal.h"
 
-void seld_app_hands_reset(seld_app *app)
+void crn_app_hands_reset(crn_app *app)
 {
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) app->hands[k] = (seld_app_hand){false, {0, 0}, 0, 0};
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) app->hands[k] = (crn_app_hand){false, {0, 0}, 0, 0};
 }
 
-void seld_app_hands_take_reference(seld_app *app)
+void crn_app_hands_take_reference(crn_app *app)
 {
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) app->hands[k].is_known = false;
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) app->hands[k].is_known = false;
 }
 
 /* Difference of two wrapping counters. Format: exact as long as the counter moved by less than 2^31. */
 static int32_t count_difference(int32_t now, int32_t last)
 {
-    return seld_wire_i32_from_u32((uint32_t)now - (uint32_t)last);
+    return crn_wire_i32_from_u32((uint32_t)now - (uint32_t)last);
 }
 
 static bool exceeds(int32_t difference, uint32_t limit)
@@ -25,29 +25,29 @@ static bool exceeds(int32_t difference, uint32_t limit)
 }
 
 /* What one hand did since the last reading, or the fault that this would be. */
-static seld_fault_code hand_moved(const seld_app_hand *hand, const seld_app_track *track,
-                                  const seld_port_hand *now, int32_t moved[2])
+static crn_fault_code hand_moved(const crn_app_hand *hand, const crn_app_track *track,
+                                 const crn_port_hand *now, int32_t moved[2])
 {
     moved[0] = moved[1] = 0;
-    if (!hand->is_known) return SELD_FAULT_CODE_NONE;
+    if (!hand->is_known) return CRN_FAULT_CODE_NONE;
     moved[0] = count_difference(now->translation_counts, hand->last.translation_counts);
     moved[1] = count_difference(now->rotation_counts, hand->last.rotation_counts);
-    if (exceeds(moved[0], track->translation_jump_counts)) return SELD_FAULT_CODE_ENCODER_JUMP_TRANSLATION;
-    if (exceeds(moved[1], track->rotation_jump_counts)) return SELD_FAULT_CODE_ENCODER_JUMP_ROTATION;
-    if (track->wire.options & SELD_WIRE_OPTION_TRANSLATION_REVERSED) moved[0] = -moved[0];
-    if (track->wire.options & SELD_WIRE_OPTION_ROTATION_REVERSED) moved[1] = -moved[1];
-    return SELD_FAULT_CODE_NONE;
+    if (exceeds(moved[0], track->translation_jump_counts)) return CRN_FAULT_CODE_ENCODER_JUMP_TRANSLATION;
+    if (exceeds(moved[1], track->rotation_jump_counts)) return CRN_FAULT_CODE_ENCODER_JUMP_ROTATION;
+    if (track->wire.options & CRN_WIRE_OPTION_TRANSLATION_REVERSED) moved[0] = -moved[0];
+    if (track->wire.options & CRN_WIRE_OPTION_ROTATION_REVERSED) moved[1] = -moved[1];
+    return CRN_FAULT_CODE_NONE;
 }
 
 /* Take a reading of every tool. After one unbelievable jump all hands stay where they were: false. */
-bool seld_app_hands_update(seld_app *app, const seld_app_encoders *now)
+bool crn_app_hands_update(crn_app *app, const crn_app_encoders *now)
 {
-    int32_t moved[SELD_TOOL_MAX][2];
+    int32_t moved[CRN_TOOL_MAX][2];
     for (uint32_t k = 0; k < app->tool_count; k++) {
-        seld_fault_code jump = hand_moved(&app->hands[k], &app->tracks[k], &now->hands[k], moved[k]);
-        if (jump != SELD_FAULT_CODE_NONE) {
-            bool is_turn = jump == SELD_FAULT_CODE_ENCODER_JUMP_ROTATION;
-            seld_app_fault(app, jump, (int32_t)k, moved[k][is_turn]);
+        crn_fault_code jump = hand_moved(&app->hands[k], &app->tracks[k], &now->hands[k], moved[k]);
+        if (jump != CRN_FAULT_CODE_NONE) {
+            bool is_turn = jump == CRN_FAULT_CODE_ENCODER_JUMP_ROTATION;
+            crn_app_fault(app, jump, (int32_t)k, moved[k][is_turn]);
             return false;
         }
     }
@@ -65,10 +65,10 @@ bool seld_app_hands_update(seld_app *app, const seld_app_encoders *now)
 static int32_t feed_m_q30(int64_t counts, uint64_t m_q46_per_count)
 {
     const int64_t limit_m_q46 = (int64_t)19 << 43; /* 2.375 m, above what is kept below */
-    int64_t counts_max = (int64_t)seld_divide_u64((uint64_t)limit_m_q46, m_q46_per_count);
+    int64_t counts_max = (int64_t)crn_divide_u64((uint64_t)limit_m_q46, m_q46_per_count);
     if (counts > counts_max) counts = counts_max;
     if (counts < -counts_max) counts = -counts_max;
-    int64_t feed = seld_rshift_round64(counts * (int64_t)m_q46_per_count, 16);
+    int64_t feed = crn_rshift_round64(counts * (int64_t)m_q46_per_count, 16);
     const int64_t feed_max = 2040109466; /* 1.9 m */
     if (feed > feed_max) feed = feed_max;
     if (feed < -feed_max) feed = -feed_max;
@@ -82,12 +82,12 @@ static uint32_t turn32(int64_t counts, uint64_t turn48_per_count)
     return (uint32_t)((turn48 + (1u << 15)) >> 16);
 }
 
-void seld_app_hands_input(const seld_app *app, seld_input *input)
+void crn_app_hands_input(const crn_app *app, crn_input *input)
 {
-    *input = (seld_input){0};
+    *input = (crn_input){0};
     for (uint32_t k = 0; k < app->tool_count; k++) {
-        const seld_app_hand *hand = &app->hands[k];
-        const seld_app_track *track = &app->tracks[k];
+        const crn_app_hand *hand = &app->hands[k];
+        const crn_app_track *track = &app->tracks[k];
         input->hands[k].feed_m_q30 = feed_m_q30(hand->translation_counts, track->translation_m_q46_per_count);
         input->hands[k].turn32 = turn32(hand->rotation_counts, track->rotation_turn48_per_count);
     }

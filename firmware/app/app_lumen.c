@@ -3,25 +3,25 @@
 #include "firmware/app/app_internal.h"
 #include "shared/scene/scene.h"
 
-_Static_assert((int)SELD_SCENE_MOTION_ROW == (int)SELD_MOTION_ROW &&
-                   (int)SELD_SCENE_MOTION_KEYFRAMES == (int)SELD_MOTION_KEYFRAMES &&
-                   (int)SELD_SCENE_MOTION_VALUE_MAX == (int)SELD_MOTION_COEFFICIENT_MAX &&
-                   (int)SELD_SCENE_MOTION_SPACING_LOG2_MIN == (int)SELD_MOTION_SPACING_LOG2_MIN &&
-                   (int)SELD_SCENE_MOTION_SPACING_LOG2_MAX == (int)SELD_MOTION_SPACING_LOG2_MAX,
+_Static_assert((int)CRN_SCENE_MOTION_ROW == (int)CRN_MOTION_ROW &&
+                   (int)CRN_SCENE_MOTION_KEYFRAMES == (int)CRN_MOTION_KEYFRAMES &&
+                   (int)CRN_SCENE_MOTION_VALUE_MAX == (int)CRN_MOTION_COEFFICIENT_MAX &&
+                   (int)CRN_SCENE_MOTION_SPACING_LOG2_MIN == (int)CRN_MOTION_SPACING_LOG2_MIN &&
+                   (int)CRN_SCENE_MOTION_SPACING_LOG2_MAX == (int)CRN_MOTION_SPACING_LOG2_MAX,
                "scene and core agree about the lattice of a moving vessel");
 
-static seld_lattice lattice_from(const seld_scene_motion *scene)
+static crn_lattice lattice_from(const crn_scene_motion *scene)
 {
-    return (seld_lattice){
+    return (crn_lattice){
         .origin_m_q30 = {scene->origin_m_q30[0], scene->origin_m_q30[1], scene->origin_m_q30[2]},
         .count_xyz = {scene->node_count_xyz[0], scene->node_count_xyz[1], scene->node_count_xyz[2]},
         .spacing_log2_q30 = scene->spacing_log2_q30,
     };
 }
 
-static seld_motion motion_from(const seld_scene *scene)
+static crn_motion motion_from(const crn_scene *scene)
 {
-    return (seld_motion){
+    return (crn_motion){
         .beat = lattice_from(&scene->motion),
         .rows = scene->motion.rows,
         .breath = lattice_from(&scene->breath),
@@ -29,15 +29,15 @@ static seld_motion motion_from(const seld_scene *scene)
     };
 }
 
-_Static_assert((int)SELD_SCENE_PLAQUE_MAX == (int)SELD_LESION_MAX &&
-                   (int)SELD_SCENE_PLAQUE_STATION_MAX == (int)SELD_LESION_STATION_MAX &&
-                   (int)SELD_SCENE_PLAQUE_STATION_BYTES == (int)sizeof(seld_lesion_station),
+_Static_assert((int)CRN_SCENE_PLAQUE_MAX == (int)CRN_LESION_MAX &&
+                   (int)CRN_SCENE_PLAQUE_STATION_MAX == (int)CRN_LESION_STATION_MAX &&
+                   (int)CRN_SCENE_PLAQUE_STATION_BYTES == (int)sizeof(crn_lesion_station),
                "scene and core agree about lesions that give way");
 
 /* The stations stay in place: words of the scene's own byte order, which is this machine's (checked), at a multiple of 16. */
-static seld_lesion lesion_from(const seld_scene_plaque_view *plaque)
+static crn_lesion lesion_from(const crn_scene_plaque_view *plaque)
 {
-    seld_lesion lesion = {
+    crn_lesion lesion = {
         .stretch_q28 = plaque->stretch_q28,
         .spacing_log2_q30 = plaque->spacing_log2_q30,
         .station_count = plaque->station_count,
@@ -45,7 +45,7 @@ static seld_lesion lesion_from(const seld_scene_plaque_view *plaque)
         .full_Pa = plaque->full_Pa,
         .recoil_q30 = plaque->recoil_q30,
         .pace_q30 = plaque->pace_q30,
-        .stations = (const seld_lesion_station *)(const void *)plaque->stations,
+        .stations = (const crn_lesion_station *)(const void *)plaque->stations,
     };
     for (int k = 0; k < 3; k++) {
         lesion.low_m_q30[k] = plaque->low_m_q30[k];
@@ -55,14 +55,14 @@ static seld_lesion lesion_from(const seld_scene_plaque_view *plaque)
     return lesion;
 }
 
-uint32_t seld_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, seld_lumen *lumen,
-                             seld_motion *motion, seld_lesion lesions[SELD_LESION_MAX])
+uint32_t crn_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, crn_lumen *lumen, crn_motion *motion,
+                            crn_lesion lesions[CRN_LESION_MAX])
 {
-    seld_scene scene;
-    seld_scene_status status = seld_scene_open(bytes, byte_count, &scene, NULL);
-    if (status != SELD_SCENE_OK) return status;
-    if (scene.kind != SELD_SCENE_KIND_SCENE) return SELD_SCENE_KIND;
-    *lumen = (seld_lumen){
+    crn_scene scene;
+    crn_scene_status status = crn_scene_open(bytes, byte_count, &scene, NULL);
+    if (status != CRN_SCENE_OK) return status;
+    if (scene.kind != CRN_SCENE_KIND_SCENE) return CRN_SCENE_KIND;
+    *lumen = (crn_lumen){
         .origin_m_q30 = {scene.lumen.origin_m_q30[0], scene.lumen.origin_m_q30[1],
                          scene.lumen.origin_m_q30[2]},
         .brick_count_xyz = {scene.lumen.brick_count_xyz[0], scene.lumen.brick_count_xyz[1],
@@ -77,9 +77,9 @@ uint32_t seld_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, seld_lum
         .lesions = lesions,
     };
     for (uint32_t i = 0; i < scene.plaque_count; i++) {
-        const seld_scene_plaque_view plaque = seld_scene_plaque(&scene, i);
+        const crn_scene_plaque_view plaque = crn_scene_plaque(&scene, i);
         lesions[i] = lesion_from(&plaque);
     }
     *motion = motion_from(&scene);
-    return SELD_SCENE_OK;
+    return CRN_SCENE_OK;
 }

@@ -1,23 +1,22 @@
 /* What goes out: every reply is encoded into app->payload, framed and handed to the port. Called by: this folder. */
 #include "firmware/app/app_internal.h"
 
-void seld_app_send(seld_app *app, uint16_t type, size_t payload_bytes)
+void crn_app_send(crn_app *app, uint16_t type, size_t payload_bytes)
 {
     app->sequence_out++;
     if (app->sequence_out == 0) app->sequence_out = 1; /* 0 means "nobody asked" in `answers` */
-    seld_wire_header header = {app->sequence_out, app->answers, type};
-    size_t bytes =
-        seld_wire_frame_encode(&header, app->payload, payload_bytes, app->frame, sizeof app->frame);
-    SELD_REQUIRE(app, bytes > 0, type);
+    crn_wire_header header = {app->sequence_out, app->answers, type};
+    size_t bytes = crn_wire_frame_encode(&header, app->payload, payload_bytes, app->frame, sizeof app->frame);
+    CRN_REQUIRE(app, bytes > 0, type);
     if (bytes == 0 || !app->port->transmit(app->port->context, app->frame, bytes)) app->transmit_dropped++;
 }
 
-/* As seld_app_send, but what found no way out may be offered again: the number of the frame is not used up. */
-bool seld_app_offer(seld_app *app, uint16_t type, size_t payload_bytes)
+/* As crn_app_send, but what found no way out may be offered again: the number of the frame is not used up. */
+bool crn_app_offer(crn_app *app, uint16_t type, size_t payload_bytes)
 {
     uint16_t before = app->sequence_out;
     uint32_t dropped = app->transmit_dropped;
-    seld_app_send(app, type, payload_bytes);
+    crn_app_send(app, type, payload_bytes);
     if (app->transmit_dropped == dropped) return true;
     app->transmit_dropped = dropped;
     app->sequence_out = before;
@@ -27,29 +26,29 @@ bool seld_app_offer(seld_app *app, uint16_t type, size_t payload_bytes)
 /* Encode `value` as message `name` and send it. */
 #define SEND(app, name, value)                                                                               \
     do {                                                                                                     \
-        seld_wire_writer writer = seld_wire_writer_make((app)->payload, sizeof(app)->payload);               \
-        bool is_encoded = seld_wire_put_##name(&writer, value);                                              \
-        SELD_REQUIRE(app, is_encoded, SELD_WIRE_TYPE_##name);                                                \
-        if (is_encoded) seld_app_send(app, SELD_WIRE_TYPE_##name, writer.length);                            \
+        crn_wire_writer writer = crn_wire_writer_make((app)->payload, sizeof(app)->payload);                 \
+        bool is_encoded = crn_wire_put_##name(&writer, value);                                               \
+        CRN_REQUIRE(app, is_encoded, CRN_WIRE_TYPE_##name);                                                  \
+        if (is_encoded) crn_app_send(app, CRN_WIRE_TYPE_##name, writer.length);                              \
     } while (0)
 
-void seld_app_reject(seld_app *app, uint16_t type, uint16_t code, uint32_t detail1, uint32_t detail2)
+void crn_app_reject(crn_app *app, uint16_t type, uint16_t code, uint32_t detail1, uint32_t detail2)
 {
-    const seld_wire_reject reject = {type, code, detail1, detail2};
+    const crn_wire_reject reject = {type, code, detail1, detail2};
     SEND(app, reject, &reject);
 }
 
-void seld_app_send_status(seld_app *app, uint16_t request_type)
+void crn_app_send_status(crn_app *app, uint16_t request_type)
 {
     const uint32_t *counts = app->decoder.event_counts;
-    const seld_wire_status status = {
+    const crn_wire_status status = {
         .request_type = request_type,
         .state = app->state,
         .mode = app->mode,
         .tick = app->core.words.tick,
         .fault_code = app->fault_code,
-        .frames_bad = counts[SELD_WIRE_BAD_COBS] + counts[SELD_WIRE_BAD_SIZE] + counts[SELD_WIRE_BAD_CRC] +
-                      counts[SELD_WIRE_BAD_LENGTH],
+        .frames_bad = counts[CRN_WIRE_BAD_COBS] + counts[CRN_WIRE_BAD_SIZE] + counts[CRN_WIRE_BAD_CRC] +
+                      counts[CRN_WIRE_BAD_LENGTH],
         .sequence_gaps = app->sequence_gaps,
         .transmit_dropped = app->transmit_dropped,
         .motors_armed = app->motors_armed || app->is_driving,
@@ -64,22 +63,22 @@ void seld_app_send_status(seld_app *app, uint16_t request_type)
     SEND(app, status, &status);
 }
 
-void seld_app_send_hello_reply(seld_app *app, bool accepted)
+void crn_app_send_hello_reply(crn_app *app, bool accepted)
 {
-    seld_wire_hello_reply reply = {
+    crn_wire_hello_reply reply = {
         .accepted = accepted,
-        .protocol_major = SELD_WIRE_PROTOCOL_MAJOR,
-        .protocol_minor = SELD_WIRE_PROTOCOL_MINOR,
-        .schema_hash = seld_wire_schema_hash(),
-        .core_version = SELD_CORE_VERSION,
-        .capabilities = SELD_WIRE_CAPABILITY_LOCKSTEP | SELD_WIRE_CAPABILITY_FREE_RUN |
-                        SELD_WIRE_CAPABILITY_SNAPSHOTS | app->port->capabilities,
-        .tick_us = SELD_TICK_us,
+        .protocol_major = CRN_WIRE_PROTOCOL_MAJOR,
+        .protocol_minor = CRN_WIRE_PROTOCOL_MINOR,
+        .schema_hash = crn_wire_schema_hash(),
+        .core_version = CRN_CORE_VERSION,
+        .capabilities = CRN_WIRE_CAPABILITY_LOCKSTEP | CRN_WIRE_CAPABILITY_FREE_RUN |
+                        CRN_WIRE_CAPABILITY_SNAPSHOTS | app->port->capabilities,
+        .tick_us = CRN_TICK_us,
         .scene_bytes_max = app->port->scene_slot_bytes,
-        .snapshot_bytes = SELD_APP_SNAPSHOT_BYTES,
+        .snapshot_bytes = CRN_APP_SNAPSHOT_BYTES,
     };
     const char *serial = app->port->serial;
-    while (reply.serial_count < SELD_WIRE_MAX_hello_reply_serial && serial[reply.serial_count] != 0) {
+    while (reply.serial_count < CRN_WIRE_MAX_hello_reply_serial && serial[reply.serial_count] != 0) {
         reply.serial[reply.serial_count] = (uint8_t)serial[reply.serial_count];
         reply.serial_count++;
     }
@@ -88,102 +87,102 @@ void seld_app_send_hello_reply(seld_app *app, bool accepted)
 
 /* Nodes beyond the inserter and the first one inside it: what a picture shows. */
 /* Balloon and lesions, for pictures. */
-static void put_treatment(const seld_app *app, seld_wire_nodes *nodes)
+static void put_treatment(const crn_app *app, crn_wire_nodes *nodes)
 {
-    int32_t radii_m_q30[SELD_BALLOON_BALL_MAX];
-    nodes->balloon_radii_um_count = (uint16_t)seld_state_balloon(
+    int32_t radii_m_q30[CRN_BALLOON_BALL_MAX];
+    nodes->balloon_radii_um_count = (uint16_t)crn_state_balloon(
         &app->model, &app->core, radii_m_q30, &nodes->balloon_arc_m_q30, &nodes->balloon_spacing_m_q30);
     for (uint32_t j = 0; j < nodes->balloon_radii_um_count; j++)
         nodes->balloon_radii_um[j] = (uint16_t)(((int64_t)radii_m_q30[j] * 15625 + (1 << 23)) >> 24);
     uint32_t count = 0;
-    for (uint32_t i = 0; i < SELD_LESION_MAX; i++) {
-        for (uint32_t k = 0; k < seld_model_stations(&app->model, i); k++)
-            nodes->lesions_open_q15[count++] = (uint16_t)(seld_state_open(&app->core, i, k) >> 15);
+    for (uint32_t i = 0; i < CRN_LESION_MAX; i++) {
+        for (uint32_t k = 0; k < crn_model_stations(&app->model, i); k++)
+            nodes->lesions_open_q15[count++] = (uint16_t)(crn_state_open(&app->core, i, k) >> 15);
     }
     nodes->lesions_open_q15_count = (uint16_t)count;
 }
 
-void seld_app_send_nodes(seld_app *app)
+void crn_app_send_nodes(crn_app *app)
 {
-    seld_wire_nodes *nodes = &app->reply.nodes;
-    uint32_t count = seld_state_free_count(&app->core) + 1;
-    uint32_t total = seld_state_node_count(&app->model);
+    crn_wire_nodes *nodes = &app->reply.nodes;
+    uint32_t count = crn_state_free_count(&app->core) + 1;
+    uint32_t total = crn_state_node_count(&app->model);
     if (count > total) count = total;
-    if (count > SELD_WIRE_MAX_nodes_positions) count = SELD_WIRE_MAX_nodes_positions;
+    if (count > CRN_WIRE_MAX_nodes_positions) count = CRN_WIRE_MAX_nodes_positions;
     nodes->tick = app->core.words.tick;
-    nodes->heart_phase32 = seld_state_rhythm(&app->core)->heart_phase32;
-    nodes->breath_phase32 = seld_state_rhythm(&app->core)->breath_phase32;
+    nodes->heart_phase32 = crn_state_rhythm(&app->core)->heart_phase32;
+    nodes->breath_phase32 = crn_state_rhythm(&app->core)->breath_phase32;
     nodes->inserted_m_q30_count = (uint16_t)app->tool_count;
     for (uint32_t k = 0; k < app->tool_count; k++)
-        nodes->inserted_m_q30[k] = seld_state_inserted(&app->core, k);
+        nodes->inserted_m_q30[k] = crn_state_inserted(&app->core, k);
     put_treatment(app, nodes);
     nodes->positions_count = (uint16_t)count;
     for (uint32_t i = 0; i < count; i++) {
-        seld_vec3 p = seld_state_position(&app->core, i);
-        nodes->positions[i] = (seld_wire_node_position){p.v[0], p.v[1], p.v[2]};
+        crn_vec3 p = crn_state_position(&app->core, i);
+        nodes->positions[i] = (crn_wire_node_position){p.v[0], p.v[1], p.v[2]};
     }
     SEND(app, nodes, nodes);
 }
 
-void seld_app_send_node_table(seld_app *app)
+void crn_app_send_node_table(crn_app *app)
 {
-    seld_wire_node_table *table = &app->reply.node_table;
-    uint32_t count = seld_state_node_count(&app->model);
-    SELD_REQUIRE(app, count <= SELD_WIRE_MAX_node_table_arcs_m_q30, count);
-    if (count > SELD_WIRE_MAX_node_table_arcs_m_q30) count = SELD_WIRE_MAX_node_table_arcs_m_q30;
+    crn_wire_node_table *table = &app->reply.node_table;
+    uint32_t count = crn_state_node_count(&app->model);
+    CRN_REQUIRE(app, count <= CRN_WIRE_MAX_node_table_arcs_m_q30, count);
+    if (count > CRN_WIRE_MAX_node_table_arcs_m_q30) count = CRN_WIRE_MAX_node_table_arcs_m_q30;
     table->arcs_m_q30_count = (uint16_t)count;
-    for (uint32_t i = 0; i < count; i++) table->arcs_m_q30[i] = seld_model_arc(&app->model, i);
+    for (uint32_t i = 0; i < count; i++) table->arcs_m_q30[i] = crn_model_arc(&app->model, i);
     SEND(app, node_table, table);
 }
 
-void seld_app_send_contacts(seld_app *app)
+void crn_app_send_contacts(crn_app *app)
 {
-    seld_wire_contacts *contacts = &app->reply.contacts;
-    uint32_t free_count = seld_state_free_count(&app->core);
-    contacts->tick = seld_state_tick(&app->core);
+    crn_wire_contacts *contacts = &app->reply.contacts;
+    uint32_t free_count = crn_state_free_count(&app->core);
+    contacts->tick = crn_state_tick(&app->core);
     contacts->contacts_count = 0;
-    for (uint32_t i = 0; i < free_count && contacts->contacts_count < SELD_WIRE_MAX_contacts_contacts; i++) {
-        seld_vec3 f;
-        if (!seld_state_contact_force(&app->model, &app->core, i, &f)) continue;
+    for (uint32_t i = 0; i < free_count && contacts->contacts_count < CRN_WIRE_MAX_contacts_contacts; i++) {
+        crn_vec3 f;
+        if (!crn_state_contact_force(&app->model, &app->core, i, &f)) continue;
         contacts->contacts[contacts->contacts_count++] =
-            (seld_wire_contact){(uint16_t)i, f.v[0], f.v[1], f.v[2]};
+            (crn_wire_contact){(uint16_t)i, f.v[0], f.v[1], f.v[2]};
     }
     SEND(app, contacts, contacts);
 }
 
-void seld_app_send_hash64(seld_app *app)
+void crn_app_send_hash64(crn_app *app)
 {
-    const seld_wire_hash64 hash = {app->core.words.tick, seld_state_hash64(&app->core)};
+    const crn_wire_hash64 hash = {app->core.words.tick, crn_state_hash64(&app->core)};
     SEND(app, hash64, &hash);
 }
 
-void seld_app_send_fault_log(seld_app *app)
+void crn_app_send_fault_log(crn_app *app)
 {
-    seld_wire_fault_log *log = &app->reply.fault_log;
+    crn_wire_fault_log *log = &app->reply.fault_log;
     log->entries_count = app->fault_count;
     for (uint16_t i = 0; i < app->fault_count; i++) log->entries[i] = app->faults[i];
     SEND(app, fault_log, log);
 }
 
 /* The ticks gathered so far; starts a new batch. */
-void seld_app_send_ticks(seld_app *app)
+void crn_app_send_ticks(crn_app *app)
 {
     SEND(app, ticks, &app->ticks);
     app->ticks.states_count = 0;
 }
 
 /* The configuration in force. */
-void seld_app_send_rig(seld_app *app)
+void crn_app_send_rig(crn_app *app)
 {
-    seld_wire_rig rig = {.tracks_count = SELD_TOOL_MAX};
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) rig.tracks[k] = app->tracks[k].wire;
+    crn_wire_rig rig = {.tracks_count = CRN_TOOL_MAX};
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) rig.tracks[k] = app->tracks[k].wire;
     SEND(app, rig, &rig);
 }
 
-void seld_app_send_set_up(seld_app *app)
+void crn_app_send_set_up(crn_app *app)
 {
-    const seld_upload *upload = &app->scene_upload;
-    const seld_wire_set_up set_up = {
+    const crn_upload *upload = &app->scene_upload;
+    const crn_wire_set_up set_up = {
         .scene_bytes = app->has_scene ? app->scene_bytes : 0,
         .scene_crc32 = app->has_scene ? app->scene_crc32 : 0,
         .upload_bytes = upload->open ? upload->expected_bytes : 0,
@@ -197,15 +196,15 @@ void seld_app_send_set_up(seld_app *app)
     SEND(app, set_up, &set_up);
 }
 
-static seld_wire_track_sensors track_sensors(const seld_app *app, uint32_t k)
+static crn_wire_track_sensors track_sensors(const crn_app *app, uint32_t k)
 {
-    const seld_port_track *track = &app->rig.tracks[k];
-    const seld_port_motor motor = app->driven[k];
-    return (seld_wire_track_sensors){
+    const crn_port_track *track = &app->rig.tracks[k];
+    const crn_port_motor motor = app->driven[k];
+    return (crn_wire_track_sensors){
         .translation_counts = app->rig.hands[k].translation_counts,
         .rotation_counts = app->rig.hands[k].rotation_counts,
         .force_raw = track->force_raw,
-        .force_mN = seld_app_force_measured(app, k),
+        .force_mN = crn_app_force_measured(app, k),
         .translation_sensor = track->translation_sensor,
         .rotation_sensor = track->rotation_sensor,
         .force_sensor = track->force_sensor,
@@ -215,23 +214,23 @@ static seld_wire_track_sensors track_sensors(const seld_app *app, uint32_t k)
     };
 }
 
-void seld_app_send_sensors(seld_app *app)
+void crn_app_send_sensors(crn_app *app)
 {
-    const seld_port_inputs *rig = &app->rig;
-    seld_wire_sensors sensors = {
+    const crn_port_inputs *rig = &app->rig;
+    crn_wire_sensors sensors = {
         .tick = app->core.words.tick,
         .has_rig = app->has_rig,
-        .tracks_count = SELD_TOOL_MAX,
+        .tracks_count = CRN_TOOL_MAX,
         .syringe_counts = rig->syringe_counts,
         .inflator_raw = rig->inflator_raw,
         .syringe_sensor = rig->syringe_sensor,
         .inflator_sensor = rig->inflator_sensor,
         .buttons = rig->buttons,
-        .lines = (uint8_t)((rig->emergency_stop ? SELD_WIRE_LINE_STOP : 0) |
-                           (rig->supply_good ? SELD_WIRE_LINE_SUPPLY : 0) |
-                           (rig->stage_on ? SELD_WIRE_LINE_STAGE : 0) |
-                           (rig->local_unlock ? SELD_WIRE_LINE_UNLOCK : 0)),
+        .lines = (uint8_t)((rig->emergency_stop ? CRN_WIRE_LINE_STOP : 0) |
+                           (rig->supply_good ? CRN_WIRE_LINE_SUPPLY : 0) |
+                           (rig->stage_on ? CRN_WIRE_LINE_STAGE : 0) |
+                           (rig->local_unlock ? CRN_WIRE_LINE_UNLOCK : 0)),
     };
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) sensors.tracks[k] = track_sensors(app, k);
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) sensors.tracks[k] = track_sensors(app, k);
     SEND(app, sensors, &sensors);
 }

@@ -9,7 +9,7 @@ enum {
     ROTATION_MAX_counts = 16777216,
     GAIN_ONE_milli = 1000, /* true force */
     GAIN_MAX_milli = 4000,
-    OPTIONS_ALL = SELD_WIRE_OPTION_TRANSLATION_REVERSED | SELD_WIRE_OPTION_ROTATION_REVERSED,
+    OPTIONS_ALL = CRN_WIRE_OPTION_TRANSLATION_REVERSED | CRN_WIRE_OPTION_ROTATION_REVERSED,
     FORCE_MAX_uN_per_count = 1000000,
     FORCE_BUILT_uN_per_count = 1000, /* where the port does not say */
     DAMPING_MAX = 1000000,           /* in both units */
@@ -27,12 +27,12 @@ static bool in_range(uint32_t value, uint32_t low, uint32_t high)
 
 /* What the hand feels of a coupling is multiplied by the gain where that is above one, and by a scale that says more of a count than
  * is known. In 1/1000, rounded up. Overflow: wraps for values that are out of their ranges and refused anyway; else below 2^41. */
-static uint64_t loop_milli(const seld_wire_track *wire, uint32_t said, uint32_t known)
+static uint64_t loop_milli(const crn_wire_track *wire, uint32_t said, uint32_t known)
 {
     const uint64_t gain_milli =
         wire->force_gain_milli > GAIN_ONE_milli ? wire->force_gain_milli : GAIN_ONE_milli;
     if (known == 0 || said <= known) return gain_milli;
-    return seld_divide_u64(gain_milli * said + known - 1, known);
+    return crn_divide_u64(gain_milli * said + known - 1, known);
 }
 
 /* b > G (K (T / 2 + t) + B): what a sampled spring and damper may be on a rig with damping b whose force comes t late and is
@@ -45,13 +45,13 @@ static bool is_passive(uint32_t stiffness, uint32_t damping, uint32_t damping_ri
     if (stiffness == 0) return damping == 0;
     if (stiffness > COUPLING_MAX_uN_m_per_rad || damping > DAMPING_MAX || lag_us > LAG_MAX_us) return false;
     if (factor_milli > UINT32_MAX) return false;
-    const uint64_t spring = stiffness * factor_milli * (SELD_TICK_us / 2 + lag_us);
+    const uint64_t spring = stiffness * factor_milli * (CRN_TICK_us / 2 + lag_us);
     const uint64_t damper = damping * factor_milli, rig = (uint64_t)damping_rig * GAIN_ONE_milli;
     return damper < rig && spring <= (rig - damper) * 1000;
 }
 
 /* 0 keeps what is there. */
-static void keep_defaults(seld_wire_track *wire, const seld_wire_track *present)
+static void keep_defaults(crn_wire_track *wire, const crn_wire_track *present)
 {
     if (wire->force_slew_mN_per_tick == 0) wire->force_slew_mN_per_tick = present->force_slew_mN_per_tick;
     if (wire->torque_slew_uN_m_per_tick == 0)
@@ -59,14 +59,14 @@ static void keep_defaults(seld_wire_track *wire, const seld_wire_track *present)
     if (wire->force_uN_per_count == 0) wire->force_uN_per_count = present->force_uN_per_count;
 }
 
-static const seld_wire_track first = {
+static const crn_wire_track first = {
     .translation_pm_per_count = 1000000, /* 1 um */
     .rotation_counts_per_turn = 65536,
     .force_gain_milli = GAIN_ONE_milli,
-    .force_limit_mN = SELD_APP_FORCE_LIMIT_mN,
-    .torque_limit_uN_m = SELD_APP_TORQUE_LIMIT_uN_m,
-    .force_slew_mN_per_tick = SELD_APP_FORCE_SLEW_mN_per_tick,
-    .torque_slew_uN_m_per_tick = SELD_APP_TORQUE_SLEW_uN_m_per_tick,
+    .force_limit_mN = CRN_APP_FORCE_LIMIT_mN,
+    .torque_limit_uN_m = CRN_APP_TORQUE_LIMIT_uN_m,
+    .force_slew_mN_per_tick = CRN_APP_FORCE_SLEW_mN_per_tick,
+    .torque_slew_uN_m_per_tick = CRN_APP_TORQUE_SLEW_uN_m_per_tick,
 };
 
 /* --- who may state what --- */
@@ -94,7 +94,7 @@ static bool is_free_step(step_rule rule, uint32_t asked, uint32_t built)
     return asked == built;
 }
 
-static bool is_coupled(const seld_wire_track *wire)
+static bool is_coupled(const crn_wire_track *wire)
 {
     return wire->coupling_N_per_m > 0 || wire->coupling_uN_m_per_rad > 0;
 }
@@ -104,9 +104,9 @@ static bool is_coupled(const seld_wire_track *wire)
  * render; an encoder that is said to count the other way turns a spring into a push. A track without a coupling is never driven:
  * of it a host may say what it likes but for the force sensor, which is looked at in every state. What was vouched for may be said
  * again. False: *field names the offender. */
-static bool steps_are_free(const seld_wire_track *asked, const seld_app_track *present, uint32_t *field)
+static bool steps_are_free(const crn_wire_track *asked, const crn_app_track *present, uint32_t *field)
 {
-    const seld_wire_track *vouched = &present->vouched, *built = &present->built;
+    const crn_wire_track *vouched = &present->vouched, *built = &present->built;
     const bool is_driven = is_coupled(asked);
     const struct {
         uint32_t field;
@@ -139,10 +139,10 @@ typedef struct track_rights {
 } track_rights;
 
 /* False: *field names the offender. */
-static bool track_is_good(const seld_wire_track *wire, const seld_app_track *present, track_rights rights,
+static bool track_is_good(const crn_wire_track *wire, const crn_app_track *present, track_rights rights,
                           uint32_t *field)
 {
-    const seld_wire_track *limits =
+    const crn_wire_track *limits =
         rights.raises_limits ? &first : &present->wire; /* the largest allowed now */
     /* What somebody at the rig says of a count is believed; otherwise a count may be less than what is said. */
     const uint64_t along_milli = loop_milli(wire, rights.states_all ? 0 : wire->translation_pm_per_count,
@@ -179,10 +179,9 @@ static bool track_is_good(const seld_wire_track *wire, const seld_app_track *pre
 }
 
 /* Check everything, then take it over. False: *field names the offender. */
-static bool track_set(seld_app_track *track, const seld_wire_track *asked, track_rights rights,
-                      uint32_t *field)
+static bool track_set(crn_app_track *track, const crn_wire_track *asked, track_rights rights, uint32_t *field)
 {
-    seld_wire_track wire = *asked;
+    crn_wire_track wire = *asked;
     keep_defaults(&wire, &track->wire);
     if (!track_is_good(&wire, track, rights, field)) return false;
     track->wire = wire;
@@ -193,16 +192,16 @@ static bool track_set(seld_app_track *track, const seld_wire_track *asked, track
     }
     /* 2^46 m / 10^12 = 2^34 / 5^12 per picometre; 5e8 x 2^34 < 2^63. */
     track->translation_m_q46_per_count =
-        seld_divide_u64(((uint64_t)wire.translation_pm_per_count << 34) + 122070312u, 244140625u);
-    track->rotation_turn48_per_count = seld_divide_u64(
-        ((uint64_t)1 << 48) + wire.rotation_counts_per_turn / 2, wire.rotation_counts_per_turn);
+        crn_divide_u64(((uint64_t)wire.translation_pm_per_count << 34) + 122070312u, 244140625u);
+    track->rotation_turn48_per_count = crn_divide_u64(((uint64_t)1 << 48) + wire.rotation_counts_per_turn / 2,
+                                                      wire.rotation_counts_per_turn);
     track->translation_jump_counts =
-        (uint32_t)seld_divide_u64((uint64_t)SELD_APP_JUMP_um * 1000000u, wire.translation_pm_per_count);
+        (uint32_t)crn_divide_u64((uint64_t)CRN_APP_JUMP_um * 1000000u, wire.translation_pm_per_count);
     track->rotation_jump_counts = wire.rotation_counts_per_turn / 4;
     track->force_limit_mN = (int32_t)wire.force_limit_mN;
     track->torque_limit_uN_m = (int32_t)wire.torque_limit_uN_m;
-    seld_app_axis_set(&track->axes[SELD_APP_ALONG], SELD_APP_ALONG, &wire);
-    seld_app_axis_set(&track->axes[SELD_APP_ABOUT], SELD_APP_ABOUT, &wire);
+    crn_app_axis_set(&track->axes[CRN_APP_ALONG], CRN_APP_ALONG, &wire);
+    crn_app_axis_set(&track->axes[CRN_APP_ABOUT], CRN_APP_ABOUT, &wire);
     return true;
 }
 
@@ -212,46 +211,46 @@ static uint32_t stated(uint32_t built, uint32_t otherwise)
 }
 
 /* At power-up a track is what its builder said, without a damping that somebody could count on. */
-void seld_app_track_default(seld_app_track *track, const seld_port *port)
+void crn_app_track_default(crn_app_track *track, const crn_port *port)
 {
     uint32_t field;
-    const seld_port_built *built = &port->built;
-    seld_wire_track wire = first;
+    const crn_port_built *built = &port->built;
+    crn_wire_track wire = first;
     wire.translation_pm_per_count = stated(built->translation_pm_per_count, first.translation_pm_per_count);
     wire.rotation_counts_per_turn = stated(built->rotation_counts_per_turn, first.rotation_counts_per_turn);
     wire.force_uN_per_count = stated(port->force_uN_per_count, FORCE_BUILT_uN_per_count);
     wire.actuator_lag_us = built->actuator_lag_us;
     wire.options = built->options;
-    *track = (seld_app_track){.wire = first, .built = wire};
+    *track = (crn_app_track){.wire = first, .built = wire};
     track->built.damping_mN_s_per_m = built->damping_mN_s_per_m;
     track->built.damping_nN_m_s_per_rad = built->damping_nN_m_s_per_rad;
     (void)track_set(track, &wire, (track_rights){true, true}, &field);
 }
 
 /* Checked as a whole before a single track changes. */
-void seld_app_rig_take(seld_app *app, const seld_wire_rig *wire)
+void crn_app_rig_take(crn_app *app, const crn_wire_rig *wire)
 {
-    const uint16_t type = SELD_WIRE_TYPE_rig;
-    seld_app_track candidates[SELD_TOOL_MAX];
-    SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_READY, SELD_REJECT_WRONG_STATE, app->state, 0);
-    SELD_REJECT_IF(app, type, wire->tracks_count == 0, SELD_REJECT_TOOL_COUNT, 0, SELD_TOOL_MAX);
+    const uint16_t type = CRN_WIRE_TYPE_rig;
+    crn_app_track candidates[CRN_TOOL_MAX];
+    CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_READY, CRN_REJECT_WRONG_STATE, app->state, 0);
+    CRN_REJECT_IF(app, type, wire->tracks_count == 0, CRN_REJECT_TOOL_COUNT, 0, CRN_TOOL_MAX);
     bool is_unlocked = app->has_rig && app->rig.local_unlock;
-    bool has_motors = (app->port->capabilities & SELD_WIRE_CAPABILITY_MOTORS) != 0;
+    bool has_motors = (app->port->capabilities & CRN_WIRE_CAPABILITY_MOTORS) != 0;
     const track_rights rights = {.raises_limits = is_unlocked, .states_all = is_unlocked || !has_motors};
     for (uint16_t k = 0; k < wire->tracks_count; k++) {
         uint32_t field = 0;
         candidates[k] = app->tracks[k];
         bool ok = track_set(&candidates[k], &wire->tracks[k], rights, &field);
-        SELD_REJECT_IF(app, type, !ok, SELD_REJECT_RIG_RANGE, k, field);
+        CRN_REJECT_IF(app, type, !ok, CRN_REJECT_RIG_RANGE, k, field);
     }
     for (uint16_t k = 0; k < wire->tracks_count; k++) app->tracks[k] = candidates[k];
-    seld_app_send_status(app, type);
+    crn_app_send_status(app, type);
 }
 
-void seld_app_rig(seld_app *app, const uint8_t *payload, size_t length)
+void crn_app_rig(crn_app *app, const uint8_t *payload, size_t length)
 {
-    seld_wire_rig wire;
-    SELD_REJECT_IF(app, SELD_WIRE_TYPE_rig, !seld_wire_decode_rig(payload, length, &wire),
-                   SELD_REJECT_MALFORMED, length, SELD_WIRE_BYTES_rig);
-    seld_app_rig_take(app, &wire);
+    crn_wire_rig wire;
+    CRN_REJECT_IF(app, CRN_WIRE_TYPE_rig, !crn_wire_decode_rig(payload, length, &wire), CRN_REJECT_MALFORMED,
+                  length, CRN_WIRE_BYTES_rig);
+    crn_app_rig_take(app, &wire);
 }

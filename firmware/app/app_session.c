@@ -1,31 +1,31 @@
-/* Ticks. One tick: encoders -> hands -> coupling -> seld_step -> forces -> what the host is told. Called by: app.c, the port. */
+/* Ticks. One tick: encoders -> hands -> coupling -> crn_step -> forces -> what the host is told. Called by: app.c, the port. */
 #include "firmware/app/app_internal.h"
 
 /* --- one tick --- */
 
 /* The core's sticky bits that are new go to the fault log. */
-void seld_app_log_core_faults(seld_app *app, uint32_t bits)
+void crn_app_log_core_faults(crn_app *app, uint32_t bits)
 {
     static const struct {
         uint32_t bit;
-        seld_fault_code code;
+        crn_fault_code code;
     } map[] = {
-        {SELD_FAULT_SATURATED, SELD_FAULT_CODE_CORE_SATURATED},
-        {SELD_FAULT_FEED_LIMIT, SELD_FAULT_CODE_CORE_FEED_LIMIT},
-        {SELD_FAULT_STEP_CAPPED, SELD_FAULT_CODE_CORE_STEP_CAPPED},
-        {SELD_FAULT_INSERT_END, SELD_FAULT_CODE_CORE_INSERT_END},
-        {SELD_FAULT_OUTSIDE, SELD_FAULT_CODE_CORE_OUTSIDE},
+        {CRN_FAULT_SATURATED, CRN_FAULT_CODE_CORE_SATURATED},
+        {CRN_FAULT_FEED_LIMIT, CRN_FAULT_CODE_CORE_FEED_LIMIT},
+        {CRN_FAULT_STEP_CAPPED, CRN_FAULT_CODE_CORE_STEP_CAPPED},
+        {CRN_FAULT_INSERT_END, CRN_FAULT_CODE_CORE_INSERT_END},
+        {CRN_FAULT_OUTSIDE, CRN_FAULT_CODE_CORE_OUTSIDE},
     };
     uint32_t news = bits & ~app->core_faults_seen;
     for (size_t i = 0; news != 0 && i < sizeof map / sizeof map[0]; i++) {
-        if (news & map[i].bit) seld_app_fault(app, map[i].code, 0, 0);
+        if (news & map[i].bit) crn_app_fault(app, map[i].code, 0, 0);
     }
     app->core_faults_seen |= bits;
 }
 
-static seld_wire_tool_state tool_state(const seld_handle *handle, const seld_port_motor *motor)
+static crn_wire_tool_state tool_state(const crn_handle *handle, const crn_port_motor *motor)
 {
-    return (seld_wire_tool_state){
+    return (crn_wire_tool_state){
         .handle_axial_N_q22 = handle->axial_N_q22,
         .handle_torque_N_m_q24 = handle->torque_N_m_q24,
         .motor_axial_mN = motor->axial_mN,
@@ -40,9 +40,9 @@ static uint16_t um_from_q30(int32_t length_m_q30)
     return (uint16_t)(((int64_t)length_m_q30 * 15625 + (1 << 23)) >> 24);
 }
 
-static void note_tick(const seld_app *app, const seld_output *output, seld_wire_tick_state *state)
+static void note_tick(const crn_app *app, const crn_output *output, crn_wire_tick_state *state)
 {
-    *state = (seld_wire_tick_state){
+    *state = (crn_wire_tick_state){
         .tick = output->tick,
         .hash_lane0 = output->hash_lane[0],
         .hash_lane1 = output->hash_lane[1],
@@ -71,247 +71,247 @@ static void note_tick(const seld_app *app, const seld_output *output, seld_wire_
 
 static int32_t kPa_of(int32_t inflator_raw)
 {
-    const int32_t most = SELD_PRESSURE_MAX_Pa / 1000;
+    const int32_t most = CRN_PRESSURE_MAX_Pa / 1000;
     return inflator_raw < 0 ? 0 : (inflator_raw > most ? most : inflator_raw);
 }
 
 /* `encoders` NULL: nobody says where the hands are, they rest. False: FAULT, no tick was done. */
-static bool tick(seld_app *app, const seld_app_encoders *encoders, const seld_app_wish *order,
-                 seld_output *output)
+static bool tick(crn_app *app, const crn_app_encoders *encoders, const crn_app_wish *order,
+                 crn_output *output)
 {
-    seld_input hands, input;
-    if (encoders != NULL && !seld_app_hands_update(app, encoders)) return false;
-    seld_app_hands_input(app, &hands);
+    crn_input hands, input;
+    if (encoders != NULL && !crn_app_hands_update(app, encoders)) return false;
+    crn_app_hands_input(app, &hands);
     if (encoders != NULL) app->inflator_raw = encoders->inflator_raw;
     hands.inflator_Pa = kPa_of(app->inflator_raw) * 1000;
     hands.rhythm = order->rhythm;
     hands.scaffold = order->scaffold;
     hands.strut = order->strut;
     input = hands;
-    seld_app_coupling_before(app, &input);
-    seld_step(&app->model, &app->core, &input, output);
-    seld_app_coupling_after(app, output);
-    seld_app_motors_update(app, &hands, output);
-    seld_app_log_core_faults(app, output->fault_bits);
+    crn_app_coupling_before(app, &input);
+    crn_step(&app->model, &app->core, &input, output);
+    crn_app_coupling_after(app, output);
+    crn_app_motors_update(app, &hands, output);
+    crn_app_log_core_faults(app, output->fault_bits);
     return true;
 }
 
-static void stop_when_due(seld_app *app)
+static void stop_when_due(crn_app *app)
 {
     if (!app->has_stop || app->core.words.tick < app->stop_tick) return;
-    seld_app_notice(app, SELD_WIRE_EVENT_COMMAND, SELD_WIRE_ACTION_STOP, 1, 0);
-    seld_app_stop(app);
+    crn_app_notice(app, CRN_WIRE_EVENT_COMMAND, CRN_WIRE_ACTION_STOP, 1, 0);
+    crn_app_stop(app);
 }
 
-static void note_buttons(seld_app *app, uint32_t buttons)
+static void note_buttons(crn_app *app, uint32_t buttons)
 {
     if (buttons == app->buttons) return;
-    seld_app_notice(app, SELD_WIRE_EVENT_BUTTONS, 0, seld_wire_i32_from_u32(buttons),
-                    seld_wire_i32_from_u32(app->buttons));
+    crn_app_notice(app, CRN_WIRE_EVENT_BUTTONS, 0, crn_wire_i32_from_u32(buttons),
+                   crn_wire_i32_from_u32(app->buttons));
     app->buttons = buttons;
 }
 
-static seld_app_encoders encoders_from_wire(const seld_wire_encoders *wire)
+static crn_app_encoders encoders_from_wire(const crn_wire_encoders *wire)
 {
-    seld_app_encoders encoders = {
+    crn_app_encoders encoders = {
         .buttons = wire->buttons, .syringe_counts = wire->syringe_counts, .inflator_raw = wire->inflator_raw};
     for (uint16_t k = 0; k < wire->hands_count; k++) {
         encoders.hands[k] =
-            (seld_port_hand){wire->hands[k].translation_counts, wire->hands[k].rotation_counts};
+            (crn_port_hand){wire->hands[k].translation_counts, wire->hands[k].rotation_counts};
     }
     return encoders;
 }
 
 /* False: no such place in the scene. */
-static bool scaffold_from_wire(const seld_app *app, const seld_wire_scaffold *wire, seld_scaffold *order)
+static bool scaffold_from_wire(const crn_app *app, const crn_wire_scaffold *wire, crn_scaffold *order)
 {
-    *order = (seld_scaffold){0, 0, 0, 0};
+    *order = (crn_scaffold){0, 0, 0, 0};
     if (wire->lesion == 0) return wire->first == 0 && wire->last == 0 && wire->open_q15 == 0;
-    *order = (seld_scaffold){wire->lesion - 1u, wire->first, wire->last, wire->open_q15 << 15};
-    return wire->first <= wire->last && wire->last < seld_model_stations(&app->model, order->lesion) &&
+    *order = (crn_scaffold){wire->lesion - 1u, wire->first, wire->last, wire->open_q15 << 15};
+    return wire->first <= wire->last && wire->last < crn_model_stations(&app->model, order->lesion) &&
            wire->open_q15 >= 1 && wire->open_q15 <= 1 << 15;
 }
 
-static seld_strut_order strut_from_wire(const seld_wire_strut *wire)
+static crn_strut_order strut_from_wire(const crn_wire_strut *wire)
 {
-    return (seld_strut_order){wire->number,
-                              {wire->x_um, wire->y_um, wire->z_um},
-                              wire->inside_um,
-                              wire->thickness_um,
-                              wire->joined};
+    return (crn_strut_order){wire->number,
+                             {wire->x_um, wire->y_um, wire->z_um},
+                             wire->inside_um,
+                             wire->thickness_um,
+                             wire->joined};
 }
 
 /* What an input asks for; refuses with a code and the values at fault. */
-static uint16_t order_from_wire(const seld_app *app, const seld_wire_encoders *wire, seld_app_wish *order,
+static uint16_t order_from_wire(const crn_app *app, const crn_wire_encoders *wire, crn_app_wish *order,
                                 uint16_t values[2])
 {
-    const seld_wire_scaffold scaffold = {wire->scaffold_lesion, wire->scaffold_first, wire->scaffold_last,
-                                         wire->scaffold_open_q15};
-    order->rhythm = (seld_rhythm_order){wire->rhythm_action, wire->rhythm_value};
+    const crn_wire_scaffold scaffold = {wire->scaffold_lesion, wire->scaffold_first, wire->scaffold_last,
+                                        wire->scaffold_open_q15};
+    order->rhythm = (crn_rhythm_order){wire->rhythm_action, wire->rhythm_value};
     values[0] = wire->rhythm_action;
     values[1] = wire->rhythm_value;
-    if (!seld_rhythm_order_is_valid(&order->rhythm)) return SELD_REJECT_RHYTHM_RANGE;
+    if (!crn_rhythm_order_is_valid(&order->rhythm)) return CRN_REJECT_RHYTHM_RANGE;
     values[0] = wire->scaffold_lesion;
     values[1] = wire->scaffold_last;
-    if (!scaffold_from_wire(app, &scaffold, &order->scaffold)) return SELD_REJECT_SCAFFOLD_RANGE;
-    const seld_wire_strut strut = {wire->strut_number,      wire->strut_joined, wire->strut_x_um,
-                                   wire->strut_y_um,        wire->strut_z_um,   wire->strut_inside_um,
-                                   wire->strut_thickness_um};
+    if (!scaffold_from_wire(app, &scaffold, &order->scaffold)) return CRN_REJECT_SCAFFOLD_RANGE;
+    const crn_wire_strut strut = {wire->strut_number,      wire->strut_joined, wire->strut_x_um,
+                                  wire->strut_y_um,        wire->strut_z_um,   wire->strut_inside_um,
+                                  wire->strut_thickness_um};
     order->strut = strut_from_wire(&strut);
     values[0] = wire->strut_number;
     values[1] = wire->strut_inside_um;
-    return seld_strut_order_is_valid(&order->strut) ? SELD_REJECT_NONE : SELD_REJECT_STRUT_RANGE;
+    return crn_strut_order_is_valid(&order->strut) ? CRN_REJECT_NONE : CRN_REJECT_STRUT_RANGE;
 }
 
 /* --- LOCKSTEP --- */
 
 /* Replies: hash64 on the way, nodes when wanted, ticks last. After a fault or a STOP `ticks` is shorter than asked. */
-void seld_app_step(seld_app *app, const uint8_t *payload, size_t length)
+void crn_app_step(crn_app *app, const uint8_t *payload, size_t length)
 {
-    const uint16_t type = SELD_WIRE_TYPE_step;
-    seld_wire_step *step = &app->request.step;
-    SELD_REJECT_IF(app, type, !seld_wire_decode_step(payload, length, step), SELD_REJECT_MALFORMED, length,
-                   SELD_WIRE_BYTES_step);
-    SELD_REJECT_IF(app, type, app->mode != SELD_WIRE_MODE_LOCKSTEP, SELD_REJECT_WRONG_MODE, app->mode, 0);
-    SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_RUNNING, SELD_REJECT_WRONG_STATE, app->state, 0);
-    SELD_REJECT_IF(app, type, step->tick != app->core.words.tick, SELD_REJECT_WRONG_TICK,
-                   app->core.words.tick, step->tick);
+    const uint16_t type = CRN_WIRE_TYPE_step;
+    crn_wire_step *step = &app->request.step;
+    CRN_REJECT_IF(app, type, !crn_wire_decode_step(payload, length, step), CRN_REJECT_MALFORMED, length,
+                  CRN_WIRE_BYTES_step);
+    CRN_REJECT_IF(app, type, app->mode != CRN_WIRE_MODE_LOCKSTEP, CRN_REJECT_WRONG_MODE, app->mode, 0);
+    CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_RUNNING, CRN_REJECT_WRONG_STATE, app->state, 0);
+    CRN_REJECT_IF(app, type, step->tick != app->core.words.tick, CRN_REJECT_WRONG_TICK, app->core.words.tick,
+                  step->tick);
     for (uint16_t i = 0; i < step->inputs_count; i++) {
-        SELD_REJECT_IF(app, type, step->inputs[i].hands_count != app->tool_count, SELD_REJECT_TOOL_COUNT,
-                       step->inputs[i].hands_count, app->tool_count);
-        seld_app_wish order;
+        CRN_REJECT_IF(app, type, step->inputs[i].hands_count != app->tool_count, CRN_REJECT_TOOL_COUNT,
+                      step->inputs[i].hands_count, app->tool_count);
+        crn_app_wish order;
         uint16_t values[2];
         const uint16_t fault = order_from_wire(app, &step->inputs[i], &order, values);
-        SELD_REJECT_IF(app, type, fault != SELD_REJECT_NONE, fault, values[0], values[1]);
+        CRN_REJECT_IF(app, type, fault != CRN_REJECT_NONE, fault, values[0], values[1]);
     }
     app->ticks.states_count = 0;
-    for (uint16_t i = 0; i < step->inputs_count && app->state == SELD_WIRE_STATE_RUNNING; i++) {
-        const seld_app_encoders encoders = encoders_from_wire(&step->inputs[i]);
-        seld_output output;
-        seld_app_wish order;
+    for (uint16_t i = 0; i < step->inputs_count && app->state == CRN_WIRE_STATE_RUNNING; i++) {
+        const crn_app_encoders encoders = encoders_from_wire(&step->inputs[i]);
+        crn_output output;
+        crn_app_wish order;
         uint16_t values[2];
         (void)order_from_wire(app, &step->inputs[i], &order, values);
         note_buttons(app, encoders.buttons);
         if (!tick(app, &encoders, &order, &output)) break;
         note_tick(app, &output, &app->ticks.states[app->ticks.states_count++]);
-        if (output.tick % SELD_APP_HASH64_EVERY_ticks == 0) seld_app_send_hash64(app);
+        if (output.tick % CRN_APP_HASH64_EVERY_ticks == 0) crn_app_send_hash64(app);
         stop_when_due(app);
     }
-    if (step->want_nodes != 0) seld_app_send_nodes(app);
-    seld_app_send_ticks(app);
+    if (step->want_nodes != 0) crn_app_send_nodes(app);
+    crn_app_send_ticks(app);
 }
 
 /* --- FREE_RUN --- */
 
-void seld_app_input(seld_app *app, const uint8_t *payload, size_t length)
+void crn_app_input(crn_app *app, const uint8_t *payload, size_t length)
 {
-    seld_wire_input input;
-    SELD_REJECT_IF(app, SELD_WIRE_TYPE_input, !seld_wire_decode_input(payload, length, &input),
-                   SELD_REJECT_MALFORMED, length, SELD_WIRE_BYTES_input);
-    SELD_REJECT_IF(app, SELD_WIRE_TYPE_input, input.encoders.hands_count != app->tool_count,
-                   SELD_REJECT_TOOL_COUNT, input.encoders.hands_count, app->tool_count);
-    SELD_REJECT_IF(app, SELD_WIRE_TYPE_input,
-                   input.encoders.rhythm_action != 0 || input.encoders.rhythm_value != 0,
-                   SELD_REJECT_RHYTHM_RANGE, input.encoders.rhythm_action, input.encoders.rhythm_value);
-    SELD_REJECT_IF(app, SELD_WIRE_TYPE_input, input.encoders.scaffold_lesion != 0, SELD_REJECT_SCAFFOLD_RANGE,
-                   input.encoders.scaffold_lesion, input.encoders.scaffold_last);
-    SELD_REJECT_IF(app, SELD_WIRE_TYPE_input, input.encoders.strut_number != 0, SELD_REJECT_STRUT_RANGE,
-                   input.encoders.strut_number, input.encoders.strut_inside_um);
+    crn_wire_input input;
+    CRN_REJECT_IF(app, CRN_WIRE_TYPE_input, !crn_wire_decode_input(payload, length, &input),
+                  CRN_REJECT_MALFORMED, length, CRN_WIRE_BYTES_input);
+    CRN_REJECT_IF(app, CRN_WIRE_TYPE_input, input.encoders.hands_count != app->tool_count,
+                  CRN_REJECT_TOOL_COUNT, input.encoders.hands_count, app->tool_count);
+    CRN_REJECT_IF(app, CRN_WIRE_TYPE_input,
+                  input.encoders.rhythm_action != 0 || input.encoders.rhythm_value != 0,
+                  CRN_REJECT_RHYTHM_RANGE, input.encoders.rhythm_action, input.encoders.rhythm_value);
+    CRN_REJECT_IF(app, CRN_WIRE_TYPE_input, input.encoders.scaffold_lesion != 0, CRN_REJECT_SCAFFOLD_RANGE,
+                  input.encoders.scaffold_lesion, input.encoders.scaffold_last);
+    CRN_REJECT_IF(app, CRN_WIRE_TYPE_input, input.encoders.strut_number != 0, CRN_REJECT_STRUT_RANGE,
+                  input.encoders.strut_number, input.encoders.strut_inside_um);
     app->mailbox = encoders_from_wire(&input.encoders);
     app->has_mailbox = true;
 }
 
 /* An `input` may be repeated or dropped, a request to heart and breath may not: it waits for its tick. */
-void seld_app_rhythm(seld_app *app, const uint8_t *payload, size_t length)
+void crn_app_rhythm(crn_app *app, const uint8_t *payload, size_t length)
 {
-    const uint16_t type = SELD_WIRE_TYPE_rhythm;
-    seld_wire_rhythm wire;
-    SELD_REJECT_IF(app, type, !seld_wire_decode_rhythm(payload, length, &wire), SELD_REJECT_MALFORMED, length,
-                   SELD_WIRE_BYTES_rhythm);
-    SELD_REJECT_IF(app, type, app->mode != SELD_WIRE_MODE_FREE_RUN, SELD_REJECT_WRONG_MODE, app->mode, 0);
-    SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_RUNNING, SELD_REJECT_WRONG_STATE, app->state, 0);
-    const seld_rhythm_order order = {wire.action, wire.value};
-    SELD_REJECT_IF(app, type, order.action == SELD_RHYTHM_KEEP || !seld_rhythm_order_is_valid(&order),
-                   SELD_REJECT_RHYTHM_RANGE, order.action, order.value);
-    SELD_REJECT_IF(app, type, app->order_count == SELD_APP_RHYTHM_QUEUE, SELD_REJECT_RHYTHM_FULL,
-                   order.action, order.value);
-    app->orders[app->order_count++] = (seld_app_wish){.rhythm = order};
-    seld_app_send_status(app, type);
+    const uint16_t type = CRN_WIRE_TYPE_rhythm;
+    crn_wire_rhythm wire;
+    CRN_REJECT_IF(app, type, !crn_wire_decode_rhythm(payload, length, &wire), CRN_REJECT_MALFORMED, length,
+                  CRN_WIRE_BYTES_rhythm);
+    CRN_REJECT_IF(app, type, app->mode != CRN_WIRE_MODE_FREE_RUN, CRN_REJECT_WRONG_MODE, app->mode, 0);
+    CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_RUNNING, CRN_REJECT_WRONG_STATE, app->state, 0);
+    const crn_rhythm_order order = {wire.action, wire.value};
+    CRN_REJECT_IF(app, type, order.action == CRN_RHYTHM_KEEP || !crn_rhythm_order_is_valid(&order),
+                  CRN_REJECT_RHYTHM_RANGE, order.action, order.value);
+    CRN_REJECT_IF(app, type, app->order_count == CRN_APP_RHYTHM_QUEUE, CRN_REJECT_RHYTHM_FULL, order.action,
+                  order.value);
+    app->orders[app->order_count++] = (crn_app_wish){.rhythm = order};
+    crn_app_send_status(app, type);
 }
 
 /* Waits for its tick as well. */
-void seld_app_scaffold(seld_app *app, const uint8_t *payload, size_t length)
+void crn_app_scaffold(crn_app *app, const uint8_t *payload, size_t length)
 {
-    const uint16_t type = SELD_WIRE_TYPE_scaffold;
-    seld_wire_scaffold wire;
-    SELD_REJECT_IF(app, type, !seld_wire_decode_scaffold(payload, length, &wire), SELD_REJECT_MALFORMED,
-                   length, SELD_WIRE_BYTES_scaffold);
-    SELD_REJECT_IF(app, type, app->mode != SELD_WIRE_MODE_FREE_RUN, SELD_REJECT_WRONG_MODE, app->mode, 0);
-    SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_RUNNING, SELD_REJECT_WRONG_STATE, app->state, 0);
-    seld_app_wish order = {.rhythm = {0, 0}};
-    SELD_REJECT_IF(app, type, wire.lesion == 0 || !scaffold_from_wire(app, &wire, &order.scaffold),
-                   SELD_REJECT_SCAFFOLD_RANGE, wire.lesion, wire.last);
-    SELD_REJECT_IF(app, type, app->order_count == SELD_APP_RHYTHM_QUEUE, SELD_REJECT_RHYTHM_FULL, wire.lesion,
-                   wire.last);
+    const uint16_t type = CRN_WIRE_TYPE_scaffold;
+    crn_wire_scaffold wire;
+    CRN_REJECT_IF(app, type, !crn_wire_decode_scaffold(payload, length, &wire), CRN_REJECT_MALFORMED, length,
+                  CRN_WIRE_BYTES_scaffold);
+    CRN_REJECT_IF(app, type, app->mode != CRN_WIRE_MODE_FREE_RUN, CRN_REJECT_WRONG_MODE, app->mode, 0);
+    CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_RUNNING, CRN_REJECT_WRONG_STATE, app->state, 0);
+    crn_app_wish order = {.rhythm = {0, 0}};
+    CRN_REJECT_IF(app, type, wire.lesion == 0 || !scaffold_from_wire(app, &wire, &order.scaffold),
+                  CRN_REJECT_SCAFFOLD_RANGE, wire.lesion, wire.last);
+    CRN_REJECT_IF(app, type, app->order_count == CRN_APP_RHYTHM_QUEUE, CRN_REJECT_RHYTHM_FULL, wire.lesion,
+                  wire.last);
     app->orders[app->order_count++] = order;
-    seld_app_send_status(app, type);
+    crn_app_send_status(app, type);
 }
 
-void seld_app_strut(seld_app *app, const uint8_t *payload, size_t length)
+void crn_app_strut(crn_app *app, const uint8_t *payload, size_t length)
 {
-    const uint16_t type = SELD_WIRE_TYPE_strut;
-    seld_wire_strut wire;
-    SELD_REJECT_IF(app, type, !seld_wire_decode_strut(payload, length, &wire), SELD_REJECT_MALFORMED, length,
-                   SELD_WIRE_BYTES_strut);
-    SELD_REJECT_IF(app, type, app->mode != SELD_WIRE_MODE_FREE_RUN, SELD_REJECT_WRONG_MODE, app->mode, 0);
-    SELD_REJECT_IF(app, type, app->state != SELD_WIRE_STATE_RUNNING, SELD_REJECT_WRONG_STATE, app->state, 0);
-    const seld_app_wish order = {.strut = strut_from_wire(&wire)};
-    SELD_REJECT_IF(app, type, wire.number == 0 || !seld_strut_order_is_valid(&order.strut),
-                   SELD_REJECT_STRUT_RANGE, wire.number, wire.inside_um);
-    SELD_REJECT_IF(app, type, app->order_count == SELD_APP_RHYTHM_QUEUE, SELD_REJECT_RHYTHM_FULL, wire.number,
-                   wire.inside_um);
+    const uint16_t type = CRN_WIRE_TYPE_strut;
+    crn_wire_strut wire;
+    CRN_REJECT_IF(app, type, !crn_wire_decode_strut(payload, length, &wire), CRN_REJECT_MALFORMED, length,
+                  CRN_WIRE_BYTES_strut);
+    CRN_REJECT_IF(app, type, app->mode != CRN_WIRE_MODE_FREE_RUN, CRN_REJECT_WRONG_MODE, app->mode, 0);
+    CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_RUNNING, CRN_REJECT_WRONG_STATE, app->state, 0);
+    const crn_app_wish order = {.strut = strut_from_wire(&wire)};
+    CRN_REJECT_IF(app, type, wire.number == 0 || !crn_strut_order_is_valid(&order.strut),
+                  CRN_REJECT_STRUT_RANGE, wire.number, wire.inside_um);
+    CRN_REJECT_IF(app, type, app->order_count == CRN_APP_RHYTHM_QUEUE, CRN_REJECT_RHYTHM_FULL, wire.number,
+                  wire.inside_um);
     app->orders[app->order_count++] = order;
-    seld_app_send_status(app, type);
+    crn_app_send_status(app, type);
 }
 
 /* The order of this tick of FREE_RUN. */
-static seld_app_wish next_order(seld_app *app)
+static crn_app_wish next_order(crn_app *app)
 {
-    const seld_app_wish none = {.rhythm = {0, 0}}, order = app->order_count > 0 ? app->orders[0] : none;
+    const crn_app_wish none = {.rhythm = {0, 0}}, order = app->order_count > 0 ? app->orders[0] : none;
     for (uint32_t i = 1; i < app->order_count; i++) app->orders[i - 1] = app->orders[i];
     if (app->order_count > 0) app->order_count--;
     return order;
 }
 
-static seld_app_encoders encoders_from_rig(const seld_port_inputs *rig)
+static crn_app_encoders encoders_from_rig(const crn_port_inputs *rig)
 {
-    seld_app_encoders encoders = {
+    crn_app_encoders encoders = {
         .buttons = rig->buttons, .syringe_counts = rig->syringe_counts, .inflator_raw = rig->inflator_raw};
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) encoders.hands[k] = rig->hands[k];
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) encoders.hands[k] = rig->hands[k];
     return encoders;
 }
 
-static void count_silence(seld_app *app)
+static void count_silence(crn_app *app)
 {
-    if (app->silent_ticks >= SELD_APP_HOST_SILENT_ticks + SELD_APP_FADE_ticks) return;
-    if (++app->silent_ticks != SELD_APP_HOST_SILENT_ticks) return;
-    seld_app_fault(app, SELD_FAULT_CODE_HOST_SILENT, SELD_APP_HOST_SILENT_ticks, 0);
-    seld_app_notice(app, SELD_WIRE_EVENT_HOST, 1, 0, 0);
+    if (app->silent_ticks >= CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks) return;
+    if (++app->silent_ticks != CRN_APP_HOST_SILENT_ticks) return;
+    crn_app_fault(app, CRN_FAULT_CODE_HOST_SILENT, CRN_APP_HOST_SILENT_ticks, 0);
+    crn_app_notice(app, CRN_WIRE_EVENT_HOST, 1, 0, 0);
 }
 
-static uint16_t fade_milli(const seld_app *app)
+static uint16_t fade_milli(const crn_app *app)
 {
-    if (app->silent_ticks < SELD_APP_HOST_SILENT_ticks) return 1000;
-    uint32_t left = SELD_APP_HOST_SILENT_ticks + SELD_APP_FADE_ticks - app->silent_ticks;
-    return (uint16_t)(left * 1000 / SELD_APP_FADE_ticks);
+    if (app->silent_ticks < CRN_APP_HOST_SILENT_ticks) return 1000;
+    uint32_t left = CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks - app->silent_ticks;
+    return (uint16_t)(left * 1000 / CRN_APP_FADE_ticks);
 }
 
 /* What the host needs to replay this tick in LOCKSTEP, and to see what the rig did. */
-static void note_live(seld_app *app, const seld_app_encoders *encoders, const seld_app_wish *order,
-                      const seld_output *output)
+static void note_live(crn_app *app, const crn_app_encoders *encoders, const crn_app_wish *order,
+                      const crn_output *output)
 {
-    seld_wire_live_tick *live = seld_app_stream_next(app);
-    *live = (seld_wire_live_tick){.fade_milli = fade_milli(app)};
+    crn_wire_live_tick *live = crn_app_stream_next(app);
+    *live = (crn_wire_live_tick){.fade_milli = fade_milli(app)};
     note_tick(app, output, &live->state);
     live->input.rhythm_action = (uint8_t)order->rhythm.action;
     live->input.rhythm_value = (uint16_t)order->rhythm.value;
@@ -334,47 +334,47 @@ static void note_live(seld_app *app, const seld_app_encoders *encoders, const se
     live->input.hands_count = (uint16_t)app->tool_count;
     live->force_measured_mN_count = (uint16_t)app->tool_count;
     for (uint32_t k = 0; k < app->tool_count; k++) {
-        const seld_port_hand *last = &app->hands[k].last;
-        live->input.hands[k] = (seld_wire_hand){last->translation_counts, last->rotation_counts};
-        live->force_measured_mN[k] = seld_app_force_measured(app, k);
+        const crn_port_hand *last = &app->hands[k].last;
+        live->input.hands[k] = (crn_wire_hand){last->translation_counts, last->rotation_counts};
+        live->force_measured_mN[k] = crn_app_force_measured(app, k);
     }
     if (encoders != NULL) {
         live->input.buttons = encoders->buttons;
         live->input.syringe_counts = encoders->syringe_counts;
     }
-    if (encoders != NULL) live->flags |= SELD_WIRE_LIVE_HANDS;
-    if (app->is_driving) live->flags |= SELD_WIRE_LIVE_POWERED;
-    if (app->was_late) live->flags |= SELD_WIRE_LIVE_LATE;
+    if (encoders != NULL) live->flags |= CRN_WIRE_LIVE_HANDS;
+    if (app->is_driving) live->flags |= CRN_WIRE_LIVE_POWERED;
+    if (app->was_late) live->flags |= CRN_WIRE_LIVE_LATE;
 }
 
-static void free_run_tick(seld_app *app)
+static void free_run_tick(crn_app *app)
 {
-    seld_output output;
+    crn_output output;
     count_silence(app);
-    seld_app_encoders encoders = app->has_rig ? encoders_from_rig(&app->rig) : app->mailbox;
-    const seld_app_encoders *told = app->has_rig || app->has_mailbox ? &encoders : NULL;
+    crn_app_encoders encoders = app->has_rig ? encoders_from_rig(&app->rig) : app->mailbox;
+    const crn_app_encoders *told = app->has_rig || app->has_mailbox ? &encoders : NULL;
     if (told != NULL) note_buttons(app, told->buttons);
-    const seld_app_wish order = next_order(app);
+    const crn_app_wish order = next_order(app);
     if (!tick(app, told, &order, &output)) return;
     note_live(app, told, &order, &output);
-    if (output.tick % SELD_APP_HASH64_EVERY_ticks == 0) seld_app_stream_hash64(app);
-    seld_app_stream_tick(app);
+    if (output.tick % CRN_APP_HASH64_EVERY_ticks == 0) crn_app_stream_hash64(app);
+    crn_app_stream_tick(app);
 }
 
-void seld_app_timer(seld_app *app)
+void crn_app_timer(crn_app *app)
 {
     app->answers = 0;
-    const bool was_running = app->state == SELD_WIRE_STATE_RUNNING; /* before anything may end it */
-    seld_app_clock_begin(app);
+    const bool was_running = app->state == CRN_WIRE_STATE_RUNNING; /* before anything may end it */
+    crn_app_clock_begin(app);
     app->has_rig = app->port->inputs(app->port->context, &app->rig);
-    if (!app->has_rig) app->rig = (seld_port_inputs){.supply_good = false};
-    seld_app_safety_check(app);
-    bool is_ticking = app->mode == SELD_WIRE_MODE_FREE_RUN && app->state == SELD_WIRE_STATE_RUNNING;
+    if (!app->has_rig) app->rig = (crn_port_inputs){.supply_good = false};
+    crn_app_safety_check(app);
+    bool is_ticking = app->mode == CRN_WIRE_MODE_FREE_RUN && app->state == CRN_WIRE_STATE_RUNNING;
     if (is_ticking) free_run_tick(app);
     if (is_ticking) stop_when_due(app);
-    seld_app_outputs_write(app);
-    if (is_ticking) seld_app_clock_end(app);
-    seld_app_stream_flush(app);
-    if (was_running && app->state != SELD_WIRE_STATE_RUNNING) seld_app_send_status(app, 0);
+    crn_app_outputs_write(app);
+    if (is_ticking) crn_app_clock_end(app);
+    crn_app_stream_flush(app);
+    if (was_running && app->state != CRN_WIRE_STATE_RUNNING) crn_app_send_status(app, 0);
     app->edges_done++;
 }

@@ -12,110 +12,110 @@
 enum { SNAPSHOT_VERSION = 3 };
 
 /* --- to bytes --- */
-static void save_tool(seld_wire_writer *writer, const seld_app_hand *hand, const seld_port_motor *motor)
+static void save_tool(crn_wire_writer *writer, const crn_app_hand *hand, const crn_port_motor *motor)
 {
-    seld_wire_write(writer, hand->is_known, 4);
-    seld_wire_write(writer, (uint32_t)hand->last.translation_counts, 4);
-    seld_wire_write(writer, (uint32_t)hand->last.rotation_counts, 4);
-    seld_wire_write(writer, (uint64_t)hand->translation_counts, 8);
-    seld_wire_write(writer, (uint64_t)hand->rotation_counts, 8);
-    seld_wire_write(writer, (uint32_t)motor->axial_mN, 4);
-    seld_wire_write(writer, (uint32_t)motor->torque_uN_m, 4);
+    crn_wire_write(writer, hand->is_known, 4);
+    crn_wire_write(writer, (uint32_t)hand->last.translation_counts, 4);
+    crn_wire_write(writer, (uint32_t)hand->last.rotation_counts, 4);
+    crn_wire_write(writer, (uint64_t)hand->translation_counts, 8);
+    crn_wire_write(writer, (uint64_t)hand->rotation_counts, 8);
+    crn_wire_write(writer, (uint32_t)motor->axial_mN, 4);
+    crn_wire_write(writer, (uint32_t)motor->torque_uN_m, 4);
 }
 
-static void save_coupling(seld_wire_writer *writer, const seld_app_spring springs[2],
-                          const seld_app_energy *energy)
+static void save_coupling(crn_wire_writer *writer, const crn_app_spring springs[2],
+                          const crn_app_energy *energy)
 {
     for (int i = 0; i < 2; i++) {
-        seld_wire_write(writer, springs[i].is_set, 4);
-        seld_wire_write(writer, (uint32_t)springs[i].reference, 4);
-        seld_wire_write(writer, (uint32_t)springs[i].lead, 4);
-        seld_wire_write(writer, (uint32_t)springs[i].force, 4);
-        seld_wire_write(writer, (uint64_t)springs[i].estimate, 8);
+        crn_wire_write(writer, springs[i].is_set, 4);
+        crn_wire_write(writer, (uint32_t)springs[i].reference, 4);
+        crn_wire_write(writer, (uint32_t)springs[i].lead, 4);
+        crn_wire_write(writer, (uint32_t)springs[i].force, 4);
+        crn_wire_write(writer, (uint64_t)springs[i].estimate, 8);
     }
-    seld_wire_write(writer, energy->is_set, 4);
-    seld_wire_write(writer, (uint64_t)energy->taken_pJ, 8);
-    seld_wire_write(writer, (uint32_t)energy->hand_m_q30, 4);
-    seld_wire_write(writer, energy->hand_turn32, 4);
-    seld_wire_write(writer, energy->scale_q16, 4);
+    crn_wire_write(writer, energy->is_set, 4);
+    crn_wire_write(writer, (uint64_t)energy->taken_pJ, 8);
+    crn_wire_write(writer, (uint32_t)energy->hand_m_q30, 4);
+    crn_wire_write(writer, energy->hand_turn32, 4);
+    crn_wire_write(writer, energy->scale_q16, 4);
 }
 
-static void save(seld_app *app)
+static void save(crn_app *app)
 {
-    seld_wire_writer writer = seld_wire_writer_make(app->snapshot, SELD_APP_SNAPSHOT_HEAD_BYTES);
-    seld_wire_write(&writer, SNAPSHOT_VERSION, 4);
-    seld_wire_write(&writer, seld_state_tick(&app->core), 4);
-    seld_wire_write(&writer, app->tool_count, 4);
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+    crn_wire_writer writer = crn_wire_writer_make(app->snapshot, CRN_APP_SNAPSHOT_HEAD_BYTES);
+    crn_wire_write(&writer, SNAPSHOT_VERSION, 4);
+    crn_wire_write(&writer, crn_state_tick(&app->core), 4);
+    crn_wire_write(&writer, app->tool_count, 4);
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
         save_tool(&writer, &app->hands[k], &app->motors[k]);
         save_coupling(&writer, app->springs[k], &app->energies[k]);
     }
-    SELD_REQUIRE(app, !writer.overflowed && writer.length == SELD_APP_SNAPSHOT_HEAD_BYTES, writer.length);
-    SELD_REQUIRE(app, seld_state_bytes() == sizeof(seld_state_words), seld_state_bytes());
-    seld_state_save(&app->core, app->snapshot + SELD_APP_SNAPSHOT_HEAD_BYTES);
+    CRN_REQUIRE(app, !writer.overflowed && writer.length == CRN_APP_SNAPSHOT_HEAD_BYTES, writer.length);
+    CRN_REQUIRE(app, crn_state_bytes() == sizeof(crn_state_words), crn_state_bytes());
+    crn_state_save(&app->core, app->snapshot + CRN_APP_SNAPSHOT_HEAD_BYTES);
 }
 
-static void send_chunk(seld_app *app, uint32_t offset)
+static void send_chunk(crn_app *app, uint32_t offset)
 {
-    seld_wire_snapshot_chunk *chunk = &app->reply.snapshot_chunk;
-    uint32_t left = SELD_APP_SNAPSHOT_BYTES - offset;
-    uint32_t count = left < SELD_WIRE_MAX_snapshot_chunk_data ? left : SELD_WIRE_MAX_snapshot_chunk_data;
+    crn_wire_snapshot_chunk *chunk = &app->reply.snapshot_chunk;
+    uint32_t left = CRN_APP_SNAPSHOT_BYTES - offset;
+    uint32_t count = left < CRN_WIRE_MAX_snapshot_chunk_data ? left : CRN_WIRE_MAX_snapshot_chunk_data;
     chunk->offset = offset;
     chunk->data_count = (uint16_t)count;
     for (uint32_t i = 0; i < count; i++) chunk->data[i] = app->snapshot[offset + i];
-    seld_wire_writer writer = seld_wire_writer_make(app->payload, sizeof app->payload);
-    seld_wire_put_snapshot_chunk(&writer, chunk);
-    seld_app_send(app, SELD_WIRE_TYPE_snapshot_chunk, writer.length);
+    crn_wire_writer writer = crn_wire_writer_make(app->payload, sizeof app->payload);
+    crn_wire_put_snapshot_chunk(&writer, chunk);
+    crn_app_send(app, CRN_WIRE_TYPE_snapshot_chunk, writer.length);
 }
 
-void seld_app_snapshot_send(seld_app *app)
+void crn_app_snapshot_send(crn_app *app)
 {
     app->snapshot_upload.open = false; /* the buffer is shared with an upload in progress */
     save(app);
-    const seld_wire_snapshot_begin begin = {seld_state_tick(&app->core), SELD_APP_SNAPSHOT_BYTES,
-                                            seld_wire_crc32(0, app->snapshot, SELD_APP_SNAPSHOT_BYTES)};
-    seld_wire_writer writer = seld_wire_writer_make(app->payload, sizeof app->payload);
-    seld_wire_put_snapshot_begin(&writer, &begin);
-    seld_app_send(app, SELD_WIRE_TYPE_snapshot_begin, writer.length);
-    for (uint32_t offset = 0; offset < SELD_APP_SNAPSHOT_BYTES; offset += SELD_WIRE_MAX_snapshot_chunk_data) {
+    const crn_wire_snapshot_begin begin = {crn_state_tick(&app->core), CRN_APP_SNAPSHOT_BYTES,
+                                           crn_wire_crc32(0, app->snapshot, CRN_APP_SNAPSHOT_BYTES)};
+    crn_wire_writer writer = crn_wire_writer_make(app->payload, sizeof app->payload);
+    crn_wire_put_snapshot_begin(&writer, &begin);
+    crn_app_send(app, CRN_WIRE_TYPE_snapshot_begin, writer.length);
+    for (uint32_t offset = 0; offset < CRN_APP_SNAPSHOT_BYTES; offset += CRN_WIRE_MAX_snapshot_chunk_data) {
         send_chunk(app, offset);
     }
-    const seld_wire_snapshot_end end = {SELD_APP_SNAPSHOT_BYTES};
-    writer = seld_wire_writer_make(app->payload, sizeof app->payload);
-    seld_wire_put_snapshot_end(&writer, &end);
-    seld_app_send(app, SELD_WIRE_TYPE_snapshot_end, writer.length);
+    const crn_wire_snapshot_end end = {CRN_APP_SNAPSHOT_BYTES};
+    writer = crn_wire_writer_make(app->payload, sizeof app->payload);
+    crn_wire_put_snapshot_end(&writer, &end);
+    crn_app_send(app, CRN_WIRE_TYPE_snapshot_end, writer.length);
 }
 
 /* --- from bytes: hostile until checked --- */
-static bool may_restore(const seld_app *app)
+static bool may_restore(const crn_app *app)
 {
-    return app->mode == SELD_WIRE_MODE_LOCKSTEP && app->state == SELD_WIRE_STATE_ARMED;
+    return app->mode == CRN_WIRE_MODE_LOCKSTEP && app->state == CRN_WIRE_STATE_ARMED;
 }
 
-void seld_app_snapshot_begin(seld_app *app, const uint8_t *payload, size_t length)
+void crn_app_snapshot_begin(crn_app *app, const uint8_t *payload, size_t length)
 {
-    const uint16_t type = SELD_WIRE_TYPE_snapshot_begin;
-    seld_wire_snapshot_begin begin;
-    SELD_REJECT_IF(app, type, !seld_wire_decode_snapshot_begin(payload, length, &begin),
-                   SELD_REJECT_MALFORMED, length, SELD_WIRE_BYTES_snapshot_begin);
-    SELD_REJECT_IF(app, type, !may_restore(app), SELD_REJECT_WRONG_STATE, app->state, app->mode);
-    SELD_REJECT_IF(app, type, begin.snapshot_bytes != SELD_APP_SNAPSHOT_BYTES, SELD_REJECT_SNAPSHOT_INVALID,
-                   begin.snapshot_bytes, SELD_APP_SNAPSHOT_BYTES);
-    app->snapshot_upload = (seld_upload){begin.snapshot_bytes, 0, begin.crc32, true};
-    seld_app_send_status(app, type);
+    const uint16_t type = CRN_WIRE_TYPE_snapshot_begin;
+    crn_wire_snapshot_begin begin;
+    CRN_REJECT_IF(app, type, !crn_wire_decode_snapshot_begin(payload, length, &begin), CRN_REJECT_MALFORMED,
+                  length, CRN_WIRE_BYTES_snapshot_begin);
+    CRN_REJECT_IF(app, type, !may_restore(app), CRN_REJECT_WRONG_STATE, app->state, app->mode);
+    CRN_REJECT_IF(app, type, begin.snapshot_bytes != CRN_APP_SNAPSHOT_BYTES, CRN_REJECT_SNAPSHOT_INVALID,
+                  begin.snapshot_bytes, CRN_APP_SNAPSHOT_BYTES);
+    app->snapshot_upload = (crn_upload){begin.snapshot_bytes, 0, begin.crc32, true};
+    crn_app_send_status(app, type);
 }
 
-void seld_app_snapshot_chunk(seld_app *app, const uint8_t *payload, size_t length)
+void crn_app_snapshot_chunk(crn_app *app, const uint8_t *payload, size_t length)
 {
-    const uint16_t type = SELD_WIRE_TYPE_snapshot_chunk;
-    seld_wire_snapshot_chunk *chunk = &app->request.snapshot_chunk;
-    seld_upload *upload = &app->snapshot_upload;
-    SELD_REJECT_IF(app, type, !seld_wire_decode_snapshot_chunk(payload, length, chunk), SELD_REJECT_MALFORMED,
-                   length, SELD_WIRE_BYTES_snapshot_chunk);
-    SELD_REJECT_IF(app, type,
-                   !upload->open || chunk->offset != upload->received_bytes ||
-                       chunk->data_count > upload->expected_bytes - upload->received_bytes,
-                   SELD_REJECT_SNAPSHOT_ORDER, upload->received_bytes, chunk->offset);
+    const uint16_t type = CRN_WIRE_TYPE_snapshot_chunk;
+    crn_wire_snapshot_chunk *chunk = &app->request.snapshot_chunk;
+    crn_upload *upload = &app->snapshot_upload;
+    CRN_REJECT_IF(app, type, !crn_wire_decode_snapshot_chunk(payload, length, chunk), CRN_REJECT_MALFORMED,
+                  length, CRN_WIRE_BYTES_snapshot_chunk);
+    CRN_REJECT_IF(app, type,
+                  !upload->open || chunk->offset != upload->received_bytes ||
+                      chunk->data_count > upload->expected_bytes - upload->received_bytes,
+                  CRN_REJECT_SNAPSHOT_ORDER, upload->received_bytes, chunk->offset);
     for (uint16_t i = 0; i < chunk->data_count; i++) app->snapshot[upload->received_bytes++] = chunk->data[i];
 }
 
@@ -125,18 +125,18 @@ static int64_t i64_from_u64(uint64_t value)
     return value <= (uint64_t)INT64_MAX ? (int64_t)value : -(int64_t)(UINT64_MAX - value) - 1;
 }
 
-static int32_t read_i32(seld_wire_reader *reader)
+static int32_t read_i32(crn_wire_reader *reader)
 {
-    return seld_wire_i32_from_u32((uint32_t)seld_wire_read(reader, 4));
+    return crn_wire_i32_from_u32((uint32_t)crn_wire_read(reader, 4));
 }
 
 /* The head of a snapshot. */
 typedef struct snapshot_head {
     uint32_t tick;
-    seld_app_hand hands[SELD_TOOL_MAX];
-    seld_port_motor motors[SELD_TOOL_MAX];
-    seld_app_spring springs[SELD_TOOL_MAX][2];
-    seld_app_energy energies[SELD_TOOL_MAX];
+    crn_app_hand hands[CRN_TOOL_MAX];
+    crn_port_motor motors[CRN_TOOL_MAX];
+    crn_app_spring springs[CRN_TOOL_MAX][2];
+    crn_app_energy energies[CRN_TOOL_MAX];
 } snapshot_head;
 
 static bool is_within(int64_t value, int64_t limit)
@@ -145,16 +145,16 @@ static bool is_within(int64_t value, int64_t limit)
 }
 
 /* Sums are bounded so that no later sum of plausible readings can overflow. */
-static bool read_tool(seld_wire_reader *reader, const seld_app_track *track, seld_app_hand *hand,
-                      seld_port_motor *motor)
+static bool read_tool(crn_wire_reader *reader, const crn_app_track *track, crn_app_hand *hand,
+                      crn_port_motor *motor)
 {
     const int64_t sum_max = (int64_t)1 << 60;
-    uint32_t is_known = (uint32_t)seld_wire_read(reader, 4);
+    uint32_t is_known = (uint32_t)crn_wire_read(reader, 4);
     hand->is_known = is_known == 1;
     hand->last.translation_counts = read_i32(reader);
     hand->last.rotation_counts = read_i32(reader);
-    hand->translation_counts = i64_from_u64(seld_wire_read(reader, 8));
-    hand->rotation_counts = i64_from_u64(seld_wire_read(reader, 8));
+    hand->translation_counts = i64_from_u64(crn_wire_read(reader, 8));
+    hand->rotation_counts = i64_from_u64(crn_wire_read(reader, 8));
     motor->axial_mN = read_i32(reader);
     motor->torque_uN_m = read_i32(reader);
     return is_known <= 1 && is_within(hand->translation_counts, sum_max) &&
@@ -163,37 +163,37 @@ static bool read_tool(seld_wire_reader *reader, const seld_app_track *track, sel
 }
 
 /* Leads are held to what an axis allows, estimates to its largest: no product of a later tick can overflow. */
-static bool read_spring(seld_wire_reader *reader, const seld_app_axis *axis, seld_app_spring *spring)
+static bool read_spring(crn_wire_reader *reader, const crn_app_axis *axis, crn_app_spring *spring)
 {
-    uint32_t is_set = (uint32_t)seld_wire_read(reader, 4);
-    *spring = (seld_app_spring){.is_set = is_set == 1};
+    uint32_t is_set = (uint32_t)crn_wire_read(reader, 4);
+    *spring = (crn_app_spring){.is_set = is_set == 1};
     spring->reference = read_i32(reader);
     spring->lead = read_i32(reader);
     spring->force = read_i32(reader);
-    spring->estimate = i64_from_u64(seld_wire_read(reader, 8));
+    spring->estimate = i64_from_u64(crn_wire_read(reader, 8));
     return is_set <= 1 && is_within(spring->lead, 2 * axis->lead_max) && spring->estimate >= 0 &&
            spring->estimate <= axis->estimate_max;
 }
 
-static bool read_energy(seld_wire_reader *reader, seld_app_energy *energy)
+static bool read_energy(crn_wire_reader *reader, crn_app_energy *energy)
 {
-    uint32_t is_set = (uint32_t)seld_wire_read(reader, 4);
+    uint32_t is_set = (uint32_t)crn_wire_read(reader, 4);
     energy->is_set = is_set == 1;
-    energy->taken_pJ = i64_from_u64(seld_wire_read(reader, 8));
+    energy->taken_pJ = i64_from_u64(crn_wire_read(reader, 8));
     energy->hand_m_q30 = read_i32(reader);
-    energy->hand_turn32 = (uint32_t)seld_wire_read(reader, 4);
-    energy->scale_q16 = (uint32_t)seld_wire_read(reader, 4);
+    energy->hand_turn32 = (uint32_t)crn_wire_read(reader, 4);
+    energy->scale_q16 = (uint32_t)crn_wire_read(reader, 4);
     return is_set <= 1 && is_within(energy->taken_pJ, (int64_t)1 << 40) && energy->scale_q16 <= 1 << 16;
 }
 
-static bool read_head(const seld_app *app, snapshot_head *head)
+static bool read_head(const crn_app *app, snapshot_head *head)
 {
-    seld_wire_reader reader = seld_wire_reader_make(app->snapshot, SELD_APP_SNAPSHOT_HEAD_BYTES);
-    bool ok = seld_wire_read(&reader, 4) == SNAPSHOT_VERSION;
-    head->tick = (uint32_t)seld_wire_read(&reader, 4);
-    ok = ok && seld_wire_read(&reader, 4) == app->tool_count;
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
-        const seld_app_track *track = &app->tracks[k];
+    crn_wire_reader reader = crn_wire_reader_make(app->snapshot, CRN_APP_SNAPSHOT_HEAD_BYTES);
+    bool ok = crn_wire_read(&reader, 4) == SNAPSHOT_VERSION;
+    head->tick = (uint32_t)crn_wire_read(&reader, 4);
+    ok = ok && crn_wire_read(&reader, 4) == app->tool_count;
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
+        const crn_app_track *track = &app->tracks[k];
         ok = read_tool(&reader, track, &head->hands[k], &head->motors[k]) && ok;
         for (int i = 0; i < 2; i++) ok = read_spring(&reader, &track->axes[i], &head->springs[k][i]) && ok;
         ok = read_energy(&reader, &head->energies[k]) && ok;
@@ -201,27 +201,27 @@ static bool read_head(const seld_app *app, snapshot_head *head)
     return ok;
 }
 
-void seld_app_snapshot_end(seld_app *app, const uint8_t *payload, size_t length)
+void crn_app_snapshot_end(crn_app *app, const uint8_t *payload, size_t length)
 {
-    const uint16_t type = SELD_WIRE_TYPE_snapshot_end;
-    seld_wire_snapshot_end end;
-    SELD_REJECT_IF(app, type, !seld_wire_decode_snapshot_end(payload, length, &end), SELD_REJECT_MALFORMED,
-                   length, SELD_WIRE_BYTES_snapshot_end);
-    SELD_REJECT_IF(app, type, !may_restore(app), SELD_REJECT_WRONG_STATE, app->state, app->mode);
-    seld_upload upload = app->snapshot_upload;
+    const uint16_t type = CRN_WIRE_TYPE_snapshot_end;
+    crn_wire_snapshot_end end;
+    CRN_REJECT_IF(app, type, !crn_wire_decode_snapshot_end(payload, length, &end), CRN_REJECT_MALFORMED,
+                  length, CRN_WIRE_BYTES_snapshot_end);
+    CRN_REJECT_IF(app, type, !may_restore(app), CRN_REJECT_WRONG_STATE, app->state, app->mode);
+    crn_upload upload = app->snapshot_upload;
     app->snapshot_upload.open = false;
-    SELD_REJECT_IF(app, type, !upload.open || upload.received_bytes != upload.expected_bytes,
-                   SELD_REJECT_SNAPSHOT_ORDER, upload.received_bytes, upload.expected_bytes);
-    SELD_REJECT_IF(app, type, seld_wire_crc32(0, app->snapshot, SELD_APP_SNAPSHOT_BYTES) != upload.crc32,
-                   SELD_REJECT_SNAPSHOT_INVALID, upload.received_bytes, upload.expected_bytes);
+    CRN_REJECT_IF(app, type, !upload.open || upload.received_bytes != upload.expected_bytes,
+                  CRN_REJECT_SNAPSHOT_ORDER, upload.received_bytes, upload.expected_bytes);
+    CRN_REJECT_IF(app, type, crn_wire_crc32(0, app->snapshot, CRN_APP_SNAPSHOT_BYTES) != upload.crc32,
+                  CRN_REJECT_SNAPSHOT_INVALID, upload.received_bytes, upload.expected_bytes);
     snapshot_head head;
-    const uint8_t *words = app->snapshot + SELD_APP_SNAPSHOT_HEAD_BYTES;
-    seld_wire_reader core_tick = seld_wire_reader_make(words, 4); /* the state's first word */
-    SELD_REJECT_IF(app, type,
-                   !read_head(app, &head) || seld_wire_read(&core_tick, 4) != head.tick ||
-                       !seld_state_restore(&app->model, &app->core, words),
-                   SELD_REJECT_SNAPSHOT_INVALID, upload.received_bytes, upload.expected_bytes);
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+    const uint8_t *words = app->snapshot + CRN_APP_SNAPSHOT_HEAD_BYTES;
+    crn_wire_reader core_tick = crn_wire_reader_make(words, 4); /* the state's first word */
+    CRN_REJECT_IF(app, type,
+                  !read_head(app, &head) || crn_wire_read(&core_tick, 4) != head.tick ||
+                      !crn_state_restore(&app->model, &app->core, words),
+                  CRN_REJECT_SNAPSHOT_INVALID, upload.received_bytes, upload.expected_bytes);
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
         app->hands[k] = head.hands[k];
         app->motors[k] = head.motors[k];
         app->springs[k][0] = head.springs[k][0];
@@ -229,5 +229,5 @@ void seld_app_snapshot_end(seld_app *app, const uint8_t *payload, size_t length)
         app->energies[k] = head.energies[k];
     }
     app->core_faults_seen = app->core.words.fault_bits;
-    seld_app_send_status(app, type);
+    crn_app_send_status(app, type);
 }

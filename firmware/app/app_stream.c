@@ -5,10 +5,10 @@
 
 enum {
     FRAMES_PER_EDGE = 2, /* so that a host that comes back does not make a tick late */
-    OVERHEAD_BYTES = SELD_WIRE_FRAME_MAX - SELD_WIRE_PAYLOAD_MAX,
+    OVERHEAD_BYTES = CRN_WIRE_FRAME_MAX - CRN_WIRE_PAYLOAD_MAX,
 };
 
-static bool has_room(const seld_app *app, size_t payload_bytes)
+static bool has_room(const crn_app *app, size_t payload_bytes)
 {
     return app->port->transmit_room(app->port->context) >= payload_bytes + OVERHEAD_BYTES;
 }
@@ -16,66 +16,66 @@ static bool has_room(const seld_app *app, size_t payload_bytes)
 /* --- ticks --- */
 
 /* The next place in the queue; a full one loses its oldest tick. */
-seld_wire_live_tick *seld_app_stream_next(seld_app *app)
+crn_wire_live_tick *crn_app_stream_next(crn_app *app)
 {
-    seld_app_queue *queue = &app->queue;
-    if (queue->count == SELD_APP_LIVE_QUEUE_ticks) {
-        seld_app_fault(app, SELD_FAULT_CODE_TICKS_LOST, (int32_t)queue->ticks[queue->first].state.tick, 0);
-        queue->first = (queue->first + 1) % SELD_APP_LIVE_QUEUE_ticks;
+    crn_app_queue *queue = &app->queue;
+    if (queue->count == CRN_APP_LIVE_QUEUE_ticks) {
+        crn_app_fault(app, CRN_FAULT_CODE_TICKS_LOST, (int32_t)queue->ticks[queue->first].state.tick, 0);
+        queue->first = (queue->first + 1) % CRN_APP_LIVE_QUEUE_ticks;
         queue->count--;
         queue->ticks_lost++;
     }
-    uint32_t place = (queue->first + queue->count) % SELD_APP_LIVE_QUEUE_ticks;
+    uint32_t place = (queue->first + queue->count) % CRN_APP_LIVE_QUEUE_ticks;
     queue->count++;
     return &queue->ticks[place];
 }
 
-static bool send_ticks(seld_app *app)
+static bool send_ticks(crn_app *app)
 {
-    seld_app_queue *queue = &app->queue;
-    seld_wire_live *live = &app->reply.live;
-    uint32_t count = queue->count < SELD_APP_LIVE_BATCH_ticks ? queue->count : SELD_APP_LIVE_BATCH_ticks;
-    if (count == 0 || !has_room(app, SELD_WIRE_BYTES_live)) return false;
+    crn_app_queue *queue = &app->queue;
+    crn_wire_live *live = &app->reply.live;
+    uint32_t count = queue->count < CRN_APP_LIVE_BATCH_ticks ? queue->count : CRN_APP_LIVE_BATCH_ticks;
+    if (count == 0 || !has_room(app, CRN_WIRE_BYTES_live)) return false;
     live->ticks_lost = queue->ticks_lost;
     live->ticks_count = (uint16_t)count;
     for (uint32_t i = 0; i < count; i++)
-        live->ticks[i] = queue->ticks[(queue->first + i) % SELD_APP_LIVE_QUEUE_ticks];
-    seld_wire_writer writer = seld_wire_writer_make(app->payload, sizeof app->payload);
-    bool is_encoded = seld_wire_put_live(&writer, live);
-    SELD_REQUIRE(app, is_encoded, count);
-    if (!seld_app_offer(app, SELD_WIRE_TYPE_live, writer.length)) return false;
-    queue->first = (queue->first + count) % SELD_APP_LIVE_QUEUE_ticks;
+        live->ticks[i] = queue->ticks[(queue->first + i) % CRN_APP_LIVE_QUEUE_ticks];
+    crn_wire_writer writer = crn_wire_writer_make(app->payload, sizeof app->payload);
+    bool is_encoded = crn_wire_put_live(&writer, live);
+    CRN_REQUIRE(app, is_encoded, count);
+    if (!crn_app_offer(app, CRN_WIRE_TYPE_live, writer.length)) return false;
+    queue->first = (queue->first + count) % CRN_APP_LIVE_QUEUE_ticks;
     queue->count -= count;
     return true;
 }
 
 /* --- notices --- */
 
-void seld_app_notice(seld_app *app, uint16_t kind, uint16_t code, int32_t value1, int32_t value2)
+void crn_app_notice(crn_app *app, uint16_t kind, uint16_t code, int32_t value1, int32_t value2)
 {
-    seld_app_queue *queue = &app->queue;
+    crn_app_queue *queue = &app->queue;
     queue->event_number++;
     if (!queue->wants_events) return;
-    if (queue->event_count == SELD_APP_EVENT_QUEUE) {
-        queue->event_first = (queue->event_first + 1) % SELD_APP_EVENT_QUEUE;
+    if (queue->event_count == CRN_APP_EVENT_QUEUE) {
+        queue->event_first = (queue->event_first + 1) % CRN_APP_EVENT_QUEUE;
         queue->event_count--;
         queue->events_lost++;
-        seld_app_fault_log(app, SELD_FAULT_CODE_EVENTS_LOST, (int32_t)queue->event_number, 0);
+        crn_app_fault_log(app, CRN_FAULT_CODE_EVENTS_LOST, (int32_t)queue->event_number, 0);
     }
-    uint32_t place = (queue->event_first + queue->event_count++) % SELD_APP_EVENT_QUEUE;
+    uint32_t place = (queue->event_first + queue->event_count++) % CRN_APP_EVENT_QUEUE;
     queue->events[place] =
-        (seld_wire_notice){queue->event_number, app->core.words.tick, kind, code, value1, value2};
+        (crn_wire_notice){queue->event_number, app->core.words.tick, kind, code, value1, value2};
 }
 
-static bool send_notice(seld_app *app)
+static bool send_notice(crn_app *app)
 {
-    seld_app_queue *queue = &app->queue;
-    if (queue->event_count == 0 || !has_room(app, SELD_WIRE_BYTES_notice)) return false;
-    seld_wire_writer writer = seld_wire_writer_make(app->payload, sizeof app->payload);
-    bool is_encoded = seld_wire_put_notice(&writer, &queue->events[queue->event_first]);
-    SELD_REQUIRE(app, is_encoded, queue->event_count);
-    if (!seld_app_offer(app, SELD_WIRE_TYPE_notice, writer.length)) return false;
-    queue->event_first = (queue->event_first + 1) % SELD_APP_EVENT_QUEUE;
+    crn_app_queue *queue = &app->queue;
+    if (queue->event_count == 0 || !has_room(app, CRN_WIRE_BYTES_notice)) return false;
+    crn_wire_writer writer = crn_wire_writer_make(app->payload, sizeof app->payload);
+    bool is_encoded = crn_wire_put_notice(&writer, &queue->events[queue->event_first]);
+    CRN_REQUIRE(app, is_encoded, queue->event_count);
+    if (!crn_app_offer(app, CRN_WIRE_TYPE_notice, writer.length)) return false;
+    queue->event_first = (queue->event_first + 1) % CRN_APP_EVENT_QUEUE;
     queue->event_count--;
     return true;
 }
@@ -83,9 +83,9 @@ static bool send_notice(seld_app *app)
 /* --- pictures --- */
 
 /* After a tick of FREE_RUN. A picture still waiting is dropped for the one that is due now. */
-void seld_app_stream_tick(seld_app *app)
+void crn_app_stream_tick(crn_app *app)
 {
-    seld_app_queue *queue = &app->queue;
+    crn_app_queue *queue = &app->queue;
     if (queue->nodes_every_ticks == 0 || --queue->nodes_due_in > 0) return;
     queue->nodes_due_in = queue->nodes_every_ticks;
     if (queue->is_picture_due) queue->pictures_dropped++;
@@ -93,29 +93,28 @@ void seld_app_stream_tick(seld_app *app)
 }
 
 /* It leaves room for the next ticks, and shows the state as it is when it leaves. */
-static void send_picture(seld_app *app)
+static void send_picture(crn_app *app)
 {
-    if (!app->queue.is_picture_due || app->state != SELD_WIRE_STATE_RUNNING) return;
-    if (!has_room(app, SELD_WIRE_BYTES_nodes + SELD_WIRE_BYTES_live + OVERHEAD_BYTES)) return;
+    if (!app->queue.is_picture_due || app->state != CRN_WIRE_STATE_RUNNING) return;
+    if (!has_room(app, CRN_WIRE_BYTES_nodes + CRN_WIRE_BYTES_live + OVERHEAD_BYTES)) return;
     app->queue.is_picture_due = false;
-    seld_app_send_nodes(app);
+    crn_app_send_nodes(app);
 }
 
-void seld_app_stream_hash64(seld_app *app)
+void crn_app_stream_hash64(crn_app *app)
 {
-    if (has_room(app, SELD_WIRE_BYTES_hash64 + SELD_WIRE_BYTES_live + OVERHEAD_BYTES))
-        seld_app_send_hash64(app);
+    if (has_room(app, CRN_WIRE_BYTES_hash64 + CRN_WIRE_BYTES_live + OVERHEAD_BYTES)) crn_app_send_hash64(app);
 }
 
 /* --- the stream --- */
 
 /* Once per edge, after the outputs are written. A batch waits until it is full or no further tick is coming. */
-void seld_app_stream_flush(seld_app *app)
+void crn_app_stream_flush(crn_app *app)
 {
-    bool is_last = app->state != SELD_WIRE_STATE_RUNNING || app->mode != SELD_WIRE_MODE_FREE_RUN;
+    bool is_last = app->state != CRN_WIRE_STATE_RUNNING || app->mode != CRN_WIRE_MODE_FREE_RUN;
     app->answers = 0;
     for (int i = 0; i < FRAMES_PER_EDGE; i++) {
-        if (app->queue.count < SELD_APP_LIVE_BATCH_ticks && !is_last) break;
+        if (app->queue.count < CRN_APP_LIVE_BATCH_ticks && !is_last) break;
         if (!send_ticks(app)) break;
     }
     for (int i = 0; i < FRAMES_PER_EDGE; i++) {
@@ -125,24 +124,24 @@ void seld_app_stream_flush(seld_app *app)
 }
 
 /* A new session: what an old one left is of no use. */
-void seld_app_stream_clear(seld_app *app)
+void crn_app_stream_clear(crn_app *app)
 {
-    seld_app_queue *queue = &app->queue;
+    crn_app_queue *queue = &app->queue;
     queue->count = queue->ticks_lost = 0;
     queue->is_picture_due = false;
     queue->nodes_due_in = queue->nodes_every_ticks;
 }
 
-void seld_app_stream(seld_app *app, const uint8_t *payload, size_t length)
+void crn_app_stream(crn_app *app, const uint8_t *payload, size_t length)
 {
-    seld_wire_stream stream;
-    SELD_REJECT_IF(app, SELD_WIRE_TYPE_stream, !seld_wire_decode_stream(payload, length, &stream),
-                   SELD_REJECT_MALFORMED, length, SELD_WIRE_BYTES_stream);
-    seld_app_queue *queue = &app->queue;
+    crn_wire_stream stream;
+    CRN_REJECT_IF(app, CRN_WIRE_TYPE_stream, !crn_wire_decode_stream(payload, length, &stream),
+                  CRN_REJECT_MALFORMED, length, CRN_WIRE_BYTES_stream);
+    crn_app_queue *queue = &app->queue;
     queue->wants_events = stream.events != 0;
     if (!queue->wants_events) queue->event_count = 0;
     queue->nodes_every_ticks = stream.nodes_every_ticks;
     queue->nodes_due_in = stream.nodes_every_ticks;
     queue->is_picture_due = false;
-    seld_app_send_status(app, SELD_WIRE_TYPE_stream);
+    crn_app_send_status(app, CRN_WIRE_TYPE_stream);
 }

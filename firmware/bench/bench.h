@@ -1,7 +1,7 @@
 /* What a benchmark program needs: a table of cases and a main that follows the convention of docs/bench.md.
  * May include: the C library. Called by: firmware/bench/bench_*.c. */
-#ifndef SELD_BENCH_H
-#define SELD_BENCH_H
+#ifndef CRN_BENCH_H
+#define CRN_BENCH_H
 
 #include <stddef.h>
 

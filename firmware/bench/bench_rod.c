@@ -23,10 +23,10 @@ enum {
 };
 enum { CALLS = 100, TIMED_TICKS = 400, ELASTICA_TICKS = 20000, ELEMENT_um = 3000 };
 
-static seld_model model;
-static seld_state state;
-static seld_input input;
-static seld_output output;
+static crn_model model;
+static crn_state state;
+static crn_input input;
+static crn_output output;
 
 typedef struct scene {
     int elements, on_floor, contacts, tools, beats;
@@ -47,15 +47,15 @@ static const scene scenes[] = {{256, 0, 57, 1, 0, 0, 0},
                                {256, 0, 50, 2, 0, 800, 1},
                                {256, 0, 50, 2, HEART_BEATS, 800, 1}};
 
-/* What callgrind counts: seld_step as called from here, not the ticks of the insertion. The tools slide and turn against
+/* What callgrind counts: crn_step as called from here, not the ticks of the insertion. The tools slide and turn against
  * each other, so that nothing is kept from tick to tick. */
 static BENCH_MEASURED void measured_step(void)
 {
-    seld_step(&model, &state, &input, &output);
+    crn_step(&model, &state, &input, &output);
 }
 
 /* One of three tools: thin, with a taper over 200 mm that makes the shaft half as stiff again. */
-static void make_coaxial(seld_instrument *tool, uint32_t radius_um, uint32_t bore_um)
+static void make_coaxial(crn_instrument *tool, uint32_t radius_um, uint32_t bore_um)
 {
     tool->knot_count = 3;
     tool->knots[2] = tool->knots[1];
@@ -68,19 +68,19 @@ static void make_coaxial(seld_instrument *tool, uint32_t radius_um, uint32_t bor
 }
 
 /* On the catheter, 20 mm behind its tip. */
-static void put_balloon(seld_instrument *tool)
+static void put_balloon(crn_instrument *tool)
 {
-    tool->balloon = (seld_balloon){.point_count = 2,
-                                   .distal_um = 20000,
-                                   .proximal_um = 40000,
-                                   .burst_kPa = 2000,
-                                   .pressure_kPa = {600, 1600},
-                                   .diameter_um = {4500, 5000}};
+    tool->balloon = (crn_balloon){.point_count = 2,
+                                  .distal_um = 20000,
+                                  .proximal_um = 40000,
+                                  .burst_kPa = 2000,
+                                  .pressure_kPa = {600, 1600},
+                                  .diameter_um = {4500, 5000}};
 }
 
 static int nearest_point(const reference_tube *tube, uint32_t node)
 {
-    const seld_vec3 p = seld_state_position(&state, node);
+    const crn_vec3 p = crn_state_position(&state, node);
     double least = 9;
     int best = 0;
     for (uint32_t i = 0; i < tube->point_count; i++) {
@@ -99,17 +99,17 @@ static int nearest_point(const reference_tube *tube, uint32_t node)
 static void put_lesion(reference_tube *tube)
 {
     enum { STATIONS = 23 };
-    static seld_lesion_station stations[STATIONS];
-    static seld_lesion lesion;
+    static crn_lesion_station stations[STATIONS];
+    static crn_lesion lesion;
     const double q30 = 1073741824.0;
     const double begin = nearest_point(tube, 10) - 11; /* 10 elements of 3 mm */
-    lesion = (seld_lesion){.stretch_q28 = 1 << 28,
-                           .spacing_log2_q30 = 20,
-                           .station_count = STATIONS,
-                           .yield_Pa = 100000,
-                           .full_Pa = 100000,
-                           .pace_q30 = 1 << 24,
-                           .stations = stations};
+    lesion = (crn_lesion){.stretch_q28 = 1 << 28,
+                          .spacing_log2_q30 = 20,
+                          .station_count = STATIONS,
+                          .yield_Pa = 100000,
+                          .full_Pa = 100000,
+                          .pace_q30 = 1 << 24,
+                          .stations = stations};
     for (int i = 0; i < STATIONS; i++) {
         const double at = begin + i * 1048576 / q30 * 1e3;
         const double *a = tube->points_m[(int)at], *b = tube->points_m[(int)at + 1];
@@ -149,11 +149,11 @@ static void make_beat(reference_tube *tube, uint32_t from)
 /* From now on 90 beats a minute. */
 static void begin_beating(void)
 {
-    input.rhythm = (seld_rhythm_order){SELD_RHYTHM_HEART_RATE, 90};
-    seld_step(&model, &state, &input, &output);
-    input.rhythm = (seld_rhythm_order){SELD_RHYTHM_ASYSTOLE, 0};
-    seld_step(&model, &state, &input, &output);
-    input.rhythm = (seld_rhythm_order){0, 0};
+    input.rhythm = (crn_rhythm_order){CRN_RHYTHM_HEART_RATE, 90};
+    crn_step(&model, &state, &input, &output);
+    input.rhythm = (crn_rhythm_order){CRN_RHYTHM_ASYSTOLE, 0};
+    crn_step(&model, &state, &input, &output);
+    input.rhythm = (crn_rhythm_order){0, 0};
 }
 
 /* Pushes the wire in at 0.1 m/s until the scene's edges are free, then lets it rest for half a second. */
@@ -163,7 +163,7 @@ static void insert(const scene *s)
     reference_tube *tube =
         s->on_floor ? reference_tube_make(&straight, 1, 0.0008, 1) : reference_three_bends(0.002, 1);
     if (s->beats) make_beat(tube, s->beats == ALL_BEATS ? 0 : HEART_FROM_mm);
-    seld_instrument tools[SELD_TOOL_MAX];
+    crn_instrument tools[CRN_TOOL_MAX];
     const uint32_t radius_um[] = {300, 370, 445};
     for (int k = 0; k < s->tools; k++) {
         tools[k] = reference_wire(s->on_floor ? 2e-6 : 1.85e-3, 900000, ELEMENT_um, 0.2);
@@ -171,30 +171,30 @@ static void insert(const scene *s)
         if (s->tools > 1) make_coaxial(&tools[k], radius_um[k], k > 0 ? radius_um[k - 1] : 0);
     }
     if (s->balloon_kPa > 0) put_balloon(&tools[1]);
-    seld_entry entry = reference_entry();
-    seld_build_place place;
+    crn_entry entry = reference_entry();
+    crn_build_place place;
     const uint32_t inserted_um[] = {50000, 49000, 48000};
-    if (seld_model_build(&model, tools, (uint32_t)s->tools, &tube->lumen, &entry, &place) != SELD_BUILD_OK)
+    if (crn_model_build(&model, tools, (uint32_t)s->tools, &tube->lumen, &entry, &place) != CRN_BUILD_OK)
         bench_fail("no model");
-    seld_state_init(&model, &state, inserted_um);
-    state.words.rhythm.bits = SELD_RHYTHM_WANTS_ASYSTOLE | SELD_RHYTHM_IS_RESTING;
+    crn_state_init(&model, &state, inserted_um);
+    state.words.rhythm.bits = CRN_RHYTHM_WANTS_ASYSTOLE | CRN_RHYTHM_IS_RESTING;
     for (int rest = 0; rest < 500;) {
-        if ((int)seld_state_free_count(&state) < s->elements) {
+        if ((int)crn_state_free_count(&state) < s->elements) {
             for (int k = 0; k < s->tools; k++) input.hands[k].feed_m_q30 += 107374;
         } else {
             rest++;
         }
-        seld_step(&model, &state, &input, &output);
+        crn_step(&model, &state, &input, &output);
     }
-    fprintf(stderr, "tip %d mm\n", (int)(seld_state_inserted(&state, 0) * 1e3 / 1073741824.0));
-    fprintf(stderr, "%u free nodes, %u contacts\n", seld_state_free_count(&state), output.contact_count);
+    fprintf(stderr, "tip %d mm\n", (int)(crn_state_inserted(&state, 0) * 1e3 / 1073741824.0));
+    fprintf(stderr, "%u free nodes, %u contacts\n", crn_state_free_count(&state), output.contact_count);
     if (output.contact_count < s->contacts) bench_fail("the scene has fewer contacts than its row says");
     if (s->has_lesion) put_lesion(tube);
     if (s->beats) begin_beating();
     input.inflator_Pa = s->balloon_kPa > 1 ? s->balloon_kPa * 1000 : 0;
     const int settling_ms = s->balloon_kPa > 0 ? 500 : (s->beats ? 100 : 0);
-    for (int ms = 0; ms < settling_ms; ms++) seld_step(&model, &state, &input, &output);
-    if (s->has_lesion && state.words.lesions.open_q30[0][11] < SELD_ONE_Q30 / 2)
+    for (int ms = 0; ms < settling_ms; ms++) crn_step(&model, &state, &input, &output);
+    if (s->has_lesion && state.words.lesions.open_q30[0][11] < CRN_ONE_Q30 / 2)
         bench_fail("the lesion does not give way");
     if (s->balloon_kPa > 1 && output.balloon_wall_N_q22 < (s->has_lesion ? 1 : 100) << 22)
         bench_fail("the balloon does not fill the vessel");
@@ -207,25 +207,25 @@ static double run_coronary(const bench_case *self)
     tube->lumen.motion = &reference_motion_make(reference_beating_sphere, reference_coronary_low_m,
                                                 reference_coronary_high_m, 23)
                               ->motion;
-    const seld_instrument wire = reference_coronary_wire();
-    const seld_entry entry = reference_entry();
+    const crn_instrument wire = reference_coronary_wire();
+    const crn_entry entry = reference_entry();
     const uint32_t inserted_um = 30000;
-    seld_build_place place;
-    if (seld_model_build(&model, &wire, 1, &tube->lumen, &entry, &place) != SELD_BUILD_OK)
+    crn_build_place place;
+    if (crn_model_build(&model, &wire, 1, &tube->lumen, &entry, &place) != CRN_BUILD_OK)
         bench_fail("no model");
-    seld_state_init(&model, &state, &inserted_um);
-    state.words.rhythm.bits = SELD_RHYTHM_WANTS_ASYSTOLE | SELD_RHYTHM_IS_RESTING;
-    input = (seld_input){0};
+    crn_state_init(&model, &state, &inserted_um);
+    state.words.rhythm.bits = CRN_RHYTHM_WANTS_ASYSTOLE | CRN_RHYTHM_IS_RESTING;
+    input = (crn_input){0};
     double resting_mm = 0, beating_mm = 0;
     for (int ms = 0; ms < 2500; ms++) {
         if (ms < 2000) input.hands[0].feed_m_q30 += 53687; /* 0.05 m/s */
-        seld_step(&model, &state, &input, &output);
+        crn_step(&model, &state, &input, &output);
         resting_mm = fmax(resting_mm, output.penetration_max_m_q30 * 1e3 / 1073741824.0);
     }
     if (self->argument == 0) return resting_mm;
     begin_beating();
     for (int ms = 0; ms < 60000; ms++) {
-        seld_step(&model, &state, &input, &output);
+        crn_step(&model, &state, &input, &output);
         beating_mm = fmax(beating_mm, output.penetration_max_m_q30 * 1e3 / 1073741824.0);
     }
     return beating_mm;

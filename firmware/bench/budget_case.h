@@ -1,14 +1,14 @@
 /* One measured case as a file: what budget_make.c (on the PC) hands to budget_image.c (on the Cortex-M7). The same words on
  * both sides: structs of 32-bit words, little end first. All calls of the core for the budget are in this header.
  * May include: the core. Called by: budget_make.c, budget_image.c. */
-#ifndef SELD_BUDGET_CASE_H
-#define SELD_BUDGET_CASE_H
+#ifndef CRN_BUDGET_CASE_H
+#define CRN_BUDGET_CASE_H
 
 #include "firmware/core/core_state.h"
 
 enum { BUDGET_MAGIC = 0x42444731, BUDGET_TICKS_MAX = 1000 };
 
-/* Followed by: index (padded to words), children (padded), samples (padded), state, one seld_input per tick. */
+/* Followed by: index (padded to words), children (padded), samples (padded), state, one crn_input per tick. */
 typedef struct budget_case {
     uint32_t magic;
     uint32_t ticks;
@@ -17,8 +17,8 @@ typedef struct budget_case {
     int32_t lumen_origin_m_q30[3];
     uint32_t lumen_bricks_xyz[3], lumen_child_rows, lumen_bricks;
     uint32_t tool_count;
-    seld_instrument tools[SELD_TOOL_MAX];
-    seld_entry entry;
+    crn_instrument tools[CRN_TOOL_MAX];
+    crn_entry entry;
 } budget_case;
 
 static inline uint32_t budget_padded(uint32_t bytes)
@@ -32,16 +32,16 @@ static inline const uint8_t *budget_state(const budget_case *c)
     return (const uint8_t *)(c + 1) + budget_padded(c->index_bytes) + budget_padded(c->children_bytes) +
            budget_padded(c->samples_bytes);
 }
-static inline const seld_input *budget_inputs(const budget_case *c)
+static inline const crn_input *budget_inputs(const budget_case *c)
 {
-    return (const seld_input *)(const void *)(budget_state(c) + c->state_bytes);
+    return (const crn_input *)(const void *)(budget_state(c) + c->state_bytes);
 }
 
 /* Model of a case; false when the core refuses it. `lumen` and the case must outlive the model. */
-static inline bool budget_build(const budget_case *c, seld_lumen *lumen, seld_model *model)
+static inline bool budget_build(const budget_case *c, crn_lumen *lumen, crn_model *model)
 {
     const uint8_t *field = (const uint8_t *)(c + 1);
-    *lumen = (seld_lumen){
+    *lumen = (crn_lumen){
         .origin_m_q30 = {c->lumen_origin_m_q30[0], c->lumen_origin_m_q30[1], c->lumen_origin_m_q30[2]},
         .brick_count_xyz = {c->lumen_bricks_xyz[0], c->lumen_bricks_xyz[1], c->lumen_bricks_xyz[2]},
         .child_row_count = (uint16_t)c->lumen_child_rows,
@@ -50,9 +50,9 @@ static inline bool budget_build(const budget_case *c, seld_lumen *lumen, seld_mo
         .children = (const uint16_t *)(const void *)(field + budget_padded(c->index_bytes)),
         .samples = (const int8_t *)(field + budget_padded(c->index_bytes) + budget_padded(c->children_bytes)),
     };
-    seld_build_place place;
-    return c->magic == BUDGET_MAGIC && c->state_bytes == seld_state_bytes() &&
-           seld_model_build(model, c->tools, c->tool_count, lumen, &c->entry, &place) == SELD_BUILD_OK;
+    crn_build_place place;
+    return c->magic == BUDGET_MAGIC && c->state_bytes == crn_state_bytes() &&
+           crn_model_build(model, c->tools, c->tool_count, lumen, &c->entry, &place) == CRN_BUILD_OK;
 }
 
 #endif

@@ -1,4 +1,4 @@
-/* Counts the instructions of seld_step(), and of the hash that is a part of it, on the Cortex-M7 (docs/bench.md, "budget"): reads a case, restores its state, steps,
+/* Counts the instructions of crn_step(), and of the hash that is a part of it, on the Cortex-M7 (docs/bench.md, "budget"): reads a case, restores its state, steps,
  * and prints mean, largest and smallest count, second solves, and whether the state's hash is the PC's.
  * usage (as semihosting arguments): budget_image CASE_FILE
  * May include: budget_case.h, the core, the board. Called by: make budget, in QEMU with -icount shift=0. */
@@ -9,9 +9,9 @@
 #include "firmware/port/mps2_an500/systick.h"
 
 static uint8_t file[12 << 20] __attribute__((section(".scenes"), aligned(8)));
-static seld_lumen lumen;
-static seld_model model;
-static seld_state state;
+static crn_lumen lumen;
+static crn_model model;
+static crn_state state;
 
 static void write_number(const char *name, uint32_t value)
 {
@@ -33,10 +33,10 @@ typedef struct counts {
 } counts;
 
 /* One tick between two readings; the reading itself takes less than half a count. */
-static void __attribute__((noinline)) step(const seld_input *input, seld_output *output, counts *c)
+static void __attribute__((noinline)) step(const crn_input *input, crn_output *output, counts *c)
 {
     uint32_t start = systick_now();
-    seld_step(&model, &state, input, output);
+    crn_step(&model, &state, input, output);
     uint32_t count = systick_since(start);
     c->sum += count;
     c->most = count > c->most ? count : c->most;
@@ -51,7 +51,7 @@ static void __attribute__((noinline)) step(const seld_input *input, seld_output 
 static uint32_t __attribute__((noinline)) count_hash(void)
 {
     uint32_t lane[2], start = systick_now();
-    seld_state_hash_lanes(&state, lane);
+    crn_state_hash_lanes(&state, lane);
     return systick_since(start);
 }
 
@@ -61,12 +61,12 @@ int main(int argc, char **argv)
     if (argc != 2 || semihost_read_file(argv[1], file, sizeof file) < sizeof *c) {
         return fail("budget_image: give a case file of at most 12 MB\n");
     }
-    if (!budget_build(c, &lumen, &model) || !seld_state_restore(&model, &state, budget_state(c)))
+    if (!budget_build(c, &lumen, &model) || !crn_state_restore(&model, &state, budget_state(c)))
         return fail("budget_image: the core refuses the case\n");
     counts n = {0, 0, SYSTICK_MASK, 0, 0, 0};
-    seld_output output = {0};
+    crn_output output = {0};
     systick_start();
-    seld_step(&model, &state, budget_inputs(c), &output); /* makes what a restored state lacks: not counted */
+    crn_step(&model, &state, budget_inputs(c), &output); /* makes what a restored state lacks: not counted */
     for (uint32_t tick = 1; tick < c->ticks; tick++) step(&budget_inputs(c)[tick], &output, &n);
     if (output.hash_lane[0] != c->hash_lane[0] || output.hash_lane[1] != c->hash_lane[1]) {
         return fail("budget_image: the state's hash is not the PC's\n");

@@ -36,24 +36,24 @@ static const scene scenes[] = {
 };
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 
-static seld_lumen lumen;
-static seld_model model;
-static seld_state state;
-static seld_input input, inputs[BUDGET_TICKS_MAX];
-static seld_output output;
+static crn_lumen lumen;
+static crn_model model;
+static crn_state state;
+static crn_input input, inputs[BUDGET_TICKS_MAX];
+static crn_output output;
 
 /* The reference wire; a driven one has a floppy J. */
-static seld_instrument make_wire(const scene *s)
+static crn_instrument make_wire(const scene *s)
 {
     return s->motion == DRIVEN ? reference_floppy_j(s->bend_N_m2)
                                : reference_wire(s->bend_N_m2, 900000, 3000, 0.2);
 }
 
 /* Tool k of three, thin, with a taper over 200 mm that makes the shaft half as stiff again (as in bench_rod.c). */
-static seld_instrument make_coaxial(const scene *s, uint32_t k)
+static crn_instrument make_coaxial(const scene *s, uint32_t k)
 {
     static const uint32_t radius_um[] = {300, 370, 445};
-    seld_instrument tool = reference_wire(s->bend_N_m2, 900000, 3000, 0.2);
+    crn_instrument tool = reference_wire(s->bend_N_m2, 900000, 3000, 0.2);
     tool.knot_count = 3;
     tool.knots[2] = tool.knots[1];
     tool.knots[1].arc_um = 200000;
@@ -71,14 +71,14 @@ static budget_case *make_case(const scene *s, uint32_t *bytes)
     const reference_piece straight = {0.85, 0, 0};
     reference_tube *tube = s->straight ? reference_tube_make(&straight, 1, s->tube_radius_m, 1)
                                        : reference_three_bends(s->tube_radius_m, 1);
-    const seld_lumen *l = &tube->lumen;
+    const crn_lumen *l = &tube->lumen;
     uint32_t index_bytes = 2 * l->brick_count_xyz[0] * l->brick_count_xyz[1] * l->brick_count_xyz[2];
     budget_case head = {
         .magic = BUDGET_MAGIC,
         .index_bytes = index_bytes,
         .children_bytes = 16u * l->child_row_count,
-        .samples_bytes = l->brick_count * SELD_LUMEN_BRICK_SAMPLES,
-        .state_bytes = (uint32_t)seld_state_bytes(),
+        .samples_bytes = l->brick_count * CRN_LUMEN_BRICK_SAMPLES,
+        .state_bytes = (uint32_t)crn_state_bytes(),
         .lumen_child_rows = l->child_row_count,
         .lumen_bricks = l->brick_count,
         .tool_count = s->tools,
@@ -106,33 +106,33 @@ static uint8_t *state_of(budget_case *c)
 
 static void feed(int32_t step_m_q30)
 {
-    for (int k = 0; k < SELD_TOOL_MAX; k++) input.hands[k].feed_m_q30 += step_m_q30;
+    for (int k = 0; k < CRN_TOOL_MAX; k++) input.hands[k].feed_m_q30 += step_m_q30;
 }
 
 /* Pushes the tools in at 0.1 m/s until the scene's edges are free, then lets it rest. */
 static void insert(const scene *s)
 {
     for (int rest = 0; rest < REST_TICKS;) {
-        if (seld_state_free_count(&state) < s->elements) {
+        if (crn_state_free_count(&state) < s->elements) {
             feed(FEED_m_q30);
         } else {
             rest++;
         }
-        seld_step(&model, &state, &input, &output);
+        crn_step(&model, &state, &input, &output);
     }
 }
 
 /* The tools move against each other, so that nothing is kept from tick to tick. */
 static void slide(void)
 {
-    for (int k = 1; k < SELD_TOOL_MAX; k++) {
+    for (int k = 1; k < CRN_TOOL_MAX; k++) {
         input.hands[k].feed_m_q30 += k == 1 ? 50000 : -50000;
         input.hands[k].turn32 += 3000000;
     }
 }
 
 /* To and fro at up to 0.4 m/s and 12 rad/s around where the hand is, changing direction every 50 ticks. */
-static seld_input drive(uint32_t tick, int32_t middle_m_q30)
+static crn_input drive(uint32_t tick, int32_t middle_m_q30)
 {
     static reference_random random = {20};
     static int32_t way, turn;
@@ -150,12 +150,12 @@ static seld_input drive(uint32_t tick, int32_t middle_m_q30)
 static void record(const scene *s, budget_case *c)
 {
     if (output.contact_count < s->contacts) bench_fail("the scene has fewer contacts than its row says");
-    seld_state_save(&state, state_of(c));
+    crn_state_save(&state, state_of(c));
     for (c->ticks = 0; c->ticks < MEASURED_TICKS; c->ticks++) {
         if (s->motion == INSERTS) feed(-FEED_m_q30);
         if (s->motion == SLIDES) slide();
         inputs[c->ticks] = input;
-        seld_step(&model, &state, &input, &output);
+        crn_step(&model, &state, &input, &output);
     }
     memcpy(c->hash_lane, output.hash_lane, sizeof c->hash_lane);
 }
@@ -163,15 +163,15 @@ static void record(const scene *s, budget_case *c)
 /* The tick with a second solve that has the most contacts, and the one before it; prints how many such ticks there were. */
 static void record_worst(budget_case *c)
 {
-    size_t bytes = seld_state_bytes();
+    size_t bytes = crn_state_bytes();
     uint8_t *before = calloc(2, bytes); /* the states before this tick and the last one */
-    seld_input last = input;
+    crn_input last = input;
     int32_t middle_m_q30 = input.hands[0].feed_m_q30;
     uint32_t twice = 0, most = 0;
     for (uint32_t tick = 0; tick < DRIVE_TICKS; tick++) {
-        seld_input hand = drive(tick, middle_m_q30);
-        seld_state_save(&state, before + tick % 2 * bytes);
-        seld_step(&model, &state, &hand, &output);
+        crn_input hand = drive(tick, middle_m_q30);
+        crn_state_save(&state, before + tick % 2 * bytes);
+        crn_step(&model, &state, &hand, &output);
         bool first = twice == 0;
         if (output.solve_count > 1 && tick > 0) {
             twice++;
@@ -196,9 +196,9 @@ static int make(const scene *s, const char *path)
     uint32_t bytes;
     budget_case *c = make_case(s, &bytes);
     if (!budget_build(c, &lumen, &model)) bench_fail("no model");
-    seld_state_init(&model, &state, (const uint32_t[SELD_TOOL_MAX]){50000, 49000, 48000});
+    crn_state_init(&model, &state, (const uint32_t[CRN_TOOL_MAX]){50000, 49000, 48000});
     insert(s);
-    fprintf(stderr, "%s: %u free nodes, %u contacts\n", s->context, seld_state_free_count(&state),
+    fprintf(stderr, "%s: %u free nodes, %u contacts\n", s->context, crn_state_free_count(&state),
             output.contact_count);
     if (s->motion == DRIVEN) {
         record_worst(c);

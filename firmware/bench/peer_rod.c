@@ -17,10 +17,10 @@ static const double young_Pa = 60e9, density_kg_m3 = 7850, radius_m = 0.445e-3, 
                     friction = 0.2;
 static const double pi = 3.14159265358979323846;
 
-static seld_model model;
-static seld_state state;
-static seld_input input;
-static seld_output output;
+static crn_model model;
+static crn_state state;
+static crn_input input;
+static crn_output output;
 
 static double bend_N_m2(void)
 {
@@ -35,14 +35,14 @@ static double mass_kg_m(void)
 static void set_up(int in_tube)
 {
     const reference_piece straight = {LENGTH_um * 1e-6 + 0.02, 0, 0};
-    const seld_lumen *lumen = in_tube ? &reference_tube_make(&straight, 1, tube_radius_m, 1)->lumen : NULL;
-    seld_instrument wire =
+    const crn_lumen *lumen = in_tube ? &reference_tube_make(&straight, 1, tube_radius_m, 1)->lumen : NULL;
+    crn_instrument wire =
         reference_wire(bend_N_m2(), (ELEMENTS + SPARE_ELEMENTS) * ELEMENT_um, ELEMENT_um, friction);
     for (int i = 0; i < 2; i++) wire.knots[i].mass_mg_per_m = (uint32_t)lround(mass_kg_m() * 1e6);
-    seld_entry entry = reference_entry();
-    seld_build_place place;
-    if (seld_model_build(&model, &wire, 1, lumen, &entry, &place) != SELD_BUILD_OK) bench_fail("no model");
-    seld_state_init(&model, &state, &(uint32_t){LENGTH_um});
+    crn_entry entry = reference_entry();
+    crn_build_place place;
+    if (crn_model_build(&model, &wire, 1, lumen, &entry, &place) != CRN_BUILD_OK) bench_fail("no model");
+    crn_state_init(&model, &state, &(uint32_t){LENGTH_um});
 }
 
 static int by_value(const void *a, const void *b)
@@ -53,14 +53,14 @@ static int by_value(const void *a, const void *b)
 
 static void report(const char *scene, const double *sorted_us, int ticks)
 {
-    seld_vec3 tip = seld_state_position(&state, 0);
-    printf("code=seldinger version=%d scene=%s step_us=1000 us_per_ms_min=%.4f us_per_ms_median=%.4f "
+    crn_vec3 tip = crn_state_position(&state, 0);
+    printf("code=cournand version=%d scene=%s step_us=1000 us_per_ms_min=%.4f us_per_ms_median=%.4f "
            "contacts=%u "
            "length_error_pct=%.5f tip_x_mm=%.4f tip_z_mm=%.4f elements=%u bend_N_m2=%.6g mass_g_per_m=%.5g "
            "friction=%.3g drag_per_s=20\n",
-           SELD_CORE_VERSION, scene, sorted_us[0], sorted_us[ticks / 2], output.contact_count,
+           CRN_CORE_VERSION, scene, sorted_us[0], sorted_us[ticks / 2], output.contact_count,
            output.strain_max_q30 / 1073741824.0 * 100, tip.v[0] / 1073741.824, tip.v[2] / 1073741.824,
-           seld_state_free_count(&state), bend_N_m2(), mass_kg_m() * 1e3, friction);
+           crn_state_free_count(&state), bend_N_m2(), mass_kg_m() * 1e3, friction);
 }
 
 int main(int argc, char **argv)
@@ -75,10 +75,10 @@ int main(int argc, char **argv)
     double *us = malloc((size_t)timed * sizeof *us);
     if (us == NULL) bench_fail("no memory for the times");
     set_up(in_tube);
-    for (int i = 0; i < settle; i++) seld_step(&model, &state, &input, &output);
+    for (int i = 0; i < settle; i++) crn_step(&model, &state, &input, &output);
     for (int i = 0; i < timed; i++) {
         double start = bench_now_us();
-        seld_step(&model, &state, &input, &output);
+        crn_step(&model, &state, &input, &output);
         us[i] = bench_now_us() - start;
     }
     qsort(us, (size_t)timed, sizeof *us, by_value);

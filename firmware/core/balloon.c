@@ -21,14 +21,14 @@ enum {
 
 /* --- set-up -------------------------------------------------------------------------------------------------- */
 
-static bool table_is_one(const seld_balloon *balloon, uint32_t folded_radius_um)
+static bool table_is_one(const crn_balloon *balloon, uint32_t folded_radius_um)
 {
-    if (balloon->point_count < 2 || balloon->point_count > SELD_BALLOON_POINT_MAX) {
+    if (balloon->point_count < 2 || balloon->point_count > CRN_BALLOON_POINT_MAX) {
         return false;
     }
     for (uint32_t i = 0; i < balloon->point_count; i++) {
         uint32_t kPa = balloon->pressure_kPa[i], um = balloon->diameter_um[i];
-        if (kPa < 100 || kPa > SELD_PRESSURE_MAX_Pa / 1000 || um > 20000) {
+        if (kPa < 100 || kPa > CRN_PRESSURE_MAX_Pa / 1000 || um > 20000) {
             return false;
         }
         if (i == 0 ? um * 97 / 100 <= 2 * folded_radius_um
@@ -37,17 +37,17 @@ static bool table_is_one(const seld_balloon *balloon, uint32_t folded_radius_um)
         }
     }
     return balloon->burst_kPa > balloon->pressure_kPa[balloon->point_count - 1] &&
-           balloon->burst_kPa <= SELD_PRESSURE_MAX_Pa / 1000;
+           balloon->burst_kPa <= CRN_PRESSURE_MAX_Pa / 1000;
 }
 
 /* Outer radius of a tool at a place between its knots. Set-up only. */
-static uint32_t radius_at_um(const seld_instrument *tool, uint32_t arc_um)
+static uint32_t radius_at_um(const crn_instrument *tool, uint32_t arc_um)
 {
     uint32_t i = 0;
     while (i + 2 < tool->knot_count && tool->knots[i + 1].arc_um <= arc_um) {
         i++;
     }
-    const seld_knot *a = &tool->knots[i], *b = &tool->knots[i + 1];
+    const crn_knot *a = &tool->knots[i], *b = &tool->knots[i + 1];
     if (arc_um <= a->arc_um || a->arc_um == b->arc_um) {
         return a->radius_outer_um;
     }
@@ -56,11 +56,11 @@ static uint32_t radius_at_um(const seld_instrument *tool, uint32_t arc_um)
     }
     uint64_t before = arc_um - a->arc_um, after = b->arc_um - arc_um;
     uint64_t sum = a->radius_outer_um * after + b->radius_outer_um * before;
-    return (uint32_t)seld_divide_u64(sum, b->arc_um - a->arc_um);
+    return (uint32_t)crn_divide_u64(sum, b->arc_um - a->arc_um);
 }
 
 /* The widest place of the tool under the balloon: what it measures folded. */
-static uint32_t folded_um(const seld_instrument *tool)
+static uint32_t folded_um(const crn_instrument *tool)
 {
     uint32_t distal = radius_at_um(tool, tool->balloon.distal_um),
              proximal = radius_at_um(tool, tool->balloon.proximal_um);
@@ -74,37 +74,36 @@ static uint32_t folded_um(const seld_instrument *tool)
     return widest;
 }
 
-seld_build_status seld_balloon_check(const seld_instrument *tools, uint32_t tool_count,
-                                     seld_build_place *place)
+crn_build_status crn_balloon_check(const crn_instrument *tools, uint32_t tool_count, crn_build_place *place)
 {
     uint32_t found = 0;
     for (uint32_t k = 0; k < tool_count; k++) {
-        const seld_balloon *balloon = &tools[k].balloon;
+        const crn_balloon *balloon = &tools[k].balloon;
         if (balloon->point_count == 0) {
             continue;
         }
-        *place = (seld_build_place){k, 0};
+        *place = (crn_build_place){k, 0};
         uint32_t end_um = tools[k].knots[tools[k].knot_count - 1].arc_um, folded = folded_um(&tools[k]);
         bool lies_on_it = balloon->distal_um < balloon->proximal_um && balloon->proximal_um <= end_um &&
                           balloon->proximal_um - balloon->distal_um >= 2000 &&
                           balloon->proximal_um - balloon->distal_um <= 60000;
         if (++found > 1 || !lies_on_it || folded == 0 || !table_is_one(balloon, folded)) {
-            return SELD_BUILD_BALLOON;
+            return CRN_BUILD_BALLOON;
         }
     }
-    *place = (seld_build_place){0, 0};
-    return SELD_BUILD_OK;
+    *place = (crn_build_place){0, 0};
+    return CRN_BUILD_OK;
 }
 
 static int32_t um_to_q30(uint32_t um)
 {
-    return (int32_t)seld_divide_u64(((uint64_t)um << 30) + 500000u, 1000000u);
+    return (int32_t)crn_divide_u64(((uint64_t)um << 30) + 500000u, 1000000u);
 }
 
-void seld_balloon_build(seld_balloon_model *model, const seld_instrument *tools, uint32_t tool_count)
+void crn_balloon_build(crn_balloon_model *model, const crn_instrument *tools, uint32_t tool_count)
 {
     for (uint32_t k = 0; k < tool_count; k++) {
-        const seld_balloon *balloon = &tools[k].balloon;
+        const crn_balloon *balloon = &tools[k].balloon;
         if (balloon->point_count == 0) {
             continue;
         }
@@ -112,16 +111,16 @@ void seld_balloon_build(seld_balloon_model *model, const seld_instrument *tools,
         model->distal_m_q30 = um_to_q30(balloon->distal_um);
         int32_t length = um_to_q30(balloon->proximal_um) - model->distal_m_q30;
         uint32_t gaps = (uint32_t)(length + LENGTH_OF_BALL_M_Q30 / 2) / LENGTH_OF_BALL_M_Q30;
-        gaps = gaps > SELD_BALLOON_BALL_MAX - 1 ? SELD_BALLOON_BALL_MAX - 1 : gaps;
+        gaps = gaps > CRN_BALLOON_BALL_MAX - 1 ? CRN_BALLOON_BALL_MAX - 1 : gaps;
         model->ball_count = gaps + 1;
-        model->spacing_m_q30 = (int32_t)seld_divide_u64((uint64_t)(uint32_t)length, gaps);
+        model->spacing_m_q30 = (int32_t)crn_divide_u64((uint64_t)(uint32_t)length, gaps);
         model->burst_Pa = (int32_t)balloon->burst_kPa * 1000;
         model->point_count = balloon->point_count + 2;
         model->pressure_Pa[0] = 0;
         model->radius_m_q30[0] = um_to_q30(folded_um(&tools[k]));
         int32_t first = um_to_q30(balloon->diameter_um[0]) / 2;
-        model->pressure_Pa[1] = SELD_BALLOON_UNFOLD_Pa;
-        model->radius_m_q30[1] = seld_scale_q30(first, UNFOLDED_Q30);
+        model->pressure_Pa[1] = CRN_BALLOON_UNFOLD_Pa;
+        model->radius_m_q30[1] = crn_scale_q30(first, UNFOLDED_Q30);
         for (uint32_t i = 0; i < balloon->point_count; i++) {
             model->pressure_Pa[i + 2] = (int32_t)balloon->pressure_kPa[i] * 1000;
             model->radius_m_q30[i + 2] = um_to_q30(balloon->diameter_um[i]) / 2;
@@ -135,10 +134,10 @@ void seld_balloon_build(seld_balloon_model *model, const seld_instrument *tools,
  * that. */
 static int32_t on_line(int32_t x, int32_t x0, int32_t x1, int32_t y0, int32_t y1)
 {
-    return y0 + seld_scale_q30(y1 - y0, seld_quotient(x - x0, x1 - x0, 28)) * 4;
+    return y0 + crn_scale_q30(y1 - y0, crn_quotient(x - x0, x1 - x0, 28)) * 4;
 }
 
-int32_t seld_balloon_free_radius(const seld_balloon_model *model, int32_t pressure_Pa)
+int32_t crn_balloon_free_radius(const crn_balloon_model *model, int32_t pressure_Pa)
 {
     const int32_t *p = model->pressure_Pa, *r = model->radius_m_q30;
     if (pressure_Pa <= 0) {
@@ -151,7 +150,7 @@ int32_t seld_balloon_free_radius(const seld_balloon_model *model, int32_t pressu
     return on_line(pressure_Pa, p[i], p[i + 1], r[i], r[i + 1]);
 }
 
-int32_t seld_balloon_own_pressure(const seld_balloon_model *model, int32_t radius_m_q30)
+int32_t crn_balloon_own_pressure(const crn_balloon_model *model, int32_t radius_m_q30)
 {
     const int32_t *p = model->pressure_Pa, *r = model->radius_m_q30;
     if (radius_m_q30 <= r[1]) {
@@ -171,14 +170,14 @@ typedef struct place {
     uint32_t node;     /* between this one and the next */
     int32_t share_q30; /* of the next */
     bool is_free;      /* beyond the inserter, and no other tool around it */
-    seld_vec3 point_m_q30;
-    seld_vec3 along_q30; /* unit vector towards the hand */
+    crn_vec3 point_m_q30;
+    crn_vec3 along_q30; /* unit vector towards the hand */
 } place;
 
 /* `from` is a node at or before it: the balls are looked up from the tip to the hand. */
-static place place_of(const seld_model *model, const seld_state *state, uint32_t ball, uint32_t from)
+static place place_of(const crn_model *model, const crn_state *state, uint32_t ball, uint32_t from)
 {
-    const seld_balloon_model *balloon = &model->balloon;
+    const crn_balloon_model *balloon = &model->balloon;
     int32_t arc = state->line.offset_m_q30[balloon->tool] + balloon->distal_m_q30 +
                   (int32_t)ball * balloon->spacing_m_q30;
     uint32_t i = from;
@@ -193,70 +192,70 @@ static place place_of(const seld_model *model, const seld_state *state, uint32_t
     if (!at.is_free) {
         return at;
     }
-    at.share_q30 = seld_clamp(seld_quotient(arc - model->mesh[i].arc_m_q30, model->mesh[i].length_m_q30, 30),
-                              0, SELD_ONE_Q30);
-    const seld_vec3 *a = &state->scratch.nodes[i].position_m_q30,
-                    *b = &state->scratch.nodes[i + 1].position_m_q30;
+    at.share_q30 = crn_clamp(crn_quotient(arc - model->mesh[i].arc_m_q30, model->mesh[i].length_m_q30, 30), 0,
+                             CRN_ONE_Q30);
+    const crn_vec3 *a = &state->scratch.nodes[i].position_m_q30,
+                   *b = &state->scratch.nodes[i + 1].position_m_q30;
     for (int k = 0; k < 3; k++) {
         /* an edge is shorter than 2^25 */
-        at.point_m_q30.v[k] = a->v[k] + seld_scale_q30(b->v[k] - a->v[k], at.share_q30);
+        at.point_m_q30.v[k] = a->v[k] + crn_scale_q30(b->v[k] - a->v[k], at.share_q30);
     }
     return at;
 }
 
 /* Where a place in the world lies in the pose that the lumen is described in. */
-static seld_vec3 in_reference(const seld_model *model, seld_state *state, const seld_vec3 *place_m_q30)
+static crn_vec3 in_reference(const crn_model *model, crn_state *state, const crn_vec3 *place_m_q30)
 {
-    const seld_motion *motion = model->lumen->motion;
-    return motion == NULL ? *place_m_q30 : seld_motion_pull(motion, &state->scratch.pose, place_m_q30);
+    const crn_motion *motion = model->lumen->motion;
+    return motion == NULL ? *place_m_q30 : crn_motion_pull(motion, &state->scratch.pose, place_m_q30);
 }
 
 /* `section`: of the open lesion that the ball is in; NULL: it is in none. */
-static int32_t wall_distance(const seld_model *model, seld_state *state, const seld_lesion_section *section,
-                             const seld_vec3 *place_m_q30)
+static int32_t wall_distance(const crn_model *model, crn_state *state, const crn_lesion_section *section,
+                             const crn_vec3 *place_m_q30)
 {
-    const seld_lumen *lumen = model->lumen;
+    const crn_lumen *lumen = model->lumen;
     if (lumen == NULL) {
         return -FELT_M_Q30;
     }
     if (section != NULL) {
-        const seld_vec3 reference = in_reference(model, state, place_m_q30);
-        return seld_lesion_section_distance(lumen, section, &reference);
+        const crn_vec3 reference = in_reference(model, state, place_m_q30);
+        return crn_lesion_section_distance(lumen, section, &reference);
     }
     return lumen->motion == NULL
-               ? seld_lumen_distance(lumen, place_m_q30)
-               : seld_motion_contact(lumen, lumen->motion, &state->scratch.pose, place_m_q30).distance_m_q30;
+               ? crn_lumen_distance(lumen, place_m_q30)
+               : crn_motion_contact(lumen, lumen->motion, &state->scratch.pose, place_m_q30).distance_m_q30;
 }
 
 /* --- growing ------------------------------------------------------------------------------------------------- */
 
 /* What a ball measures: folded, while it is in the inserter or in another tool and its own radius is 0. */
-static int32_t radius_of(const seld_model *model, const seld_balloon_ball *ball)
+static int32_t radius_of(const crn_model *model, const crn_balloon_ball *ball)
 {
     const int32_t folded = model->balloon.radius_m_q30[0];
     return ball->radius_m_q30 > folded ? ball->radius_m_q30 : folded;
 }
 
 /* The centre before this tick's growth: carried by the wall that holds it, or following the line. */
-static seld_vec3 carried(const seld_model *model, seld_state *state, const seld_balloon_ball *ball,
-                         const place *at)
+static crn_vec3 carried(const crn_model *model, crn_state *state, const crn_balloon_ball *ball,
+                        const place *at)
 {
-    seld_vec3 centre = ball->centre_m_q30;
+    crn_vec3 centre = ball->centre_m_q30;
     if (ball->wall_N_q22 > 0 && model->lumen != NULL) {
         if (model->lumen->motion != NULL) {
-            (void)seld_motion_contact(model->lumen, model->lumen->motion, &state->scratch.pose, &centre);
-            seld_vec3 step = seld_motion_wall_step(model->lumen->motion, &state->scratch.pose);
+            (void)crn_motion_contact(model->lumen, model->lumen->motion, &state->scratch.pose, &centre);
+            crn_vec3 step = crn_motion_wall_step(model->lumen->motion, &state->scratch.pose);
             for (int k = 0; k < 3; k++) {
                 centre.v[k] += step.v[k] / 8;
             }
         }
         return centre;
     }
-    seld_vec3 off = seld_vec3_sub(centre, at->point_m_q30);
-    int32_t along = seld_vec3_dot_unit(&off, &at->along_q30);
+    crn_vec3 off = crn_vec3_sub(centre, at->point_m_q30);
+    int32_t along = crn_vec3_dot_unit(&off, &at->along_q30);
     for (int k = 0; k < 3; k++) {
-        int32_t across = off.v[k] - seld_scale_q30(along, at->along_q30.v[k]);
-        centre.v[k] = at->point_m_q30.v[k] + across - seld_asr32(across, FOLLOW_LOG2);
+        int32_t across = off.v[k] - crn_scale_q30(along, at->along_q30.v[k]);
+        centre.v[k] = at->point_m_q30.v[k] + across - crn_asr32(across, FOLLOW_LOG2);
     }
     return centre;
 }
@@ -272,7 +271,7 @@ static int32_t wall_force(int32_t pressure_Pa, int32_t radius_m_q30, int32_t len
 }
 
 /* Two directions across the line, at right angles; turned by 45 degrees from tick to tick, so that eight are felt. */
-static void directions(const seld_vec3 *along_q30, bool is_turned, seld_vec3 pair_q30[2])
+static void directions(const crn_vec3 *along_q30, bool is_turned, crn_vec3 pair_q30[2])
 {
     int least = 0;
     for (int k = 1; k < 3; k++) {
@@ -280,14 +279,14 @@ static void directions(const seld_vec3 *along_q30, bool is_turned, seld_vec3 pai
         int32_t best = along_q30->v[least] < 0 ? -along_q30->v[least] : along_q30->v[least];
         least = here < best ? k : least;
     }
-    seld_vec3 helper = {{0, 0, 0}};
-    helper.v[least] = SELD_ONE_Q30;
-    seld_vec3 first = seld_vec3_normalise(seld_vec3_cross_unit(along_q30, &helper), helper, NULL);
-    seld_vec3 second = seld_vec3_cross_unit(along_q30, &first);
+    crn_vec3 helper = {{0, 0, 0}};
+    helper.v[least] = CRN_ONE_Q30;
+    crn_vec3 first = crn_vec3_normalise(crn_vec3_cross_unit(along_q30, &helper), helper, NULL);
+    crn_vec3 second = crn_vec3_cross_unit(along_q30, &first);
     for (int k = 0; k < 3; k++) {
-        int32_t sum = seld_scale_q30(first.v[k], ROOT_HALF_Q30) + seld_scale_q30(second.v[k], ROOT_HALF_Q30);
+        int32_t sum = crn_scale_q30(first.v[k], ROOT_HALF_Q30) + crn_scale_q30(second.v[k], ROOT_HALF_Q30);
         int32_t difference =
-            seld_scale_q30(first.v[k], ROOT_HALF_Q30) - seld_scale_q30(second.v[k], ROOT_HALF_Q30);
+            crn_scale_q30(first.v[k], ROOT_HALF_Q30) - crn_scale_q30(second.v[k], ROOT_HALF_Q30);
         pair_q30[0].v[k] = is_turned ? sum : first.v[k];
         pair_q30[1].v[k] = is_turned ? difference : second.v[k];
     }
@@ -295,20 +294,19 @@ static void directions(const seld_vec3 *along_q30, bool is_turned, seld_vec3 pai
 
 /* How far the wall is behind (+) or before the ball's surface in a direction. The field is right at a wall, not on the axis of a narrow
  * vessel, where its spline rounds the ridge off. */
-static int32_t behind_wall(const seld_model *model, seld_state *state, const seld_lesion_section *section,
-                           const seld_vec3 *centre_m_q30, const seld_vec3 *direction_q30,
-                           int32_t radius_m_q30)
+static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_lesion_section *section,
+                           const crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30, int32_t radius_m_q30)
 {
-    seld_vec3 surface;
+    crn_vec3 surface;
     for (int k = 0; k < 3; k++) {
-        surface.v[k] = seld_add_sat(centre_m_q30->v[k], seld_scale_q30(radius_m_q30, direction_q30->v[k]));
+        surface.v[k] = crn_add_sat(centre_m_q30->v[k], crn_scale_q30(radius_m_q30, direction_q30->v[k]));
     }
-    return seld_clamp(wall_distance(model, state, section, &surface), -FELT_M_Q30, FELT_M_Q30);
+    return crn_clamp(wall_distance(model, state, section, &surface), -FELT_M_Q30, FELT_M_Q30);
 }
 
 /* Moves the ball between the walls of one direction; returns how much narrower than its diameter the room is, halved; below 0: wider. */
-static int32_t fit_between(const seld_model *model, seld_state *state, const seld_lesion_section *section,
-                           seld_vec3 *centre_m_q30, const seld_vec3 *direction_q30, int32_t radius_m_q30)
+static int32_t fit_between(const crn_model *model, crn_state *state, const crn_lesion_section *section,
+                           crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30, int32_t radius_m_q30)
 {
     int32_t ahead = behind_wall(model, state, section, centre_m_q30, direction_q30, radius_m_q30);
     int32_t back = behind_wall(model, state, section, centre_m_q30, direction_q30, -radius_m_q30);
@@ -320,41 +318,41 @@ static int32_t fit_between(const seld_model *model, seld_state *state, const sel
     } else if (back > 0) {
         way = -back;
     }
-    way = seld_clamp(way, -FIT_M_Q30, FIT_M_Q30);
+    way = crn_clamp(way, -FIT_M_Q30, FIT_M_Q30);
     for (int k = 0; k < 3; k++) {
-        centre_m_q30->v[k] = seld_sub_sat(centre_m_q30->v[k], seld_scale_q30(way, direction_q30->v[k]));
+        centre_m_q30->v[k] = crn_sub_sat(centre_m_q30->v[k], crn_scale_q30(way, direction_q30->v[k]));
     }
     return (ahead + back) / 2;
 }
 
 /* One ball's tick. `length` is that of the wall it stands for. Returns the pressure that it has on the wall. */
-static int32_t grow(const seld_model *model, seld_state *state, uint32_t number, const place *at,
+static int32_t grow(const crn_model *model, crn_state *state, uint32_t number, const place *at,
                     int32_t pressure_Pa, int32_t length_m_q30)
 {
-    const seld_balloon_model *balloon = &model->balloon;
-    seld_balloon_ball *ball = &state->words.balloon.balls[number];
+    const crn_balloon_model *balloon = &model->balloon;
+    crn_balloon_ball *ball = &state->words.balloon.balls[number];
     const int32_t folded = balloon->radius_m_q30[0];
-    int32_t wanted = seld_balloon_free_radius(balloon, pressure_Pa);
+    int32_t wanted = crn_balloon_free_radius(balloon, pressure_Pa);
     int32_t grown = ball->radius_m_q30 < wanted
-                        ? seld_clamp(wanted, 0, ball->radius_m_q30 + GROW_M_Q30)
-                        : seld_clamp(wanted, ball->radius_m_q30 - GROW_M_Q30, INT32_MAX);
-    seld_vec3 centre = carried(model, state, ball, at), pair[2];
+                        ? crn_clamp(wanted, 0, ball->radius_m_q30 + GROW_M_Q30)
+                        : crn_clamp(wanted, ball->radius_m_q30 - GROW_M_Q30, INT32_MAX);
+    crn_vec3 centre = carried(model, state, ball, at), pair[2];
     directions(&at->along_q30, (state->words.tick & 1) != 0, pair);
     int32_t missing = -FELT_M_Q30;
-    seld_lesion_section open;
-    const seld_lesion_section *section = NULL;
+    crn_lesion_section open;
+    const crn_lesion_section *section = NULL;
     if (state->words.lesions.bits != 0 && model->lumen != NULL) {
-        const seld_vec3 reference = in_reference(model, state, &centre);
+        const crn_vec3 reference = in_reference(model, state, &centre);
         section =
-            seld_lesion_section_at(model->lumen, &state->words.lesions, &reference, &open) ? &open : NULL;
+            crn_lesion_section_at(model->lumen, &state->words.lesions, &reference, &open) ? &open : NULL;
     }
     for (int d = 0; d < 2; d++) {
         int32_t here = fit_between(model, state, section, &centre, &pair[d], grown);
         missing = here > missing ? here : missing;
     }
     ball->centre_m_q30 = centre;
-    ball->radius_m_q30 = missing > 0 ? seld_clamp(grown - missing, folded, grown) : grown;
-    int32_t left_Pa = pressure_Pa - seld_balloon_own_pressure(balloon, ball->radius_m_q30);
+    ball->radius_m_q30 = missing > 0 ? crn_clamp(grown - missing, folded, grown) : grown;
+    int32_t left_Pa = pressure_Pa - crn_balloon_own_pressure(balloon, ball->radius_m_q30);
     const uint32_t bit = 1u << number, confines = missing > -CLOSE_M_Q30 ? bit : 0;
     uint32_t *bits = state->words.balloon.confined_bits;
     bits[state->words.tick & 1] = (bits[state->words.tick & 1] & ~bit) | confines;
@@ -363,40 +361,40 @@ static int32_t grow(const seld_model *model, seld_state *state, uint32_t number,
     return is_confined ? left_Pa : 0;
 }
 
-static void fold(const seld_model *model, seld_balloon_state *words, uint32_t number, const place *at)
+static void fold(const crn_model *model, crn_balloon_state *words, uint32_t number, const place *at)
 {
     words->confined_bits[0] &= ~(1u << number);
     words->confined_bits[1] &= ~(1u << number);
     words->balls[number] =
-        (seld_balloon_ball){at->point_m_q30, at->is_free ? model->balloon.radius_m_q30[0] : 0, 0};
+        (crn_balloon_ball){at->point_m_q30, at->is_free ? model->balloon.radius_m_q30[0] : 0, 0};
 }
 
 /* The spring into the matrix: on each of the two nodes as if it stood alone, which is never softer than the pair. */
-static void tie(const seld_model *model, seld_state *state, const place *at)
+static void tie(const crn_model *model, crn_state *state, const place *at)
 {
     const int32_t stiffness = STIFFNESS_N_m << model->stiffness_exponent;
-    const int32_t second = seld_scale_q30(stiffness, at->share_q30), parts[2] = {stiffness - second, second};
+    const int32_t second = crn_scale_q30(stiffness, at->share_q30), parts[2] = {stiffness - second, second};
     for (uint32_t n = 0; n < 2; n++) {
-        seld_work *work = &state->scratch.nodes[at->node + n];
+        crn_work *work = &state->scratch.nodes[at->node + n];
         work->tied += parts[n];
     }
 }
 
-void seld_balloon_find(const seld_model *model, seld_state *state, int32_t inflator_Pa)
+void crn_balloon_find(const crn_model *model, crn_state *state, int32_t inflator_Pa)
 {
-    const seld_balloon_model *balloon = &model->balloon;
-    seld_balloon_state *words = &state->words.balloon;
+    const crn_balloon_model *balloon = &model->balloon;
+    crn_balloon_state *words = &state->words.balloon;
     if (balloon->ball_count == 0) {
         return;
     }
-    int32_t pressure = seld_clamp(inflator_Pa, 0, SELD_PRESSURE_MAX_Pa);
+    int32_t pressure = crn_clamp(inflator_Pa, 0, CRN_PRESSURE_MAX_Pa);
     if (pressure > balloon->burst_Pa) {
-        words->bits |= SELD_BALLOON_BURST;
+        words->bits |= CRN_BALLOON_BURST;
     }
-    words->pressure_Pa = (words->bits & SELD_BALLOON_BURST) != 0 ? 0 : pressure;
+    words->pressure_Pa = (words->bits & CRN_BALLOON_BURST) != 0 ? 0 : pressure;
     uint32_t node = 0;
     for (uint32_t j = 0; j < balloon->ball_count; j++) {
-        seld_balloon_ball *ball = &words->balls[j];
+        crn_balloon_ball *ball = &words->balls[j];
         place at = place_of(model, state, j, node);
         node = at.node;
         state->scratch.press_Pa[j] = 0;
@@ -416,13 +414,13 @@ void seld_balloon_find(const seld_model *model, seld_state *state, int32_t infla
 
 /* --- forces -------------------------------------------------------------------------------------------------- */
 
-static bool is_tied(const seld_model *model, const seld_state *state, uint32_t ball, const place *at)
+static bool is_tied(const crn_model *model, const crn_state *state, uint32_t ball, const place *at)
 {
     return at->is_free && (state->words.balloon.balls[ball].radius_m_q30 > model->balloon.radius_m_q30[0] ||
                            state->words.balloon.pressure_Pa > 0);
 }
 
-void seld_balloon_forces(const seld_model *model, seld_state *state)
+void crn_balloon_forces(const crn_model *model, crn_state *state)
 {
     uint32_t node = 0;
     for (uint32_t j = 0; j < model->balloon.ball_count; j++) {
@@ -431,69 +429,68 @@ void seld_balloon_forces(const seld_model *model, seld_state *state)
         if (!is_tied(model, state, j, &at)) {
             continue;
         }
-        seld_vec3 miss = seld_vec3_sub(state->words.balloon.balls[j].centre_m_q30, at.point_m_q30);
+        crn_vec3 miss = crn_vec3_sub(state->words.balloon.balls[j].centre_m_q30, at.point_m_q30);
         for (int k = 0; k < 3; k++) {
             /* Q30 m times N/m -> Q22 N; limited as contacts are */
             int64_t pull = ((int64_t)miss.v[k] * STIFFNESS_N_m) >> 8;
-            int32_t force = seld_clamp(seld_sat32(pull), -BALL_MAX_N_Q22, BALL_MAX_N_Q22);
-            int32_t second = seld_scale_q30(force, at.share_q30);
-            seld_work *work = &state->scratch.nodes[at.node];
-            work[0].force_N_q22.v[k] = seld_add_sat(work[0].force_N_q22.v[k], force - second);
-            work[1].force_N_q22.v[k] = seld_add_sat(work[1].force_N_q22.v[k], second);
+            int32_t force = crn_clamp(crn_sat32(pull), -BALL_MAX_N_Q22, BALL_MAX_N_Q22);
+            int32_t second = crn_scale_q30(force, at.share_q30);
+            crn_work *work = &state->scratch.nodes[at.node];
+            work[0].force_N_q22.v[k] = crn_add_sat(work[0].force_N_q22.v[k], force - second);
+            work[1].force_N_q22.v[k] = crn_add_sat(work[1].force_N_q22.v[k], second);
         }
     }
 }
 
 /* N dr/ds: where the balloon widens the wall pushes it on. Central difference over the neighbours. Towards the hand. */
-static int32_t taper_force(const seld_model *model, const seld_state *state, uint32_t j)
+static int32_t taper_force(const crn_model *model, const crn_state *state, uint32_t j)
 {
-    const seld_balloon_ball *balls = state->words.balloon.balls;
+    const crn_balloon_ball *balls = state->words.balloon.balls;
     const uint32_t last = model->balloon.ball_count - 1;
     const uint32_t before = j > 0 ? j - 1 : 0, after = j < last ? j + 1 : last;
     int32_t wider = balls[after].radius_m_q30 - balls[before].radius_m_q30;
-    int32_t slope_q28 = seld_quotient(wider, (int32_t)(after - before) * model->balloon.spacing_m_q30, 28);
-    slope_q28 = seld_clamp(slope_q28, -(1 << 28), 1 << 28); /* 45 degrees */
-    return seld_scale_q30(balls[j].wall_N_q22, slope_q28) * 4;
+    int32_t slope_q28 = crn_quotient(wider, (int32_t)(after - before) * model->balloon.spacing_m_q30, 28);
+    slope_q28 = crn_clamp(slope_q28, -(1 << 28), 1 << 28); /* 45 degrees */
+    return crn_scale_q30(balls[j].wall_N_q22, slope_q28) * 4;
 }
 
 /* What the wall cannot hold slips along the line. */
-static void slip(const seld_model *model, seld_state *state, uint32_t j, const place *at)
+static void slip(const crn_model *model, crn_state *state, uint32_t j, const place *at)
 {
-    seld_balloon_ball *ball = &state->words.balloon.balls[j];
-    const seld_work *work = &state->scratch.nodes[at->node];
-    seld_vec3 way; /* from the centre to the line after the solve */
+    crn_balloon_ball *ball = &state->words.balloon.balls[j];
+    const crn_work *work = &state->scratch.nodes[at->node];
+    crn_vec3 way; /* from the centre to the line after the solve */
     for (int k = 0; k < 3; k++) {
         int32_t a = work[0].solution_m_q33.v[k], b = work[1].solution_m_q33.v[k];
-        int32_t moved = (a + seld_scale_q30(b - a, at->share_q30)) >> 3;
+        int32_t moved = (a + crn_scale_q30(b - a, at->share_q30)) >> 3;
         way.v[k] = at->point_m_q30.v[k] + moved - ball->centre_m_q30.v[k];
     }
-    int32_t along = seld_vec3_dot_unit(&way, &at->along_q30);
-    seld_vec3 across = {{way.v[0] - seld_scale_q30(along, at->along_q30.v[0]),
-                         way.v[1] - seld_scale_q30(along, at->along_q30.v[1]),
-                         way.v[2] - seld_scale_q30(along, at->along_q30.v[2])}};
+    int32_t along = crn_vec3_dot_unit(&way, &at->along_q30);
+    crn_vec3 across = {{way.v[0] - crn_scale_q30(along, at->along_q30.v[0]),
+                        way.v[1] - crn_scale_q30(along, at->along_q30.v[1]),
+                        way.v[2] - crn_scale_q30(along, at->along_q30.v[2])}};
     int32_t off;
-    (void)seld_vec3_normalise(across, across, &off);
+    (void)crn_vec3_normalise(across, across, &off);
     int64_t pressed = (int64_t)ball->wall_N_q22 + (((int64_t)off * STIFFNESS_N_m) >> 8);
-    int32_t holds = seld_scale_q30(seld_sat32(pressed), state->line.nodes[at->node].static_q30);
+    int32_t holds = crn_scale_q30(crn_sat32(pressed), state->line.nodes[at->node].static_q30);
     int32_t taper = taper_force(model, state, j);
     int64_t pull = (((int64_t)along * STIFFNESS_N_m) >> 8) + taper;
     int64_t excess = pull > holds ? pull - holds : (pull < -(int64_t)holds ? pull + holds : 0);
     /* Q22 N / (N/m) -> Q30 m */
-    int32_t slipped =
-        seld_clamp(seld_scale_q30(seld_sat32(excess), BY_STIFFNESS_Q30), -SLIP_M_Q30, SLIP_M_Q30);
+    int32_t slipped = crn_clamp(crn_scale_q30(crn_sat32(excess), BY_STIFFNESS_Q30), -SLIP_M_Q30, SLIP_M_Q30);
     for (int k = 0; k < 3; k++) {
-        ball->centre_m_q30.v[k] += seld_scale_q30(slipped, at->along_q30.v[k]);
+        ball->centre_m_q30.v[k] += crn_scale_q30(slipped, at->along_q30.v[k]);
     }
     if (model->tool_count > 1) {
         int32_t *axial = &state->scratch.axial_N_q22[model->balloon.tool];
         int64_t drag = -(((int64_t)(along - slipped) * STIFFNESS_N_m) >> 8);
-        *axial = seld_add_sat(*axial, seld_sat32(drag));
+        *axial = crn_add_sat(*axial, crn_sat32(drag));
     }
 }
 
-void seld_balloon_finish(const seld_model *model, seld_state *state, seld_output *output)
+void crn_balloon_finish(const crn_model *model, crn_state *state, crn_output *output)
 {
-    const seld_balloon_state *words = &state->words.balloon;
+    const crn_balloon_state *words = &state->words.balloon;
     uint32_t node = 0;
     int64_t sum = 0;
     output->balloon_bits = words->bits;
@@ -514,14 +511,14 @@ void seld_balloon_finish(const seld_model *model, seld_state *state, seld_output
             is_first || radius < output->balloon_radius_min_m_q30 ? radius : output->balloon_radius_min_m_q30;
         sum += words->balls[j].wall_N_q22;
     }
-    output->balloon_wall_N_q22 = seld_sat32(sum);
+    output->balloon_wall_N_q22 = crn_sat32(sum);
 }
 
-uint32_t seld_state_balloon(const seld_model *model, const seld_state *state,
-                            int32_t radii_m_q30[SELD_BALLOON_BALL_MAX], int32_t *arc_m_q30,
-                            int32_t *spacing_m_q30)
+uint32_t crn_state_balloon(const crn_model *model, const crn_state *state,
+                           int32_t radii_m_q30[CRN_BALLOON_BALL_MAX], int32_t *arc_m_q30,
+                           int32_t *spacing_m_q30)
 {
-    const seld_balloon_model *balloon = &model->balloon;
+    const crn_balloon_model *balloon = &model->balloon;
     *arc_m_q30 =
         balloon->ball_count > 0 ? state->line.offset_m_q30[balloon->tool] + balloon->distal_m_q30 : 0;
     *spacing_m_q30 = balloon->spacing_m_q30;
@@ -533,11 +530,11 @@ uint32_t seld_state_balloon(const seld_model *model, const seld_state *state,
 
 /* --- a restored state ---------------------------------------------------------------------------------------- */
 
-bool seld_balloon_is_valid(const seld_model *model, const seld_balloon_state *balloon)
+bool crn_balloon_is_valid(const crn_model *model, const crn_balloon_state *balloon)
 {
     const int32_t radius_max_m_q30 = 1 << 24;
-    if (balloon->bits > SELD_BALLOON_BURST || balloon->pressure_Pa < 0 ||
-        balloon->pressure_Pa > SELD_PRESSURE_MAX_Pa) {
+    if (balloon->bits > CRN_BALLOON_BURST || balloon->pressure_Pa < 0 ||
+        balloon->pressure_Pa > CRN_PRESSURE_MAX_Pa) {
         return false;
     }
     bool has_one = model->balloon.ball_count > 0;
@@ -547,15 +544,15 @@ bool seld_balloon_is_valid(const seld_model *model, const seld_balloon_state *ba
     if (!has_one && (balloon->bits != 0 || balloon->pressure_Pa != 0)) {
         return false;
     }
-    for (uint32_t j = 0; j < SELD_BALLOON_BALL_MAX; j++) {
-        const seld_balloon_ball *ball = &balloon->balls[j];
+    for (uint32_t j = 0; j < CRN_BALLOON_BALL_MAX; j++) {
+        const crn_balloon_ball *ball = &balloon->balls[j];
         int32_t most = j < model->balloon.ball_count ? INT32_MAX : 0;
         bool fits = ball->radius_m_q30 >= 0 &&
                     ball->radius_m_q30 <= (most > radius_max_m_q30 ? radius_max_m_q30 : most) &&
                     ball->wall_N_q22 >= 0 &&
                     ball->wall_N_q22 <= (most > BALL_MAX_N_Q22 ? BALL_MAX_N_Q22 : most);
         for (int k = 0; k < 3; k++) {
-            int32_t place_max = most > SELD_POSITION_MAX_M_Q30 ? SELD_POSITION_MAX_M_Q30 : most;
+            int32_t place_max = most > CRN_POSITION_MAX_M_Q30 ? CRN_POSITION_MAX_M_Q30 : most;
             fits = fits && ball->centre_m_q30.v[k] <= place_max && ball->centre_m_q30.v[k] >= -place_max;
         }
         if (!fits) {

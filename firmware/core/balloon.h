@@ -9,27 +9,26 @@
  *
  * e the way from c to the line, t along it, n across. N dr/ds drives a balloon out of a taper. docs/balloon.md. Private to firmware/core.
  * May include: rod.h. Called by: rod_contact.c, core_build.c, core_state.c. */
-#ifndef SELD_BALLOON_H
-#define SELD_BALLOON_H
+#ifndef CRN_BALLOON_H
+#define CRN_BALLOON_H
 
 #include "firmware/core/rod.h"
 
-/* Set-up. SELD_BUILD_BALLOON for a table that is not one, or for more than one tool with a balloon. */
-seld_build_status seld_balloon_check(const seld_instrument *tools, uint32_t tool_count,
-                                     seld_build_place *place);
-void seld_balloon_build(seld_balloon_model *balloon, const seld_instrument *tools, uint32_t tool_count);
+/* Set-up. CRN_BUILD_BALLOON for a table that is not one, or for more than one tool with a balloon. */
+crn_build_status crn_balloon_check(const crn_instrument *tools, uint32_t tool_count, crn_build_place *place);
+void crn_balloon_build(crn_balloon_model *balloon, const crn_instrument *tools, uint32_t tool_count);
 
-/* Radius of a balloon that nothing holds. Format: Pa -> Q30 m. Overflow: pressures are limited to SELD_PRESSURE_MAX_Pa. */
-int32_t seld_balloon_free_radius(const seld_balloon_model *balloon, int32_t pressure_Pa);
+/* Radius of a balloon that nothing holds. Format: Pa -> Q30 m. Overflow: pressures are limited to CRN_PRESSURE_MAX_Pa. */
+int32_t crn_balloon_free_radius(const crn_balloon_model *balloon, int32_t pressure_Pa);
 /* Pressure at which it has this radius by itself: what its own wall bears. Format: Q30 m -> Pa; 0 while it unfolds. */
-int32_t seld_balloon_own_pressure(const seld_balloon_model *balloon, int32_t radius_m_q30);
+int32_t crn_balloon_own_pressure(const crn_balloon_model *balloon, int32_t radius_m_q30);
 
 /* Before the solve, after the contacts were found: balls grow and meet the wall at the predicted configuration; their springs go into
  * matrix and forces. After it: what the wall cannot hold slips. */
-void seld_balloon_find(const seld_model *model, seld_state *state, int32_t inflator_Pa);
-void seld_balloon_forces(const seld_model *model, seld_state *state);
-void seld_balloon_finish(const seld_model *model, seld_state *state, seld_output *output);
+void crn_balloon_find(const crn_model *model, crn_state *state, int32_t inflator_Pa);
+void crn_balloon_forces(const crn_model *model, crn_state *state);
+void crn_balloon_finish(const crn_model *model, crn_state *state, crn_output *output);
 
-bool seld_balloon_is_valid(const seld_model *model, const seld_balloon_state *balloon);
+bool crn_balloon_is_valid(const crn_model *model, const crn_balloon_state *balloon);
 
 #endif

@@ -12,14 +12,14 @@ enum {
 
 static int32_t micrometres_to_q30(uint32_t um)
 {
-    return (int32_t)seld_divide_u64(((uint64_t)um << 30) + 500000u, 1000000u);
+    return (int32_t)crn_divide_u64(((uint64_t)um << 30) + 500000u, 1000000u);
 }
 
 /* value numerator / denominator, rounded to nearest. Overflow: saturates; |value| numerator < 2^63. */
 static int32_t scaled(int64_t value, uint64_t numerator, uint64_t denominator)
 {
     uint64_t size = (uint64_t)(value < 0 ? -value : value) * numerator + denominator / 2;
-    uint64_t quotient = seld_divide_u64(size, denominator);
+    uint64_t quotient = crn_divide_u64(size, denominator);
     int32_t result = quotient > INT32_MAX ? INT32_MAX : (int32_t)quotient;
     return value < 0 ? -result : result;
 }
@@ -31,11 +31,11 @@ typedef struct mesh_plan {
 } mesh_plan;
 
 /* The longest tool's length, the finest elements and the longest fine part of all tools. */
-static mesh_plan plan_mesh(const seld_instrument *tools, uint32_t tool_count)
+static mesh_plan plan_mesh(const crn_instrument *tools, uint32_t tool_count)
 {
     uint32_t total = 0, tip = UINT32_MAX, shaft = UINT32_MAX, fine = 0;
     for (uint32_t k = 0; k < tool_count; k++) {
-        const seld_instrument *tool = &tools[k];
+        const crn_instrument *tool = &tools[k];
         uint32_t length = tool->knots[tool->knot_count - 1].arc_um;
         total = length > total ? length : total;
         tip = tool->element_tip_um < tip ? tool->element_tip_um : tip;
@@ -48,34 +48,34 @@ static mesh_plan plan_mesh(const seld_instrument *tools, uint32_t tool_count)
 
 static int32_t inverse_per_m_q18(int32_t length_m_q30)
 {
-    return (int32_t)seld_divide_u64(((uint64_t)1 << 48) + ((uint64_t)(uint32_t)length_m_q30 >> 1),
-                                    (uint32_t)length_m_q30);
+    return (int32_t)crn_divide_u64(((uint64_t)1 << 48) + ((uint64_t)(uint32_t)length_m_q30 >> 1),
+                                   (uint32_t)length_m_q30);
 }
 
 /* Cells: half an edge to either side of a node, one half at the tip. */
-static void build_cells(seld_model *model)
+static void build_cells(crn_model *model)
 {
     int32_t begin = 0;
     for (uint32_t i = 0; i <= model->node_count; i++) {
-        seld_mesh_node *node = &model->mesh[i];
+        crn_mesh_node *node = &model->mesh[i];
         node->cell_end_m_q30 = node->arc_m_q30 + node->length_m_q30 / 2;
         node->inverse_cell_per_m_q18 = inverse_per_m_q18(node->cell_end_m_q30 - begin);
         node->bearing_share_q30 =
-            seld_quotient(node->length_m_q30, node->length_m_q30 + SELD_BEARING_M_Q30, 30);
+            crn_quotient(node->length_m_q30, node->length_m_q30 + CRN_BEARING_M_Q30, 30);
         begin = node->cell_end_m_q30;
     }
 }
 
 /* Element lengths: fine at the tip, growing by at most 3:2 to the shaft's; never shrinking towards the base,
  * which keeps |W| <= 2 in the solve. The line ends at the last whole element. */
-static seld_build_status build_mesh(seld_model *model, const mesh_plan *plan)
+static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
 {
     int32_t length = plan->tip;
     int32_t arc = 0;
     uint32_t node = 0;
     while (arc + length <= plan->total + 64) {
-        if (node + 2 > SELD_NODE_MAX) {
-            return SELD_BUILD_LENGTH;
+        if (node + 2 > CRN_NODE_MAX) {
+            return CRN_BUILD_LENGTH;
         }
         model->mesh[node].arc_m_q30 = arc;
         model->mesh[node].length_m_q30 = length;
@@ -89,7 +89,7 @@ static seld_build_status build_mesh(seld_model *model, const mesh_plan *plan)
     }
     model->node_count = node + 1;
     if (model->node_count < 8) {
-        return SELD_BUILD_LENGTH;
+        return CRN_BUILD_LENGTH;
     }
     /* Edges behind the last node, so that the solve may read the rows there. */
     for (uint32_t i = node; i <= node + 1; i++) {
@@ -98,58 +98,58 @@ static seld_build_status build_mesh(seld_model *model, const mesh_plan *plan)
         arc += model->mesh[i].length_m_q30;
     }
     build_cells(model);
-    return SELD_BUILD_OK;
+    return CRN_BUILD_OK;
 }
 
 /* --- tools --------------------------------------------------------------------------------------------------- */
 
-/* Knot values in the formats of seld_property. nN m^2 -> Q35: x 2^35 / 1e9; milli/m -> Q20: x 2^20 / 1000;
+/* Knot values in the formats of crn_property. nN m^2 -> Q35: x 2^35 / 1e9; milli/m -> Q20: x 2^20 / 1000;
  * mg/m -> kg/m Q34: x 2^34 / 1e6. */
-static void knot_values(const seld_knot *knot, int32_t values[SELD_PROPERTY_COUNT])
+static void knot_values(const crn_knot *knot, int32_t values[CRN_PROPERTY_COUNT])
 {
-    values[SELD_BEND_N_M2_Q35] = scaled(knot->bend_stiffness_nN_m2, (uint64_t)1 << 35, 1000000000u);
-    values[SELD_TWIST_N_M2_Q35] = scaled(knot->twist_stiffness_nN_m2, (uint64_t)1 << 35, 1000000000u);
-    values[SELD_CURVE1_PER_M_Q20] = scaled(knot->rest_curvature1_per_m_milli, 1u << 20, 1000u);
-    values[SELD_CURVE2_PER_M_Q20] = scaled(knot->rest_curvature2_per_m_milli, 1u << 20, 1000u);
-    values[SELD_MASS_KG_PER_M_Q34] = scaled(knot->mass_mg_per_m, (uint64_t)1 << 34, 1000000u);
-    values[SELD_RADIUS_M_Q30] = micrometres_to_q30(knot->radius_outer_um);
-    values[SELD_KINETIC_Q30] = scaled(knot->friction_kinetic_milli, SELD_ONE_Q30, 1000u);
-    values[SELD_STATIC_Q30] = scaled(knot->friction_static_milli, SELD_ONE_Q30, 1000u);
+    values[CRN_BEND_N_M2_Q35] = scaled(knot->bend_stiffness_nN_m2, (uint64_t)1 << 35, 1000000000u);
+    values[CRN_TWIST_N_M2_Q35] = scaled(knot->twist_stiffness_nN_m2, (uint64_t)1 << 35, 1000000000u);
+    values[CRN_CURVE1_PER_M_Q20] = scaled(knot->rest_curvature1_per_m_milli, 1u << 20, 1000u);
+    values[CRN_CURVE2_PER_M_Q20] = scaled(knot->rest_curvature2_per_m_milli, 1u << 20, 1000u);
+    values[CRN_MASS_KG_PER_M_Q34] = scaled(knot->mass_mg_per_m, (uint64_t)1 << 34, 1000000u);
+    values[CRN_RADIUS_M_Q30] = micrometres_to_q30(knot->radius_outer_um);
+    values[CRN_KINETIC_Q30] = scaled(knot->friction_kinetic_milli, CRN_ONE_Q30, 1000u);
+    values[CRN_STATIC_Q30] = scaled(knot->friction_static_milli, CRN_ONE_Q30, 1000u);
 }
 
-static void build_span(seld_span *span, const seld_knot *a, const seld_knot *b)
+static void build_span(crn_span *span, const crn_knot *a, const crn_knot *b)
 {
-    int32_t to[SELD_PROPERTY_COUNT];
+    int32_t to[CRN_PROPERTY_COUNT];
     span->begin_m_q30 = micrometres_to_q30(a->arc_um);
     span->end_m_q30 = micrometres_to_q30(b->arc_um);
-    unsigned lead = seld_clz32((uint32_t)(span->end_m_q30 - span->begin_m_q30)) - 1;
-    span->inverse_mantissa = seld_reciprocal_q30((uint32_t)(span->end_m_q30 - span->begin_m_q30) << lead);
+    unsigned lead = crn_clz32((uint32_t)(span->end_m_q30 - span->begin_m_q30)) - 1;
+    span->inverse_mantissa = crn_reciprocal_q30((uint32_t)(span->end_m_q30 - span->begin_m_q30) << lead);
     span->shift = 31 - lead;
     span->flat = 1;
     knot_values(a, span->from);
     knot_values(b, to);
-    for (int k = 0; k < SELD_PROPERTY_COUNT; k++) {
+    for (int k = 0; k < CRN_PROPERTY_COUNT; k++) {
         span->delta[k] = to[k] - span->from[k];
         span->flat &= span->delta[k] == 0;
     }
 }
 
-static void build_tool(seld_model *model, uint32_t k, const seld_instrument *instrument)
+static void build_tool(crn_model *model, uint32_t k, const crn_instrument *instrument)
 {
-    seld_tool *tool = &model->tools[k];
+    crn_tool *tool = &model->tools[k];
     for (uint32_t i = 0; i + 1 < instrument->knot_count; i++) {
         if (instrument->knots[i + 1].arc_um > instrument->knots[i].arc_um) {
             build_span(&tool->spans[tool->span_count++], &instrument->knots[i], &instrument->knots[i + 1]);
         }
     }
     tool->length_m_q30 = tool->spans[tool->span_count - 1].end_m_q30;
-    tool->lumen_friction_q30 = scaled(instrument->lumen_friction_milli, SELD_ONE_Q30, 1000u);
+    tool->lumen_friction_q30 = scaled(instrument->lumen_friction_milli, CRN_ONE_Q30, 1000u);
     tool->shaft_radius_m_q30 =
         micrometres_to_q30(instrument->knots[instrument->knot_count - 1].radius_outer_um);
     int32_t cap_q17 = (int32_t)instrument->axial_stiffness_max_N << 17;
     model->axial_max_N_q17 = cap_q17 > model->axial_max_N_q17 ? cap_q17 : model->axial_max_N_q17;
     /* Two whole elements stay in the inserter. */
-    const seld_mesh_node *last = &model->mesh[model->node_count - 1];
+    const crn_mesh_node *last = &model->mesh[model->node_count - 1];
     int32_t held = last->arc_m_q30 - model->mesh[model->node_count - 3].arc_m_q30;
     int32_t end = tool->length_m_q30 < last->arc_m_q30 ? tool->length_m_q30 : last->arc_m_q30;
     tool->inserted_max_m_q30 = end - held;
@@ -161,18 +161,18 @@ typedef struct stiffness_range {
     int32_t softest_q35, stiffest_q35; /* EI that a node can get: one tool's own, all tools together; N m^2 */
 } stiffness_range;
 
-static int32_t bend_at(const seld_tool *tool, uint32_t span, int32_t arc_m_q30)
+static int32_t bend_at(const crn_tool *tool, uint32_t span, int32_t arc_m_q30)
 {
-    const seld_span *s = &tool->spans[span];
-    return seld_span_value(s, SELD_BEND_N_M2_Q35, seld_span_fraction(s, arc_m_q30));
+    const crn_span *s = &tool->spans[span];
+    return crn_span_value(s, CRN_BEND_N_M2_Q35, crn_span_fraction(s, arc_m_q30));
 }
 
 /* The stiffest that tool k can bring to arc length `arc` behind the leading tip: what it has from its own tip to there. */
-static int32_t stiffest_until(const seld_tool *tool, int32_t arc_m_q30)
+static int32_t stiffest_until(const crn_tool *tool, int32_t arc_m_q30)
 {
     int32_t most = 0;
     for (uint32_t i = 0; i < tool->span_count && (i == 0 || tool->spans[i].begin_m_q30 < arc_m_q30); i++) {
-        int32_t first = tool->spans[i].from[SELD_BEND_N_M2_Q35];
+        int32_t first = tool->spans[i].from[CRN_BEND_N_M2_Q35];
         int32_t last = bend_at(tool, i, arc_m_q30);
         most = first > most ? first : most;
         most = last > most ? last : most;
@@ -180,7 +180,7 @@ static int32_t stiffest_until(const seld_tool *tool, int32_t arc_m_q30)
     return most;
 }
 
-static int32_t own_stiffness(const seld_tool *tool, int32_t arc_m_q30)
+static int32_t own_stiffness(const crn_tool *tool, int32_t arc_m_q30)
 {
     uint32_t i = 0;
     while (i + 1 < tool->span_count && tool->spans[i].end_m_q30 < arc_m_q30) {
@@ -189,27 +189,27 @@ static int32_t own_stiffness(const seld_tool *tool, int32_t arc_m_q30)
     return bend_at(tool, i, arc_m_q30);
 }
 
-static stiffness_range range_at(const seld_model *model, uint32_t node)
+static stiffness_range range_at(const crn_model *model, uint32_t node)
 {
     stiffness_range range = {INT32_MAX, 0};
     for (uint32_t k = 0; k < model->tool_count; k++) {
-        const seld_tool *tool = &model->tools[k];
+        const crn_tool *tool = &model->tools[k];
         int32_t own = own_stiffness(tool, model->mesh[node].arc_m_q30);
         range.softest_q35 = own < range.softest_q35 ? own : range.softest_q35;
         range.stiffest_q35 =
-            seld_add_sat(range.stiffest_q35, stiffest_until(tool, model->mesh[node].cell_end_m_q30));
+            crn_add_sat(range.stiffest_q35, stiffest_until(tool, model->mesh[node].cell_end_m_q30));
     }
     return range;
 }
 
 /* W of a node's cell with uniform EI. Format: Q35 N m^2 x Q18 1/m -> Q26 N m in 64 bits. */
-static int64_t cell_stiffness_q26(const seld_model *model, uint32_t node, int32_t bend_N_m2_q35)
+static int64_t cell_stiffness_q26(const crn_model *model, uint32_t node, int32_t bend_N_m2_q35)
 {
     return ((int64_t)bend_N_m2_q35 * model->mesh[node].inverse_cell_per_m_q18) >> 27;
 }
 
 /* The exponent that keeps the stiffest diagonal below 2^29 and leaves the softest block its bits. */
-static seld_build_status choose_exponent(seld_model *model)
+static crn_build_status choose_exponent(crn_model *model)
 {
     int64_t worst_q8 = 0;
     int64_t unclipped_q8 = 0;
@@ -220,16 +220,16 @@ static seld_build_status choose_exponent(seld_model *model)
         stiffness_range range = range_at(model, i);
         int64_t bend = cell_stiffness_q26(model, i, range.stiffest_q35);
         if (bend >= (int64_t)BEND_MAX_N_m << 26 || (bend * a) >> 44 >= FOLD_MAX_N) {
-            return SELD_BUILD_OVERFLOW;
+            return CRN_BUILD_OVERFLOW;
         }
-        int64_t w = seld_bend_spring_q8((int32_t)bend, a, a);
+        int64_t w = crn_bend_spring_q8((int32_t)bend, a, a);
         int64_t axial =
-            seld_axial_spring_q8(model, i - 1, (int32_t)bend) + seld_axial_spring_q8(model, i, (int32_t)bend);
-        int64_t sum = axial + w * (2 + 4 * SELD_CLIP_SURE);
+            crn_axial_spring_q8(model, i - 1, (int32_t)bend) + crn_axial_spring_q8(model, i, (int32_t)bend);
+        int64_t sum = axial + w * (2 + 4 * CRN_CLIP_SURE);
         worst_q8 = sum > worst_q8 ? sum : worst_q8;
         sum = axial + 2 * w;
         unclipped_q8 = sum > unclipped_q8 ? sum : unclipped_q8;
-        int64_t soft = seld_bend_spring_q8((int32_t)cell_stiffness_q26(model, i, range.softest_q35), c, c);
+        int64_t soft = crn_bend_spring_q8((int32_t)cell_stiffness_q26(model, i, range.softest_q35), c, c);
         softest_q8 = soft < softest_q8 ? soft : softest_q8;
     }
     /* A joint clipped further than that is held below 2^28 (rod_feed.c); the rest must leave it that room. */
@@ -241,31 +241,31 @@ static seld_build_status choose_exponent(seld_model *model)
     }
     model->stiffness_exponent = exponent;
     bool fits = exponent >= 2 && (softest_q8 << exponent) >> 8 >= SOFTEST;
-    return fits ? SELD_BUILD_OK : SELD_BUILD_OVERFLOW;
+    return fits ? CRN_BUILD_OK : CRN_BUILD_OVERFLOW;
 }
 
 /* --- what the mesh can bear of each tool -------------------------------------------------------------------------- */
 
 /* The cell of node i as tool k sees it when it leads: its rest turning and twist stiffness within their formats? */
-static seld_build_status check_cell(const seld_model *model, const seld_span *span, uint32_t i,
-                                    int32_t arc_m_q30)
+static crn_build_status check_cell(const crn_model *model, const crn_span *span, uint32_t i,
+                                   int32_t arc_m_q30)
 {
     int32_t cell = model->mesh[i].cell_end_m_q30 - (i > 0 ? model->mesh[i - 1].cell_end_m_q30 : 0);
-    int32_t fraction = seld_span_fraction(span, arc_m_q30);
-    int64_t turn1 = seld_mul(seld_span_value(span, SELD_CURVE1_PER_M_Q20, fraction), cell, 20);
-    int64_t turn2 = seld_mul(seld_span_value(span, SELD_CURVE2_PER_M_Q20, fraction), cell, 20);
-    const int64_t most = SELD_TURN_OF_CELL_MAX_Q30;
+    int32_t fraction = crn_span_fraction(span, arc_m_q30);
+    int64_t turn1 = crn_mul(crn_span_value(span, CRN_CURVE1_PER_M_Q20, fraction), cell, 20);
+    int64_t turn2 = crn_mul(crn_span_value(span, CRN_CURVE2_PER_M_Q20, fraction), cell, 20);
+    const int64_t most = CRN_TURN_OF_CELL_MAX_Q30;
     if ((turn1 * turn1 >> 2) + (turn2 * turn2 >> 2) > most * most >> 2) {
-        return SELD_BUILD_ELEMENTS;
+        return CRN_BUILD_ELEMENTS;
     }
-    int64_t twist = seld_span_value(span, SELD_TWIST_N_M2_Q35, fraction);
+    int64_t twist = crn_span_value(span, CRN_TWIST_N_M2_Q35, fraction);
     /* no joint at the tip, whose cell is half as long */
-    bool fits = i == 0 || (twist * model->mesh[i].inverse_cell_per_m_q18) >> 27 < (int64_t)SELD_TWIST_MAX_N_m
+    bool fits = i == 0 || (twist * model->mesh[i].inverse_cell_per_m_q18) >> 27 < (int64_t)CRN_TWIST_MAX_N_m
                                                                                       << 26;
-    return fits ? SELD_BUILD_OK : SELD_BUILD_OVERFLOW;
+    return fits ? CRN_BUILD_OK : CRN_BUILD_OVERFLOW;
 }
 
-static uint32_t knot_before(const seld_instrument *tool, int32_t arc_m_q30)
+static uint32_t knot_before(const crn_instrument *tool, int32_t arc_m_q30)
 {
     uint32_t knot = 0;
     while (knot + 1 < tool->knot_count && micrometres_to_q30(tool->knots[knot + 1].arc_um) <= arc_m_q30) {
@@ -275,13 +275,13 @@ static uint32_t knot_before(const seld_instrument *tool, int32_t arc_m_q30)
 }
 
 /* A tool must reach the shortest line that there is, and its shape and twist must fit its own cells. */
-static seld_build_status check_reach(const seld_model *model, uint32_t k, const seld_instrument *instrument,
-                                     seld_build_place *place)
+static crn_build_status check_reach(const crn_model *model, uint32_t k, const crn_instrument *instrument,
+                                    crn_build_place *place)
 {
-    const seld_tool *tool = &model->tools[k];
-    *place = (seld_build_place){k, 0};
-    if (tool->inserted_max_m_q30 < seld_least_inserted(model)) {
-        return SELD_BUILD_LENGTH;
+    const crn_tool *tool = &model->tools[k];
+    *place = (crn_build_place){k, 0};
+    if (tool->inserted_max_m_q30 < crn_least_inserted(model)) {
+        return CRN_BUILD_LENGTH;
     }
     uint32_t span = 0;
     for (uint32_t i = 0; i < model->node_count && model->mesh[i].arc_m_q30 <= tool->length_m_q30; i++) {
@@ -289,67 +289,67 @@ static seld_build_status check_reach(const seld_model *model, uint32_t k, const 
         while (span + 1 < tool->span_count && tool->spans[span].end_m_q30 <= arc) {
             span++;
         }
-        seld_build_status status = check_cell(model, &tool->spans[span], i, arc);
-        if (status != SELD_BUILD_OK) {
+        crn_build_status status = check_cell(model, &tool->spans[span], i, arc);
+        if (status != CRN_BUILD_OK) {
             place->knot = knot_before(instrument, arc);
             return status;
         }
     }
-    *place = (seld_build_place){0, 0};
-    return SELD_BUILD_OK;
+    *place = (crn_build_place){0, 0};
+    return CRN_BUILD_OK;
 }
 
 /* The tools together in the longest cell: below the format's 1.95 g. */
-static seld_build_status check_mass(const seld_model *model)
+static crn_build_status check_mass(const crn_model *model)
 {
-    const seld_mesh_node *last = &model->mesh[model->node_count - 1];
+    const crn_mesh_node *last = &model->mesh[model->node_count - 1];
     int64_t sum_q34 = 0;
     for (uint32_t k = 0; k < model->tool_count; k++) {
-        const seld_tool *tool = &model->tools[k];
+        const crn_tool *tool = &model->tools[k];
         int32_t most = 0;
         for (uint32_t i = 0; i < tool->span_count; i++) {
-            int32_t from = tool->spans[i].from[SELD_MASS_KG_PER_M_Q34];
-            int32_t to = from + tool->spans[i].delta[SELD_MASS_KG_PER_M_Q34];
+            int32_t from = tool->spans[i].from[CRN_MASS_KG_PER_M_Q34];
+            int32_t to = from + tool->spans[i].delta[CRN_MASS_KG_PER_M_Q34];
             most = from > most ? from : most;
             most = to > most ? to : most;
         }
         sum_q34 += most;
     }
-    return (sum_q34 * last->length_m_q30) >> 24 < INT32_MAX ? SELD_BUILD_OK : SELD_BUILD_OVERFLOW;
+    return (sum_q34 * last->length_m_q30) >> 24 < INT32_MAX ? CRN_BUILD_OK : CRN_BUILD_OVERFLOW;
 }
 
 /* --- the rest ------------------------------------------------------------------------------------------------ */
 
 /* Two axes across the direction of insertion, from the coordinate axis least aligned with it. */
-static void build_base_axes(seld_model *model)
+static void build_base_axes(crn_model *model)
 {
-    seld_vec3 direction = model->entry.direction_q30;
+    crn_vec3 direction = model->entry.direction_q30;
     int least = 0;
     for (int k = 1; k < 3; k++) {
         int64_t size_k = direction.v[k] < 0 ? -(int64_t)direction.v[k] : direction.v[k];
         int64_t size_least = direction.v[least] < 0 ? -(int64_t)direction.v[least] : direction.v[least];
         least = size_k < size_least ? k : least;
     }
-    seld_vec3 helper = {{0, 0, 0}};
-    helper.v[least] = SELD_ONE_Q30;
-    seld_vec3 across = seld_vec3_cross(helper, direction, 30);
-    model->base_axis1_q30 = seld_vec3_normalise(across, helper, NULL);
+    crn_vec3 helper = {{0, 0, 0}};
+    helper.v[least] = CRN_ONE_Q30;
+    crn_vec3 across = crn_vec3_cross(helper, direction, 30);
+    model->base_axis1_q30 = crn_vec3_normalise(across, helper, NULL);
     /* d2 = t x d1 with t = -direction */
-    seld_vec3 tangent = seld_vec3_make(-direction.v[0], -direction.v[1], -direction.v[2]);
-    model->base_axis2_q30 = seld_vec3_cross(tangent, model->base_axis1_q30, 30);
+    crn_vec3 tangent = crn_vec3_make(-direction.v[0], -direction.v[1], -direction.v[2]);
+    model->base_axis2_q30 = crn_vec3_cross(tangent, model->base_axis1_q30, 30);
 }
 
-seld_build_status seld_model_build(seld_model *model, const seld_instrument *tools, uint32_t tool_count,
-                                   const seld_lumen *lumen, const seld_entry *entry, seld_build_place *place)
+crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, uint32_t tool_count,
+                                 const crn_lumen *lumen, const crn_entry *entry, crn_build_place *place)
 {
-    seld_build_status status = seld_check_tools(tools, tool_count, place);
-    if (status == SELD_BUILD_OK) {
-        status = seld_balloon_check(tools, tool_count, place);
+    crn_build_status status = crn_check_tools(tools, tool_count, place);
+    if (status == CRN_BUILD_OK) {
+        status = crn_balloon_check(tools, tool_count, place);
     }
-    if (status == SELD_BUILD_OK) {
-        status = seld_check_entry(entry);
+    if (status == CRN_BUILD_OK) {
+        status = crn_check_entry(entry);
     }
-    if (status != SELD_BUILD_OK) {
+    if (status != CRN_BUILD_OK) {
         return status;
     }
     unsigned char *bytes = (unsigned char *)model;
@@ -362,33 +362,33 @@ seld_build_status seld_model_build(seld_model *model, const seld_instrument *too
     model->stall_N_q22 = 6 << 22;
     mesh_plan plan = plan_mesh(tools, tool_count);
     status = build_mesh(model, &plan);
-    if (status != SELD_BUILD_OK) {
+    if (status != CRN_BUILD_OK) {
         return status;
     }
     for (uint32_t k = 0; k < tool_count; k++) {
         build_tool(model, k, &tools[k]);
     }
-    for (uint32_t k = 0; k < tool_count && status == SELD_BUILD_OK; k++) {
+    for (uint32_t k = 0; k < tool_count && status == CRN_BUILD_OK; k++) {
         status = check_reach(model, k, &tools[k], place);
     }
-    status = status == SELD_BUILD_OK ? check_mass(model) : status;
-    status = status == SELD_BUILD_OK ? choose_exponent(model) : status;
-    if (status != SELD_BUILD_OK) {
+    status = status == CRN_BUILD_OK ? check_mass(model) : status;
+    status = status == CRN_BUILD_OK ? choose_exponent(model) : status;
+    if (status != CRN_BUILD_OK) {
         return status;
     }
-    model->contact = SELD_CONTACT_STIFFNESS_N_m << model->stiffness_exponent;
-    model->contact_deep = SELD_CONTACT_STIFFNESS_DEEP_N_m << model->stiffness_exponent;
-    model->friction = SELD_FRICTION_STIFFNESS_N_m << model->stiffness_exponent;
+    model->contact = CRN_CONTACT_STIFFNESS_N_m << model->stiffness_exponent;
+    model->contact_deep = CRN_CONTACT_STIFFNESS_DEEP_N_m << model->stiffness_exponent;
+    model->friction = CRN_FRICTION_STIFFNESS_N_m << model->stiffness_exponent;
     if (lumen != NULL && lumen->motion != NULL) {
-        seld_motion_steepness_make(lumen->motion, &model->steepness);
+        crn_motion_steepness_make(lumen->motion, &model->steepness);
     }
     build_base_axes(model);
-    seld_balloon_build(&model->balloon, tools, tool_count);
-    seld_model_set_gravity(model, 0, 0, -9810);
-    return SELD_BUILD_OK;
+    crn_balloon_build(&model->balloon, tools, tool_count);
+    crn_model_set_gravity(model, 0, 0, -9810);
+    return CRN_BUILD_OK;
 }
 
-void seld_model_set_gravity(seld_model *model, int32_t x_mm_s2, int32_t y_mm_s2, int32_t z_mm_s2)
+void crn_model_set_gravity(crn_model *model, int32_t x_mm_s2, int32_t y_mm_s2, int32_t z_mm_s2)
 {
     const int32_t gravity[3] = {x_mm_s2, y_mm_s2, z_mm_s2};
     for (int k = 0; k < 3; k++) {
@@ -396,15 +396,15 @@ void seld_model_set_gravity(seld_model *model, int32_t x_mm_s2, int32_t y_mm_s2,
     }
 }
 
-void seld_model_set_tip_load(seld_model *model, seld_vec3 load_N_q22)
+void crn_model_set_tip_load(crn_model *model, crn_vec3 load_N_q22)
 {
     const int32_t most_N_q22 = 100 << 22;
     for (int k = 0; k < 3; k++) {
-        model->tip_load_N_q22.v[k] = seld_clamp(load_N_q22.v[k], -most_N_q22, most_N_q22);
+        model->tip_load_N_q22.v[k] = crn_clamp(load_N_q22.v[k], -most_N_q22, most_N_q22);
     }
 }
 
-void seld_model_set_tip_hold(seld_model *model, const seld_tip_hold *hold)
+void crn_model_set_tip_hold(crn_model *model, const crn_tip_hold *hold)
 {
     model->hold = *hold;
 }

@@ -12,7 +12,7 @@ static bool curvature_in_range(int32_t per_m_milli)
     return per_m_milli >= -1000000 && per_m_milli <= 1000000;
 }
 
-static bool knot_in_range(const seld_knot *k)
+static bool knot_in_range(const crn_knot *k)
 {
     return in_range(k->bend_stiffness_nN_m2, 100, 30000000) &&
            in_range(k->twist_stiffness_nN_m2, 100, 30000000) && in_range(k->mass_mg_per_m, 500, 100000) &&
@@ -22,46 +22,46 @@ static bool knot_in_range(const seld_knot *k)
            curvature_in_range(k->rest_curvature2_per_m_milli);
 }
 
-static seld_build_status check_knots(const seld_instrument *tool, seld_build_place *place)
+static crn_build_status check_knots(const crn_instrument *tool, crn_build_place *place)
 {
-    if (!in_range(tool->knot_count, 2, SELD_KNOT_MAX) || tool->knots[0].arc_um != 0) {
-        return SELD_BUILD_KNOTS;
+    if (!in_range(tool->knot_count, 2, CRN_KNOT_MAX) || tool->knots[0].arc_um != 0) {
+        return CRN_BUILD_KNOTS;
     }
     for (uint32_t i = 0; i < tool->knot_count; i++) {
         place->knot = i;
         if (!knot_in_range(&tool->knots[i])) {
-            return SELD_BUILD_RANGE;
+            return CRN_BUILD_RANGE;
         }
         if (i > 0 && tool->knots[i].arc_um < tool->knots[i - 1].arc_um) {
-            return SELD_BUILD_KNOTS;
+            return CRN_BUILD_KNOTS;
         }
     }
-    if (!in_range(tool->knots[tool->knot_count - 1].arc_um, SELD_TOOL_MIN_um, SELD_TOOL_MAX_um)) {
-        return SELD_BUILD_LENGTH;
+    if (!in_range(tool->knots[tool->knot_count - 1].arc_um, CRN_TOOL_MIN_um, CRN_TOOL_MAX_um)) {
+        return CRN_BUILD_LENGTH;
     }
     place->knot = 0;
-    return SELD_BUILD_OK;
+    return CRN_BUILD_OK;
 }
 
-static seld_build_status check_tool(const seld_instrument *tool, seld_build_place *place)
+static crn_build_status check_tool(const crn_instrument *tool, crn_build_place *place)
 {
-    seld_build_status status = check_knots(tool, place);
-    if (status != SELD_BUILD_OK) {
+    crn_build_status status = check_knots(tool, place);
+    if (status != CRN_BUILD_OK) {
         return status;
     }
     if (!in_range(tool->axial_stiffness_max_N, 100, 10000) || tool->lumen_friction_milli > 1000) {
-        return SELD_BUILD_RANGE;
+        return CRN_BUILD_RANGE;
     }
     if (!in_range(tool->element_tip_um, 200, 8000) ||
         !in_range(tool->element_shaft_um, tool->element_tip_um, 8000) ||
-        tool->element_fine_um > SELD_TOOL_MAX_um) {
-        return SELD_BUILD_ELEMENTS;
+        tool->element_fine_um > CRN_TOOL_MAX_um) {
+        return CRN_BUILD_ELEMENTS;
     }
-    return SELD_BUILD_OK;
+    return CRN_BUILD_OK;
 }
 
 /* Does the thickest place of `inner` pass the tightest place of `outer`? *knot names that place of `outer`. */
-static bool fits_inside(const seld_instrument *inner, const seld_instrument *outer, uint32_t *knot)
+static bool fits_inside(const crn_instrument *inner, const crn_instrument *outer, uint32_t *knot)
 {
     uint32_t thickest_um = 0;
     for (uint32_t i = 0; i < inner->knot_count; i++) {
@@ -76,44 +76,44 @@ static bool fits_inside(const seld_instrument *inner, const seld_instrument *out
     return true;
 }
 
-seld_build_status seld_check_tools(const seld_instrument *tools, uint32_t tool_count, seld_build_place *place)
+crn_build_status crn_check_tools(const crn_instrument *tools, uint32_t tool_count, crn_build_place *place)
 {
-    *place = (seld_build_place){0, 0};
-    if (!in_range(tool_count, 1, SELD_TOOL_MAX)) {
-        return SELD_BUILD_TOOLS;
+    *place = (crn_build_place){0, 0};
+    if (!in_range(tool_count, 1, CRN_TOOL_MAX)) {
+        return CRN_BUILD_TOOLS;
     }
     for (uint32_t k = 0; k < tool_count; k++) {
-        *place = (seld_build_place){k, 0};
-        seld_build_status status = check_tool(&tools[k], place);
-        if (status != SELD_BUILD_OK) {
+        *place = (crn_build_place){k, 0};
+        crn_build_status status = check_tool(&tools[k], place);
+        if (status != CRN_BUILD_OK) {
             return status;
         }
     }
     for (uint32_t k = 0; k + 1 < tool_count; k++) {
-        *place = (seld_build_place){k + 1, 0};
+        *place = (crn_build_place){k + 1, 0};
         if (!fits_inside(&tools[k], &tools[k + 1], &place->knot)) {
-            return SELD_BUILD_NESTING;
+            return CRN_BUILD_NESTING;
         }
     }
-    *place = (seld_build_place){0, 0};
-    return SELD_BUILD_OK;
+    *place = (crn_build_place){0, 0};
+    return CRN_BUILD_OK;
 }
 
-seld_build_status seld_check_entry(const seld_entry *entry)
+crn_build_status crn_check_entry(const crn_entry *entry)
 {
     const int32_t limit_m_q30 = 2040109465; /* 1.9 m */
     int64_t square = 0;
     for (int k = 0; k < 3; k++) {
         int32_t position = entry->position_m_q30.v[k];
         if (position > limit_m_q30 || position < -limit_m_q30) {
-            return SELD_BUILD_ENTRY;
+            return CRN_BUILD_ENTRY;
         }
         int64_t component = entry->direction_q30.v[k] >> 2;
         if (component > (1 << 28) + 4 || component < -(1 << 28) - 4) {
-            return SELD_BUILD_ENTRY;
+            return CRN_BUILD_ENTRY;
         }
         square += component * component;
     }
     int64_t error = square - ((int64_t)1 << 56);
-    return (error > ((int64_t)1 << 37) || error < -((int64_t)1 << 37)) ? SELD_BUILD_ENTRY : SELD_BUILD_OK;
+    return (error > ((int64_t)1 << 37) || error < -((int64_t)1 << 37)) ? CRN_BUILD_ENTRY : CRN_BUILD_OK;
 }

@@ -1,4 +1,4 @@
-/* The constants of the tools of one line in one lumen: everything seld_step() reads and never writes.
+/* The constants of the tools of one line in one lumen: everything crn_step() reads and never writes.
  *
  *      leading tip                                                 inserter
  *   node 0 --edge 0-- node 1 --edge 1-- node 2  ...  node na-1 --edge na-1-- node na --edge na-- node na+1
@@ -12,117 +12,117 @@
  *
  * May include: core.h, motion.h. Called by: this folder, and owners of model memory.
  */
-#ifndef SELD_CORE_MODEL_H
-#define SELD_CORE_MODEL_H
+#ifndef CRN_CORE_MODEL_H
+#define CRN_CORE_MODEL_H
 
 #include "firmware/core/core.h"
 #include "firmware/core/motion.h"
 
-enum { SELD_ARRAY_NODES = SELD_NODE_MAX + 4 };
+enum { CRN_ARRAY_NODES = CRN_NODE_MAX + 4 };
 
 /* Physical constants of the contact and the hand; docs/rod.md states where each comes from. */
 enum {
-    SELD_CONTACT_STIFFNESS_N_m = 5000,       /* normal penalty; 2e4 chatters at r = 1.5 mm */
-    SELD_CONTACT_STIFFNESS_DEEP_N_m = 20000, /* added beyond SELD_CONTACT_DEEP */
-    SELD_FRICTION_STIFFNESS_N_m = 2000,      /* bristle */
-    SELD_FRICTION_GROWTH = 8, /* of what does not stick, over its last force: 0.2 mN are 0.8 N after four */
-    SELD_FRICTION_FRESH_N_Q22 = 839, /* 0.2 mN: of a node that has just touched */
-    SELD_WALL_ROUND_PER_m = 1000,    /* 1 / 1 mm: curvature of the wall that the matrix allows for */
-    SELD_WALL_ROUND_MAX_N = 20,
-    SELD_HOLD_STIFFNESS_N_m = 200000, /* of a held tip; within LOAD_RESERVE_N_m of core_build.c */
-    SELD_CONTACT_DEEP_M_Q30 = 214748, /* 0.2 mm */
-    SELD_MISSED_CONTACT_M_Q30 =
+    CRN_CONTACT_STIFFNESS_N_m = 5000,       /* normal penalty; 2e4 chatters at r = 1.5 mm */
+    CRN_CONTACT_STIFFNESS_DEEP_N_m = 20000, /* added beyond CRN_CONTACT_DEEP */
+    CRN_FRICTION_STIFFNESS_N_m = 2000,      /* bristle */
+    CRN_FRICTION_GROWTH = 8, /* of what does not stick, over its last force: 0.2 mN are 0.8 N after four */
+    CRN_FRICTION_FRESH_N_Q22 = 839, /* 0.2 mN: of a node that has just touched */
+    CRN_WALL_ROUND_PER_m = 1000,    /* 1 / 1 mm: curvature of the wall that the matrix allows for */
+    CRN_WALL_ROUND_MAX_N = 20,
+    CRN_HOLD_STIFFNESS_N_m = 200000, /* of a held tip; within LOAD_RESERVE_N_m of core_build.c */
+    CRN_CONTACT_DEEP_M_Q30 = 214748, /* 0.2 mm */
+    CRN_MISSED_CONTACT_M_Q30 =
         107374, /* 0.1 mm: a contact that was not seen gets no deeper, in the first tick of several */
-    SELD_FEED_MAX_M_Q30 = 536871,         /* 0.5 mm per tick = 0.5 m/s */
-    SELD_TURN_MAX_TURN32 = 13671000,      /* 0.02 rad per tick = 20 rad/s */
-    SELD_DAMPING_KEEP_Q30 = 21474836,     /* 20/s x 1 ms = 0.02: blood's drag, mass proportional */
-    SELD_POSITION_MAX_M_Q30 = 2126008811, /* 1.98 m */
-    SELD_STEP_CAP_M_Q33 = 4294967,        /* 0.5 mm of motion per tick besides what is predicted */
-    SELD_RELEASE_STEP_Q30 = 1 << 22,      /* a shaped tip leaves the introducer over 256 ticks, not in one */
-    SELD_TIP_CURVES_M_Q30 = 42949673,     /* 40 mm: how far from the tip a tight curve counts as the tip's */
-    SELD_TIP_CURVE_PER_m = 110,           /* tight: a radius below 9 mm */
-    SELD_SPIN_DRAG_N_M_Q26 = 7, /* 1e-10 N m s / 1 ms per edge: about what blood does to a turning wire */
-    SELD_TWIST_MAX_N_m = 16,    /* twist stiffness of one joint: 0.03 N m^2 in 2 mm */
-    SELD_TURN_OF_CELL_MAX_Q30 = 1288490189, /* 1.2 rad: rest turning of one cell */
-    SELD_CLIP_SURE = 10,                 /* a cell clipped at the mouth may keep this part of its length, */
-    SELD_CLIP_MAX = 32,                  /* or this part, where the number format has room for it */
-    SELD_BEARING_M_Q30 = 3221225,        /* 3 mm: length over which a tool bears on the one around it */
-    SELD_GRIP_STIFFNESS_N_M_Q26 = 26844, /* 4e-4 N m: bristle of one tool turning in another */
-    SELD_GRIP_COMPLIANCE_PER_N_M = 2500, /* its inverse */
-    SELD_WITHDRAWN_M_Q30 =
+    CRN_FEED_MAX_M_Q30 = 536871,         /* 0.5 mm per tick = 0.5 m/s */
+    CRN_TURN_MAX_TURN32 = 13671000,      /* 0.02 rad per tick = 20 rad/s */
+    CRN_DAMPING_KEEP_Q30 = 21474836,     /* 20/s x 1 ms = 0.02: blood's drag, mass proportional */
+    CRN_POSITION_MAX_M_Q30 = 2126008811, /* 1.98 m */
+    CRN_STEP_CAP_M_Q33 = 4294967,        /* 0.5 mm of motion per tick besides what is predicted */
+    CRN_RELEASE_STEP_Q30 = 1 << 22,      /* a shaped tip leaves the introducer over 256 ticks, not in one */
+    CRN_TIP_CURVES_M_Q30 = 42949673,     /* 40 mm: how far from the tip a tight curve counts as the tip's */
+    CRN_TIP_CURVE_PER_m = 110,           /* tight: a radius below 9 mm */
+    CRN_SPIN_DRAG_N_M_Q26 = 7, /* 1e-10 N m s / 1 ms per edge: about what blood does to a turning wire */
+    CRN_TWIST_MAX_N_m = 16,    /* twist stiffness of one joint: 0.03 N m^2 in 2 mm */
+    CRN_TURN_OF_CELL_MAX_Q30 = 1288490189, /* 1.2 rad: rest turning of one cell */
+    CRN_CLIP_SURE = 10,                    /* a cell clipped at the mouth may keep this part of its length, */
+    CRN_CLIP_MAX = 32,                     /* or this part, where the number format has room for it */
+    CRN_BEARING_M_Q30 = 3221225,           /* 3 mm: length over which a tool bears on the one around it */
+    CRN_GRIP_STIFFNESS_N_M_Q26 = 26844,    /* 4e-4 N m: bristle of one tool turning in another */
+    CRN_GRIP_COMPLIANCE_PER_N_M = 2500,    /* its inverse */
+    CRN_WITHDRAWN_M_Q30 =
         -5368709, /* -5 mm: how far a tool that does not lead may be drawn into the inserter */
 };
 
 /* What is known of a tool at an arc length; indices into the arrays of a span. */
-typedef enum seld_property {
-    SELD_BEND_N_M2_Q35,    /* EI */
-    SELD_TWIST_N_M2_Q35,   /* GJ */
-    SELD_CURVE1_PER_M_Q20, /* rest curvature towards d1 */
-    SELD_CURVE2_PER_M_Q20,
-    SELD_MASS_KG_PER_M_Q34,
-    SELD_RADIUS_M_Q30,
-    SELD_KINETIC_Q30,
-    SELD_STATIC_Q30,
-    SELD_PROPERTY_COUNT
-} seld_property;
+typedef enum crn_property {
+    CRN_BEND_N_M2_Q35,    /* EI */
+    CRN_TWIST_N_M2_Q35,   /* GJ */
+    CRN_CURVE1_PER_M_Q20, /* rest curvature towards d1 */
+    CRN_CURVE2_PER_M_Q20,
+    CRN_MASS_KG_PER_M_Q34,
+    CRN_RADIUS_M_Q30,
+    CRN_KINETIC_Q30,
+    CRN_STATIC_Q30,
+    CRN_PROPERTY_COUNT
+} crn_property;
 
 /* A stretch of a tool between two knots of different arc length; properties are linear in it. */
-typedef struct seld_span {
+typedef struct crn_span {
     int32_t begin_m_q30, end_m_q30;
     int32_t inverse_mantissa; /* 1 / length = mantissa 2^-shift in units of 1 / LSB */
     uint32_t shift;
     uint32_t flat; /* 1: every property is the same at both ends */
-    int32_t from[SELD_PROPERTY_COUNT];
-    int32_t delta[SELD_PROPERTY_COUNT];
-} seld_span;
+    int32_t from[CRN_PROPERTY_COUNT];
+    int32_t delta[CRN_PROPERTY_COUNT];
+} crn_span;
 
-typedef struct seld_tool {
+typedef struct crn_tool {
     uint32_t span_count;
     int32_t length_m_q30;
     int32_t inserted_max_m_q30;
     int32_t lumen_friction_q30; /* against the tool inside */
     int32_t shaft_radius_m_q30; /* at the proximal end: lever of the friction inside the next tool */
-    seld_span spans[SELD_KNOT_MAX - 1];
-} seld_tool;
+    crn_span spans[CRN_KNOT_MAX - 1];
+} crn_tool;
 
 /* Geometry of node i, the edge behind it and its cell, which ends in the middle of that edge. */
-typedef struct seld_mesh_node {
+typedef struct crn_mesh_node {
     int32_t arc_m_q30;
     int32_t length_m_q30; /* of the edge to node i + 1 */
     int32_t inverse_length_per_m_q18;
     int32_t cell_end_m_q30; /* arc + length / 2 */
     int32_t inverse_cell_per_m_q18;
     int32_t
-        bearing_share_q30; /* length / (length + SELD_BEARING): how fast a tool's moment passes to the next tool */
-} seld_mesh_node;
+        bearing_share_q30; /* length / (length + CRN_BEARING): how fast a tool's moment passes to the next tool */
+} crn_mesh_node;
 
 /* Holds the tip by springs of 2e5 N/m, for validation cases (Euler's and Greenhill's ends). */
-typedef struct seld_tip_hold {
+typedef struct crn_tip_hold {
     bool pinned;     /* node 0 is held at position_m_q30[0] */
     uint32_t second; /* when not 0: this node too, at position_m_q30[1]; the farther, the stiffer the clamp */
     bool axial_free; /* both are free along `axis` */
     bool turn;       /* tool 0's first edge is held at `turn32` against the reference axis */
-    seld_vec3 axis_q30;
-    seld_vec3 position_m_q30[2];
+    crn_vec3 axis_q30;
+    crn_vec3 position_m_q30[2];
     uint32_t turn32;
-} seld_tip_hold;
+} crn_tip_hold;
 
-enum { SELD_BALLOON_UNFOLD_Pa = 50000 }; /* at this pressure its folds are out */
+enum { CRN_BALLOON_UNFOLD_Pa = 50000 }; /* at this pressure its folds are out */
 
 /* The balloon of one of the tools; ball_count 0: there is none. */
-typedef struct seld_balloon_model {
+typedef struct crn_balloon_model {
     uint32_t tool, ball_count;
     int32_t distal_m_q30, spacing_m_q30;
     int32_t burst_Pa;
     uint32_t point_count; /* folded, unfolded, then the maker's table */
-    int32_t pressure_Pa[SELD_BALLOON_POINT_MAX + 2];
-    int32_t radius_m_q30[SELD_BALLOON_POINT_MAX + 2];
-} seld_balloon_model;
+    int32_t pressure_Pa[CRN_BALLOON_POINT_MAX + 2];
+    int32_t radius_m_q30[CRN_BALLOON_POINT_MAX + 2];
+} crn_balloon_model;
 
-struct seld_model {
-    const seld_lumen *lumen;
-    seld_motion_steepness steepness; /* of a lumen that moves */
-    seld_entry entry;
+struct crn_model {
+    const crn_lumen *lumen;
+    crn_motion_steepness steepness; /* of a lumen that moves */
+    crn_entry entry;
     uint32_t tool_count;
     uint32_t node_count;
     uint32_t stiffness_exponent;
@@ -130,16 +130,16 @@ struct seld_model {
     int32_t axial_max_N_q17;                 /* cap of EA */
     int32_t stall_N_q22;                     /* handle force at which the feed stops */
     int32_t gravity_m_s2_q20[3];
-    seld_vec3 tip_load_N_q22; /* dead load on node 0, for validation */
-    seld_tip_hold hold;
-    seld_vec3 base_axis1_q30, base_axis2_q30; /* material axes of the inserter at hand angle 0 */
-    seld_tool tools[SELD_TOOL_MAX];
-    seld_balloon_model balloon;
-    seld_mesh_node mesh[SELD_ARRAY_NODES];
+    crn_vec3 tip_load_N_q22; /* dead load on node 0, for validation */
+    crn_tip_hold hold;
+    crn_vec3 base_axis1_q30, base_axis2_q30; /* material axes of the inserter at hand angle 0 */
+    crn_tool tools[CRN_TOOL_MAX];
+    crn_balloon_model balloon;
+    crn_mesh_node mesh[CRN_ARRAY_NODES];
 };
 
 /* Dead load on the tip in newtons (Q22), patient frame, at most 100 N in each direction; for validation cases. */
-void seld_model_set_tip_load(seld_model *model, seld_vec3 load_N_q22);
-void seld_model_set_tip_hold(seld_model *model, const seld_tip_hold *hold);
+void crn_model_set_tip_load(crn_model *model, crn_vec3 load_N_q22);
+void crn_model_set_tip_hold(crn_model *model, const crn_tip_hold *hold);
 
 #endif

@@ -7,32 +7,32 @@
 #include "firmware/core/strut.h"
 
 enum {
-    HEADER_WORDS = offsetof(seld_state_words, nodes) / 4,
-    RINGS_WORD = offsetof(seld_state_words, struts.rings) / 4,
-    RING_WORDS = sizeof(seld_strut_ring) / 4,
-    NODE_WORDS = sizeof(seld_node_state) / 4,
-    STATE_WORDS = sizeof(seld_state_words) / 4,
+    HEADER_WORDS = offsetof(crn_state_words, nodes) / 4,
+    RINGS_WORD = offsetof(crn_state_words, struts.rings) / 4,
+    RING_WORDS = sizeof(crn_strut_ring) / 4,
+    NODE_WORDS = sizeof(crn_node_state) / 4,
+    STATE_WORDS = sizeof(crn_state_words) / 4,
     INSIDE_KEPT = 3,
 };
-_Static_assert(sizeof(seld_state_words) == 4 * (HEADER_WORDS + (size_t)NODE_WORDS * SELD_ARRAY_NODES),
+_Static_assert(sizeof(crn_state_words) == 4 * (HEADER_WORDS + (size_t)NODE_WORDS * CRN_ARRAY_NODES),
                "the state is 32-bit words without padding");
 
-size_t seld_model_size(void)
+size_t crn_model_size(void)
 {
-    return sizeof(seld_model);
+    return sizeof(crn_model);
 }
 
-size_t seld_state_size(void)
+size_t crn_state_size(void)
 {
-    return sizeof(seld_state);
+    return sizeof(crn_state);
 }
 
-size_t seld_state_bytes(void)
+size_t crn_state_bytes(void)
 {
-    return sizeof(seld_state_words);
+    return sizeof(crn_state_words);
 }
 
-static size_t live_words(const seld_state_words *words)
+static size_t live_words(const crn_state_words *words)
 {
     return HEADER_WORDS + (size_t)NODE_WORDS * (words->free_count + INSIDE_KEPT);
 }
@@ -40,13 +40,13 @@ static size_t live_words(const seld_state_words *words)
 static int32_t inserted_q30(uint32_t um)
 {
     uint32_t bounded_um = um > 1900000u ? 1900000u : um;
-    return (int32_t)seld_divide_u64((uint64_t)bounded_um << 30, 1000000u);
+    return (int32_t)crn_divide_u64((uint64_t)bounded_um << 30, 1000000u);
 }
 
 /* Lengths outside the inserter, each within its tool, the longest long enough for a line. */
-static void place_tools(const seld_model *model, seld_state_words *words, const uint32_t *inserted_um)
+static void place_tools(const crn_model *model, crn_state_words *words, const uint32_t *inserted_um)
 {
-    const int32_t least = seld_least_inserted(model);
+    const int32_t least = crn_least_inserted(model);
     uint32_t longest = 0;
     for (uint32_t k = 0; k < model->tool_count; k++) {
         int32_t inserted = inserted_q30(inserted_um[k]);
@@ -62,36 +62,34 @@ static void place_tools(const seld_model *model, seld_state_words *words, const 
     }
 }
 
-void seld_state_init(const seld_model *model, seld_state *state, const uint32_t *inserted_um)
+void crn_state_init(const crn_model *model, crn_state *state, const uint32_t *inserted_um)
 {
     unsigned char *bytes = (unsigned char *)state;
     for (size_t i = 0; i < sizeof *state; i++) {
         bytes[i] = 0;
     }
-    seld_state_words *words = &state->words;
-    seld_rhythm_init(&words->rhythm);
+    crn_state_words *words = &state->words;
+    crn_rhythm_init(&words->rhythm);
     place_tools(model, words, inserted_um);
     words->line_compliance_m_N_q40 = UINT32_MAX; /* nothing seen yet: that of the whole line */
-    int32_t inserted = seld_lead_inserted(model, words);
+    int32_t inserted = crn_lead_inserted(model, words);
     while (model->mesh[words->free_count].arc_m_q30 < inserted) {
         words->free_count++;
     }
     for (uint32_t i = 0; i < words->free_count + INSIDE_KEPT; i++) {
-        seld_node_state *node = &words->nodes[i];
+        crn_node_state *node = &words->nodes[i];
         int32_t beyond = inserted - model->mesh[i].arc_m_q30;
         for (int k = 0; k < 3; k++) {
             int32_t direction = model->entry.direction_q30.v[k];
-            int32_t position =
-                seld_add_sat(model->entry.position_m_q30.v[k], seld_mul_q30(beyond, direction));
-            node->position_m_q30.v[k] =
-                seld_clamp(position, -SELD_POSITION_MAX_M_Q30, SELD_POSITION_MAX_M_Q30);
+            int32_t position = crn_add_sat(model->entry.position_m_q30.v[k], crn_mul_q30(beyond, direction));
+            node->position_m_q30.v[k] = crn_clamp(position, -CRN_POSITION_MAX_M_Q30, CRN_POSITION_MAX_M_Q30);
             node->tangent_q30.v[k] = -direction;
         }
     }
-    seld_line_update(model, state);
+    crn_line_update(model, state);
 }
 
-void seld_state_save(const seld_state *state, uint8_t *bytes)
+void crn_state_save(const crn_state *state, uint8_t *bytes)
 {
     const uint32_t *words = (const uint32_t *)&state->words;
     size_t live = live_words(&state->words);
@@ -112,18 +110,18 @@ static uint32_t word_at(const uint8_t *bytes, size_t i)
 /* --- what a restored state must satisfy
  * ------------------------------------------------------------------------ */
 
-static bool is_unit(const seld_vec3 *a)
+static bool is_unit(const crn_vec3 *a)
 {
     for (int k = 0; k < 3; k++) {
-        if (a->v[k] > SELD_ONE_Q30 + (1 << 20) || a->v[k] < -SELD_ONE_Q30 - (1 << 20)) {
+        if (a->v[k] > CRN_ONE_Q30 + (1 << 20) || a->v[k] < -CRN_ONE_Q30 - (1 << 20)) {
             return false;
         }
     }
-    int64_t error = seld_vec3_dot64(*a, *a) - ((int64_t)1 << 60);
+    int64_t error = crn_vec3_dot64(*a, *a) - ((int64_t)1 << 60);
     return error < ((int64_t)1 << 50) && error > -((int64_t)1 << 50);
 }
 
-static bool is_small(const seld_vec3 *a, int32_t most)
+static bool is_small(const crn_vec3 *a, int32_t most)
 {
     for (int k = 0; k < 3; k++) {
         if (a->v[k] > most || a->v[k] < -most) {
@@ -139,20 +137,20 @@ static bool within(int32_t value, int32_t most)
 }
 
 /* Bounds that the tick's own arithmetic keeps: steps of 3.9 mm (3.1 are possible), bristles of 62 mm, turns of half a radian a tick. */
-static bool node_is_valid(const seld_node_state *node)
+static bool node_is_valid(const crn_node_state *node)
 {
     enum { STEP_MAX_M_Q33 = 1 << 25, BRISTLE_MAX_M_Q33 = 1 << 29, TURN_MAX_Q30 = 1 << 29 };
     bool turns = true;
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
         turns = turns && within(node->spin_q30[k], TURN_MAX_Q30);
     }
     return turns && is_unit(&node->tangent_q30) && is_small(&node->step_m_q33, STEP_MAX_M_Q33) &&
            is_small(&node->bristle_m_q33, BRISTLE_MAX_M_Q33) &&
-           is_small(&node->position_m_q30, SELD_POSITION_MAX_M_Q30) && node->contact <= SELD_CONTACT_STICKS;
+           is_small(&node->position_m_q30, CRN_POSITION_MAX_M_Q30) && node->contact <= CRN_CONTACT_STICKS;
 }
 
 /* No edge is longer than twice its rest length: beyond that no tick of ours would leave it. */
-static bool edge_is_valid(const seld_model *model, const seld_node_state *node, uint32_t i)
+static bool edge_is_valid(const crn_model *model, const crn_node_state *node, uint32_t i)
 {
     const int64_t most = 2 * (int64_t)model->mesh[i].length_m_q30; /* below 2^25 */
     int64_t square = 0;
@@ -168,12 +166,12 @@ static bool edge_is_valid(const seld_model *model, const seld_node_state *node, 
 
 /* Nodes in the inserter lie on its axis, as place_inside() of rod_feed.c puts them; the last tick may have pulled at them
  * by no more than a rounding. */
-static bool held_is_valid(const seld_model *model, const seld_node_state *node, int32_t beyond_m_q30)
+static bool held_is_valid(const crn_model *model, const crn_node_state *node, int32_t beyond_m_q30)
 {
     enum { ROUNDING = 16 };
     for (int k = 0; k < 3; k++) {
         int64_t there = (int64_t)model->entry.position_m_q30.v[k] +
-                        seld_mul_q30(beyond_m_q30, model->entry.direction_q30.v[k]);
+                        crn_mul_q30(beyond_m_q30, model->entry.direction_q30.v[k]);
         int64_t miss = node->position_m_q30.v[k] - there;
         if (miss > ROUNDING || miss < -ROUNDING) {
             return false;
@@ -182,17 +180,17 @@ static bool held_is_valid(const seld_model *model, const seld_node_state *node, 
     return true;
 }
 
-static bool tools_are_valid(const seld_model *model, const seld_state_words *words)
+static bool tools_are_valid(const crn_model *model, const crn_state_words *words)
 {
-    const seld_tool_state none = {0, 0, 0, 0, 0};
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
-        const seld_tool_state *tool = &words->tools[k];
+    const crn_tool_state none = {0, 0, 0, 0, 0};
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
+        const crn_tool_state *tool = &words->tools[k];
         if (k >= model->tool_count) {
             if (tool->inserted_m_q30 != none.inserted_m_q30 || tool->hand_offset_m_q30 != 0 ||
                 tool->base_turn32 != 0 || tool->handle_axial_N_q22 != 0 || tool->slide_grip_m_q33 != 0) {
                 return false;
             }
-        } else if (tool->inserted_m_q30 < SELD_WITHDRAWN_M_Q30 ||
+        } else if (tool->inserted_m_q30 < CRN_WITHDRAWN_M_Q30 ||
                    tool->inserted_m_q30 > model->tools[k].inserted_max_m_q30) {
             return false;
         }
@@ -200,20 +198,20 @@ static bool tools_are_valid(const seld_model *model, const seld_state_words *wor
     return true;
 }
 
-static bool words_are_valid(const seld_model *model, const seld_state_words *words)
+static bool words_are_valid(const crn_model *model, const crn_state_words *words)
 {
     uint32_t na = words->free_count;
     if (na < 4 || na + INSIDE_KEPT > model->node_count || !tools_are_valid(model, words) ||
-        !seld_rhythm_is_valid(&words->rhythm) || !seld_balloon_is_valid(model, &words->balloon) ||
-        !seld_lesion_is_valid(model->lumen, &words->lesions) || !seld_struts_are_valid(&words->struts)) {
+        !crn_rhythm_is_valid(&words->rhythm) || !crn_balloon_is_valid(model, &words->balloon) ||
+        !crn_lesion_is_valid(model->lumen, &words->lesions) || !crn_struts_are_valid(&words->struts)) {
         return false;
     }
-    int32_t inserted = seld_lead_inserted(model, words);
+    int32_t inserted = crn_lead_inserted(model, words);
     if (model->mesh[na - 1].arc_m_q30 >= inserted || model->mesh[na].arc_m_q30 < inserted) {
         return false;
     }
-    if (words->has_missed > 1 || words->release_q30 < 0 || words->release_q30 > SELD_ONE_Q30 ||
-        words->release_q30 % SELD_RELEASE_STEP_Q30 != 0) {
+    if (words->has_missed > 1 || words->release_q30 < 0 || words->release_q30 > CRN_ONE_Q30 ||
+        words->release_q30 % CRN_RELEASE_STEP_Q30 != 0) {
         return false;
     }
     for (uint32_t i = 0; i < na + INSIDE_KEPT; i++) {
@@ -236,9 +234,9 @@ static bool words_are_valid(const seld_model *model, const seld_state_words *wor
     return true;
 }
 
-bool seld_state_restore(const seld_model *model, seld_state *state, const uint8_t *bytes)
+bool crn_state_restore(const crn_model *model, crn_state *state, const uint8_t *bytes)
 {
-    seld_state_words *copy = &state->scratch.incoming; /* the scratch is dead between ticks */
+    crn_state_words *copy = &state->scratch.incoming; /* the scratch is dead between ticks */
     uint32_t *copied = (uint32_t *)copy;
     for (size_t i = 0; i < STATE_WORDS; i++) {
         copied[i] = word_at(bytes, i);
@@ -248,7 +246,7 @@ bool seld_state_restore(const seld_model *model, seld_state *state, const uint8_
     }
     state->words = *copy;
     state->line.count = 0;
-    seld_line_update(model, state);
+    crn_line_update(model, state);
     return true;
 }
 
@@ -260,7 +258,7 @@ typedef struct hashed_range {
     size_t first, end;
 } hashed_range;
 
-static void hashed_words(const seld_state_words *words, hashed_range ranges[2])
+static void hashed_words(const crn_state_words *words, hashed_range ranges[2])
 {
     ranges[0] = (hashed_range){0, RINGS_WORD + (size_t)RING_WORDS * words->struts.used};
     ranges[1] = (hashed_range){HEADER_WORDS, live_words(words)};
@@ -285,7 +283,7 @@ static inline void add_to_lanes(const uint32_t *words, size_t count, uint32_t la
     lane[1] = odd;
 }
 
-void seld_state_hash_lanes(const seld_state *state, uint32_t lane[2])
+void crn_state_hash_lanes(const crn_state *state, uint32_t lane[2])
 {
     const uint32_t *words = (const uint32_t *)&state->words;
     hashed_range ranges[2];
@@ -297,7 +295,7 @@ void seld_state_hash_lanes(const seld_state *state, uint32_t lane[2])
     lane[1] = sums[1] ^ (sums[1] >> 15);
 }
 
-uint64_t seld_state_hash64(const seld_state *state)
+uint64_t crn_state_hash64(const crn_state *state)
 {
     const uint64_t prime = 1099511628211u,
                    prime_to_4 = prime * prime * prime * prime; /* modulo 2^64, as defined */
@@ -322,63 +320,63 @@ uint64_t seld_state_hash64(const seld_state *state)
 /* --- reading
  * --------------------------------------------------------------------------------------------------- */
 
-uint32_t seld_model_tool_count(const seld_model *model)
+uint32_t crn_model_tool_count(const crn_model *model)
 {
     return model->tool_count;
 }
 
-uint32_t seld_state_node_count(const seld_model *model)
+uint32_t crn_state_node_count(const crn_model *model)
 {
     return model->node_count;
 }
 
-uint32_t seld_state_free_count(const seld_state *state)
+uint32_t crn_state_free_count(const crn_state *state)
 {
     return state->words.free_count;
 }
 
-seld_vec3 seld_state_position(const seld_state *state, uint32_t node)
+crn_vec3 crn_state_position(const crn_state *state, uint32_t node)
 {
     return state->words.nodes[node].position_m_q30;
 }
 
-int32_t seld_model_edge_length(const seld_model *model, uint32_t edge)
+int32_t crn_model_edge_length(const crn_model *model, uint32_t edge)
 {
     return model->mesh[edge].length_m_q30;
 }
 
-int32_t seld_model_arc(const seld_model *model, uint32_t node)
+int32_t crn_model_arc(const crn_model *model, uint32_t node)
 {
     return model->mesh[node].arc_m_q30;
 }
 
-int32_t seld_state_radius(const seld_state *state, uint32_t node)
+int32_t crn_state_radius(const crn_state *state, uint32_t node)
 {
     return state->line.nodes[node].radius_m_q30;
 }
 
-int32_t seld_state_inserted(const seld_state *state, uint32_t tool)
+int32_t crn_state_inserted(const crn_state *state, uint32_t tool)
 {
     return state->words.tools[tool].inserted_m_q30;
 }
 
-int32_t seld_state_depth(const seld_model *model, const seld_state *state)
+int32_t crn_state_depth(const crn_model *model, const crn_state *state)
 {
     int32_t deepest = INT32_MIN;
     for (uint32_t i = 0; model->lumen != NULL && i < state->words.free_count; i++) {
-        seld_lumen_sample wall = seld_wall_sample(model, state, &state->words.nodes[i].position_m_q30);
-        int32_t depth = seld_add_sat(wall.distance_m_q30, state->line.nodes[i].radius_m_q30);
+        crn_lumen_sample wall = crn_wall_sample(model, state, &state->words.nodes[i].position_m_q30);
+        int32_t depth = crn_add_sat(wall.distance_m_q30, state->line.nodes[i].radius_m_q30);
         deepest = depth > deepest ? depth : deepest;
     }
     return deepest;
 }
 
-uint32_t seld_state_tick(const seld_state *state)
+uint32_t crn_state_tick(const crn_state *state)
 {
     return state->words.tick;
 }
 
-const seld_rhythm *seld_state_rhythm(const seld_state *state)
+const crn_rhythm *crn_state_rhythm(const crn_state *state)
 {
     return &state->words.rhythm;
 }

@@ -5,7 +5,7 @@
 #include "firmware/core/strut.h"
 
 /* Largest component of any node's deviation, Q33 m. */
-static int32_t largest_deviation(const seld_state *state)
+static int32_t largest_deviation(const crn_state *state)
 {
     int32_t largest = 0;
     for (uint32_t i = 0; i < state->words.free_count; i++) {
@@ -18,12 +18,12 @@ static int32_t largest_deviation(const seld_state *state)
     return largest;
 }
 
-static void scale_step(seld_state *state, int32_t share_q30)
+static void scale_step(crn_state *state, int32_t share_q30)
 {
     for (uint32_t i = 0; i < state->words.free_count; i++) {
         for (int k = 0; k < 3; k++) {
             int32_t *part = &state->scratch.nodes[i].solution_m_q33.v[k];
-            *part = seld_scale_q30(*part, share_q30);
+            *part = crn_scale_q30(*part, share_q30);
         }
     }
 }
@@ -31,24 +31,24 @@ static void scale_step(seld_state *state, int32_t share_q30)
 /* Cuts the deviation short when a node would move more than max(0.5 mm, 1.5 feeds) beyond the slide, or end in a wall at rest
  * where no contact was seen: one factor for all nodes keeps the shape, limits per node add energy (docs/rod.md, "contact"). Only the first of
  * ticks that miss a contact is cut for it, or the line is held back tick after tick. Returns whether a contact was missed. */
-static bool cut_step(const seld_model *model, seld_state *state, int32_t largest_m_q33)
+static bool cut_step(const crn_model *model, crn_state *state, int32_t largest_m_q33)
 {
     const int32_t feed =
         state->scratch.feed_m_q33 < 0 ? -state->scratch.feed_m_q33 : state->scratch.feed_m_q33;
-    const int32_t cap = 3 * feed / 2 > SELD_STEP_CAP_M_Q33 ? 3 * feed / 2 : SELD_STEP_CAP_M_Q33;
-    int32_t share_q30 = SELD_ONE_Q30;
+    const int32_t cap = 3 * feed / 2 > CRN_STEP_CAP_M_Q33 ? 3 * feed / 2 : CRN_STEP_CAP_M_Q33;
+    int32_t share_q30 = CRN_ONE_Q30;
     if (largest_m_q33 > cap) {
-        state->words.fault_bits |= SELD_FAULT_STEP_CAPPED;
-        share_q30 = seld_quotient(cap, largest_m_q33, 30);
+        state->words.fault_bits |= CRN_FAULT_STEP_CAPPED;
+        share_q30 = crn_quotient(cap, largest_m_q33, 30);
     }
     bool missed = false;
     if (model->lumen != NULL && model->lumen->motion == NULL) {
         const int32_t to_wall_q30 =
-            seld_contact_share(model, state, largest_m_q33 < cap ? largest_m_q33 : cap);
+            crn_contact_share(model, state, largest_m_q33 < cap ? largest_m_q33 : cap);
         missed = to_wall_q30 < share_q30;
         share_q30 = missed && state->words.has_missed == 0 ? to_wall_q30 : share_q30;
     }
-    if (share_q30 < SELD_ONE_Q30) {
+    if (share_q30 < CRN_ONE_Q30) {
         scale_step(state, share_q30);
     }
     return missed;
@@ -56,108 +56,108 @@ static bool cut_step(const seld_model *model, seld_state *state, int32_t largest
 
 /* The solve; again where a wall that moves has a contact that was missed, for cutting the step short would hold the line back in every
  * tick of a beat. Returns the largest component of the deviation. */
-static int32_t solve(const seld_model *model, seld_state *state, seld_output *output)
+static int32_t solve(const crn_model *model, crn_state *state, crn_output *output)
 {
-    seld_rod_solve(model, state);
+    crn_rod_solve(model, state);
     output->solve_count = 1;
     const int32_t largest_m_q33 = largest_deviation(state);
     if (model->lumen == NULL || model->lumen->motion == NULL ||
-        seld_contact_missed(model, state, largest_m_q33) == 0) {
+        crn_contact_missed(model, state, largest_m_q33) == 0) {
         return largest_m_q33;
     }
-    seld_rod_solve(model, state);
+    crn_rod_solve(model, state);
     output->solve_count = 2;
     return largest_deviation(state);
 }
 
 /* The leading tool's hand bears what the line does to the inserter, less what the other hands bear. Theirs follows
  * with a time constant of 8 ms: the moment where a tip ends is not at rest while the tip slides. */
-static void share_handles(const seld_model *model, seld_state *state, int32_t line_axial_N_q22)
+static void share_handles(const crn_model *model, crn_state *state, int32_t line_axial_N_q22)
 {
     enum { FOLLOW = 8 };
-    uint32_t lead = seld_lead_tool(model, &state->words);
+    uint32_t lead = crn_lead_tool(model, &state->words);
     int64_t rest = line_axial_N_q22;
     for (uint32_t k = 0; k < model->tool_count; k++) {
-        seld_tool_state *tool = &state->words.tools[k];
+        crn_tool_state *tool = &state->words.tools[k];
         if (k != lead) {
             int64_t change = (int64_t)state->scratch.axial_N_q22[k] - tool->handle_axial_N_q22;
             tool->handle_axial_N_q22 += (int32_t)(change / FOLLOW);
             rest -= tool->handle_axial_N_q22;
         }
     }
-    state->words.tools[lead].handle_axial_N_q22 = seld_sat32(rest);
-    state->words.line_change_N_q22 = seld_sub_sat(line_axial_N_q22, state->words.line_axial_N_q22);
+    state->words.tools[lead].handle_axial_N_q22 = crn_sat32(rest);
+    state->words.line_change_N_q22 = crn_sub_sat(line_axial_N_q22, state->words.line_axial_N_q22);
     state->words.line_axial_N_q22 = line_axial_N_q22;
     state->words.line_feed_m_q30 = state->scratch.feed_m_q33 / 8;
 }
 
-static void report(const seld_model *model, const seld_state *state, seld_output *output)
+static void report(const crn_model *model, const crn_state *state, crn_output *output)
 {
-    const seld_state_words *words = &state->words;
+    const crn_state_words *words = &state->words;
     output->tick = words->tick;
-    output->lead_tool = (uint16_t)seld_lead_tool(model, words);
+    output->lead_tool = (uint16_t)crn_lead_tool(model, words);
     output->fault_bits = words->fault_bits;
     output->heart_phase32 = words->rhythm.heart_phase32;
     output->breath_phase32 = words->rhythm.breath_phase32;
     output->beat_ms = words->rhythm.beat_ms;
     output->interval_ms = words->rhythm.interval_ms;
     output->rhythm_bits = words->rhythm.bits;
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
-        const seld_tool_state *tool = &words->tools[k];
-        output->tools[k] = (seld_handle){tool->handle_axial_N_q22, -(state->scratch.torque_N_m_q30[k] / 64),
-                                         tool->inserted_m_q30};
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
+        const crn_tool_state *tool = &words->tools[k];
+        output->tools[k] = (crn_handle){tool->handle_axial_N_q22, -(state->scratch.torque_N_m_q30[k] / 64),
+                                        tool->inserted_m_q30};
     }
-    seld_state_hash_lanes(state, output->hash_lane);
+    crn_state_hash_lanes(state, output->hash_lane);
 }
 
 /* Heart and breath go on; the wall is from here on where it is at the end of the tick. */
-static void beat(const seld_model *model, seld_state *state, const seld_input *input)
+static void beat(const crn_model *model, crn_state *state, const crn_input *input)
 {
-    const seld_rhythm before = state->words.rhythm;
-    seld_rhythm_step(&state->words.rhythm, &input->rhythm);
+    const crn_rhythm before = state->words.rhythm;
+    crn_rhythm_step(&state->words.rhythm, &input->rhythm);
     if (model->lumen != NULL && model->lumen->motion != NULL) {
-        seld_motion_pose_begin(model->lumen->motion, &state->scratch.pose, &before, &state->words.rhythm);
-        state->scratch.wall_shrink_q30 = seld_motion_shrink_q30(&model->steepness, &state->scratch.pose.now);
+        crn_motion_pose_begin(model->lumen->motion, &state->scratch.pose, &before, &state->words.rhythm);
+        state->scratch.wall_shrink_q30 = crn_motion_shrink_q30(&model->steepness, &state->scratch.pose.now);
     }
 }
 
-void seld_step(const seld_model *model, seld_state *state, const seld_input *input, seld_output *output)
+void crn_step(const crn_model *model, crn_state *state, const crn_input *input, crn_output *output)
 {
     beat(model, state, input);
     if (input->scaffold.open_q30 > 0) {
-        (void)seld_state_scaffold(model, state, &input->scaffold);
+        (void)crn_state_scaffold(model, state, &input->scaffold);
     }
     if (input->strut.number != 0) {
-        (void)seld_state_strut(state, &input->strut);
+        (void)crn_state_strut(state, &input->strut);
     }
     if (state->words.struts.used != 0) {
-        seld_struts_step(state);
+        crn_struts_step(state);
     }
-    seld_rod_feed(model, state, input);
-    seld_rod_stretch(model, state);
-    seld_contact_find(model, state);
-    seld_balloon_find(model, state, input->inflator_Pa);
-    seld_lesions_give_way(model, state);
-    seld_frames_carry(model, state);
-    seld_tools_grip(model, state);
-    seld_rod_twist(model, state);
-    seld_tools_turned(model, state);
-    seld_rod_bend(model, state);
-    seld_tools_handles(model, state);
-    seld_contact_forces(model, state);
-    seld_balloon_forces(model, state);
+    crn_rod_feed(model, state, input);
+    crn_rod_stretch(model, state);
+    crn_contact_find(model, state);
+    crn_balloon_find(model, state, input->inflator_Pa);
+    crn_lesions_give_way(model, state);
+    crn_frames_carry(model, state);
+    crn_tools_grip(model, state);
+    crn_rod_twist(model, state);
+    crn_tools_turned(model, state);
+    crn_rod_bend(model, state);
+    crn_tools_handles(model, state);
+    crn_contact_forces(model, state);
+    crn_balloon_forces(model, state);
     const int32_t largest_m_q33 = solve(model, state, output);
     int32_t line_axial_N_q22 =
-        seld_add_sat(seld_rod_handle_axial(model, state), state->scratch.mouth_axial_N_q22);
+        crn_add_sat(crn_rod_handle_axial(model, state), state->scratch.mouth_axial_N_q22);
     const bool missed = cut_step(model, state, largest_m_q33);
     output->solve_count = missed ? 2 : output->solve_count;
-    seld_rod_keep_lengths(model, state, largest_m_q33);
+    crn_rod_keep_lengths(model, state, largest_m_q33);
     state->words.has_missed = missed;
-    seld_contact_finish(model, state, output);
-    seld_balloon_finish(model, state, output);
-    seld_tools_slide(model, state);
+    crn_contact_finish(model, state, output);
+    crn_balloon_finish(model, state, output);
+    crn_tools_slide(model, state);
     share_handles(model, state, line_axial_N_q22);
-    seld_rod_advance(model, state, output);
+    crn_rod_advance(model, state, output);
     state->words.tick++;
     report(model, state, output);
 }

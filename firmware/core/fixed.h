@@ -8,39 +8,39 @@
  *
  * May include: nothing outside this folder. Called by: everything in firmware/core.
  */
-#ifndef SELD_FIXED_H
-#define SELD_FIXED_H
+#ifndef CRN_FIXED_H
+#define CRN_FIXED_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#define SELD_ONE_Q30 ((int32_t)1 << 30)
+#define CRN_ONE_Q30 ((int32_t)1 << 30)
 
 /* Arithmetic shift right of a possibly negative value.
  * Format: 64 bit -> 64 bit, floor(a / 2^n), 0 <= n <= 63. Overflow: none. Error: exact floor.
  * C11 leaves >> of a negative value to the implementation; the test asserts that ours shifts arithmetically.
  */
-static inline int64_t seld_asr64(int64_t a, unsigned n)
+static inline int64_t crn_asr64(int64_t a, unsigned n)
 {
     return a >> n;
 }
 
 /* The same for 32 bits, 0 <= n <= 31. */
-static inline int32_t seld_asr32(int32_t a, unsigned n)
+static inline int32_t crn_asr32(int32_t a, unsigned n)
 {
     return a >> n;
 }
 
 /* Rounding shift right. Format: floor(a / 2^n + 1/2), 1 <= n <= 62. Overflow: |a| must be < 2^63 - 2^(n-1).
  * Error: 1/2 LSB. */
-static inline int64_t seld_rshift_round64(int64_t a, unsigned n)
+static inline int64_t crn_rshift_round64(int64_t a, unsigned n)
 {
     return (a + ((int64_t)1 << (n - 1))) >> n;
 }
 
 /* Saturate to 32 bits. Format: int64 -> int32. Overflow: saturates. Error: none in range. */
-static inline int32_t seld_sat32(int64_t a)
+static inline int32_t crn_sat32(int64_t a)
 {
     int32_t low = (int32_t)(uint32_t)(uint64_t)a;
     if (low == a) { /* one comparison for the usual case */
@@ -51,16 +51,16 @@ static inline int32_t seld_sat32(int64_t a)
 
 /* The Cortex-M7's DSP instructions do some of this in one step; elsewhere the same values come from C. */
 #if defined(__ARM_FEATURE_DSP) && defined(__thumb__)
-#define SELD_HIGH_WORDS_BY_DSP 1
+#define CRN_HIGH_WORDS_BY_DSP 1
 #else
-#define SELD_HIGH_WORDS_BY_DSP 0
+#define CRN_HIGH_WORDS_BY_DSP 0
 #endif
 
 /* Saturating sum and difference (QADD, QSUB). Format: same format in and out. Overflow: saturates. Error: exact in range.
  */
-static inline int32_t seld_add_sat(int32_t a, int32_t b)
+static inline int32_t crn_add_sat(int32_t a, int32_t b)
 {
-#if SELD_HIGH_WORDS_BY_DSP
+#if CRN_HIGH_WORDS_BY_DSP
     int32_t sum;
     __asm__("qadd %0, %1, %2" : "=r"(sum) : "r"(a), "r"(b) : "cc");
     return sum;
@@ -72,9 +72,9 @@ static inline int32_t seld_add_sat(int32_t a, int32_t b)
     return a < 0 ? INT32_MIN : INT32_MAX;
 #endif
 }
-static inline int32_t seld_sub_sat(int32_t a, int32_t b)
+static inline int32_t crn_sub_sat(int32_t a, int32_t b)
 {
-#if SELD_HIGH_WORDS_BY_DSP
+#if CRN_HIGH_WORDS_BY_DSP
     int32_t difference;
     __asm__("qsub %0, %1, %2" : "=r"(difference) : "r"(a), "r"(b) : "cc");
     return difference;
@@ -89,7 +89,7 @@ static inline int32_t seld_sub_sat(int32_t a, int32_t b)
 
 /* a >> n between -most and most. Format: 64 bit -> 32 bit, floor, `most_high` being the high word of `most` << n, 1 <= n <= 31.
  * Overflow: limited, and a bit of `flag` set in `*flags`. A 32-bit machine looks at the high word only. */
-static inline int32_t seld_limit64(int64_t a, unsigned n, int32_t most_high, uint32_t flag, uint32_t *flags)
+static inline int32_t crn_limit64(int64_t a, unsigned n, int32_t most_high, uint32_t flag, uint32_t *flags)
 {
     int64_t most = (int64_t)most_high << (32 - n);
     if (sizeof(void *) > 4) {
@@ -108,9 +108,9 @@ static inline int32_t seld_limit64(int64_t a, unsigned n, int32_t most_high, uin
 }
 
 /* a b, exactly. On the Cortex-M7 one SMULL, also where the compiler would take a widened operand for one of 64 bits. */
-static inline int64_t seld_product(int32_t a, int32_t b)
+static inline int64_t crn_product(int32_t a, int32_t b)
 {
-#if SELD_HIGH_WORDS_BY_DSP
+#if CRN_HIGH_WORDS_BY_DSP
     int64_t product;
     __asm__("smull %Q0, %R0, %1, %2" : "=r"(product) : "r"(a), "r"(b));
     return product;
@@ -120,9 +120,9 @@ static inline int64_t seld_product(int32_t a, int32_t b)
 }
 
 /* sum + a b: SMLAL. Overflow: the caller states why the sum fits 64 bits. */
-static inline int64_t seld_product_add(int64_t sum, int32_t a, int32_t b)
+static inline int64_t crn_product_add(int64_t sum, int32_t a, int32_t b)
 {
-#if SELD_HIGH_WORDS_BY_DSP
+#if CRN_HIGH_WORDS_BY_DSP
     __asm__("smlal %Q0, %R0, %1, %2" : "+r"(sum) : "r"(a), "r"(b));
     return sum;
 #else
@@ -132,11 +132,11 @@ static inline int64_t seld_product_add(int64_t sum, int32_t a, int32_t b)
 
 /* Product of two values, rounded and saturated once. Format: Qa x Qb -> Q(a+b-n), 64-bit intermediate, 1 <= n
  * <= 62. Overflow: saturates. Error: 1/2 LSB in range. A 32-bit machine looks at the upper word only. */
-static inline int32_t seld_mul(int32_t a, int32_t b, unsigned n)
+static inline int32_t crn_mul(int32_t a, int32_t b, unsigned n)
 {
-    int64_t sum = seld_product(a, b) + ((int64_t)1 << (n - 1));
+    int64_t sum = crn_product(a, b) + ((int64_t)1 << (n - 1));
     if (sizeof(void *) > 4 || n > 31) {
-        return seld_sat32(sum >> n);
+        return crn_sat32(sum >> n);
     }
     int32_t high = (int32_t)(uint32_t)((uint64_t)sum >> 32);
     if (((uint32_t)high + ((uint32_t)1 << (n - 1))) >> n != 0) {
@@ -147,16 +147,16 @@ static inline int32_t seld_mul(int32_t a, int32_t b, unsigned n)
 
 /* Product with a Q30 factor. Format: Qa x Q30 -> Qa. Overflow: saturates (only when |b| > 1). Error: 1/2 LSB.
  */
-static inline int32_t seld_mul_q30(int32_t a, int32_t b_q30)
+static inline int32_t crn_mul_q30(int32_t a, int32_t b_q30)
 {
-    return seld_mul(a, b_q30, 30);
+    return crn_mul(a, b_q30, 30);
 }
 
 /* High word of a product, rounded: SMMULR. Format: Qa x Qb -> Q(a+b-32). Overflow: impossible, |a*b| <= 2^62.
  * Error: 1/2 LSB. */
-static inline int32_t seld_mulh(int32_t a, int32_t b)
+static inline int32_t crn_mulh(int32_t a, int32_t b)
 {
-#if SELD_HIGH_WORDS_BY_DSP
+#if CRN_HIGH_WORDS_BY_DSP
     int32_t high;
     __asm__("smmulr %0, %1, %2" : "=r"(high) : "r"(a), "r"(b));
     return high;
@@ -167,21 +167,21 @@ static inline int32_t seld_mulh(int32_t a, int32_t b)
 
 /* sum + a b, the product's high word rounded: SMMLAR. Format: sum in Q(a+b-32). Overflow: the caller states why the sum
  * fits 32 bits. Error: 1/2 LSB. */
-static inline int32_t seld_mulh_add(int32_t sum, int32_t a, int32_t b)
+static inline int32_t crn_mulh_add(int32_t sum, int32_t a, int32_t b)
 {
-#if SELD_HIGH_WORDS_BY_DSP
+#if CRN_HIGH_WORDS_BY_DSP
     int32_t high;
     __asm__("smmlar %0, %1, %2, %3" : "=r"(high) : "r"(a), "r"(b), "r"(sum));
     return high;
 #else
-    return sum + seld_mulh(a, b);
+    return sum + crn_mulh(a, b);
 #endif
 }
 
-/* sum - a b, the product's high word rounded: SMMLSR. Otherwise as seld_mulh_add. Error: 1/2 LSB. */
-static inline int32_t seld_mulh_sub(int32_t sum, int32_t a, int32_t b)
+/* sum - a b, the product's high word rounded: SMMLSR. Otherwise as crn_mulh_add. Error: 1/2 LSB. */
+static inline int32_t crn_mulh_sub(int32_t sum, int32_t a, int32_t b)
 {
-#if SELD_HIGH_WORDS_BY_DSP
+#if CRN_HIGH_WORDS_BY_DSP
     int32_t high;
     __asm__("smmlsr %0, %1, %2, %3" : "=r"(high) : "r"(a), "r"(b), "r"(sum));
     return high;
@@ -193,30 +193,30 @@ static inline int32_t seld_mulh_sub(int32_t sum, int32_t a, int32_t b)
 /* Product with a factor of at most one, not saturated: components of unit vectors, sines, ratios.
  * Format: Qa x Q30 -> Qa in steps of 4 LSB, the high word shifted back. Overflow: impossible while |b| <= 1 + 2^-10 and
  * |a| < 2^31 (1 - 2^-9), which the caller states. Error: 2 LSB. */
-static inline int32_t seld_scale_q30(int32_t a, int32_t b_q30)
+static inline int32_t crn_scale_q30(int32_t a, int32_t b_q30)
 {
-    return seld_mulh(a, b_q30) * 4;
+    return crn_mulh(a, b_q30) * 4;
 }
 
 /* High word. Format: 64 bit -> 32 bit, floor(a / 2^32). Written so that a 32-bit compiler does not go on with 64 bits. */
-static inline int32_t seld_high64(int64_t a)
+static inline int32_t crn_high64(int64_t a)
 {
     return (int32_t)(uint32_t)((uint64_t)a >> 32);
 }
 
 /* High word, rounded. Format: 64 bit -> 32 bit, floor(a / 2^32 + 1/2). Overflow: |a| must be below 2^63 - 2^31. Error: 1/2
  * LSB. On a 32-bit machine the low word's top bit is added to the high word. */
-static inline int32_t seld_round_high64(int64_t a)
+static inline int32_t crn_round_high64(int64_t a)
 {
     if (sizeof(void *) > 4) {
         return (int32_t)((a + ((int64_t)1 << 31)) >> 32);
     }
-    return seld_high64(a) + (int32_t)((uint32_t)a >> 31);
+    return crn_high64(a) + (int32_t)((uint32_t)a >> 31);
 }
 
 /* Low 32 bits of a >> n for 1 <= n <= 31. Format: 64 bit -> 32 bit, floor. Overflow: bits above are lost; the caller states
  * why there are none. Error: exact floor. A 32-bit machine takes three instructions for it and nine for the shift. */
-static inline int32_t seld_narrow64(int64_t a, unsigned n)
+static inline int32_t crn_narrow64(int64_t a, unsigned n)
 {
     if (sizeof(void *) > 4) {
         return (int32_t)(a >> n);
@@ -225,29 +225,29 @@ static inline int32_t seld_narrow64(int64_t a, unsigned n)
 }
 
 /* Number of leading zero bits of a non-zero value; 32 for zero. */
-static inline unsigned seld_clz32(uint32_t a)
+static inline unsigned crn_clz32(uint32_t a)
 {
     return a == 0 ? 32u : (unsigned)__builtin_clz(a);
 }
-static inline unsigned seld_clz64(uint64_t a)
+static inline unsigned crn_clz64(uint64_t a)
 {
     return a == 0 ? 64u : (unsigned)__builtin_clzll(a);
 }
 
 /* One interval of a falling straight line: value at its start and drop over its length, both Q30. */
-typedef struct seld_line_q30 {
+typedef struct crn_line_q30 {
     uint32_t value;
     uint32_t drop;
-} seld_line_q30;
+} crn_line_q30;
 
 /* Constants of fixed_tables.c, written by tools/check/make_tables.py. */
-extern const seld_line_q30 seld_reciprocal_lines[128];
-extern const seld_line_q30 seld_rsqrt_lines[192];
-extern const int32_t seld_asin_coefficients_q31[7];
+extern const crn_line_q30 crn_reciprocal_lines[128];
+extern const crn_line_q30 crn_rsqrt_lines[192];
+extern const int32_t crn_asin_coefficients_q31[7];
 
 /* Point on a line, `fraction` of `bits` bits into its interval. Format: Q30. Overflow: impossible (drop <
  * 2^25). Error: the table's, 2^-16.4 relative at most; the Newton step of the caller squares it. */
-static inline uint32_t seld_line_at(const seld_line_q30 *line, uint32_t fraction, unsigned bits)
+static inline uint32_t crn_line_at(const crn_line_q30 *line, uint32_t fraction, unsigned bits)
 {
     return line->value - (uint32_t)(((uint64_t)line->drop * fraction) >> bits);
 }
@@ -256,13 +256,13 @@ static inline uint32_t seld_line_at(const seld_line_q30 *line, uint32_t fraction
  * Format: m in [2^30, 2^31) read as Q31 in [0.5, 1) -> Q30 in (1, 2]. The caller normalises; another m gives
  * a wrong number but reads inside the table. Overflow: 1/0.5 = 2 does not fit: m = 2^30 gives 2^31 - 1.
  * Error: <= 1 LSB of Q30 (checked: 0.63 LSB). */
-static inline int32_t seld_reciprocal_q30(uint32_t m_q31)
+static inline int32_t crn_reciprocal_q30(uint32_t m_q31)
 {
-    const seld_line_q30 *line = &seld_reciprocal_lines[(m_q31 >> 23) & 127u];
-    int32_t y_q30 = (int32_t)seld_line_at(line, m_q31 & 0x7fffffu, 23);
+    const crn_line_q30 *line = &crn_reciprocal_lines[(m_q31 >> 23) & 127u];
+    int32_t y_q30 = (int32_t)crn_line_at(line, m_q31 & 0x7fffffu, 23);
     /* |miss| < 2^-16 */
     int32_t miss_q47 = (int32_t)((int64_t)(((uint64_t)1 << 61) - (uint64_t)m_q31 * (uint32_t)y_q30) >> 14);
-    int32_t step = seld_asr32((int32_t)(((int64_t)y_q30 * miss_q47 + ((int64_t)1 << 46)) >> 32), 15);
+    int32_t step = crn_asr32((int32_t)(((int64_t)y_q30 * miss_q47 + ((int64_t)1 << 46)) >> 32), 15);
     uint32_t better = (uint32_t)y_q30 + (uint32_t)step; /* at most 2^31 */
     return better > INT32_MAX ? INT32_MAX : (int32_t)better;
 }
@@ -271,35 +271,35 @@ static inline int32_t seld_reciprocal_q30(uint32_t m_q31)
  * Format: m in [2^30, 2^32) read as Q32 in [0.25, 1) -> Q30 in [1, 2]. The caller normalises: a smaller m
  * reads before the table. Overflow: 1/sqrt(0.25) = 2 does not fit: m = 2^30 gives 2^31 - 1. Error:
  * <= 1.5 LSB of Q30 (checked: 1.39 LSB). */
-static inline int32_t seld_rsqrt_q30(uint32_t m_q32)
+static inline int32_t crn_rsqrt_q30(uint32_t m_q32)
 {
-    const seld_line_q30 *line = &seld_rsqrt_lines[(m_q32 >> 24) - 64u];
-    uint32_t y_q30 = seld_line_at(line, m_q32 & 0xffffffu, 24);
+    const crn_line_q30 *line = &crn_rsqrt_lines[(m_q32 >> 24) - 64u];
+    uint32_t y_q30 = crn_line_at(line, m_q32 & 0xffffffu, 24);
     uint32_t root_q31 = (uint32_t)(((uint64_t)m_q32 * y_q30 + (1u << 30)) >> 31); /* m y: about sqrt(m) */
     /* |miss| < 2^-15 */
     int32_t miss_q46 = (int32_t)((int64_t)(((uint64_t)1 << 61) - (uint64_t)root_q31 * y_q30) >> 15);
-    int32_t step = seld_asr32((int32_t)(((int64_t)(int32_t)y_q30 * miss_q46 + ((int64_t)1 << 46)) >> 32), 15);
+    int32_t step = crn_asr32((int32_t)(((int64_t)(int32_t)y_q30 * miss_q46 + ((int64_t)1 << 46)) >> 32), 15);
     uint32_t better = y_q30 + (uint32_t)step; /* at most 2^31 */
     return better > INT32_MAX ? INT32_MAX : (int32_t)better;
 }
 
 /* Square root of a 64-bit integer. Format: Q2n -> Qn, rounded. Overflow: a > (2^31 - 1)^2 saturates at
  * INT32_MAX. Error: <= 1/2 LSB + 2^-29 of the root; a = 0 gives 0. */
-int32_t seld_sqrt64(uint64_t a);
+int32_t crn_sqrt64(uint64_t a);
 
 /* Quotient for set-up code (bit by bit, 64 steps, no divide helper).
  * Format: floor(a / b). b = 0 gives UINT64_MAX. Error: exact floor. */
-uint64_t seld_divide_u64(uint64_t a, uint64_t b);
+uint64_t crn_divide_u64(uint64_t a, uint64_t b);
 
 /* Sine and cosine of a binary angle: what is left of the nearest quarter turn, then the
  * Taylor series to x^11 and x^12.
  * Format: one turn = 2^32 -> Q30. Overflow: impossible, |result| <= 2^30. Error: <= 1.5 LSB of Q30
  * (checked: 1.27 LSB). */
-void seld_sincos_turn32(uint32_t angle_turn32, int32_t *sin_q30, int32_t *cos_q30);
+void crn_sincos_turn32(uint32_t angle_turn32, int32_t *sin_q30, int32_t *cos_q30);
 
 /* Arc sine: polynomial for |a| <= 1/2, beyond it pi/2 - 2 asin(sqrt((1 - |a|)/2)).
  * Format: Q30 in [-1, 1] (beyond: clamped) -> Q29 radians in [-pi/2, pi/2]. Overflow: impossible.
  * Error: <= 1.5 LSB of Q29, that is 2.8e-9 rad (checked: 1.37 LSB). */
-int32_t seld_asin_q29(int32_t a_q30);
+int32_t crn_asin_q29(int32_t a_q30);
 
 #endif

@@ -4,7 +4,7 @@
 
 // clang-format off
 /* 1/x on [1/2, 1), 128 intervals: relative error <= 2^-17. */
-const seld_line_q30 seld_reciprocal_lines[128] = {
+const crn_line_q30 crn_reciprocal_lines[128] = {
     {2147467454u, 16647160u}, {2130820666u, 16391050u}, {2114429977u, 16140805u}, {2098289523u, 15896247u},
     {2082393615u, 15657206u}, {2066736738u, 15423516u}, {2051313542u, 15195020u}, {2036118833u, 14971564u},
     {2021147570u, 14753001u}, {2006394862u, 14539189u}, {1991855958u, 14329992u}, {1977526242u, 14125278u},
@@ -40,7 +40,7 @@ const seld_line_q30 seld_reciprocal_lines[128] = {
 };
 
 /* x^(-1/2) on [1/4, 1), 192 intervals: relative error <= 2^-16.4. */
-const seld_line_q30 seld_rsqrt_lines[192] = {
+const crn_line_q30 crn_rsqrt_lines[192] = {
     {2147459544u, 16583133u}, {2130877320u, 16204802u}, {2114673381u, 15840640u}, {2098833558u, 15489917u},
     {2083344418u, 15151948u}, {2068193208u, 14826092u}, {2053367818u, 14511752u}, {2038856734u, 14208364u},
     {2024649006u, 13915402u}, {2010734210u, 13632371u}, {1997102416u, 13358807u}, {1983744160u, 13094271u},
@@ -92,7 +92,7 @@ const seld_line_q30 seld_rsqrt_lines[192] = {
 };
 
 /* asin(x)/x = 1 + z (c0 + c1 z + ... + c6 z^6), z = x^2 in [0, 1/4], Q31. */
-const int32_t seld_asin_coefficients_q31[7] = {
+const int32_t crn_asin_coefficients_q31[7] = {
     357913942, 161061110, 95880128, 65002482, 50705984, 22708405, 66517294,
 };
 // clang-format on

@@ -10,39 +10,39 @@
  * all at the foot of x on the vessel's centreline, and what was lumen stays lumen. docs/lesions.md. In the reference pose of a vessel that
  * moves. Where no lesion is open it costs one comparison. May include: lumen.h, rod.h. Called by: rod_contact.c, balloon.c, core_*.c. Checked
  * before use by shared/scene (hostile until checked). */
-#ifndef SELD_LESION_H
-#define SELD_LESION_H
+#ifndef CRN_LESION_H
+#define CRN_LESION_H
 
 #include "firmware/core/core_state.h"
 
 /* The wall where a lesion is open; false: no open lesion is there, and the lumen is as it was described. In the reference pose. */
-bool seld_lesion_contact(const seld_lumen *lumen, const seld_lesion_state *lesions,
-                         const seld_vec3 *place_m_q30, seld_lumen_sample *sample);
+bool crn_lesion_contact(const crn_lumen *lumen, const crn_lesion_state *lesions, const crn_vec3 *place_m_q30,
+                        crn_lumen_sample *sample);
 
 /* The map of an open lesion at one place along it, for many look-ups near there. In the reference pose. */
-typedef struct seld_lesion_section {
-    seld_vec3 middle_m_q30, channel_m_q30;
+typedef struct crn_lesion_section {
+    crn_vec3 middle_m_q30, channel_m_q30;
     int32_t ratio_q30, widened_q24; /* k and 1 / k */
-} seld_lesion_section;
+} crn_lesion_section;
 
 /* false: no open lesion is there. Of two, the first. */
-bool seld_lesion_section_at(const seld_lumen *lumen, const seld_lesion_state *lesions,
-                            const seld_vec3 *place_m_q30, seld_lesion_section *section);
+bool crn_lesion_section_at(const crn_lumen *lumen, const crn_lesion_state *lesions,
+                           const crn_vec3 *place_m_q30, crn_lesion_section *section);
 /* Distance to the wall in that section: right at the wall, where it runs along the vessel. Format: Q30 m, limited to 15.6 mm. */
-int32_t seld_lesion_section_distance(const seld_lumen *lumen, const seld_lesion_section *section,
-                                     const seld_vec3 *place_m_q30);
+int32_t crn_lesion_section_distance(const crn_lumen *lumen, const crn_lesion_section *section,
+                                    const crn_vec3 *place_m_q30);
 
-/* As seld_lesion_contact at a place in the world, where the vessel may have moved. */
-bool seld_lesion_wall(const seld_model *model, const seld_state_words *words, seld_motion_pose *pose,
-                      const seld_vec3 *world_m_q30, seld_lumen_sample *sample);
+/* As crn_lesion_contact at a place in the world, where the vessel may have moved. */
+bool crn_lesion_wall(const crn_model *model, const crn_state_words *words, crn_motion_pose *pose,
+                     const crn_vec3 *world_m_q30, crn_lumen_sample *sample);
 
 /* Where a place lies along a lesion. Format: Q30 m from its first station. false: beyond its ends or not near it. */
-bool seld_lesion_arc(const seld_lesion *lesion, const seld_vec3 *place_m_q30, int32_t *arc_m_q30);
+bool crn_lesion_arc(const crn_lesion *lesion, const crn_vec3 *place_m_q30, int32_t *arc_m_q30);
 
 /* One tick: lesions open under the pressure that a balloon's balls have on the wall, spring back without, and keep what they do not spring
  * back from. */
-void seld_lesions_give_way(const seld_model *model, seld_state *state);
+void crn_lesions_give_way(const crn_model *model, crn_state *state);
 
-bool seld_lesion_is_valid(const seld_lumen *lumen, const seld_lesion_state *lesions);
+bool crn_lesion_is_valid(const crn_lumen *lumen, const crn_lesion_state *lesions);
 
 #endif

@@ -8,9 +8,9 @@
 
 enum {
     FAR_M_Q30 = 1 << 24,
-    BRICK_LOG2 = SELD_LUMEN_VOXEL_LOG2_Q30 + 3, /* edge of a coarse brick in Q30 m */
-    ROW = 10,                                   /* coefficients along x */
-    SLICE = 100,                                /* and in an x-y plane */
+    BRICK_LOG2 = CRN_LUMEN_VOXEL_LOG2_Q30 + 3, /* edge of a coarse brick in Q30 m */
+    ROW = 10,                                  /* coefficients along x */
+    SLICE = 100,                               /* and in an x-y plane */
     VOXEL_MASK_Q20 = (1 << 20) - 1,
     IN_BRICK_MASK = (1 << BRICK_LOG2) - 1,
 };
@@ -24,17 +24,17 @@ typedef struct lumen_place {
 } lumen_place;
 
 /* Entry of one refinement: the octant is given by bit `bit_index` of the coordinates. */
-static inline uint32_t child_entry(const seld_lumen *lumen, uint32_t entry, uint32_t x, uint32_t y,
-                                   uint32_t z, unsigned bit_index)
+static inline uint32_t child_entry(const crn_lumen *lumen, uint32_t entry, uint32_t x, uint32_t y, uint32_t z,
+                                   unsigned bit_index)
 {
     const uint32_t bit = 1u << bit_index;
     uint32_t octant = ((x & bit) + (y & bit) * 2 + (z & bit) * 4) >> bit_index;
-    return lumen->children[(ptrdiff_t)entry * 8 + octant - (ptrdiff_t)SELD_LUMEN_ENTRY_REFINED * 8];
+    return lumen->children[(ptrdiff_t)entry * 8 + octant - (ptrdiff_t)CRN_LUMEN_ENTRY_REFINED * 8];
 }
 
 /* Finds the brick; false where `far_m_q30` holds instead. Overflow: the validated lattice lies within the Q30 range, so that a difference modulo 2^32 inside
  * the lattice is the true difference, and any other fails the comparison. */
-static inline bool find(const seld_lumen *lumen, const seld_vec3 *p, lumen_place *place)
+static inline bool find(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *place)
 {
     place->level = 0;
     place->far_m_q30 = FAR_M_Q30;
@@ -48,19 +48,19 @@ static inline bool find(const seld_lumen *lumen, const seld_vec3 *p, lumen_place
     }
     uint32_t line = slice * lumen->brick_count_xyz[1] + row;
     uint32_t entry = lumen->index[line * lumen->brick_count_xyz[0] + column];
-    if (entry & SELD_LUMEN_ENTRY_REFINED) {
+    if (entry & CRN_LUMEN_ENTRY_REFINED) {
         entry = child_entry(lumen, entry, x, y, z, BRICK_LOG2 - 1);
         place->level = 1;
-        if (entry & SELD_LUMEN_ENTRY_REFINED) {
+        if (entry & CRN_LUMEN_ENTRY_REFINED) {
             entry = child_entry(lumen, entry, x, y, z, BRICK_LOG2 - 2);
             place->level = 2;
         }
     }
-    if (entry < SELD_LUMEN_ENTRY_FIRST_BRICK) {
-        place->far_m_q30 = entry == SELD_LUMEN_ENTRY_INSIDE ? -FAR_M_Q30 : FAR_M_Q30;
+    if (entry < CRN_LUMEN_ENTRY_FIRST_BRICK) {
+        place->far_m_q30 = entry == CRN_LUMEN_ENTRY_INSIDE ? -FAR_M_Q30 : FAR_M_Q30;
         return false;
     }
-    place->brick = lumen->samples + (size_t)(entry - SELD_LUMEN_ENTRY_FIRST_BRICK) * SELD_LUMEN_BRICK_SAMPLES;
+    place->brick = lumen->samples + (size_t)(entry - CRN_LUMEN_ENTRY_FIRST_BRICK) * CRN_LUMEN_BRICK_SAMPLES;
     place->x_q20 = (x << place->level) & IN_BRICK_MASK;
     place->y_q20 = (y << place->level) & IN_BRICK_MASK;
     place->z_q20 = (z << place->level) & IN_BRICK_MASK;
@@ -77,7 +77,7 @@ typedef struct lumen_weights {
 /* Half of a square. Format: Q20 in [0, 1] -> Q29. Error: 1/2 LSB. */
 static inline int32_t half_square_q29(uint32_t v_q20)
 {
-    return seld_mulh((int32_t)(v_q20 << 10), (int32_t)(v_q20 << 10));
+    return crn_mulh((int32_t)(v_q20 << 10), (int32_t)(v_q20 << 10));
 }
 
 /* Format: fraction Q20 -> values Q30, slopes Q29. Error: 1 LSB; the values' weights sum to one and the slopes' to zero
@@ -93,11 +93,11 @@ static inline lumen_weights weights_at(uint32_t x_q20)
  * a value sum to one; those of a slope, which have a bit less, to two in magnitude: below 2^31 * 2^30. */
 static inline int_fast32_t spline(int_fast32_t a, int_fast32_t b, int_fast32_t c, const lumen_weights *w)
 {
-    return seld_high64((int64_t)a * w->low + (int64_t)b * w->middle + (int64_t)c * w->high);
+    return crn_high64((int64_t)a * w->low + (int64_t)b * w->middle + (int64_t)c * w->high);
 }
 static inline int_fast32_t slope(int_fast32_t a, int_fast32_t b, int_fast32_t c, const lumen_weights *w)
 {
-    return seld_high64((int64_t)(b - a) * w->fall + (int64_t)(c - b) * w->rise);
+    return crn_high64((int64_t)(b - a) * w->fall + (int64_t)(c - b) * w->rise);
 }
 
 /* Three taps along x: value Q23, slope Q22. Exact; overflow: coefficients are within +-128, and the weights of a slope add up
@@ -108,7 +108,7 @@ typedef struct lumen_row {
 
 /* Weights along x as row_of() multiplies them, and where it reads. */
 typedef struct lumen_row_weights {
-#if SELD_HIGH_WORDS_BY_DSP
+#if CRN_HIGH_WORDS_BY_DSP
     uint32_t value, slope, middle; /* pairs of 16 bits: low and high, -fall and rise, both middles */
     uint32_t shift;                /* brings the taps to the upper three bytes of a word */
 #else
@@ -124,7 +124,7 @@ static inline lumen_row_weights row_weights_at(uint32_t x_q20)
     const int32_t high = (half_square_q29(u_q20) + (1 << 13)) >> 14;
     const int32_t middle = (1 << 15) - low - high;
     const int32_t rise = (int32_t)((u_q20 + (1 << 5)) >> 6), fall = (1 << 14) - rise;
-#if SELD_HIGH_WORDS_BY_DSP
+#if CRN_HIGH_WORDS_BY_DSP
     /* A word that begins one tap early holds the taps in its upper bytes; in the first column it would begin before the
      * brick. */
     return (lumen_row_weights){(uint32_t)low | (uint32_t)high << 16,
@@ -137,7 +137,7 @@ static inline lumen_row_weights row_weights_at(uint32_t x_q20)
 #endif
 }
 
-#if SELD_HIGH_WORDS_BY_DSP
+#if CRN_HIGH_WORDS_BY_DSP
 static inline lumen_row row_of(const int8_t *c, const lumen_row_weights *w)
 {
     const uint32_t upper_bytes = 0xff00ff00u; /* as signed halves: coefficients times 256 */
@@ -170,7 +170,7 @@ static inline lumen_row row_of(const int8_t *c, const lumen_row_weights *w)
 {
     int64_t both = c[0] * w->low + c[1] * w->middle + c[2] * w->high;
     /* A negative value borrows one from the slope. */
-    return (lumen_row){(int32_t)(uint32_t)both, seld_asr64(both + ((int64_t)1 << 31), 32)};
+    return (lumen_row){(int32_t)(uint32_t)both, crn_asr64(both + ((int64_t)1 << 31), 32)};
 }
 
 static inline int_fast32_t value_of_row(const int8_t *c, const lumen_row_weights *w)
@@ -216,25 +216,25 @@ static inline lumen_taps spline_27(const lumen_place *p)
 
 /* Inward unit normal -g/|g|. Format: Q18 -> Q30; a zero gradient gives a zero normal. Overflow: |g| < 2^27, so the squares sum
  * to less than 2^55; |n| <= 1. Error: <= 4 LSB of Q30 beside that of g. */
-static inline seld_vec3 inward(const lumen_taps *taps)
+static inline crn_vec3 inward(const lumen_taps *taps)
 {
     int32_t x = taps->slope_x, y = taps->slope_y, z = taps->slope_z;
     uint64_t square = (uint64_t)((int64_t)x * x + (int64_t)y * y + (int64_t)z * z);
     if (square == 0) {
-        return seld_vec3_make(0, 0, 0);
+        return crn_vec3_make(0, 0, 0);
     }
-    unsigned lead = seld_clz64(square) & ~1u;
-    int32_t root_q30 = seld_rsqrt_q30((uint32_t)((square << lead) >> 32));
+    unsigned lead = crn_clz64(square) & ~1u;
+    int32_t root_q30 = crn_rsqrt_q30((uint32_t)((square << lead) >> 32));
     /* 1/|g| = root 2^(lead/2 - 62), and |g| 2^(lead/2) < 2^32: halved here, doubled by the root's Q30 read as Q31 */
     int32_t scale = -((int32_t)1 << (lead / 2 - 1));
-    return seld_vec3_make(seld_mulh(x * scale, root_q30) * 2, seld_mulh(y * scale, root_q30) * 2,
-                          seld_mulh(z * scale, root_q30) * 2);
+    return crn_vec3_make(crn_mulh(x * scale, root_q30) * 2, crn_mulh(y * scale, root_q30) * 2,
+                         crn_mulh(z * scale, root_q30) * 2);
 }
 
 /* Format: Q19 of voxel/32, and that is 2^(15-L) Q30 units. */
 static inline int32_t metres_q30(int32_t value_q19, uint32_t level)
 {
-    return seld_asr32(value_q19 + (8 << level), 4 + level);
+    return crn_asr32(value_q19 + (8 << level), 4 + level);
 }
 
 static inline int_fast32_t value_of_plane(const int8_t *c, const lumen_row_weights *x, const lumen_weights *y)
@@ -242,7 +242,7 @@ static inline int_fast32_t value_of_plane(const int8_t *c, const lumen_row_weigh
     return spline(value_of_row(c, x), value_of_row(c + ROW, x), value_of_row(c + 2 * ROW, x), y);
 }
 
-int32_t seld_lumen_distance(const seld_lumen *lumen, const seld_vec3 *position_m_q30)
+int32_t crn_lumen_distance(const crn_lumen *lumen, const crn_vec3 *position_m_q30)
 {
     lumen_place p;
     if (!find(lumen, position_m_q30, &p)) {
@@ -256,10 +256,10 @@ int32_t seld_lumen_distance(const seld_lumen *lumen, const seld_vec3 *position_m
     return metres_q30((int32_t)spline(low, middle, high, &z), p.level);
 }
 
-seld_lumen_sample seld_lumen_contact(const seld_lumen *lumen, const seld_vec3 *position_m_q30)
+crn_lumen_sample crn_lumen_contact(const crn_lumen *lumen, const crn_vec3 *position_m_q30)
 {
     lumen_place place;
-    seld_lumen_sample sample = {0, {{0, 0, 0}}};
+    crn_lumen_sample sample = {0, {{0, 0, 0}}};
     if (!find(lumen, position_m_q30, &place)) {
         sample.distance_m_q30 = place.far_m_q30;
         return sample;

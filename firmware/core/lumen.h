@@ -10,7 +10,7 @@
  *     1                     deep inside the lumen, farther than the field's band from any wall
  *     2 .. 0x7fff           brick number + 2 of a level-0 brick
  *     0x8000 | row          this brick is refined: children[row][8] hold entries of the same kind for its 8 octants
- *                           (x fastest), one level down. At most SELD_LUMEN_LEVELS - 1 refinements.
+ *                           (x fastest), one level down. At most CRN_LUMEN_LEVELS - 1 refinements.
  * A brick holds 10x10x10 coefficients (x fastest) of the triquadratic B-spline of phi in units of voxel/32 (int8,
  * saturated at +-127, that is +-3.97 voxels). Coefficient (i,j,k) belongs to the sample at voxel centre
  * (i-1, j-1, k-1) + 1/2 of this brick, so that bricks overlap by one sample on every side. Sample values themselves are
@@ -18,35 +18,35 @@
  *
  * May include: vector.h. Called by: contact. Validated before use by shared/scene (hostile until checked).
  */
-#ifndef SELD_LUMEN_H
-#define SELD_LUMEN_H
+#ifndef CRN_LUMEN_H
+#define CRN_LUMEN_H
 
 #include "firmware/core/vector.h"
 
 enum {
-    SELD_LUMEN_LEVELS = 3,
-    SELD_LUMEN_BRICK_EDGE = 8,
-    SELD_LUMEN_BRICK_SAMPLES = 1000, /* 10^3 */
-    SELD_LUMEN_VOXEL_LOG2_Q30 = 20,  /* level-0 voxel edge = 2^20 / 2^30 m */
-    SELD_LUMEN_ENTRY_OUTSIDE = 0,
-    SELD_LUMEN_ENTRY_INSIDE = 1,
-    SELD_LUMEN_ENTRY_FIRST_BRICK = 2,
-    SELD_LUMEN_ENTRY_REFINED = 0x8000,
+    CRN_LUMEN_LEVELS = 3,
+    CRN_LUMEN_BRICK_EDGE = 8,
+    CRN_LUMEN_BRICK_SAMPLES = 1000, /* 10^3 */
+    CRN_LUMEN_VOXEL_LOG2_Q30 = 20,  /* level-0 voxel edge = 2^20 / 2^30 m */
+    CRN_LUMEN_ENTRY_OUTSIDE = 0,
+    CRN_LUMEN_ENTRY_INSIDE = 1,
+    CRN_LUMEN_ENTRY_FIRST_BRICK = 2,
+    CRN_LUMEN_ENTRY_REFINED = 0x8000,
 };
 
-struct seld_motion;
+struct crn_motion;
 
 /* A lesion that gives way (lesion.h): stations along the healthy centreline, spacing 2^log2 apart by arc length. In place in a scene. */
-typedef struct seld_lesion_station {
+typedef struct crn_lesion_station {
     int32_t healthy_m_q30[3], healthy_radius_m_q30;
     int32_t channel_m_q30[3], channel_radius_m_q30; /* of what is left, in the plane across the vessel */
     int32_t along_q30[3];                           /* unit vector to the next station */
     int32_t reserved;
-} seld_lesion_station;
+} crn_lesion_station;
 
-enum { SELD_LESION_MAX = 4, SELD_LESION_STATION_MAX = 24 };
+enum { CRN_LESION_MAX = 4, CRN_LESION_STATION_MAX = 24 };
 
-typedef struct seld_lesion {
+typedef struct crn_lesion {
     int32_t low_m_q30[3], high_m_q30[3]; /* box around everything that it can move */
     int32_t chord_q30[3];                /* unit vector from the first station to the last */
     int32_t stretch_q28;                 /* arc length over chord */
@@ -55,33 +55,33 @@ typedef struct seld_lesion {
     int32_t full_Pa;  /* and how much more opens it wholly */
     int32_t recoil_q30;
     int32_t pace_q30; /* of opening, in a tick at most */
-    const seld_lesion_station *stations;
-} seld_lesion;
+    const crn_lesion_station *stations;
+} crn_lesion;
 
-typedef struct seld_lumen {
+typedef struct crn_lumen {
     int32_t origin_m_q30[3];     /* corner of coarse brick (0,0,0) */
     uint32_t brick_count_xyz[3]; /* coarse bricks along each axis, each >= 1 */
     uint16_t child_row_count;
     uint32_t brick_count;     /* bricks in `samples`, all levels */
     const uint16_t *index;    /* brick_count_xyz product entries, x fastest */
     const uint16_t *children; /* child_row_count x 8 entries */
-    const int8_t *samples;    /* brick_count x SELD_LUMEN_BRICK_SAMPLES */
-    const struct seld_motion
+    const int8_t *samples;    /* brick_count x CRN_LUMEN_BRICK_SAMPLES */
+    const struct crn_motion
         *motion;           /* motion.h; NULL: the vessel stands still. Not looked at by the samplers below */
-    uint32_t lesion_count; /* that give way, at most SELD_LESION_MAX. Nor are they */
-    const seld_lesion *lesions;
-} seld_lumen;
+    uint32_t lesion_count; /* that give way, at most CRN_LESION_MAX. Nor are they */
+    const crn_lesion *lesions;
+} crn_lumen;
 
-typedef struct seld_lumen_sample {
+typedef struct crn_lumen_sample {
     int32_t distance_m_q30; /* phi; saturated at the band where the field does */
-    seld_vec3 normal_q30;   /* inward unit normal; zero where the gradient vanishes (no contact there) */
-} seld_lumen_sample;
+    crn_vec3 normal_q30;    /* inward unit normal; zero where the gradient vanishes (no contact there) */
+} crn_lumen_sample;
 
-/* The distance that seld_lumen_contact gives, bit for bit, without the normal: whether a node can touch the wall at all.
+/* The distance that crn_lumen_contact gives, bit for bit, without the normal: whether a node can touch the wall at all.
  * Format: Q30 m -> Q30 m. Outside the lattice or in OUTSIDE bricks: +2^24 (15.6 mm); INSIDE: -2^24. */
-int32_t seld_lumen_distance(const seld_lumen *lumen, const seld_vec3 *position_m_q30);
+int32_t crn_lumen_distance(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
 /* Value and inward normal of the triquadratic B-spline (27 taps, C1), for contact. Same far values as above. */
-seld_lumen_sample seld_lumen_contact(const seld_lumen *lumen, const seld_vec3 *position_m_q30);
+crn_lumen_sample crn_lumen_contact(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
 #endif

@@ -6,18 +6,18 @@
 #include "firmware/core/rod.h"
 
 /* The quadratic B-spline's weights at the fraction f between two half keyframes: (1-f)^2/2, the rest, f^2/2. */
-seld_motion_moment seld_motion_moment_at(uint32_t heart_phase32, uint32_t breath_phase32)
+crn_motion_moment crn_motion_moment_at(uint32_t heart_phase32, uint32_t breath_phase32)
 {
-    uint64_t place_q32 = (uint64_t)heart_phase32 * SELD_MOTION_KEYFRAMES + ((uint64_t)1 << 31);
+    uint64_t place_q32 = (uint64_t)heart_phase32 * CRN_MOTION_KEYFRAMES + ((uint64_t)1 << 31);
     uint32_t first = (uint32_t)(place_q32 >> 32);
     int32_t f_q15 = (int32_t)((uint32_t)place_q32 >> (32 - FRACTION_BITS)), rest_q15 = 32768 - f_q15;
     int32_t low = (rest_q15 * rest_q15 + 32768) / 65536, high = (f_q15 * f_q15 + 32768) / 65536;
-    return (seld_motion_moment){first == SELD_MOTION_KEYFRAMES ? 0 : first,
-                                {low, 32768 - low - high, high},
-                                seld_breath_depth_q15(breath_phase32)};
+    return (crn_motion_moment){first == CRN_MOTION_KEYFRAMES ? 0 : first,
+                               {low, 32768 - low - high, high},
+                               crn_breath_depth_q15(breath_phase32)};
 }
 
-static void field_begin(const seld_lattice *lattice, uint32_t node_numbers, seld_motion_field *field)
+static void field_begin(const crn_lattice *lattice, uint32_t node_numbers, crn_motion_field *field)
 {
     const uint32_t row = lattice->count_xyz[0], slice = row * lattice->count_xyz[1];
     for (uint32_t corner = 0; corner < 8; corner++) {
@@ -29,12 +29,12 @@ static void field_begin(const seld_lattice *lattice, uint32_t node_numbers, seld
     field->is_inside = false;
 }
 
-static int64_t end_of(const seld_lattice *lattice, int k)
+static int64_t end_of(const crn_lattice *lattice, int k)
 {
     return lattice->origin_m_q30[k] + ((int64_t)(lattice->count_xyz[k] - 1) << lattice->spacing_log2_q30);
 }
 
-static void box_about(const seld_motion *motion, seld_motion_pose *pose)
+static void box_about(const crn_motion *motion, crn_motion_pose *pose)
 {
     for (int k = 0; k < 3; k++) {
         int32_t low = motion->beat.origin_m_q30[k];
@@ -50,28 +50,28 @@ static void box_about(const seld_motion *motion, seld_motion_pose *pose)
     }
 }
 
-void seld_motion_pose_begin(const seld_motion *motion, seld_motion_pose *pose, const seld_rhythm *before,
-                            const seld_rhythm *now)
+void crn_motion_pose_begin(const crn_motion *motion, crn_motion_pose *pose, const crn_rhythm *before,
+                           const crn_rhythm *now)
 {
     field_begin(&motion->beat, NODE, &pose->beat);
     field_begin(&motion->breath, BREATH_NODE, &pose->breath);
     pose->changes.node = (uint32_t)NO_CELL;
     box_about(motion, pose);
-    pose->now = seld_motion_moment_at(now->heart_phase32, now->breath_phase32);
-    pose->before = seld_motion_moment_at(before->heart_phase32, before->breath_phase32);
+    pose->now = crn_motion_moment_at(now->heart_phase32, now->breath_phase32);
+    pose->before = crn_motion_moment_at(before->heart_phase32, before->breath_phase32);
 }
 
 /* The ways at a cell's corners now. */
-static void enter_cell(const seld_motion *motion, seld_motion_pose *pose, uint32_t node)
+static void enter_cell(const crn_motion *motion, crn_motion_pose *pose, uint32_t node)
 {
     const corner_list fresh = move_on(&motion->beat, node, &pose->beat.ways);
-    const seld_motion_moment now = pose->now;
+    const crn_motion_moment now = pose->now;
     const int16_t *rows = motion->rows + (size_t)node * NODE + now.first;
     for (uint32_t i = 0; i < fresh.count; i++) {
         const uint32_t corner = fresh.corners[i];
         const int16_t *taps = rows + pose->beat.corner_rows[corner];
         int32_t *way = pose->beat.ways.corners_m_q34[corner].v;
-        for (int k = 0; k < 3; k++, taps += SELD_MOTION_ROW) {
+        for (int k = 0; k < 3; k++, taps += CRN_MOTION_ROW) {
             way[k] = blend(taps, &now);
         }
     }
@@ -81,13 +81,13 @@ static void enter_cell(const seld_motion *motion, seld_motion_pose *pose, uint32
 /* Products of fractions. Format: Q31. Error: 1 LSB (floor). */
 static inline int32_t product(int32_t a_q31, int32_t b_q31)
 {
-    return seld_high64((int64_t)a_q31 * b_q31) * 2;
+    return crn_high64((int64_t)a_q31 * b_q31) * 2;
 }
 
 /* Finds the cell and the place in it. As in lumen.c a difference modulo 2^32 is the true one in the lattice. */
 typedef enum found { OUTSIDE, SAME_CELL, OTHER_CELL } found;
 
-static inline void place_in_cell(seld_motion_field *field, uint32_t log2, uint32_t x, uint32_t y, uint32_t z)
+static inline void place_in_cell(crn_motion_field *field, uint32_t log2, uint32_t x, uint32_t y, uint32_t z)
 {
     const uint32_t up = 31 - log2; /* the fraction's bits to the top of 31 */
     field->powers_q31[1] = (int32_t)(x << up);
@@ -96,7 +96,7 @@ static inline void place_in_cell(seld_motion_field *field, uint32_t log2, uint32
     field->is_inside = true;
 }
 
-static inline found find_other(const seld_lattice *lattice, seld_motion_field *field, const seld_vec3 *p,
+static inline found find_other(const crn_lattice *lattice, crn_motion_field *field, const crn_vec3 *p,
                                uint32_t *node)
 {
     const uint32_t log2 = lattice->spacing_log2_q30, mask = ((uint32_t)1 << log2) - 1;
@@ -117,7 +117,7 @@ static inline found find_other(const seld_lattice *lattice, seld_motion_field *f
     return OTHER_CELL;
 }
 
-static inline found find(const seld_lattice *lattice, seld_motion_field *field, const seld_vec3 *p,
+static inline found find(const crn_lattice *lattice, crn_motion_field *field, const crn_vec3 *p,
                          uint32_t *node)
 {
     const uint32_t log2 = lattice->spacing_log2_q30;
@@ -139,10 +139,9 @@ static inline uint32_t tetrahedron_at(const int32_t *p_q31)
 }
 
 /* Where it would be with the chest at rest. */
-static inline seld_vec3 exhale(const seld_motion *motion, seld_motion_pose *pose,
-                               const seld_vec3 *world_m_q30)
+static inline crn_vec3 exhale(const crn_motion *motion, crn_motion_pose *pose, const crn_vec3 *world_m_q30)
 {
-    seld_motion_field *field = &pose->breath;
+    crn_motion_field *field = &pose->breath;
     uint32_t node;
     const found cell = find(&motion->breath, field, world_m_q30, &node);
     if (cell == OUTSIDE) {
@@ -158,20 +157,20 @@ static inline seld_vec3 exhale(const seld_motion *motion, seld_motion_pose *pose
         make_plane(field, tetrahedron);
     }
     const int32_t depth_q15 = pose->now.breath_q15;
-    seld_vec3 rest;
+    crn_vec3 rest;
     for (int k = 0; k < 3; k++) {
         const int32_t inhaled_m_q34 = plane_here(field->terms_m_q34[k], field->powers_q31);
         pose->inhaled_m_q34.v[k] = inhaled_m_q34;
         /* Q34 x Q15 -> Q30 */
         const int32_t way =
-            (int32_t)seld_rshift_round64(seld_product(inhaled_m_q34, depth_q15), FRACTION_BITS + 4);
-        rest.v[k] = seld_add_sat(world_m_q30->v[k], way);
+            (int32_t)crn_rshift_round64(crn_product(inhaled_m_q34, depth_q15), FRACTION_BITS + 4);
+        rest.v[k] = crn_add_sat(world_m_q30->v[k], way);
     }
     return rest;
 }
 
 /* Beyond both lattices; as in find a difference modulo 2^32. */
-static inline bool stands_still(seld_motion_pose *pose, const seld_vec3 *p)
+static inline bool stands_still(crn_motion_pose *pose, const crn_vec3 *p)
 {
     const bool is_beyond = (uint32_t)p->v[0] - (uint32_t)pose->low_m_q30[0] >= pose->size_m_q30[0] ||
                            (uint32_t)p->v[1] - (uint32_t)pose->low_m_q30[1] >= pose->size_m_q30[1] ||
@@ -182,10 +181,10 @@ static inline bool stands_still(seld_motion_pose *pose, const seld_vec3 *p)
     return is_beyond;
 }
 
-static seld_vec3 pull_inside(const seld_motion *motion, seld_motion_pose *pose, const seld_vec3 *world_m_q30)
+static crn_vec3 pull_inside(const crn_motion *motion, crn_motion_pose *pose, const crn_vec3 *world_m_q30)
 {
-    const seld_vec3 rest_m_q30 = motion->inhaled == NULL ? *world_m_q30 : exhale(motion, pose, world_m_q30);
-    seld_motion_field *field = &pose->beat;
+    const crn_vec3 rest_m_q30 = motion->inhaled == NULL ? *world_m_q30 : exhale(motion, pose, world_m_q30);
+    crn_motion_field *field = &pose->beat;
     uint32_t node;
     const found cell = find(&motion->beat, field, &rest_m_q30, &node);
     pose->has_gradient = false;
@@ -200,27 +199,27 @@ static seld_vec3 pull_inside(const seld_motion *motion, seld_motion_pose *pose, 
     p_q31[5] = product(p_q31[1], p_q31[4]);
     p_q31[6] = product(p_q31[2], p_q31[4]);
     p_q31[7] = product(p_q31[3], p_q31[4]);
-    seld_vec3 reference;
+    crn_vec3 reference;
     for (int k = 0; k < 3; k++) {
         const int32_t way_m_q34 = value_here(field->terms_m_q34[k], p_q31);
-        reference.v[k] = seld_add_sat(rest_m_q30.v[k], seld_asr32(way_m_q34 + 8, 4));
+        reference.v[k] = crn_add_sat(rest_m_q30.v[k], crn_asr32(way_m_q34 + 8, 4));
     }
     return reference;
 }
 
-seld_vec3 seld_motion_pull(const seld_motion *motion, seld_motion_pose *pose, const seld_vec3 *world_m_q30)
+crn_vec3 crn_motion_pull(const crn_motion *motion, crn_motion_pose *pose, const crn_vec3 *world_m_q30)
 {
     return stands_still(pose, world_m_q30) ? *world_m_q30 : pull_inside(motion, pose, world_m_q30);
 }
 
 /* Largest |difference|^2 of neighbours along an axis, added up for each of the `row` numbers that a node's three components hold. Format: coefficients.
  * Overflow: neighbours differ by at most 2^13 (checked): 3 x 2^26, of three axes below 2^30. */
-static void add_longest(const seld_lattice *lattice, const int16_t *numbers, uint32_t row, uint32_t axis,
+static void add_longest(const crn_lattice *lattice, const int16_t *numbers, uint32_t row, uint32_t axis,
                         uint32_t *squares)
 {
     const uint32_t *n = lattice->count_xyz;
     const uint32_t steps[3] = {1, n[0], n[0] * n[1]}, nodes = n[0] * n[1] * n[2];
-    uint32_t longest[SELD_MOTION_ROW] = {0};
+    uint32_t longest[CRN_MOTION_ROW] = {0};
     for (uint32_t node = 0; node + steps[axis] < nodes; node++) {
         /* past the end of a line comes the next line's boundary, which is 0 as the end's: no difference */
         const int16_t *here = numbers + (size_t)node * 3 * row, *next = here + (size_t)steps[axis] * 3 * row;
@@ -239,40 +238,40 @@ static void add_longest(const seld_lattice *lattice, const int16_t *numbers, uin
 }
 
 /* |J| at most of each of a row's numbers, for one lattice. Format: Q28. Overflow: 5/8 sqrt(3). */
-static void steepness_of(const seld_lattice *lattice, const int16_t *numbers, uint32_t row,
+static void steepness_of(const crn_lattice *lattice, const int16_t *numbers, uint32_t row,
                          int32_t *steepness_q28)
 {
     enum { MORE = 10 }; /* bits of the root */
-    uint32_t squares[SELD_MOTION_ROW] = {0};
+    uint32_t squares[CRN_MOTION_ROW] = {0};
     for (uint32_t axis = 0; axis < 3; axis++) {
         add_longest(lattice, numbers, row, axis, squares);
     }
-    const uint32_t spacing_log2 = lattice->spacing_log2_q30 - SELD_MOTION_UNIT_LOG2_Q30;
+    const uint32_t spacing_log2 = lattice->spacing_log2_q30 - CRN_MOTION_UNIT_LOG2_Q30;
     for (uint32_t i = 0; i < row; i++) {
-        const uint64_t root = seld_sqrt64((uint64_t)squares[i] << 2 * MORE) + 1;
+        const uint64_t root = crn_sqrt64((uint64_t)squares[i] << 2 * MORE) + 1;
         steepness_q28[i] = (int32_t)(root << (28 - MORE - spacing_log2)) + 1;
     }
 }
 
-void seld_motion_steepness_make(const seld_motion *motion, seld_motion_steepness *steepness)
+void crn_motion_steepness_make(const crn_motion *motion, crn_motion_steepness *steepness)
 {
     steepness->breath_q28 = 0;
-    steepness_of(&motion->beat, motion->rows, SELD_MOTION_ROW, steepness->beat_q28);
+    steepness_of(&motion->beat, motion->rows, CRN_MOTION_ROW, steepness->beat_q28);
     if (motion->inhaled != NULL) {
         steepness_of(&motion->breath, motion->inhaled, 1, &steepness->breath_q28);
     }
 }
 
-int32_t seld_motion_shrink_q30(const seld_motion_steepness *steepness, const seld_motion_moment *now)
+int32_t crn_motion_shrink_q30(const crn_motion_steepness *steepness, const crn_motion_moment *now)
 {
     const int32_t one = 1 << 28, *taps_q28 = steepness->beat_q28 + now->first;
     int64_t sum_q43 = 0;
     for (int i = 0; i < 3; i++) {
         sum_q43 += (int64_t)taps_q28[i] * now->weights_q15[i];
     }
-    const int32_t beat_q28 = (int32_t)seld_asr64(sum_q43, FRACTION_BITS) + 1,
+    const int32_t beat_q28 = (int32_t)crn_asr64(sum_q43, FRACTION_BITS) + 1,
                   breath_q28 = breathed(steepness->breath_q28, now->breath_q15) + 1;
-    return seld_scale_q30(seld_quotient(one, one + beat_q28, 30), seld_quotient(one, one + breath_q28, 30));
+    return crn_scale_q30(crn_quotient(one, one + beat_q28, 30), crn_quotient(one, one + breath_q28, 30));
 }
 
 /* A derivative: the term of one axis, those of it and another, and that of all three. Overflow: as value_here's. */
@@ -283,7 +282,7 @@ static inline int32_t slope_here(int32_t axis, int32_t with_b, int32_t b_q31, in
 }
 
 /* I + dw_i/dx_j in the cell of the last point; I outside the lattice. Format: Q34 m per spacing -> Q28. Overflow: at most 1 5/8 (checked). */
-static void gradient_here(const seld_motion *motion, seld_motion_pose *pose)
+static void gradient_here(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t *p = pose->beat.powers_q31;
     /* Q34 m / (2^log2 Q30 m) = 2^(-4 - log2), in Q28 */
@@ -325,13 +324,13 @@ static inline int32_t norm_at_most(const int32_t m[3][3])
 static inline int32_t shrink_of_gradient(const int32_t gradient_q28[3][3])
 {
     const int32_t one = 1 << 28, norm = norm_at_most(gradient_q28);
-    return norm > one ? seld_quotient(one, norm, 30) : 1 << 30;
+    return norm > one ? crn_quotient(one, norm, 30) : 1 << 30;
 }
 
 /* 1 / (1 + |J|) of breath, made once for the points of a tetrahedron. Format: Q30. */
-static int32_t shrink_of_breath(const seld_motion *motion, seld_motion_pose *pose)
+static int32_t shrink_of_breath(const crn_motion *motion, crn_motion_pose *pose)
 {
-    seld_motion_field *field = &pose->breath;
+    crn_motion_field *field = &pose->breath;
     if (field->shrink_q30 == 0) {
         const int32_t up = (int32_t)1 << (24 - motion->breath.spacing_log2_q30), one = 1 << 28;
         int32_t slopes_q28[3][3];
@@ -341,80 +340,78 @@ static int32_t shrink_of_breath(const seld_motion *motion, seld_motion_pose *pos
             }
         }
         const int32_t most = norm_at_most((const int32_t(*)[3])slopes_q28);
-        field->shrink_q30 = seld_quotient(one, one + breathed(most, pose->now.breath_q15) + 1, 30);
+        field->shrink_q30 = crn_quotient(one, one + breathed(most, pose->now.breath_q15) + 1, 30);
     }
     return field->shrink_q30;
 }
 
 /* 1 / |I + J| here, of both factors. Format: Q30. */
-static int32_t shrink_here(const seld_motion *motion, seld_motion_pose *pose)
+static int32_t shrink_here(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t beat_q30 = shrink_of_gradient((const int32_t(*)[3])pose->gradient_q28);
-    return pose->breath.is_inside ? seld_scale_q30(beat_q30, shrink_of_breath(motion, pose)) : beat_q30;
+    return pose->breath.is_inside ? crn_scale_q30(beat_q30, shrink_of_breath(motion, pose)) : beat_q30;
 }
 
 enum {
     ROUNDING_M_Q30 = 32
-}; /* of the quotients here and in seld_motion_contact, of distances up to 15.6 mm */
+}; /* of the quotients here and in crn_motion_contact, of distances up to 15.6 mm */
 
 /* Within a lattice; apart from the rest, so that a node beyond both pays for nothing. */
-SELD_APART static int32_t distance_inside(const seld_lumen *lumen, const seld_motion *motion,
-                                          seld_motion_pose *pose, const seld_vec3 *world_m_q30,
-                                          int32_t shrink_q30, int32_t far_m_q30)
+CRN_APART static int32_t distance_inside(const crn_lumen *lumen, const crn_motion *motion,
+                                         crn_motion_pose *pose, const crn_vec3 *world_m_q30,
+                                         int32_t shrink_q30, int32_t far_m_q30)
 {
     pose->reference_m_q30 = pull_inside(motion, pose, world_m_q30);
-    const int32_t reference = seld_lumen_distance(lumen, &pose->reference_m_q30);
+    const int32_t reference = crn_lumen_distance(lumen, &pose->reference_m_q30);
     if (reference >= 0 || !moves_here(pose)) {
         return reference;
     }
-    const int32_t distance = seld_scale_q30(reference, shrink_q30) + ROUNDING_M_Q30;
+    const int32_t distance = crn_scale_q30(reference, shrink_q30) + ROUNDING_M_Q30;
     if (distance < far_m_q30) {
         return distance;
     }
     gradient_here(motion, pose);
-    return seld_scale_q30(reference, shrink_here(motion, pose)) + ROUNDING_M_Q30;
+    return crn_scale_q30(reference, shrink_here(motion, pose)) + ROUNDING_M_Q30;
 }
 
-int32_t seld_motion_distance(const seld_lumen *lumen, const seld_motion *motion, seld_motion_pose *pose,
-                             const seld_vec3 *world_m_q30, int32_t shrink_q30, int32_t far_m_q30)
+int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, crn_motion_pose *pose,
+                            const crn_vec3 *world_m_q30, int32_t shrink_q30, int32_t far_m_q30)
 {
     if (stands_still(pose, world_m_q30)) {
         pose->reference_m_q30 = *world_m_q30;
-        return seld_lumen_distance(lumen, world_m_q30);
+        return crn_lumen_distance(lumen, world_m_q30);
     }
     return distance_inside(lumen, motion, pose, world_m_q30, shrink_q30, far_m_q30);
 }
 
 /* (I + dw/dx)^T n of a unit normal. Format: Q30 -> Q26. Overflow: at most 1 + 5/8 sqrt(3) in a component, below 8. Error: 2 LSB. */
-static inline seld_vec3 mapped_normal(const seld_motion_pose *pose, const seld_vec3 *normal_q30)
+static inline crn_vec3 mapped_normal(const crn_motion_pose *pose, const crn_vec3 *normal_q30)
 {
     const int32_t(*m)[3] = (const int32_t(*)[3])pose->gradient_q28;
     const int32_t *n = normal_q30->v;
-    seld_vec3 mapped;
+    crn_vec3 mapped;
     for (int j = 0; j < 3; j++) {
-        mapped.v[j] = seld_mulh_add(seld_mulh_add(seld_mulh(m[0][j], n[0]), m[1][j], n[1]), m[2][j], n[2]);
+        mapped.v[j] = crn_mulh_add(crn_mulh_add(crn_mulh(m[0][j], n[0]), m[1][j], n[1]), m[2][j], n[2]);
     }
     return mapped;
 }
 
 /* (I + depth db/dx)^T of it. Overflow: 1 + 3/8 sqrt(3) times as much at most, below 8. */
-static inline void map_by_breath(const seld_motion *motion, const seld_motion_pose *pose,
-                                 seld_vec3 *mapped_q26)
+static inline void map_by_breath(const crn_motion *motion, const crn_motion_pose *pose, crn_vec3 *mapped_q26)
 {
-    const seld_vec3 beaten_q26 = *mapped_q26;
-    const seld_vec3 breathing_q26 = {{breathed(beaten_q26.v[0], pose->now.breath_q15),
-                                      breathed(beaten_q26.v[1], pose->now.breath_q15),
-                                      breathed(beaten_q26.v[2], pose->now.breath_q15)}};
+    const crn_vec3 beaten_q26 = *mapped_q26;
+    const crn_vec3 breathing_q26 = {{breathed(beaten_q26.v[0], pose->now.breath_q15),
+                                     breathed(beaten_q26.v[1], pose->now.breath_q15),
+                                     breathed(beaten_q26.v[2], pose->now.breath_q15)}};
     for (int j = 0; j < 3; j++) {
-        const seld_vec3 slope_q30 = breath_slope(motion, pose, j);
+        const crn_vec3 slope_q30 = breath_slope(motion, pose, j);
         mapped_q26->v[j] += dot_high(&slope_q30, &breathing_q26) * 4;
     }
 }
 
-seld_lumen_sample seld_motion_carry(const seld_motion *motion, seld_motion_pose *pose,
-                                    seld_lumen_sample sample)
+crn_lumen_sample crn_motion_carry(const crn_motion *motion, crn_motion_pose *pose, crn_lumen_sample sample)
 {
-    const seld_vec3 none = {{0, 0, 0}};
+    const crn_vec3 none = {{0, 0, 0}};
     if (!moves_here(pose) ||
         (sample.normal_q30.v[0] | sample.normal_q30.v[1] | sample.normal_q30.v[2]) == 0) {
         return sample;
@@ -423,36 +420,36 @@ seld_lumen_sample seld_motion_carry(const seld_motion *motion, seld_motion_pose 
         gradient_here(motion, pose);
     }
     int32_t length_q26;
-    seld_vec3 mapped_q26 = mapped_normal(pose, &sample.normal_q30);
+    crn_vec3 mapped_q26 = mapped_normal(pose, &sample.normal_q30);
     if (pose->breath.is_inside) {
         map_by_breath(motion, pose, &mapped_q26);
     }
-    sample.normal_q30 = seld_vec3_normalise(mapped_q26, none, &length_q26);
+    sample.normal_q30 = crn_vec3_normalise(mapped_q26, none, &length_q26);
     if (length_q26 > 0) {
-        sample.distance_m_q30 = seld_quotient(sample.distance_m_q30, length_q26, 26);
+        sample.distance_m_q30 = crn_quotient(sample.distance_m_q30, length_q26, 26);
     }
     return sample;
 }
 
-seld_lumen_sample seld_motion_contact_here(const seld_lumen *lumen, const seld_motion *motion,
-                                           seld_motion_pose *pose)
+crn_lumen_sample crn_motion_contact_here(const crn_lumen *lumen, const crn_motion *motion,
+                                         crn_motion_pose *pose)
 {
-    return seld_motion_carry(motion, pose, seld_lumen_contact(lumen, &pose->reference_m_q30));
+    return crn_motion_carry(motion, pose, crn_lumen_contact(lumen, &pose->reference_m_q30));
 }
 
-SELD_APART static seld_lumen_sample contact_inside(const seld_lumen *lumen, const seld_motion *motion,
-                                                   seld_motion_pose *pose, const seld_vec3 *world_m_q30)
+CRN_APART static crn_lumen_sample contact_inside(const crn_lumen *lumen, const crn_motion *motion,
+                                                 crn_motion_pose *pose, const crn_vec3 *world_m_q30)
 {
     pose->reference_m_q30 = pull_inside(motion, pose, world_m_q30);
-    return seld_motion_contact_here(lumen, motion, pose);
+    return crn_motion_contact_here(lumen, motion, pose);
 }
 
-seld_lumen_sample seld_motion_contact(const seld_lumen *lumen, const seld_motion *motion,
-                                      seld_motion_pose *pose, const seld_vec3 *world_m_q30)
+crn_lumen_sample crn_motion_contact(const crn_lumen *lumen, const crn_motion *motion, crn_motion_pose *pose,
+                                    const crn_vec3 *world_m_q30)
 {
     if (stands_still(pose, world_m_q30)) {
         pose->reference_m_q30 = *world_m_q30;
-        return seld_lumen_contact(lumen, world_m_q30);
+        return crn_lumen_contact(lumen, world_m_q30);
     }
     return contact_inside(lumen, motion, pose, world_m_q30);
 }

@@ -1,17 +1,17 @@
 /* Cells of the lattices of a moving vessel: what the look-up (motion.c) and the step of the wall (motion_wall.c) share.
  * May include: motion.h. Called by: motion*.c only. */
-#ifndef SELD_MOTION_CELL_H
-#define SELD_MOTION_CELL_H
+#ifndef CRN_MOTION_CELL_H
+#define CRN_MOTION_CELL_H
 
 #include "firmware/core/motion.h"
 
 /* What few nodes need stays a function of its own, so that the many do not save registers for it. */
-#define SELD_APART __attribute__((noinline))
+#define CRN_APART __attribute__((noinline))
 
 enum {
     NO_CELL = -1,
     FRACTION_BITS = 15,
-    NODE = 3 * SELD_MOTION_ROW,
+    NODE = 3 * CRN_MOTION_ROW,
     BREATH_NODE = 3,
     NO_TETRAHEDRON = 8,
 };
@@ -23,7 +23,7 @@ typedef struct corner_list {
 } corner_list;
 
 /* Goes on to another cell: where that is one step along an axis away, the four corners that they share move to their new places. Returns the others. */
-static inline corner_list move_on(const seld_lattice *lattice, uint32_t to, seld_motion_cell *cell)
+static inline corner_list move_on(const crn_lattice *lattice, uint32_t to, crn_motion_cell *cell)
 {
     /* corners on the low and the high side along x, y, z */
     static const uint8_t sides[6][4] = {{0, 2, 4, 6}, {1, 3, 5, 7}, {0, 1, 4, 5},
@@ -48,9 +48,9 @@ static inline corner_list move_on(const seld_lattice *lattice, uint32_t to, seld
 
 /* From corners to terms, differences along one axis after the other. Overflow: neighbours differ by at most 5/8 of a spacing (checked), so that
  * the last term is at most 5/2 of one: below 2^30. */
-static inline void make_terms(seld_motion_field *field)
+static inline void make_terms(crn_motion_field *field)
 {
-    const seld_vec3 *c = field->ways.corners_m_q34;
+    const crn_vec3 *c = field->ways.corners_m_q34;
     for (int k = 0; k < 3; k++) {
         int32_t *terms = field->terms_m_q34[k];
         const int32_t x00 = c[1].v[k] - c[0].v[k], x10 = c[3].v[k] - c[2].v[k], x01 = c[5].v[k] - c[4].v[k],
@@ -69,14 +69,14 @@ static inline void make_terms(seld_motion_field *field)
 
 /* Sum over the taps of a component. Format: Q15 x 2^-19 m -> Q34 m. Overflow: |coefficient| <= 2^14 (checked), the weights sum to 2^15:
  * 2^29. */
-static inline int32_t blend(const int16_t *taps, const seld_motion_moment *weights)
+static inline int32_t blend(const int16_t *taps, const crn_motion_moment *weights)
 {
     return taps[0] * weights->weights_q15[0] + taps[1] * weights->weights_q15[1] +
            taps[2] * weights->weights_q15[2];
 }
 
 /* Format: coefficients of 2^-19 m -> Q34 m. Overflow: 2^14 (checked) x 2^15. */
-static inline void enter_breathing_cell(const seld_motion *motion, seld_motion_field *field, uint32_t node)
+static inline void enter_breathing_cell(const crn_motion *motion, crn_motion_field *field, uint32_t node)
 {
     const corner_list fresh = move_on(&motion->breath, node, &field->ways);
     const int16_t *low = motion->inhaled + (size_t)node * BREATH_NODE;
@@ -92,7 +92,7 @@ static inline void enter_breathing_cell(const seld_motion *motion, seld_motion_f
 /* A part of a full breath. Format: that of `full`. Error: 1/2 LSB. Overflow: parts are at most 1 = 2^15. */
 static inline int32_t breathed(int32_t full, int32_t part_q15)
 {
-    return (int32_t)seld_rshift_round64(seld_product(full, part_q15), FRACTION_BITS);
+    return (int32_t)crn_rshift_round64(crn_product(full, part_q15), FRACTION_BITS);
 }
 
 /* A sum in Q31 more: its bits from 31 on. Error: 1 LSB (floor). */
@@ -112,12 +112,12 @@ static inline int32_t value_here(const int32_t *terms, const int32_t *powers_q31
 }
 
 /* The plane in a tetrahedron: a difference along each axis. Overflow: neighbours differ by at most 3/8 of a spacing (checked). */
-static inline void make_plane(seld_motion_field *field, uint32_t tetrahedron)
+static inline void make_plane(crn_motion_field *field, uint32_t tetrahedron)
 {
     /* corners on the way from 0 to 7; two of the eight orders cannot be */
     static const uint8_t ways[8][2] = {{4, 6}, {4, 6}, {2, 6}, {2, 3}, {4, 5}, {1, 5}, {2, 3}, {1, 3}};
     const uint32_t first = ways[tetrahedron][0], second = ways[tetrahedron][1];
-    const seld_vec3 *c = field->ways.corners_m_q34;
+    const crn_vec3 *c = field->ways.corners_m_q34;
     for (int k = 0; k < 3; k++) {
         int32_t *terms = field->terms_m_q34[k];
         terms[0] = c[0].v[k];
@@ -132,22 +132,22 @@ static inline int32_t plane_here(const int32_t *t, const int32_t *p_q31)
     return t[0] + from_q31((int64_t)t[1] * p_q31[1] + (int64_t)t[2] * p_q31[2] + (int64_t)t[4] * p_q31[4]);
 }
 
-static inline bool moves_here(const seld_motion_pose *pose)
+static inline bool moves_here(const crn_motion_pose *pose)
 {
     return pose->beat.is_inside || pose->breath.is_inside;
 }
 
 /* db_i/dx_j, of a full breath. Format: Q34 m per spacing -> Q30. Overflow: at most 3/8 (checked). */
-static inline seld_vec3 breath_slope(const seld_motion *motion, const seld_motion_pose *pose, int j)
+static inline crn_vec3 breath_slope(const crn_motion *motion, const crn_motion_pose *pose, int j)
 {
     const int32_t up = (int32_t)1 << (26 - motion->breath.spacing_log2_q30);
     const int32_t(*t)[8] = (const int32_t(*)[8])pose->breath.terms_m_q34;
-    return seld_vec3_make(t[0][1 << j] * up, t[1][1 << j] * up, t[2][1 << j] * up);
+    return crn_vec3_make(t[0][1 << j] * up, t[1][1 << j] * up, t[2][1 << j] * up);
 }
 
-static inline int32_t dot_high(const seld_vec3 *a, const seld_vec3 *b)
+static inline int32_t dot_high(const crn_vec3 *a, const crn_vec3 *b)
 {
-    return seld_mulh_add(seld_mulh_add(seld_mulh(a->v[0], b->v[0]), a->v[1], b->v[1]), a->v[2], b->v[2]);
+    return crn_mulh_add(crn_mulh_add(crn_mulh(a->v[0], b->v[0]), a->v[1], b->v[1]), a->v[2], b->v[2]);
 }
 
 #endif

@@ -8,26 +8,26 @@ enum {
 }; /* 1/8: a lattice that folds over is none, but must not divide by nothing */
 
 enum {
-    MOST_M_Q34 = 2 * SELD_MOTION_WALL_STEP_MAX_M_Q33,
+    MOST_M_Q34 = 2 * CRN_MOTION_WALL_STEP_MAX_M_Q33,
     FASTEST_Q15 = 1 << 13 /* of a weight in a tick: a quarter of a keyframe, 600 beats a minute */
 };
 
 /* What the tick has changed at a corner, when it began before the last keyframe and ended after it. */
-static int32_t change_across(const int16_t *row, const seld_motion_pose *pose)
+static int32_t change_across(const int16_t *row, const crn_motion_pose *pose)
 {
-    const int32_t change = seld_sub_sat(blend(row + pose->now.first, &pose->now),
-                                        blend(row + pose->before.first, &pose->before));
-    return seld_clamp(change, -MOST_M_Q34, MOST_M_Q34);
+    const int32_t change =
+        crn_sub_sat(blend(row + pose->now.first, &pose->now), blend(row + pose->before.first, &pose->before));
+    return crn_clamp(change, -MOST_M_Q34, MOST_M_Q34);
 }
 
 /* What the tick has changed in the ways at a cell's corners. As a rule both moments lie between the same keyframes, and the change of the weights,
  * which sums to nothing, makes it. Overflow: two products of 2^15 and 2^13. */
-static void enter_changing_cell(const seld_motion *motion, seld_motion_pose *pose, uint32_t node)
+static void enter_changing_cell(const crn_motion *motion, crn_motion_pose *pose, uint32_t node)
 {
     const corner_list fresh = move_on(&motion->beat, node, &pose->changes);
-    const seld_motion_moment *now = &pose->now, *before = &pose->before;
-    const int32_t low = seld_clamp(now->weights_q15[0] - before->weights_q15[0], -FASTEST_Q15, FASTEST_Q15),
-                  high = seld_clamp(now->weights_q15[2] - before->weights_q15[2], -FASTEST_Q15, FASTEST_Q15);
+    const crn_motion_moment *now = &pose->now, *before = &pose->before;
+    const int32_t low = crn_clamp(now->weights_q15[0] - before->weights_q15[0], -FASTEST_Q15, FASTEST_Q15),
+                  high = crn_clamp(now->weights_q15[2] - before->weights_q15[2], -FASTEST_Q15, FASTEST_Q15);
     const uint32_t first = now->first;
     const bool is_across = first != before->first;
     const int16_t *rows = motion->rows + (size_t)node * NODE;
@@ -35,7 +35,7 @@ static void enter_changing_cell(const seld_motion *motion, seld_motion_pose *pos
         const uint32_t corner = fresh.corners[i];
         const int16_t *row = rows + pose->beat.corner_rows[corner];
         int32_t *change = pose->changes.corners_m_q34[corner].v;
-        for (int k = 0; k < 3; k++, row += SELD_MOTION_ROW) {
+        for (int k = 0; k < 3; k++, row += CRN_MOTION_ROW) {
             const int16_t *taps = row + first;
             change[k] =
                 is_across ? change_across(row, pose) : (taps[0] - taps[1]) * low + (taps[2] - taps[1]) * high;
@@ -50,94 +50,92 @@ static inline int32_t between(int32_t a, int32_t b, int32_t share_q31)
 }
 
 /* Change of w in this tick at the last point, limited to 2 mm. Q39 m. */
-static inline seld_vec3 change_here(const seld_motion *motion, seld_motion_pose *pose)
+static inline crn_vec3 change_here(const crn_motion *motion, crn_motion_pose *pose)
 {
     if (pose->changes.node != pose->beat.ways.node) {
         enter_changing_cell(motion, pose, pose->beat.ways.node);
     }
-    const seld_vec3 *c = pose->changes.corners_m_q34;
+    const crn_vec3 *c = pose->changes.corners_m_q34;
     const int32_t x = pose->beat.powers_q31[1], y = pose->beat.powers_q31[2], z = pose->beat.powers_q31[4];
-    seld_vec3 change;
+    crn_vec3 change;
     for (int k = 0; k < 3; k++) {
         const int32_t low = between(between(c[0].v[k], c[1].v[k], x), between(c[2].v[k], c[3].v[k], x), y),
                       high = between(between(c[4].v[k], c[5].v[k], x), between(c[6].v[k], c[7].v[k], x), y);
-        change.v[k] = seld_clamp(between(low, high, z), -MOST_M_Q34, MOST_M_Q34) * 32;
+        change.v[k] = crn_clamp(between(low, high, z), -MOST_M_Q34, MOST_M_Q34) * 32;
     }
     return change;
 }
 
 /* High words of a cross product. Format: Qa x Qb -> Q(a+b-32). Error: 1 LSB. */
-static inline seld_vec3 cross_high(const seld_vec3 *a, const seld_vec3 *b)
+static inline crn_vec3 cross_high(const crn_vec3 *a, const crn_vec3 *b)
 {
-    return seld_vec3_make(seld_mulh_sub(seld_mulh(a->v[1], b->v[2]), a->v[2], b->v[1]),
-                          seld_mulh_sub(seld_mulh(a->v[2], b->v[0]), a->v[0], b->v[2]),
-                          seld_mulh_sub(seld_mulh(a->v[0], b->v[1]), a->v[1], b->v[0]));
+    return crn_vec3_make(crn_mulh_sub(crn_mulh(a->v[1], b->v[2]), a->v[2], b->v[1]),
+                         crn_mulh_sub(crn_mulh(a->v[2], b->v[0]), a->v[0], b->v[2]),
+                         crn_mulh_sub(crn_mulh(a->v[0], b->v[1]), a->v[1], b->v[0]));
 }
 
 /* Cramer's rule for (I + dw/dx) step = -change, with a, b, c the columns: b x c and change x a hold all of its four determinants. Overflow: columns
  * are at most 2 in a component, so b x c is below 2^27 (Q24), the determinant below 2^26 (Q20), change x a below 2^29 (Q35); steps before the
  * division below 2^29 (Q31), 250 mm. */
-static seld_vec3 beating_step(const seld_motion *motion, seld_motion_pose *pose)
+static crn_vec3 beating_step(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t(*m)[3] = (const int32_t(*)[3])pose->gradient_q28;
-    const seld_vec3 a = seld_vec3_make(m[0][0], m[1][0], m[2][0]),
-                    b = seld_vec3_make(m[0][1], m[1][1], m[2][1]),
-                    c = seld_vec3_make(m[0][2], m[1][2], m[2][2]), change = change_here(motion, pose);
-    const seld_vec3 across_q24 = cross_high(&b, &c), around_q35 = cross_high(&change, &a);
+    const crn_vec3 a = crn_vec3_make(m[0][0], m[1][0], m[2][0]), b = crn_vec3_make(m[0][1], m[1][1], m[2][1]),
+                   c = crn_vec3_make(m[0][2], m[1][2], m[2][2]), change = change_here(motion, pose);
+    const crn_vec3 across_q24 = cross_high(&b, &c), around_q35 = cross_high(&change, &a);
     const int32_t determinant_q20 = dot_high(&a, &across_q24);
     const uint32_t size =
         (uint32_t)(determinant_q20 > DETERMINANT_MIN_q20 ? determinant_q20 : DETERMINANT_MIN_q20);
-    const seld_vec3 turned_q31 = {
+    const crn_vec3 turned_q31 = {
         {dot_high(&change, &across_q24), -dot_high(&around_q35, &c), dot_high(&around_q35, &b)}};
-    const unsigned lead = seld_clz32(size) - 1;
-    const int64_t inverse = seld_reciprocal_q30(size << lead); /* 2^61 / (size 2^lead) */
-    seld_vec3 step;
+    const unsigned lead = crn_clz32(size) - 1;
+    const int64_t inverse = crn_reciprocal_q30(size << lead); /* 2^61 / (size 2^lead) */
+    crn_vec3 step;
     for (int i = 0; i < 3; i++) {
         /* Q31 / Q20 -> Q33: 22 bits up */
-        const int32_t way = seld_sat32(seld_rshift_round64(-turned_q31.v[i] * inverse, 39 - lead));
-        step.v[i] = seld_clamp(way, -SELD_MOTION_WALL_STEP_MAX_M_Q33, SELD_MOTION_WALL_STEP_MAX_M_Q33);
+        const int32_t way = crn_sat32(crn_rshift_round64(-turned_q31.v[i] * inverse, 39 - lead));
+        step.v[i] = crn_clamp(way, -CRN_MOTION_WALL_STEP_MAX_M_Q33, CRN_MOTION_WALL_STEP_MAX_M_Q33);
     }
     return step;
 }
 
 /* (I + J)^-1 (step - change of breath) by the series u - J (u - J u), which is off by |J|^3: a twentieth where breath is as steep as it may be, 0.3 %
  * in the shipped heart. Overflow: u is at most 4 mm, the sum below 6: 2^26. */
-static void step_with_breath(const seld_motion *motion, seld_motion_pose *pose, seld_vec3 *step_m_q33)
+static void step_with_breath(const crn_motion *motion, crn_motion_pose *pose, crn_vec3 *step_m_q33)
 {
     enum {
         TERMS = 2,
         MOST_Q15 = 1 << 10 /* nobody breathes in so fast: 2 mm of 31 mm */
     };
     const int32_t depth_q15 = pose->now.breath_q15,
-                  deeper_q15 = seld_clamp(depth_q15 - pose->before.breath_q15, -MOST_Q15, MOST_Q15);
-    const seld_vec3 x_q30 = breath_slope(motion, pose, 0), y_q30 = breath_slope(motion, pose, 1),
-                    z_q30 = breath_slope(motion, pose, 2);
-    seld_vec3 alone;
+                  deeper_q15 = crn_clamp(depth_q15 - pose->before.breath_q15, -MOST_Q15, MOST_Q15);
+    const crn_vec3 x_q30 = breath_slope(motion, pose, 0), y_q30 = breath_slope(motion, pose, 1),
+                   z_q30 = breath_slope(motion, pose, 2);
+    crn_vec3 alone;
     for (int k = 0; k < 3; k++) {
         /* Q34 x Q15 -> Q33 */
         alone.v[k] = step_m_q33->v[k] -
-                     (int32_t)seld_rshift_round64(seld_product(pose->inhaled_m_q34.v[k], deeper_q15), 16);
+                     (int32_t)crn_rshift_round64(crn_product(pose->inhaled_m_q34.v[k], deeper_q15), 16);
     }
-    seld_vec3 step = alone;
+    crn_vec3 step = alone;
     for (int term = 0; term < TERMS; term++) {
-        const seld_vec3 last = {
+        const crn_vec3 last = {
             {breathed(step.v[0], depth_q15), breathed(step.v[1], depth_q15), breathed(step.v[2], depth_q15)}};
         for (int k = 0; k < 3; k++) {
-            const int32_t high =
-                seld_mulh_add(seld_mulh_add(seld_mulh(x_q30.v[k], last.v[0]), y_q30.v[k], last.v[1]),
-                              z_q30.v[k], last.v[2]);
+            const int32_t high = crn_mulh_add(
+                crn_mulh_add(crn_mulh(x_q30.v[k], last.v[0]), y_q30.v[k], last.v[1]), z_q30.v[k], last.v[2]);
             step.v[k] = alone.v[k] - high * 4;
         }
     }
     for (int k = 0; k < 3; k++) {
         step_m_q33->v[k] =
-            seld_clamp(step.v[k], -SELD_MOTION_WALL_STEP_MAX_M_Q33, SELD_MOTION_WALL_STEP_MAX_M_Q33);
+            crn_clamp(step.v[k], -CRN_MOTION_WALL_STEP_MAX_M_Q33, CRN_MOTION_WALL_STEP_MAX_M_Q33);
     }
 }
 
-SELD_APART static seld_vec3 step_inside(const seld_motion *motion, seld_motion_pose *pose)
+CRN_APART static crn_vec3 step_inside(const crn_motion *motion, crn_motion_pose *pose)
 {
-    seld_vec3 step = {{0, 0, 0}};
+    crn_vec3 step = {{0, 0, 0}};
     if (pose->beat.is_inside) {
         step = beating_step(motion, pose);
     }
@@ -147,7 +145,7 @@ SELD_APART static seld_vec3 step_inside(const seld_motion *motion, seld_motion_p
     return step;
 }
 
-seld_vec3 seld_motion_wall_step(const seld_motion *motion, seld_motion_pose *pose)
+crn_vec3 crn_motion_wall_step(const crn_motion *motion, crn_motion_pose *pose)
 {
-    return moves_here(pose) ? step_inside(motion, pose) : (seld_vec3){{0, 0, 0}};
+    return moves_here(pose) ? step_inside(motion, pose) : (crn_vec3){{0, 0, 0}};
 }

@@ -18,13 +18,13 @@ static uint32_t bounded(uint32_t value, uint32_t low, uint32_t high)
     return value < low ? low : (value > high ? high : value);
 }
 
-static uint32_t mean_interval_ms(const seld_rhythm *rhythm)
+static uint32_t mean_interval_ms(const crn_rhythm *rhythm)
 {
-    return (uint32_t)seld_divide_u64(MINUTE_ms, rhythm->rate_per_min);
+    return (uint32_t)crn_divide_u64(MINUTE_ms, rhythm->rate_per_min);
 }
 
 /* xorshift32 (Marsaglia 2003, 13-17-5): -32 768 .. 32 767. */
-static int32_t next_random_q15(seld_rhythm *rhythm)
+static int32_t next_random_q15(crn_rhythm *rhythm)
 {
     uint32_t x = rhythm->random;
     x ^= x << 13;
@@ -35,7 +35,7 @@ static int32_t next_random_q15(seld_rhythm *rhythm)
 }
 
 /* Three even deviates of -1 .. 1 have the variance 1 together, and end at three standard deviations. */
-static uint32_t varied_interval_ms(seld_rhythm *rhythm)
+static uint32_t varied_interval_ms(crn_rhythm *rhythm)
 {
     uint32_t mean = mean_interval_ms(rhythm);
     if (rhythm->variability_milli == 0) {
@@ -43,12 +43,12 @@ static uint32_t varied_interval_ms(seld_rhythm *rhythm)
     }
     int32_t deviate_q15 = next_random_q15(rhythm) + next_random_q15(rhythm) + next_random_q15(rhythm);
     int32_t scale_ms = (int32_t)(mean * rhythm->variability_milli / 1000u);
-    int32_t interval = (int32_t)mean + seld_asr32(deviate_q15 * scale_ms, 15);
+    int32_t interval = (int32_t)mean + crn_asr32(deviate_q15 * scale_ms, 15);
     return bounded(interval < 0 ? 0 : (uint32_t)interval, INTERVAL_MIN_ms, INTERVAL_MAX_ms);
 }
 
 /* The present beat becomes as short as the premature one asks, if there is still time. */
-static void place_premature(seld_rhythm *rhythm)
+static void place_premature(crn_rhythm *rhythm)
 {
     uint32_t cut = mean_interval_ms(rhythm) * rhythm->premature_milli / 1000u;
     uint32_t least = rhythm->systole_ms + DIASTOLE_MIN_ms;
@@ -61,37 +61,36 @@ static void place_premature(seld_rhythm *rhythm)
     }
     rhythm->interval_ms = cut;
     rhythm->premature_milli = 0;
-    rhythm->bits |= SELD_RHYTHM_NEXT_PREMATURE;
+    rhythm->bits |= CRN_RHYTHM_NEXT_PREMATURE;
 }
 
 /* A premature beat is short itself and followed by the pause that brings the rhythm back into its step: both intervals
  * together are two of the mean. */
-static void begin_premature(seld_rhythm *rhythm)
+static void begin_premature(crn_rhythm *rhythm)
 {
     uint32_t before = rhythm->interval_ms;
     uint32_t mean = mean_interval_ms(rhythm);
     uint32_t pause = 2 * mean > before ? 2 * mean - before : mean;
-    uint32_t rate = bounded((uint32_t)seld_divide_u64(MINUTE_ms, before), rhythm->rate_per_min,
-                            SELD_HEART_RATE_MAX_per_min);
-    rhythm->systole_ms = seld_systole_ms(rate);
+    uint32_t rate = bounded((uint32_t)crn_divide_u64(MINUTE_ms, before), rhythm->rate_per_min,
+                            CRN_HEART_RATE_MAX_per_min);
+    rhythm->systole_ms = crn_systole_ms(rate);
     rhythm->interval_ms = bounded(pause, rhythm->systole_ms + DIASTOLE_MIN_ms, 2 * INTERVAL_MAX_ms);
-    rhythm->bits |= SELD_RHYTHM_IS_PREMATURE;
+    rhythm->bits |= CRN_RHYTHM_IS_PREMATURE;
 }
 
-static void begin_beat(seld_rhythm *rhythm)
+static void begin_beat(crn_rhythm *rhythm)
 {
     const uint32_t was = rhythm->bits;
-    rhythm->bits &=
-        ~(uint32_t)(SELD_RHYTHM_IS_PREMATURE | SELD_RHYTHM_NEXT_PREMATURE | SELD_RHYTHM_IS_RESTING);
+    rhythm->bits &= ~(uint32_t)(CRN_RHYTHM_IS_PREMATURE | CRN_RHYTHM_NEXT_PREMATURE | CRN_RHYTHM_IS_RESTING);
     rhythm->heart_phase32 = 0;
     rhythm->beat_ms = 0;
     rhythm->beat_count++;
-    if ((was & SELD_RHYTHM_NEXT_PREMATURE) != 0) {
+    if ((was & CRN_RHYTHM_NEXT_PREMATURE) != 0) {
         begin_premature(rhythm);
         return;
     }
     rhythm->interval_ms = varied_interval_ms(rhythm);
-    rhythm->systole_ms = seld_systole_ms(rhythm->rate_per_min);
+    rhythm->systole_ms = crn_systole_ms(rhythm->rate_per_min);
     if (rhythm->systole_ms + DIASTOLE_MIN_ms > rhythm->interval_ms) {
         rhythm->systole_ms = rhythm->interval_ms - DIASTOLE_MIN_ms;
     }
@@ -107,102 +106,102 @@ static uint32_t share_of(uint32_t left, uint32_t ticks)
     if (ticks <= 1) {
         return left;
     }
-    unsigned lead = seld_clz32(ticks) - 1;
-    uint64_t inverse = (uint32_t)seld_reciprocal_q30(ticks << lead); /* 2^61 / (ticks 2^lead) */
+    unsigned lead = crn_clz32(ticks) - 1;
+    uint64_t inverse = (uint32_t)crn_reciprocal_q30(ticks << lead); /* 2^61 / (ticks 2^lead) */
     return (uint32_t)((left * inverse) >> (61 - lead));
 }
 
 /* Phase after this tick. Overflow: 2^32 less a phase above 0 fits 32 bits. */
-static void go_on(seld_rhythm *rhythm)
+static void go_on(crn_rhythm *rhythm)
 {
     uint32_t *phase = &rhythm->heart_phase32;
     rhythm->beat_ms++;
     if (rhythm->beat_ms >= rhythm->interval_ms) {
         *phase = 0;
-        if ((rhythm->bits & SELD_RHYTHM_WANTS_ASYSTOLE) != 0) {
-            rhythm->bits |= SELD_RHYTHM_IS_RESTING;
-            rhythm->bits &= ~(uint32_t)SELD_RHYTHM_NEXT_PREMATURE;
+        if ((rhythm->bits & CRN_RHYTHM_WANTS_ASYSTOLE) != 0) {
+            rhythm->bits |= CRN_RHYTHM_IS_RESTING;
+            rhythm->bits &= ~(uint32_t)CRN_RHYTHM_NEXT_PREMATURE;
             rhythm->premature_milli = 0;
         } else {
             begin_beat(rhythm);
         }
     } else if (rhythm->beat_ms <= rhythm->systole_ms) {
-        *phase += share_of(SELD_PHASE_SYSTOLE_END - *phase, rhythm->systole_ms - rhythm->beat_ms + 1);
+        *phase += share_of(CRN_PHASE_SYSTOLE_END - *phase, rhythm->systole_ms - rhythm->beat_ms + 1);
     } else {
         *phase += share_of(0u - *phase, rhythm->interval_ms - rhythm->beat_ms + 1);
     }
 }
 
-bool seld_rhythm_order_is_valid(const seld_rhythm_order *order)
+bool crn_rhythm_order_is_valid(const crn_rhythm_order *order)
 {
     static const struct {
         uint32_t low, high;
-    } ranges[SELD_RHYTHM_ACTION_COUNT] = {
-        [SELD_RHYTHM_KEEP] = {0, 0},
-        [SELD_RHYTHM_HEART_RATE] = {SELD_HEART_RATE_MIN_per_min, SELD_HEART_RATE_MAX_per_min},
-        [SELD_RHYTHM_VARIABILITY] = {0, SELD_HEART_VARIABILITY_MAX_milli},
-        [SELD_RHYTHM_PREMATURE] = {SELD_HEART_COUPLING_MIN_milli, SELD_HEART_COUPLING_MAX_milli},
-        [SELD_RHYTHM_ASYSTOLE] = {0, 1},
-        [SELD_RHYTHM_BREATH_RATE] = {SELD_BREATH_RATE_MIN_per_min, SELD_BREATH_RATE_MAX_per_min},
-        [SELD_RHYTHM_BREATH_HOLD] = {0, 1},
+    } ranges[CRN_RHYTHM_ACTION_COUNT] = {
+        [CRN_RHYTHM_KEEP] = {0, 0},
+        [CRN_RHYTHM_HEART_RATE] = {CRN_HEART_RATE_MIN_per_min, CRN_HEART_RATE_MAX_per_min},
+        [CRN_RHYTHM_VARIABILITY] = {0, CRN_HEART_VARIABILITY_MAX_milli},
+        [CRN_RHYTHM_PREMATURE] = {CRN_HEART_COUPLING_MIN_milli, CRN_HEART_COUPLING_MAX_milli},
+        [CRN_RHYTHM_ASYSTOLE] = {0, 1},
+        [CRN_RHYTHM_BREATH_RATE] = {CRN_BREATH_RATE_MIN_per_min, CRN_BREATH_RATE_MAX_per_min},
+        [CRN_RHYTHM_BREATH_HOLD] = {0, 1},
     };
-    return order->action < SELD_RHYTHM_ACTION_COUNT && order->value >= ranges[order->action].low &&
+    return order->action < CRN_RHYTHM_ACTION_COUNT && order->value >= ranges[order->action].low &&
            order->value <= ranges[order->action].high;
 }
 
-static void set_bit(seld_rhythm *rhythm, uint32_t bit, uint32_t value)
+static void set_bit(crn_rhythm *rhythm, uint32_t bit, uint32_t value)
 {
     rhythm->bits = value != 0 ? rhythm->bits | bit : rhythm->bits & ~bit;
 }
 
-static void obey(seld_rhythm *rhythm, const seld_rhythm_order *order)
+static void obey(crn_rhythm *rhythm, const crn_rhythm_order *order)
 {
     switch (order->action) {
-    case SELD_RHYTHM_HEART_RATE:
+    case CRN_RHYTHM_HEART_RATE:
         rhythm->rate_per_min = order->value;
         break;
-    case SELD_RHYTHM_VARIABILITY:
+    case CRN_RHYTHM_VARIABILITY:
         rhythm->variability_milli = order->value;
         break;
-    case SELD_RHYTHM_PREMATURE:
-        if ((rhythm->bits & (SELD_RHYTHM_IS_RESTING | SELD_RHYTHM_NEXT_PREMATURE)) == 0) {
+    case CRN_RHYTHM_PREMATURE:
+        if ((rhythm->bits & (CRN_RHYTHM_IS_RESTING | CRN_RHYTHM_NEXT_PREMATURE)) == 0) {
             rhythm->premature_milli = order->value;
             place_premature(rhythm);
         }
         break;
-    case SELD_RHYTHM_ASYSTOLE:
-        set_bit(rhythm, SELD_RHYTHM_WANTS_ASYSTOLE, order->value);
+    case CRN_RHYTHM_ASYSTOLE:
+        set_bit(rhythm, CRN_RHYTHM_WANTS_ASYSTOLE, order->value);
         break;
-    case SELD_RHYTHM_BREATH_RATE:
+    case CRN_RHYTHM_BREATH_RATE:
         rhythm->breath_per_min = order->value;
         break;
-    case SELD_RHYTHM_BREATH_HOLD:
-        set_bit(rhythm, SELD_RHYTHM_HOLDS_BREATH, order->value);
+    case CRN_RHYTHM_BREATH_HOLD:
+        set_bit(rhythm, CRN_RHYTHM_HOLDS_BREATH, order->value);
         break;
     default:
         break;
     }
 }
 
-void seld_rhythm_init(seld_rhythm *rhythm)
+void crn_rhythm_init(crn_rhythm *rhythm)
 {
-    *rhythm = (seld_rhythm){.rate_per_min = SELD_HEART_RATE_START_per_min,
-                            .breath_per_min = SELD_BREATH_RATE_START_per_min,
-                            .random = SELD_RHYTHM_SEED};
+    *rhythm = (crn_rhythm){.rate_per_min = CRN_HEART_RATE_START_per_min,
+                           .breath_per_min = CRN_BREATH_RATE_START_per_min,
+                           .random = CRN_RHYTHM_SEED};
     begin_beat(rhythm);
 }
 
-void seld_rhythm_step(seld_rhythm *rhythm, const seld_rhythm_order *order)
+void crn_rhythm_step(crn_rhythm *rhythm, const crn_rhythm_order *order)
 {
-    if (order->action != SELD_RHYTHM_KEEP && seld_rhythm_order_is_valid(order)) {
+    if (order->action != CRN_RHYTHM_KEEP && crn_rhythm_order_is_valid(order)) {
         obey(rhythm, order);
     }
-    if ((rhythm->bits & SELD_RHYTHM_HOLDS_BREATH) == 0) {
+    if ((rhythm->bits & CRN_RHYTHM_HOLDS_BREATH) == 0) {
         rhythm->breath_phase32 += rhythm->breath_per_min * BREATH_PER_MIN;
     }
-    if ((rhythm->bits & SELD_RHYTHM_IS_RESTING) == 0) {
+    if ((rhythm->bits & CRN_RHYTHM_IS_RESTING) == 0) {
         go_on(rhythm);
-    } else if ((rhythm->bits & SELD_RHYTHM_WANTS_ASYSTOLE) == 0) {
+    } else if ((rhythm->bits & CRN_RHYTHM_WANTS_ASYSTOLE) == 0) {
         begin_beat(rhythm);
     } else if (rhythm->beat_ms < BEAT_MAX_ms) {
         rhythm->beat_ms++;
@@ -210,28 +209,28 @@ void seld_rhythm_step(seld_rhythm *rhythm, const seld_rhythm_order *order)
 }
 
 /* The phase lies in the part of the cycle that beat_ms says. */
-static bool phase_is_valid(const seld_rhythm *rhythm)
+static bool phase_is_valid(const crn_rhythm *rhythm)
 {
-    if ((rhythm->bits & SELD_RHYTHM_IS_RESTING) != 0) {
+    if ((rhythm->bits & CRN_RHYTHM_IS_RESTING) != 0) {
         return rhythm->heart_phase32 == 0 && rhythm->beat_ms <= BEAT_MAX_ms;
     }
     if (rhythm->beat_ms >= rhythm->interval_ms) {
         return false;
     }
-    return rhythm->beat_ms <= rhythm->systole_ms ? rhythm->heart_phase32 <= SELD_PHASE_SYSTOLE_END
-                                                 : rhythm->heart_phase32 >= SELD_PHASE_SYSTOLE_END;
+    return rhythm->beat_ms <= rhythm->systole_ms ? rhythm->heart_phase32 <= CRN_PHASE_SYSTOLE_END
+                                                 : rhythm->heart_phase32 >= CRN_PHASE_SYSTOLE_END;
 }
 
-bool seld_rhythm_is_valid(const seld_rhythm *rhythm)
+bool crn_rhythm_is_valid(const crn_rhythm *rhythm)
 {
-    const seld_rhythm_order wants[] = {
-        {SELD_RHYTHM_HEART_RATE, rhythm->rate_per_min},
-        {SELD_RHYTHM_VARIABILITY, rhythm->variability_milli},
-        {rhythm->premature_milli == 0 ? SELD_RHYTHM_KEEP : SELD_RHYTHM_PREMATURE, rhythm->premature_milli},
-        {SELD_RHYTHM_BREATH_RATE, rhythm->breath_per_min},
+    const crn_rhythm_order wants[] = {
+        {CRN_RHYTHM_HEART_RATE, rhythm->rate_per_min},
+        {CRN_RHYTHM_VARIABILITY, rhythm->variability_milli},
+        {rhythm->premature_milli == 0 ? CRN_RHYTHM_KEEP : CRN_RHYTHM_PREMATURE, rhythm->premature_milli},
+        {CRN_RHYTHM_BREATH_RATE, rhythm->breath_per_min},
     };
     for (size_t i = 0; i < sizeof wants / sizeof wants[0]; i++) {
-        if (!seld_rhythm_order_is_valid(&wants[i])) {
+        if (!crn_rhythm_order_is_valid(&wants[i])) {
             return false;
         }
     }
@@ -240,10 +239,10 @@ bool seld_rhythm_is_valid(const seld_rhythm *rhythm)
            phase_is_valid(rhythm);
 }
 
-int32_t seld_breath_depth_q15(uint32_t breath_phase32)
+int32_t crn_breath_depth_q15(uint32_t breath_phase32)
 {
     int32_t sine_q30, cosine_q30;
-    seld_sincos_turn32(breath_phase32 >> 1, &sine_q30, &cosine_q30);
-    int32_t square_q30 = seld_mul_q30(sine_q30, sine_q30);
-    return (int32_t)seld_rshift_round64(seld_product(square_q30, square_q30), 45);
+    crn_sincos_turn32(breath_phase32 >> 1, &sine_q30, &cosine_q30);
+    int32_t square_q30 = crn_mul_q30(sine_q30, sine_q30);
+    return (int32_t)crn_rshift_round64(crn_product(square_q30, square_q30), 45);
 }

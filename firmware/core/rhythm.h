@@ -1,61 +1,61 @@
 /* Heartbeat and breath: where in its cycle the heart is at a tick, and where the chest (docs/heart.md, "rhythm").
  *
  * One cycle of either is 2^32 of phase. The heart's phase 0 is the beginning of the QRS complex (end of filling);
- * SELD_PHASE_SYSTOLE_END is the closure of the aortic valve, whatever the rate: systole and diastole each have their own
+ * CRN_PHASE_SYSTOLE_END is the closure of the aortic valve, whatever the rate: systole and diastole each have their own
  * length and the phase is linear in time within each. Breath's phase 0 is the end of expiration, 2^31 that of inspiration.
  * Keyframe k of a scene's motion belongs to phase k / 24, so that keyframe 10 is the end of systole.
  *
  * May include: fixed.h. Called by: core_step.c, motion.c; firmware/app through core.h.
  */
-#ifndef SELD_RHYTHM_H
-#define SELD_RHYTHM_H
+#ifndef CRN_RHYTHM_H
+#define CRN_RHYTHM_H
 
 #include "firmware/core/fixed.h"
 
-#define SELD_PHASE_SYSTOLE_END 1789569707u /* 10 / 24 of a cycle: the share of QS2 at 60 /min */
+#define CRN_PHASE_SYSTOLE_END 1789569707u /* 10 / 24 of a cycle: the share of QS2 at 60 /min */
 
 /* Ranges of what can be asked for. */
 enum {
-    SELD_HEART_RATE_MIN_per_min = 40,
-    SELD_HEART_RATE_MAX_per_min = 160,
-    SELD_HEART_VARIABILITY_MAX_milli = 100,
-    SELD_HEART_COUPLING_MIN_milli = 400,
-    SELD_HEART_COUPLING_MAX_milli = 900,
-    SELD_BREATH_RATE_MIN_per_min = 10,
-    SELD_BREATH_RATE_MAX_per_min = 20,
+    CRN_HEART_RATE_MIN_per_min = 40,
+    CRN_HEART_RATE_MAX_per_min = 160,
+    CRN_HEART_VARIABILITY_MAX_milli = 100,
+    CRN_HEART_COUPLING_MIN_milli = 400,
+    CRN_HEART_COUPLING_MAX_milli = 900,
+    CRN_BREATH_RATE_MIN_per_min = 10,
+    CRN_BREATH_RATE_MAX_per_min = 20,
     /* at the start */
-    SELD_HEART_RATE_START_per_min = 70,
-    SELD_BREATH_RATE_START_per_min = 14,
+    CRN_HEART_RATE_START_per_min = 70,
+    CRN_BREATH_RATE_START_per_min = 14,
 };
-#define SELD_RHYTHM_SEED 2463534242u /* of the beat-to-beat variability */
+#define CRN_RHYTHM_SEED 2463534242u /* of the beat-to-beat variability */
 
 /* What a tick's input may ask of the rhythm. The numbers stand on the wire and in recordings. */
-typedef enum seld_rhythm_action {
-    SELD_RHYTHM_KEEP = 0,        /* nothing; value 0 */
-    SELD_RHYTHM_HEART_RATE = 1,  /* beats per minute, from the next beat on */
-    SELD_RHYTHM_VARIABILITY = 2, /* standard deviation of the intervals, 1/1000 of their mean */
-    SELD_RHYTHM_PREMATURE = 3,   /* a ventricular beat that comes after so many 1/1000 of the mean interval */
-    SELD_RHYTHM_ASYSTOLE = 4,    /* 1: no beat follows the present one; 0: beats again */
-    SELD_RHYTHM_BREATH_RATE = 5, /* breaths per minute */
-    SELD_RHYTHM_BREATH_HOLD = 6, /* 1: the chest stays where it is; 0: breathes on */
-    SELD_RHYTHM_ACTION_COUNT
-} seld_rhythm_action;
+typedef enum crn_rhythm_action {
+    CRN_RHYTHM_KEEP = 0,        /* nothing; value 0 */
+    CRN_RHYTHM_HEART_RATE = 1,  /* beats per minute, from the next beat on */
+    CRN_RHYTHM_VARIABILITY = 2, /* standard deviation of the intervals, 1/1000 of their mean */
+    CRN_RHYTHM_PREMATURE = 3,   /* a ventricular beat that comes after so many 1/1000 of the mean interval */
+    CRN_RHYTHM_ASYSTOLE = 4,    /* 1: no beat follows the present one; 0: beats again */
+    CRN_RHYTHM_BREATH_RATE = 5, /* breaths per minute */
+    CRN_RHYTHM_BREATH_HOLD = 6, /* 1: the chest stays where it is; 0: breathes on */
+    CRN_RHYTHM_ACTION_COUNT
+} crn_rhythm_action;
 
-typedef struct seld_rhythm_order {
-    uint32_t action; /* seld_rhythm_action */
+typedef struct crn_rhythm_order {
+    uint32_t action; /* crn_rhythm_action */
     uint32_t value;
-} seld_rhythm_order;
+} crn_rhythm_order;
 
 enum {
-    SELD_RHYTHM_IS_PREMATURE = 1u << 0,   /* the present beat came too early */
-    SELD_RHYTHM_NEXT_PREMATURE = 1u << 1, /* the next one will */
-    SELD_RHYTHM_WANTS_ASYSTOLE = 1u << 2,
-    SELD_RHYTHM_IS_RESTING = 1u << 3, /* the last beat is over and none began: phase 0 */
-    SELD_RHYTHM_HOLDS_BREATH = 1u << 4,
+    CRN_RHYTHM_IS_PREMATURE = 1u << 0,   /* the present beat came too early */
+    CRN_RHYTHM_NEXT_PREMATURE = 1u << 1, /* the next one will */
+    CRN_RHYTHM_WANTS_ASYSTOLE = 1u << 2,
+    CRN_RHYTHM_IS_RESTING = 1u << 3, /* the last beat is over and none began: phase 0 */
+    CRN_RHYTHM_HOLDS_BREATH = 1u << 4,
 };
 
 /* Part of the state: words only. */
-typedef struct seld_rhythm {
+typedef struct crn_rhythm {
     uint32_t heart_phase32;
     uint32_t breath_phase32;
     uint32_t beat_ms;      /* since the QRS of the present beat, held at 2^30 */
@@ -67,28 +67,28 @@ typedef struct seld_rhythm {
     uint32_t premature_milli; /* coupling of a premature beat that is asked for and not placed yet, else 0 */
     uint32_t breath_per_min;
     uint32_t random; /* xorshift32, never 0 */
-    uint32_t bits;   /* SELD_RHYTHM_* */
-} seld_rhythm;
+    uint32_t bits;   /* CRN_RHYTHM_* */
+} crn_rhythm;
 
 /* At the start: a beat and a breath just begin. */
-void seld_rhythm_init(seld_rhythm *rhythm);
+void crn_rhythm_init(crn_rhythm *rhythm);
 
 /* Is it an action with a value in its range? */
-bool seld_rhythm_order_is_valid(const seld_rhythm_order *order);
+bool crn_rhythm_order_is_valid(const crn_rhythm_order *order);
 
 /* One tick of 1 ms. An order that is not valid is no order. */
-void seld_rhythm_step(seld_rhythm *rhythm, const seld_rhythm_order *order);
+void crn_rhythm_step(crn_rhythm *rhythm, const crn_rhythm_order *order);
 
-/* Could seld_rhythm_step have left it so? For states that come from outside. */
-bool seld_rhythm_is_valid(const seld_rhythm *rhythm);
+/* Could crn_rhythm_step have left it so? For states that come from outside. */
+bool crn_rhythm_is_valid(const crn_rhythm *rhythm);
 
 /* How far the chest is in, 0 at the end of expiration to 1 at that of inspiration: sin^4(pi phase), which dwells at the end
  * of expiration (Lujan et al., Med Phys 1999;26:715, n = 2). Format: phase -> Q15. Error: 1 LSB. */
-int32_t seld_breath_depth_q15(uint32_t breath_phase32);
+int32_t crn_breath_depth_q15(uint32_t breath_phase32);
 
 /* From the QRS to the closure of the aortic valve, ms: 540 - 2.1 rate, the mean of men and women (Boudoulas et al., Chest
  * 1981;80:613: 541 - 2.2 rate and 540 - 2.0 rate). */
-static inline uint32_t seld_systole_ms(uint32_t rate_per_min)
+static inline uint32_t crn_systole_ms(uint32_t rate_per_min)
 {
     return (5400u - 21u * rate_per_min) / 10u;
 }

@@ -1,22 +1,22 @@
 /* The parts of one tick, in the order core_step.c calls them. Private to firmware/core. docs/rod.md has the
  * equations. May include: core_state.h. */
-#ifndef SELD_ROD_H
-#define SELD_ROD_H
+#ifndef CRN_ROD_H
+#define CRN_ROD_H
 
 #include "firmware/core/core_state.h"
 
 /* Kept out of the loops that call it: what happens seldom must not cost the others registers. */
-#define SELD_RARE __attribute__((noinline, cold))
+#define CRN_RARE __attribute__((noinline, cold))
 
 /* num / den for den > 0. Format: same Q in -> Q(q), q <= 30. Overflow: saturates. Error: 2^-29 relative. */
-static inline int32_t seld_quotient(int32_t num, int32_t den, unsigned q)
+static inline int32_t crn_quotient(int32_t num, int32_t den, unsigned q)
 {
-    unsigned lead = seld_clz32((uint32_t)den) - 1;
-    int64_t inverse = seld_reciprocal_q30((uint32_t)den << lead); /* 2^61 / (den 2^lead) */
-    return seld_sat32(seld_rshift_round64(num * inverse, 61 - lead - q));
+    unsigned lead = crn_clz32((uint32_t)den) - 1;
+    int64_t inverse = crn_reciprocal_q30((uint32_t)den << lead); /* 2^61 / (den 2^lead) */
+    return crn_sat32(crn_rshift_round64(num * inverse, 61 - lead - q));
 }
 
-static inline int32_t seld_clamp(int32_t value, int32_t low, int32_t high)
+static inline int32_t crn_clamp(int32_t value, int32_t low, int32_t high)
 {
     return value < low ? low : (value > high ? high : value);
 }
@@ -24,25 +24,25 @@ static inline int32_t seld_clamp(int32_t value, int32_t low, int32_t high)
 /* --- a tool's properties along its arc length ---------------------------------------------------------------- */
 
 /* Place within a span, Q30, clamped to its ends. */
-static inline int32_t seld_span_fraction(const seld_span *span, int32_t arc_m_q30)
+static inline int32_t crn_span_fraction(const crn_span *span, int32_t arc_m_q30)
 {
     int32_t beyond = arc_m_q30 - span->begin_m_q30;
     if (beyond <= 0) {
         return 0;
     }
     if (arc_m_q30 >= span->end_m_q30) {
-        return SELD_ONE_Q30;
+        return CRN_ONE_Q30;
     }
     return (int32_t)(((int64_t)beyond * span->inverse_mantissa) >> span->shift);
 }
 
-static inline int32_t seld_span_value(const seld_span *span, seld_property which, int32_t fraction_q30)
+static inline int32_t crn_span_value(const crn_span *span, crn_property which, int32_t fraction_q30)
 {
-    return span->from[which] + seld_scale_q30(span->delta[which], fraction_q30);
+    return span->from[which] + crn_scale_q30(span->delta[which], fraction_q30);
 }
 
 /* W a c in N/m with 8 fractional bits. Overflow: W < 2^31 and a c <= 2.5e7 (Q4: 2^28.6): below 2^60. */
-static inline int64_t seld_bend_spring_q8(int32_t bend_N_m_q26, int32_t a_per_m_q18, int32_t c_per_m_q18)
+static inline int64_t crn_bend_spring_q8(int32_t bend_N_m_q26, int32_t a_per_m_q18, int32_t c_per_m_q18)
 {
     int64_t ac_q4 = ((int64_t)a_per_m_q18 * c_per_m_q18) >> 32;
     return (ac_q4 * bend_N_m_q26) >> 22;
@@ -50,38 +50,37 @@ static inline int64_t seld_bend_spring_q8(int32_t bend_N_m_q26, int32_t a_per_m_
 
 /* EA / length of an edge between joints of which the softer has W: at most 512 W a^2, because far above that the
  * determinant of a block loses its bits, and at most the cap. N/m with 8 fractional bits. */
-static inline int64_t seld_axial_spring_q8(const seld_model *model, uint32_t edge, int32_t bend_N_m_q26)
+static inline int64_t crn_axial_spring_q8(const crn_model *model, uint32_t edge, int32_t bend_N_m_q26)
 {
     int32_t inverse = model->mesh[edge].inverse_length_per_m_q18;
     int64_t cap = ((int64_t)model->axial_max_N_q17 * inverse) >> 27;
-    int64_t most = seld_bend_spring_q8(bend_N_m_q26, inverse, inverse) << 9;
+    int64_t most = crn_bend_spring_q8(bend_N_m_q26, inverse, inverse) << 9;
     return most < cap ? most : cap;
 }
 
 /* Shift from 8 fractional bits to Q(a), rounded. */
-static inline int32_t seld_to_exponent(int64_t value_q8, unsigned exponent)
+static inline int32_t crn_to_exponent(int64_t value_q8, unsigned exponent)
 {
-    return seld_sat32(exponent >= 8 ? value_q8 << (exponent - 8)
-                                    : seld_rshift_round64(value_q8, 8 - exponent));
+    return crn_sat32(exponent >= 8 ? value_q8 << (exponent - 8) : crn_rshift_round64(value_q8, 8 - exponent));
 }
 
 /* m / h^2 in Q(a) N/m, a <= 14: kg in Q40 times 1e6 2^10 / 2^32 is N/m in Q18. The matrix and the right side need the same
  * rounded value: a difference of 2 % undoes the damping. Overflow: impossible, below 2^29. */
-static inline int32_t seld_line_inertia(const seld_model *model, const seld_line_node *line)
+static inline int32_t crn_line_inertia(const crn_model *model, const crn_line_node *line)
 {
-    return seld_asr32(seld_mulh(line->mass_kg_q40, 1024000000), 18 - model->stiffness_exponent);
+    return crn_asr32(crn_mulh(line->mass_kg_q40, 1024000000), 18 - model->stiffness_exponent);
 }
 
 /* --- parts of the tick --------------------------------------------------------------------------------------- */
 
 /* The shortest line: three elements beyond the mouth. */
-static inline int32_t seld_least_inserted(const seld_model *model)
+static inline int32_t crn_least_inserted(const crn_model *model)
 {
     return model->mesh[3].arc_m_q30 + 1024;
 }
 
 /* How far the leading tip is beyond the mouth. */
-static inline int32_t seld_lead_inserted(const seld_model *model, const seld_state_words *words)
+static inline int32_t crn_lead_inserted(const crn_model *model, const crn_state_words *words)
 {
     int32_t lead = words->tools[0].inserted_m_q30;
     for (uint32_t k = 1; k < model->tool_count; k++) {
@@ -91,7 +90,7 @@ static inline int32_t seld_lead_inserted(const seld_model *model, const seld_sta
 }
 
 /* Whose tip that is: the innermost of those that are farthest in. */
-static inline uint32_t seld_lead_tool(const seld_model *model, const seld_state_words *words)
+static inline uint32_t crn_lead_tool(const crn_model *model, const crn_state_words *words)
 {
     uint32_t lead = 0;
     for (uint32_t k = 1; k < model->tool_count; k++) {
@@ -101,107 +100,107 @@ static inline uint32_t seld_lead_tool(const seld_model *model, const seld_state_
 }
 
 /* Bit k: tool k has a rest shape at one of the joints of edge j, so that its frame must be known there. */
-static inline uint32_t seld_edge_curved(const seld_state *state, uint32_t j)
+static inline uint32_t crn_edge_curved(const crn_state *state, uint32_t j)
 {
     return state->line.nodes[j].joint.curved | state->line.nodes[j + 1].joint.curved;
 }
 
 /* rod_line.c: joints, edges and surfaces of the tools together where they stand; nothing to do while none slides
  * against another. */
-void seld_line_update(const seld_model *model, seld_state *state);
+void crn_line_update(const crn_model *model, crn_state *state);
 
 /* Compliance of the line from its tip to node i along itself, Q40 m/N, saturated. */
-static inline int32_t seld_line_compliance(const seld_line *line, uint32_t i)
+static inline int32_t crn_line_compliance(const crn_line *line, uint32_t i)
 {
     if (i <= line->steady) {
         return line->nodes[i].compliance_m_N_q40;
     }
-    return seld_sat32(line->nodes[line->steady].compliance_m_N_q40 +
-                      (int64_t)(i - line->steady) * line->edge_compliance_m_N_q40);
+    return crn_sat32(line->nodes[line->steady].compliance_m_N_q40 +
+                     (int64_t)(i - line->steady) * line->edge_compliance_m_N_q40);
 }
 
 /* rod_feed.c: hands -> feeds and base angles, nodes freed or captured, predicted configuration and inertia. */
-void seld_rod_feed(const seld_model *model, seld_state *state, const seld_input *input);
+void crn_rod_feed(const crn_model *model, crn_state *state, const crn_input *input);
 
 /* rod_force.c: edges (tangents, strain, axial forces) at the predicted configuration; then, with the twisting moments
  * known, bending and twist forces. */
-void seld_rod_stretch(const seld_model *model, seld_state *state);
-void seld_rod_bend(const seld_model *model, seld_state *state);
+void crn_rod_stretch(const crn_model *model, crn_state *state);
+void crn_rod_bend(const crn_model *model, crn_state *state);
 
 /* rod_tip.c: number of nodes from the tip that go on as one rigid body in this tick, at most free_count - 1, and how far
  * each will turn with it: in `slide_m_q33` of the scratch. */
-uint32_t seld_tip_predict(const seld_model *model, seld_state *state, uint32_t free_count);
+uint32_t crn_tip_predict(const crn_model *model, crn_state *state, uint32_t free_count);
 
 /* rod_length.c: adds to the shift of the nodes ahead what keeps edge i as long at x* as it is at x. `slide_m_q33` is node i's without
  * this addition; node i + 1 is at x* already. */
-void seld_slide_keep_length(const seld_model *model, const seld_state *state, uint32_t i,
-                            const seld_vec3 *slide_m_q33, seld_vec3 *shift_m_q33);
+void crn_slide_keep_length(const crn_model *model, const crn_state *state, uint32_t i,
+                           const crn_vec3 *slide_m_q33, crn_vec3 *shift_m_q33);
 
 /* rod_length.c: the same for the solve's deviation, whose largest component is given, from the hand to the tip. */
-void seld_rod_keep_lengths(const seld_model *model, seld_state *state, int32_t largest_m_q33);
+void crn_rod_keep_lengths(const crn_model *model, crn_state *state, int32_t largest_m_q33);
 
 /* The joint at node i as this tick sees it: clipped at the mouth for i = na-1 and na. */
-static inline const seld_joint *seld_rod_joint(const seld_state *state, uint32_t i)
+static inline const crn_joint *crn_rod_joint(const crn_state *state, uint32_t i)
 {
     uint32_t na = state->words.free_count;
     return i + 1 < na ? &state->line.nodes[i].joint : &state->scratch.mouth[i + 1 - na];
 }
 
 /* One edge's half of a joint's rest turning vector of tool k, times the share that is in force. Q30. */
-void seld_rod_rest_turn(const seld_joint *joint, uint32_t tool, int32_t release_q30, const seld_vec3 *axis1,
-                        const seld_vec3 *tangent, seld_vec3 *half);
+void crn_rod_rest_turn(const crn_joint *joint, uint32_t tool, int32_t release_q30, const crn_vec3 *axis1,
+                       const crn_vec3 *tangent, crn_vec3 *half);
 
 /* Way of a surface of this radius that turns. Format: Q30 m x Q30 rad -> Q33 m. Overflow: 2 mm x 0.5 rad = 1 mm. */
-static inline int32_t seld_surface_way(int32_t radius_m_q30, int32_t turn_q30)
+static inline int32_t crn_surface_way(int32_t radius_m_q30, int32_t turn_q30)
 {
     return (int32_t)(((int64_t)radius_m_q30 * turn_q30 + (1 << 26)) >> 27);
 }
 
 /* Rest turning of joint i at this tick's frames: of one tool, and of all that have one there. Q30. */
-seld_vec3 seld_rod_tool_turn(const seld_state *state, const seld_joint *joint, uint32_t tool, uint32_t i);
-seld_vec3 seld_rod_line_turn(const seld_model *model, const seld_state *state, const seld_joint *joint,
-                             uint32_t i);
+crn_vec3 crn_rod_tool_turn(const crn_state *state, const crn_joint *joint, uint32_t tool, uint32_t i);
+crn_vec3 crn_rod_line_turn(const crn_model *model, const crn_state *state, const crn_joint *joint,
+                           uint32_t i);
 
 /* rod_frames.c: reference axes from the inserter to the tip, material axes where a rest shape needs them. */
-void seld_frames_carry(const seld_model *model, seld_state *state);
+void crn_frames_carry(const crn_model *model, crn_state *state);
 /* First-order repair: orthogonal to t, unit length. Leaves an error of the square of what it finds. */
-void seld_frames_orthonormalise(seld_vec3 *axis, const seld_vec3 *tangent);
+void crn_frames_orthonormalise(crn_vec3 *axis, const crn_vec3 *tangent);
 
 /* rod_twist.c: turns and twisting moments at the predicted configuration; the wall's friction resists. */
-void seld_rod_twist(const seld_model *model, seld_state *state);
+void crn_rod_twist(const crn_model *model, crn_state *state);
 
 /* rod_tools.c: what tools do to each other and to the hands of those that do not lead. `grip` (how hard tools press on
  * each other) before the twist, `turned` after it, `handles` before the solve, `slide` after it. */
-void seld_tools_grip(const seld_model *model, seld_state *state);
-void seld_tools_turned(const seld_model *model, seld_state *state);
-void seld_tools_handles(const seld_model *model, seld_state *state);
-void seld_tools_slide(const seld_model *model, seld_state *state);
+void crn_tools_grip(const crn_model *model, crn_state *state);
+void crn_tools_turned(const crn_model *model, crn_state *state);
+void crn_tools_handles(const crn_model *model, crn_state *state);
+void crn_tools_slide(const crn_model *model, crn_state *state);
 
 /* Contact sample of the wall as it is at the state's moment, for readers outside a tick. */
-seld_lumen_sample seld_wall_sample(const seld_model *model, const seld_state *state,
-                                   const seld_vec3 *position_m_q30);
+crn_lumen_sample crn_wall_sample(const crn_model *model, const crn_state *state,
+                                 const crn_vec3 *position_m_q30);
 
 /* rod_contact.c: contacts at the predicted configuration with their stiffnesses; their forces, once the turn of the
  * surface is known. */
-void seld_contact_find(const seld_model *model, seld_state *state);
-void seld_contact_forces(const seld_model *model, seld_state *state);
+void crn_contact_find(const crn_model *model, crn_state *state);
+void crn_contact_forces(const crn_model *model, crn_state *state);
 /* Looks for contacts the prediction missed, given the solution and its largest component; returns how many it added. */
-uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t largest_m_q33);
+uint32_t crn_contact_missed(const crn_model *model, crn_state *state, int32_t largest_m_q33);
 /* How much of the solution may happen before such a node is 0.1 mm deep, at most 1, given the largest component that will happen of
  * it whatever this says. Format: Q30. */
-int32_t seld_contact_share(const seld_model *model, seld_state *state, int32_t largest_m_q33);
+int32_t crn_contact_share(const crn_model *model, crn_state *state, int32_t largest_m_q33);
 /* Friction bristles after the solve; fills the output's contact fields. */
-void seld_contact_finish(const seld_model *model, seld_state *state, seld_output *output);
+void crn_contact_finish(const crn_model *model, crn_state *state, crn_output *output);
 
 /* rod_solve.c: block LDL^T from tip to base and back; solution in scratch, Q33 m. */
-void seld_rod_solve(const seld_model *model, seld_state *state);
+void crn_rod_solve(const crn_model *model, crn_state *state);
 /* Force of the line on the two nodes that the inserter holds, along its axis, after the solve; + pushes out. Q22 N. */
-int32_t seld_rod_handle_axial(const seld_model *model, const seld_state *state);
+int32_t crn_rod_handle_axial(const crn_model *model, const crn_state *state);
 
 /* rod_advance.c: new positions; fills the output's length error. */
-void seld_rod_advance(const seld_model *model, seld_state *state, seld_output *output);
+void crn_rod_advance(const crn_model *model, crn_state *state, crn_output *output);
 
 /* core_state.c: the cheap hash of every tick. */
-void seld_state_hash_lanes(const seld_state *state, uint32_t lane[2]);
+void crn_state_hash_lanes(const crn_state *state, uint32_t lane[2]);
 
 #endif

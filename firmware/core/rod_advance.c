@@ -6,13 +6,13 @@
  * sum: impossible, a tick's motion is below 2^22 in Q30. */
 static int32_t limit_position(int32_t m_q30)
 {
-    return seld_clamp(m_q30, -SELD_POSITION_MAX_M_Q30, SELD_POSITION_MAX_M_Q30);
+    return crn_clamp(m_q30, -CRN_POSITION_MAX_M_Q30, CRN_POSITION_MAX_M_Q30);
 }
 
-static void move_node(seld_state *state, uint32_t i)
+static void move_node(crn_state *state, uint32_t i)
 {
-    seld_node_state *node = &state->words.nodes[i];
-    const seld_work *work = &state->scratch.nodes[i];
+    crn_node_state *node = &state->words.nodes[i];
+    const crn_work *work = &state->scratch.nodes[i];
     for (int k = 0; k < 3; k++) {
         int32_t step = work->solution_m_q33.v[k] + work->slide_m_q33.v[k];
         node->step_m_q33.v[k] = step;
@@ -23,26 +23,26 @@ static void move_node(seld_state *state, uint32_t i)
 /* Elongation of all free edges: that at x* plus t . (delta[i+1] - delta[i]), plus what rod_length.c took back for turning. Edges that
  * turn by less than that acts on add half the square of their turn, below 0.4 %.
  * Format: sum of Q33 m in 64 bits. Overflow: edges are below 2^25 in Q30. */
-static int64_t elongation_m_q33(const seld_model *model, const seld_state *state)
+static int64_t elongation_m_q33(const crn_model *model, const crn_state *state)
 {
     int64_t sum = state->scratch.kept_m_q33;
     for (uint32_t i = 0; i < state->words.free_count; i++) {
-        const seld_work *work = &state->scratch.nodes[i];
-        const seld_vec3 *t = &state->words.nodes[i].tangent_q30;
-        seld_vec3 relative = {{work[1].solution_m_q33.v[0] - work->solution_m_q33.v[0],
-                               work[1].solution_m_q33.v[1] - work->solution_m_q33.v[1],
-                               work[1].solution_m_q33.v[2] - work->solution_m_q33.v[2]}};
-        int32_t ahead = seld_mulh(work->strain_q30, model->mesh[i].length_m_q30 * 32);
-        sum += ahead + seld_vec3_dot_unit(&relative, t);
+        const crn_work *work = &state->scratch.nodes[i];
+        const crn_vec3 *t = &state->words.nodes[i].tangent_q30;
+        crn_vec3 relative = {{work[1].solution_m_q33.v[0] - work->solution_m_q33.v[0],
+                              work[1].solution_m_q33.v[1] - work->solution_m_q33.v[1],
+                              work[1].solution_m_q33.v[2] - work->solution_m_q33.v[2]}};
+        int32_t ahead = crn_mulh(work->strain_q30, model->mesh[i].length_m_q30 * 32);
+        sum += ahead + crn_vec3_dot_unit(&relative, t);
     }
     return sum;
 }
 
-void seld_rod_advance(const seld_model *model, seld_state *state, seld_output *output)
+void crn_rod_advance(const crn_model *model, crn_state *state, crn_output *output)
 {
     uint32_t na = state->words.free_count;
-    int32_t excess_m_q30 = seld_sat32(seld_rshift_round64(elongation_m_q33(model, state), 3));
-    output->strain_max_q30 = seld_quotient(excess_m_q30, model->mesh[na].arc_m_q30, 30);
+    int32_t excess_m_q30 = crn_sat32(crn_rshift_round64(elongation_m_q33(model, state), 3));
+    output->strain_max_q30 = crn_quotient(excess_m_q30, model->mesh[na].arc_m_q30, 30);
     for (uint32_t i = 0; i < na; i++) {
         move_node(state, i);
     }

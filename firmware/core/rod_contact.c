@@ -21,18 +21,18 @@ enum {
 };
 
 /* Component along n. Format: Q33 . Q30 -> Q33. Overflow: impossible, displacements stay below 2^30 (125 mm). */
-static inline int32_t along(const seld_vec3 *a, const seld_vec3 *n)
+static inline int32_t along(const crn_vec3 *a, const crn_vec3 *n)
 {
-    return seld_vec3_dot_unit(a, n);
+    return crn_vec3_dot_unit(a, n);
 }
 
-static inline seld_vec3 without(const seld_vec3 *a, const seld_vec3 *n, int32_t part)
+static inline crn_vec3 without(const crn_vec3 *a, const crn_vec3 *n, int32_t part)
 {
-    return seld_vec3_make(a->v[0] - seld_scale_q30(part, n->v[0]), a->v[1] - seld_scale_q30(part, n->v[1]),
-                          a->v[2] - seld_scale_q30(part, n->v[2]));
+    return crn_vec3_make(a->v[0] - crn_scale_q30(part, n->v[0]), a->v[1] - crn_scale_q30(part, n->v[1]),
+                         a->v[2] - crn_scale_q30(part, n->v[2]));
 }
 
-static inline seld_vec3 tangential(const seld_vec3 *a, const seld_vec3 *n)
+static inline crn_vec3 tangential(const crn_vec3 *a, const crn_vec3 *n)
 {
     return without(a, n, along(a, n));
 }
@@ -42,11 +42,11 @@ static inline seld_vec3 tangential(const seld_vec3 *a, const seld_vec3 *n)
  * -1 m is -5000 N, held at the same limit, since a contact that far off is none. */
 static inline int32_t normal_force(int32_t depth_m_q30)
 {
-    int64_t force = (int64_t)depth_m_q30 * SELD_CONTACT_STIFFNESS_N_m;
-    if (depth_m_q30 > SELD_CONTACT_DEEP_M_Q30) {
-        force += (int64_t)(depth_m_q30 - SELD_CONTACT_DEEP_M_Q30) * SELD_CONTACT_STIFFNESS_DEEP_N_m;
+    int64_t force = (int64_t)depth_m_q30 * CRN_CONTACT_STIFFNESS_N_m;
+    if (depth_m_q30 > CRN_CONTACT_DEEP_M_Q30) {
+        force += (int64_t)(depth_m_q30 - CRN_CONTACT_DEEP_M_Q30) * CRN_CONTACT_STIFFNESS_DEEP_N_m;
     }
-    force = seld_rshift_round64(force, 8);
+    force = crn_rshift_round64(force, 8);
     if ((uint64_t)(force + NORMAL_MAX_N_Q22) <= (uint64_t)NORMAL_MAX_N_Q22 * 2) { /* the usual case */
         return (int32_t)force;
     }
@@ -54,7 +54,7 @@ static inline int32_t normal_force(int32_t depth_m_q30)
 }
 
 /* How far the outer tool slides along the line at node i, Q33 m; towards the tip. */
-static inline int32_t surface_slide(const seld_state *state, const seld_line_node *line)
+static inline int32_t surface_slide(const crn_state *state, const crn_line_node *line)
 {
     int32_t under = state->scratch.slide_m_q33[line->under];
     int64_t more = (int64_t)(state->scratch.slide_m_q33[line->outer] - under) * line->outer_share_q15;
@@ -63,87 +63,86 @@ static inline int32_t surface_slide(const seld_state *state, const seld_line_nod
 
 /* Bristle and what the surface does besides the node's deviation and its turn.
  * Overflow: impossible. Bristles stay below 2^29.1 (NORMAL_MAX), slides below 2^24. */
-static inline seld_vec3 surface_way(const seld_model *model, const seld_state *state,
-                                    const seld_node_state *node, const seld_work *work,
-                                    const seld_line_node *line)
+static inline crn_vec3 surface_way(const crn_model *model, const crn_state *state, const crn_node_state *node,
+                                   const crn_work *work, const crn_line_node *line)
 {
-    seld_vec3 way = {{node->bristle_m_q33.v[0] + work->slide_m_q33.v[0],
-                      node->bristle_m_q33.v[1] + work->slide_m_q33.v[1],
-                      node->bristle_m_q33.v[2] + work->slide_m_q33.v[2]}};
+    crn_vec3 way = {{node->bristle_m_q33.v[0] + work->slide_m_q33.v[0],
+                     node->bristle_m_q33.v[1] + work->slide_m_q33.v[1],
+                     node->bristle_m_q33.v[2] + work->slide_m_q33.v[2]}};
     int32_t slide = model->tool_count > 1 ? surface_slide(state, line) : 0;
     return slide != 0 ? without(&way, &node->tangent_q30, slide) : way;
 }
 
 /* Way of the surface at node i by the last turn of the outer tool, along normal x tangent. */
-static inline int32_t surface_roll(const seld_node_state *node, const seld_line_node *line)
+static inline int32_t surface_roll(const crn_node_state *node, const crn_line_node *line)
 {
-    return seld_surface_way(line->radius_m_q30, node->spin_q30[line->outer]);
+    return crn_surface_way(line->radius_m_q30, node->spin_q30[line->outer]);
 }
 
-static inline void add_roll(seld_vec3 *way, const seld_vec3 *around_q30, int32_t roll_m_q33)
+static inline void add_roll(crn_vec3 *way, const crn_vec3 *around_q30, int32_t roll_m_q33)
 {
     for (int k = 0; k < 3; k++) {
-        way->v[k] += seld_scale_q30(roll_m_q33, around_q30->v[k]);
+        way->v[k] += crn_scale_q30(roll_m_q33, around_q30->v[k]);
     }
 }
 
 /* The bristle stands on the wall: what the wall does at the node sampled last is no way of the surface. Overflow: 2^24. */
-static void take_wall_step(const seld_model *model, seld_state *state, seld_vec3 *way)
+static void take_wall_step(const crn_model *model, crn_state *state, crn_vec3 *way)
 {
-    seld_vec3 wall = seld_motion_wall_step(model->lumen->motion, &state->scratch.pose);
+    crn_vec3 wall = crn_motion_wall_step(model->lumen->motion, &state->scratch.pose);
     for (int k = 0; k < 3; k++) {
         way->v[k] -= wall.v[k];
     }
 }
 
-static inline int32_t stiffness_at(const seld_model *model, int32_t depth_m_q30)
+static inline int32_t stiffness_at(const crn_model *model, int32_t depth_m_q30)
 {
-    return model->contact + (depth_m_q30 > SELD_CONTACT_DEEP_M_Q30 ? model->contact_deep : 0);
+    return model->contact + (depth_m_q30 > CRN_CONTACT_DEEP_M_Q30 ? model->contact_deep : 0);
 }
 
-static inline const seld_second_contact *second_of(const seld_state *state, const seld_work *work)
+static inline const crn_second_contact *second_of(const crn_state *state, const crn_work *work)
 {
     return &state->scratch.second[work->touching - 2];
 }
 
 /* A node's normal force and that of its second contact after a deviation. Overflow: limited as one is. Format: Q22 N, Q33 m -> Q22 N. */
-SELD_RARE static int32_t both_forces(const seld_state *state, const seld_work *work, int32_t force_N_q22,
-                                     const seld_vec3 *deviation_m_q33)
+CRN_RARE static int32_t both_forces(const crn_state *state, const crn_work *work, int32_t force_N_q22,
+                                    const crn_vec3 *deviation_m_q33)
 {
-    const seld_second_contact *second = second_of(state, work);
-    const int32_t depth = seld_sub_sat(second->depth_m_q30, along(deviation_m_q33, &second->normal_q30) >> 3);
-    return seld_clamp(force_N_q22 + (depth > 0 ? normal_force(depth) : 0), 0, NORMAL_MAX_N_Q22);
+    const crn_second_contact *second = second_of(state, work);
+    const int32_t depth = crn_sub_sat(second->depth_m_q30, along(deviation_m_q33, &second->normal_q30) >> 3);
+    return crn_clamp(force_N_q22 + (depth > 0 ? normal_force(depth) : 0), 0, NORMAL_MAX_N_Q22);
 }
 
 /* Contact of node i after the expected motion: its stiffnesses. `expected` is the node's deviation (it may lie where `around`
  * takes its place), `inwards` its part along the normal, `predicted` the depth after it.
  * Overflow: impossible. Held way 2^29.2, deviations 2^29, roll 2^23: reach below 2^30.5 in every component. */
-static inline void touch(const seld_model *model, seld_state *state, const seld_node_state *node,
-                         seld_work *work, const seld_line_node *line, int32_t predicted_m_q30,
-                         const seld_vec3 *expected, int32_t inwards)
+static inline void touch(const crn_model *model, crn_state *state, const crn_node_state *node, crn_work *work,
+                         const crn_line_node *line, int32_t predicted_m_q30, const crn_vec3 *expected,
+                         int32_t inwards)
 {
-    const seld_vec3 *n = &work->normal_q30;
+    const crn_vec3 *n = &work->normal_q30;
     int32_t force = predicted_m_q30 > 0 ? normal_force(predicted_m_q30) : 0;
     if (work->touching > 1) {
         force = both_forces(state, work, force, expected);
     }
-    int32_t limit = seld_scale_q30(force, friction_of(node, line));
-    if (node->contact != SELD_CONTACT_STICKS) {
+    int32_t limit = crn_scale_q30(force, friction_of(node, line));
+    if (node->contact != CRN_CONTACT_STICKS) {
         limit = growing_limit(node, limit);
     }
-    seld_vec3 way = surface_way(model, state, node, work, line);
+    crn_vec3 way = surface_way(model, state, node, work, line);
     if (model->lumen->motion != NULL) {
         take_wall_step(model, state, &way);
     }
-    seld_vec3 held = tangential(&way, n);
-    seld_vec3 reach = without(expected, n, inwards);
+    crn_vec3 held = tangential(&way, n);
+    crn_vec3 reach = without(expected, n, inwards);
     for (int k = 0; k < 3; k++) {
         reach.v[k] += held.v[k];
     }
-    seld_vec3 around = seld_vec3_cross_unit(n, &node->tangent_q30);
+    crn_vec3 around = crn_vec3_cross_unit(n, &node->tangent_q30);
     work->held_m_q33 = held;
     work->around_q30 = around;
-    work->reach_m_q33 = seld_vec3_dot_unit(&reach, &around);
+    work->reach_m_q33 = crn_vec3_dot_unit(&reach, &around);
     int32_t roll = surface_roll(node, line);
     if (roll != 0) {
         add_roll(&reach, &around, roll);
@@ -151,16 +150,16 @@ static inline void touch(const seld_model *model, seld_state *state, const seld_
     work->wall_friction = friction_stiffness(model, limit, &reach);
     work->wall_normal = stiffness_at(model, work->depth_m_q30);
     /* N / 1 mm: N Q22 -> Q(a) N/m; 20 N x 1000 / m in Q14 fit 29 bits, and 1000 = 125 x 8 */
-    int32_t round_N_q22 = force < SELD_WALL_ROUND_MAX_N << 22 ? force : SELD_WALL_ROUND_MAX_N << 22;
+    int32_t round_N_q22 = force < CRN_WALL_ROUND_MAX_N << 22 ? force : CRN_WALL_ROUND_MAX_N << 22;
     work->wall_round =
-        (seld_asr32(round_N_q22, 3) * (SELD_WALL_ROUND_PER_m / 8)) >> (16 - model->stiffness_exponent);
+        (crn_asr32(round_N_q22, 3) * (CRN_WALL_ROUND_PER_m / 8)) >> (16 - model->stiffness_exponent);
     work->touching = work->touching > 1 ? work->touching : 1;
 }
 
 /* Right side of contact and friction in newtons Q22, once the turn of the surface is known. Overflow: a bristle's force is
  * below 2000 N/m x 180 mm; the sum saturates. */
-static inline void push_node(const seld_model *model, const seld_node_state *node, seld_work *work,
-                             const seld_line_node *line)
+static inline void push_node(const crn_model *model, const crn_node_state *node, crn_work *work,
+                             const crn_line_node *line)
 {
     int32_t roll = surface_roll(node, line);
     if (roll != 0) {
@@ -170,53 +169,53 @@ static inline void push_node(const seld_model *model, const seld_node_state *nod
     int32_t minus_q19 = -(work->wall_friction << (19 - model->stiffness_exponent)); /* below 2^30 */
     for (int k = 0; k < 3; k++) {
         /* Q19 N/m x Q33 m -> Q20 N, in steps of 1 uN */
-        int32_t drag = seld_mulh(minus_q19, work->held_m_q33.v[k]) * 4;
-        int32_t force = seld_scale_q30(push, work->normal_q30.v[k]) + drag;
-        work->force_N_q22.v[k] = seld_add_sat(work->force_N_q22.v[k], force);
+        int32_t drag = crn_mulh(minus_q19, work->held_m_q33.v[k]) * 4;
+        int32_t force = crn_scale_q30(push, work->normal_q30.v[k]) + drag;
+        work->force_N_q22.v[k] = crn_add_sat(work->force_N_q22.v[k], force);
     }
 }
 
-SELD_RARE static void push_second(seld_state *state, const seld_second_contact *second)
+CRN_RARE static void push_second(crn_state *state, const crn_second_contact *second)
 {
-    seld_work *work = &state->scratch.nodes[second->node];
+    crn_work *work = &state->scratch.nodes[second->node];
     if (work->touching < 2) {
         return; /* held */
     }
     const int32_t push = normal_force(second->depth_m_q30);
     for (int k = 0; k < 3; k++) {
         work->force_N_q22.v[k] =
-            seld_add_sat(work->force_N_q22.v[k], seld_scale_q30(push, second->normal_q30.v[k]));
+            crn_add_sat(work->force_N_q22.v[k], crn_scale_q30(push, second->normal_q30.v[k]));
     }
 }
 
 /* The wall at x*. `placed`: wall_distance has looked there last. */
-static inline seld_lumen_sample wall_at(const seld_model *model, seld_state *state, const seld_work *work,
-                                        bool placed)
+static inline crn_lumen_sample wall_at(const crn_model *model, crn_state *state, const crn_work *work,
+                                       bool placed)
 {
-    const seld_lumen *lumen = model->lumen;
-    seld_lumen_sample open;
+    const crn_lumen *lumen = model->lumen;
+    crn_lumen_sample open;
     if (state->words.lesions.bits != 0 &&
-        seld_lesion_wall(model, &state->words, &state->scratch.pose, &work->position_m_q30, &open)) {
+        crn_lesion_wall(model, &state->words, &state->scratch.pose, &work->position_m_q30, &open)) {
         return open;
     }
     if (lumen->motion == NULL) {
-        return seld_lumen_contact(lumen, &work->position_m_q30);
+        return crn_lumen_contact(lumen, &work->position_m_q30);
     }
-    return placed ? seld_motion_contact_here(lumen, lumen->motion, &state->scratch.pose)
-                  : seld_motion_contact(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30);
+    return placed ? crn_motion_contact_here(lumen, lumen->motion, &state->scratch.pose)
+                  : crn_motion_contact(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30);
 }
 
 /* Depth and normal at x*; false when the field has no gradient there. */
-static inline bool sample(const seld_model *model, seld_state *state, seld_work *work,
-                          const seld_line_node *line, bool placed)
+static inline bool sample(const crn_model *model, crn_state *state, crn_work *work, const crn_line_node *line,
+                          bool placed)
 {
-    const seld_lumen_sample wall = wall_at(model, state, work, placed);
+    const crn_lumen_sample wall = wall_at(model, state, work, placed);
     work->distance_m_q30 = wall.distance_m_q30;
     work->normal_q30 = wall.normal_q30;
-    work->depth_m_q30 = seld_add_sat(wall.distance_m_q30, line->radius_m_q30);
+    work->depth_m_q30 = crn_add_sat(wall.distance_m_q30, line->radius_m_q30);
     bool known = (work->normal_q30.v[0] | work->normal_q30.v[1] | work->normal_q30.v[2]) != 0;
     if (!known && work->distance_m_q30 > 0) {
-        state->words.fault_bits |= SELD_FAULT_OUTSIDE;
+        state->words.fault_bits |= CRN_FAULT_OUTSIDE;
         if (work->depth_m_q30 > state->scratch.outside_m_q30) {
             state->scratch.outside_m_q30 = work->depth_m_q30;
         }
@@ -224,28 +223,28 @@ static inline bool sample(const seld_model *model, seld_state *state, seld_work 
     return known;
 }
 
-static void clear(seld_node_state *node)
+static void clear(crn_node_state *node)
 {
-    node->bristle_m_q33 = (seld_vec3){{0, 0, 0}};
-    node->contact = SELD_CONTACT_NONE;
+    node->bristle_m_q33 = (crn_vec3){{0, 0, 0}};
+    node->contact = CRN_CONTACT_NONE;
 }
 
 /* Distance to the wall at x* where no lesion is open, which is never less than where one is; of a wall that moves no less than the sample will give, or at least 0. */
-static inline int32_t wall_distance(const seld_model *model, seld_state *state, const seld_work *work,
+static inline int32_t wall_distance(const crn_model *model, crn_state *state, const crn_work *work,
                                     int32_t far_m_q30)
 {
-    const seld_lumen *lumen = model->lumen;
+    const crn_lumen *lumen = model->lumen;
     return lumen->motion == NULL
-               ? seld_lumen_distance(lumen, &work->position_m_q30)
-               : seld_motion_distance(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30,
-                                      state->scratch.wall_shrink_q30, far_m_q30);
+               ? crn_lumen_distance(lumen, &work->position_m_q30)
+               : crn_motion_distance(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30,
+                                     state->scratch.wall_shrink_q30, far_m_q30);
 }
 
 /* A node that touched in the last tick is sampled at once, another only when its distance allows contact. */
-static inline bool may_touch(const seld_model *model, seld_state *state, const seld_node_state *node,
-                             seld_work *work, const seld_line_node *line)
+static inline bool may_touch(const crn_model *model, crn_state *state, const crn_node_state *node,
+                             crn_work *work, const crn_line_node *line)
 {
-    const bool placed = node->contact == SELD_CONTACT_NONE;
+    const bool placed = node->contact == CRN_CONTACT_NONE;
     if (placed) {
         int32_t far = -line->radius_m_q30 - (length_at_most(&work->drift_m_q33) >> 3) - ROUNDING_M_Q30;
         work->distance_m_q30 = wall_distance(model, state, work, far);
@@ -257,46 +256,46 @@ static inline bool may_touch(const seld_model *model, seld_state *state, const s
 }
 
 /* How deep something is, at x* or after the drift, whichever is more. */
-static int32_t worst_depth(const seld_vec3 *normal_q30, int32_t depth_m_q30, const seld_vec3 *drift_m_q33)
+static int32_t worst_depth(const crn_vec3 *normal_q30, int32_t depth_m_q30, const crn_vec3 *drift_m_q33)
 {
-    const int32_t predicted = seld_sub_sat(depth_m_q30, along(drift_m_q33, normal_q30) >> 3);
+    const int32_t predicted = crn_sub_sat(depth_m_q30, along(drift_m_q33, normal_q30) >> 3);
     return predicted > depth_m_q30 ? predicted : depth_m_q30;
 }
 
 /* Struts take the place of what the wall is to the node when they are deeper; what is less deep and touches as well is its second contact. */
-SELD_RARE static bool meet_struts(const seld_model *model, seld_state *state, seld_work *work,
-                                  const seld_line_node *line, bool is_at_wall)
+CRN_RARE static bool meet_struts(const crn_model *model, crn_state *state, crn_work *work,
+                                 const crn_line_node *line, bool is_at_wall)
 {
-    seld_lumen_sample struts;
-    if (!seld_struts_here(model, state, &work->position_m_q30, line->radius_m_q30, &struts)) {
+    crn_lumen_sample struts;
+    if (!crn_struts_here(model, state, &work->position_m_q30, line->radius_m_q30, &struts)) {
         return is_at_wall;
     }
-    const int32_t depth = seld_add_sat(struts.distance_m_q30, line->radius_m_q30);
-    const seld_vec3 drift = work->drift_m_q33;
+    const int32_t depth = crn_add_sat(struts.distance_m_q30, line->radius_m_q30);
+    const crn_vec3 drift = work->drift_m_q33;
     const int32_t by_struts = worst_depth(&struts.normal_q30, depth, &drift);
     const int32_t by_wall =
         is_at_wall ? worst_depth(&work->normal_q30, work->depth_m_q30, &drift) : INT32_MIN;
     const uint32_t node = (uint32_t)(work - state->scratch.nodes);
-    seld_second_contact second = {node, depth, stiffness_at(model, depth), struts.normal_q30};
+    crn_second_contact second = {node, depth, stiffness_at(model, depth), struts.normal_q30};
     if (struts.distance_m_q30 > work->distance_m_q30) {
         work->distance_m_q30 = struts.distance_m_q30;
     }
     if (by_struts > by_wall) {
-        second = (seld_second_contact){node, work->depth_m_q30, stiffness_at(model, work->depth_m_q30),
-                                       work->normal_q30};
+        second = (crn_second_contact){node, work->depth_m_q30, stiffness_at(model, work->depth_m_q30),
+                                      work->normal_q30};
         work->normal_q30 = struts.normal_q30;
         work->depth_m_q30 = depth;
     }
     const int32_t less = by_struts > by_wall ? by_wall : by_struts;
-    if (less > 0 && state->scratch.second_count < SELD_SECOND_MAX) {
+    if (less > 0 && state->scratch.second_count < CRN_SECOND_MAX) {
         state->scratch.second[state->scratch.second_count] = second;
         work->touching = 2 + state->scratch.second_count++;
     }
     return true;
 }
 
-static inline void find_node(const seld_model *model, seld_state *state, seld_node_state *node,
-                             seld_work *work, const seld_line_node *line)
+static inline void find_node(const crn_model *model, crn_state *state, crn_node_state *node, crn_work *work,
+                             const crn_line_node *line)
 {
     bool is_near = may_touch(model, state, node, work, line);
     if (state->words.struts.used != 0) {
@@ -307,7 +306,7 @@ static inline void find_node(const seld_model *model, seld_state *state, seld_no
         return;
     }
     int32_t inwards = along(&work->drift_m_q33, &work->normal_q30);
-    int32_t predicted = seld_sub_sat(work->depth_m_q30, inwards >> 3);
+    int32_t predicted = crn_sub_sat(work->depth_m_q30, inwards >> 3);
     if (work->depth_m_q30 <= 0 && predicted <= 0) {
         clear(node);
         return;
@@ -316,33 +315,33 @@ static inline void find_node(const seld_model *model, seld_state *state, seld_no
 }
 
 /* The springs of a held tip take the place of a contact. */
-static void hold_node(const seld_model *model, seld_state *state, uint32_t i, const seld_vec3 *anchor_m_q30)
+static void hold_node(const crn_model *model, crn_state *state, uint32_t i, const crn_vec3 *anchor_m_q30)
 {
-    seld_work *work = &state->scratch.nodes[i];
+    crn_work *work = &state->scratch.nodes[i];
     clear(&state->words.nodes[i]);
     work->touching = 0;
     work->normal_q30 = model->hold.axis_q30;
-    work->wall_friction = SELD_HOLD_STIFFNESS_N_m << model->stiffness_exponent;
+    work->wall_friction = CRN_HOLD_STIFFNESS_N_m << model->stiffness_exponent;
     work->wall_normal = model->hold.axial_free ? 0 : work->wall_friction;
-    seld_vec3 miss = seld_vec3_sub(*anchor_m_q30, work->position_m_q30);
+    crn_vec3 miss = crn_vec3_sub(*anchor_m_q30, work->position_m_q30);
     if (model->hold.axial_free) {
         miss = tangential(&miss, &model->hold.axis_q30);
     }
     for (int k = 0; k < 3; k++) {
         /* Q30 m -> Q22 N */
-        int64_t pull = ((int64_t)SELD_HOLD_STIFFNESS_N_m * miss.v[k]) >> 8;
+        int64_t pull = ((int64_t)CRN_HOLD_STIFFNESS_N_m * miss.v[k]) >> 8;
         pull = pull > NORMAL_MAX_N_Q22 ? NORMAL_MAX_N_Q22
                                        : (pull < -NORMAL_MAX_N_Q22 ? -NORMAL_MAX_N_Q22 : pull);
-        work->force_N_q22.v[k] = seld_sat32(work->force_N_q22.v[k] + pull);
+        work->force_N_q22.v[k] = crn_sat32(work->force_N_q22.v[k] + pull);
     }
 }
 
-void seld_contact_find(const seld_model *model, seld_state *state)
+void crn_contact_find(const crn_model *model, crn_state *state)
 {
     uint32_t na = state->words.free_count;
-    seld_work *work = state->scratch.nodes;
-    seld_node_state *node = state->words.nodes;
-    const seld_line_node *line = state->line.nodes;
+    crn_work *work = state->scratch.nodes;
+    crn_node_state *node = state->words.nodes;
+    const crn_line_node *line = state->line.nodes;
     state->scratch.outside_m_q30 = 0;
     state->scratch.second_count = 0;
     /* two held nodes too: the solve reads past the last free one */
@@ -365,11 +364,11 @@ void seld_contact_find(const seld_model *model, seld_state *state)
     }
 }
 
-void seld_contact_forces(const seld_model *model, seld_state *state)
+void crn_contact_forces(const crn_model *model, crn_state *state)
 {
-    seld_work *work = state->scratch.nodes;
-    const seld_node_state *node = state->words.nodes;
-    const seld_line_node *line = state->line.nodes;
+    crn_work *work = state->scratch.nodes;
+    const crn_node_state *node = state->words.nodes;
+    const crn_line_node *line = state->line.nodes;
     for (uint32_t i = 0; i < state->words.free_count; i++, work++, node++, line++) {
         if (work->touching) {
             push_node(model, node, work, line);
@@ -381,27 +380,27 @@ void seld_contact_forces(const seld_model *model, seld_state *state)
 }
 
 /* Struts instead of the wall, or of nothing, where they are deeper at x*. */
-SELD_RARE static bool or_struts(const seld_model *model, seld_state *state, seld_work *work,
-                                const seld_line_node *line, bool is_known)
+CRN_RARE static bool or_struts(const crn_model *model, crn_state *state, crn_work *work,
+                               const crn_line_node *line, bool is_known)
 {
-    seld_lumen_sample struts;
-    if (!seld_struts_here(model, state, &work->position_m_q30, line->radius_m_q30, &struts) ||
+    crn_lumen_sample struts;
+    if (!crn_struts_here(model, state, &work->position_m_q30, line->radius_m_q30, &struts) ||
         (is_known && struts.distance_m_q30 <= work->distance_m_q30)) {
         return is_known;
     }
     work->normal_q30 = struts.normal_q30;
     work->distance_m_q30 = struts.distance_m_q30;
-    work->depth_m_q30 = seld_add_sat(struts.distance_m_q30, line->radius_m_q30);
+    work->depth_m_q30 = crn_add_sat(struts.distance_m_q30, line->radius_m_q30);
     return true;
 }
 
 /* Does node i, not seen to touch at x*, end deeper than 0.1 mm? Then also how far it goes inwards. `reach`: of the deviation's
  * components, twice the largest, less the 0.1 mm. */
-static inline bool was_missed(const seld_model *model, seld_state *state, uint32_t i, int32_t reach_m_q30,
+static inline bool was_missed(const crn_model *model, crn_state *state, uint32_t i, int32_t reach_m_q30,
                               int32_t *inwards_m_q33)
 {
-    seld_work *work = &state->scratch.nodes[i];
-    const seld_line_node *line = &state->line.nodes[i];
+    crn_work *work = &state->scratch.nodes[i];
+    const crn_line_node *line = &state->line.nodes[i];
     const bool held = work->touching || work->wall_friction != 0;
     if (held || work->distance_m_q30 < -line->radius_m_q30 - reach_m_q30) {
         return false;
@@ -414,25 +413,25 @@ static inline bool was_missed(const seld_model *model, seld_state *state, uint32
         return false;
     }
     *inwards_m_q33 = along(&work->solution_m_q33, &work->normal_q30);
-    return seld_sub_sat(work->depth_m_q30, *inwards_m_q33 >> 3) > SELD_MISSED_CONTACT_M_Q30;
+    return crn_sub_sat(work->depth_m_q30, *inwards_m_q33 >> 3) > CRN_MISSED_CONTACT_M_Q30;
 }
 
 static inline int32_t reach_of(int32_t largest_m_q33)
 {
-    return 2 * (largest_m_q33 >> 3) + ROUNDING_M_Q30 - SELD_MISSED_CONTACT_M_Q30; /* sqrt(3) < 2 */
+    return 2 * (largest_m_q33 >> 3) + ROUNDING_M_Q30 - CRN_MISSED_CONTACT_M_Q30; /* sqrt(3) < 2 */
 }
 
-uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t largest_m_q33)
+uint32_t crn_contact_missed(const crn_model *model, crn_state *state, int32_t largest_m_q33)
 {
     uint32_t added = 0;
     const int32_t reach = reach_of(largest_m_q33);
     for (uint32_t i = 0; i < state->words.free_count; i++) {
-        seld_work *work = &state->scratch.nodes[i];
-        const seld_node_state *node = &state->words.nodes[i];
-        const seld_line_node *line = &state->line.nodes[i];
+        crn_work *work = &state->scratch.nodes[i];
+        const crn_node_state *node = &state->words.nodes[i];
+        const crn_line_node *line = &state->line.nodes[i];
         int32_t inwards;
         if (was_missed(model, state, i, reach, &inwards)) {
-            int32_t ended = seld_sub_sat(work->depth_m_q30, inwards >> 3);
+            int32_t ended = crn_sub_sat(work->depth_m_q30, inwards >> 3);
             touch(model, state, node, work, line, ended, &work->solution_m_q33, inwards);
             push_node(model, node, work, line);
             added++;
@@ -441,9 +440,9 @@ uint32_t seld_contact_missed(const seld_model *model, seld_state *state, int32_t
     return added;
 }
 
-int32_t seld_contact_share(const seld_model *model, seld_state *state, int32_t largest_m_q33)
+int32_t crn_contact_share(const crn_model *model, crn_state *state, int32_t largest_m_q33)
 {
-    int32_t share_q30 = SELD_ONE_Q30;
+    int32_t share_q30 = CRN_ONE_Q30;
     const int32_t reach = reach_of(largest_m_q33);
     for (uint32_t i = 0; i < state->words.free_count; i++) {
         int32_t inwards;
@@ -451,18 +450,18 @@ int32_t seld_contact_share(const seld_model *model, seld_state *state, int32_t l
             continue;
         }
         /* what is deeper already was pushed in by a lesion or a strut and gets no deeper */
-        const int32_t room = SELD_MISSED_CONTACT_M_Q30 - state->scratch.nodes[i].depth_m_q30;
-        const int32_t share = room > 0 ? seld_quotient(room, -(inwards >> 3), 30) : 0;
+        const int32_t room = CRN_MISSED_CONTACT_M_Q30 - state->scratch.nodes[i].depth_m_q30;
+        const int32_t share = room > 0 ? crn_quotient(room, -(inwards >> 3), 30) : 0;
         share_q30 = share < share_q30 ? share : share_q30;
     }
     return share_q30;
 }
 
 /* z + way limited to mu N / k_t; sticks when it was not limited. `inwards` is the deviation along the normal. */
-static inline void move_bristle(const seld_state *state, seld_node_state *node, const seld_work *work,
-                                const seld_line_node *line, int32_t depth_m_q30, int32_t inwards_m_q33)
+static inline void move_bristle(const crn_state *state, crn_node_state *node, const crn_work *work,
+                                const crn_line_node *line, int32_t depth_m_q30, int32_t inwards_m_q33)
 {
-    seld_vec3 way = without(&work->solution_m_q33, &work->normal_q30, inwards_m_q33);
+    crn_vec3 way = without(&work->solution_m_q33, &work->normal_q30, inwards_m_q33);
     for (int k = 0; k < 3; k++) {
         way.v[k] += work->held_m_q33.v[k];
     }
@@ -470,47 +469,47 @@ static inline void move_bristle(const seld_state *state, seld_node_state *node, 
     if (work->touching > 1) {
         force = both_forces(state, work, force, &work->solution_m_q33);
     }
-    int32_t most = bristle_limit(seld_scale_q30(force, friction_of(node, line)));
-    int64_t square = seld_vec3_dot64(way, way);
-    node->contact = SELD_CONTACT_STICKS;
-    if (square > seld_product(most, most)) {
+    int32_t most = bristle_limit(crn_scale_q30(force, friction_of(node, line)));
+    int64_t square = crn_vec3_dot64(way, way);
+    node->contact = CRN_CONTACT_STICKS;
+    if (square > crn_product(most, most)) {
         unsigned half_lead;
         int32_t root = inverse_root(square, &half_lead);
         int32_t ratio_q30 =
-            (int32_t)seld_asr64(seld_product(most, root), 32 - half_lead); /* limit / |z|, below 1 */
-        node->contact = SELD_CONTACT_SLIPS;
+            (int32_t)crn_asr64(crn_product(most, root), 32 - half_lead); /* limit / |z|, below 1 */
+        node->contact = CRN_CONTACT_SLIPS;
         for (int k = 0; k < 3; k++) {
-            way.v[k] = seld_scale_q30(way.v[k], ratio_q30);
+            way.v[k] = crn_scale_q30(way.v[k], ratio_q30);
         }
     }
     node->bristle_m_q33 = way;
 }
 
 /* Friction along the line falls to the tool that touches: -k_t z along its axis. Format: N/m x Q33 m -> Q22 N. */
-static void charge_outer_tool(seld_state *state, const seld_node_state *node, const seld_line_node *line)
+static void charge_outer_tool(crn_state *state, const crn_node_state *node, const crn_line_node *line)
 {
     int32_t way_m_q33 = along(&node->bristle_m_q33, &node->tangent_q30);
-    int32_t drag_N_q22 = (int32_t)(((int64_t)way_m_q33 * -SELD_FRICTION_STIFFNESS_N_m) >> 11);
+    int32_t drag_N_q22 = (int32_t)(((int64_t)way_m_q33 * -CRN_FRICTION_STIFFNESS_N_m) >> 11);
     int32_t outer = (int32_t)(((int64_t)drag_N_q22 * line->outer_share_q15) >> 15);
     int32_t *axial = state->scratch.axial_N_q22;
-    axial[line->outer] = seld_add_sat(axial[line->outer], outer);
-    axial[line->under] = seld_add_sat(axial[line->under], drag_N_q22 - outer);
+    axial[line->outer] = crn_add_sat(axial[line->outer], outer);
+    axial[line->under] = crn_add_sat(axial[line->under], drag_N_q22 - outer);
 }
 
-void seld_contact_finish(const seld_model *model, seld_state *state, seld_output *output)
+void crn_contact_finish(const crn_model *model, crn_state *state, crn_output *output)
 {
     output->contact_count = 0;
     output->penetration_max_m_q30 =
         state->scratch.outside_m_q30; /* no contact acts there, and it is the deepest */
-    const seld_work *work = state->scratch.nodes;
-    seld_node_state *node = state->words.nodes;
-    const seld_line_node *line = state->line.nodes;
+    const crn_work *work = state->scratch.nodes;
+    crn_node_state *node = state->words.nodes;
+    const crn_line_node *line = state->line.nodes;
     for (uint32_t i = 0; i < state->words.free_count; i++, work++, node++, line++) {
         if (!work->touching) {
             continue;
         }
         int32_t deviation = along(&work->solution_m_q33, &work->normal_q30);
-        int32_t depth = seld_sub_sat(work->depth_m_q30, deviation >> 3);
+        int32_t depth = crn_sub_sat(work->depth_m_q30, deviation >> 3);
         move_bristle(state, node, work, line, depth, deviation);
         if (model->tool_count > 1) {
             charge_outer_tool(state, node, line);
@@ -523,59 +522,59 @@ void seld_contact_finish(const seld_model *model, seld_state *state, seld_output
 }
 
 /* The wall as it is at the state's moment, which the pose gets. */
-static seld_lumen_sample wall_now(const seld_model *model, const seld_state *state, seld_motion_pose *pose,
-                                  const seld_vec3 *position_m_q30)
+static crn_lumen_sample wall_now(const crn_model *model, const crn_state *state, crn_motion_pose *pose,
+                                 const crn_vec3 *position_m_q30)
 {
-    seld_lumen_sample open;
+    crn_lumen_sample open;
     if (model->lumen->motion != NULL) {
-        seld_motion_pose_begin(model->lumen->motion, pose, &state->words.rhythm, &state->words.rhythm);
+        crn_motion_pose_begin(model->lumen->motion, pose, &state->words.rhythm, &state->words.rhythm);
     }
     if (state->words.lesions.bits != 0 &&
-        seld_lesion_wall(model, &state->words, pose, position_m_q30, &open)) {
+        crn_lesion_wall(model, &state->words, pose, position_m_q30, &open)) {
         return open;
     }
     if (model->lumen->motion == NULL) {
-        return seld_lumen_contact(model->lumen, position_m_q30);
+        return crn_lumen_contact(model->lumen, position_m_q30);
     }
-    return seld_motion_contact(model->lumen, model->lumen->motion, pose, position_m_q30);
+    return crn_motion_contact(model->lumen, model->lumen->motion, pose, position_m_q30);
 }
 
-seld_lumen_sample seld_wall_sample(const seld_model *model, const seld_state *state,
-                                   const seld_vec3 *position_m_q30)
+crn_lumen_sample crn_wall_sample(const crn_model *model, const crn_state *state,
+                                 const crn_vec3 *position_m_q30)
 {
-    seld_motion_pose pose;
+    crn_motion_pose pose;
     return wall_now(model, state, &pose, position_m_q30);
 }
 
-static void add_push(const seld_lumen_sample *what, int32_t radius_m_q30, seld_vec3 *force_N_q22)
+static void add_push(const crn_lumen_sample *what, int32_t radius_m_q30, crn_vec3 *force_N_q22)
 {
-    const int32_t depth = seld_add_sat(what->distance_m_q30, radius_m_q30);
+    const int32_t depth = crn_add_sat(what->distance_m_q30, radius_m_q30);
     const int32_t push = depth > 0 ? normal_force(depth) : 0;
     for (int k = 0; k < 3; k++) {
-        force_N_q22->v[k] = seld_add_sat(force_N_q22->v[k], seld_mul_q30(push, what->normal_q30.v[k]));
+        force_N_q22->v[k] = crn_add_sat(force_N_q22->v[k], crn_mul_q30(push, what->normal_q30.v[k]));
     }
 }
 
-bool seld_state_contact_force(const seld_model *model, const seld_state *state, uint32_t node,
-                              seld_vec3 *force_N_q22)
+bool crn_state_contact_force(const crn_model *model, const crn_state *state, uint32_t node,
+                             crn_vec3 *force_N_q22)
 {
-    *force_N_q22 = (seld_vec3){{0, 0, 0}};
+    *force_N_q22 = (crn_vec3){{0, 0, 0}};
     if (model->lumen == NULL || node >= state->words.free_count ||
-        state->words.nodes[node].contact == SELD_CONTACT_NONE) {
+        state->words.nodes[node].contact == CRN_CONTACT_NONE) {
         return false;
     }
-    const seld_node_state *n = &state->words.nodes[node];
+    const crn_node_state *n = &state->words.nodes[node];
     const int32_t radius = state->line.nodes[node].radius_m_q30;
-    seld_motion_pose pose;
-    seld_lumen_sample struts, wall = wall_now(model, state, &pose, &n->position_m_q30);
+    crn_motion_pose pose;
+    crn_lumen_sample struts, wall = wall_now(model, state, &pose, &n->position_m_q30);
     add_push(&wall, radius, force_N_q22);
     if (state->words.struts.used != 0 &&
-        seld_struts_wall(model, &state->words, &pose, &n->position_m_q30, radius, &struts)) {
+        crn_struts_wall(model, &state->words, &pose, &n->position_m_q30, radius, &struts)) {
         add_push(&struts, radius, force_N_q22);
     }
     for (int k = 0; k < 3; k++) {
-        int64_t drag = ((int64_t)n->bristle_m_q33.v[k] * SELD_FRICTION_STIFFNESS_N_m) >> 11;
-        force_N_q22->v[k] = seld_sat32(force_N_q22->v[k] - drag);
+        int64_t drag = ((int64_t)n->bristle_m_q33.v[k] * CRN_FRICTION_STIFFNESS_N_m) >> 11;
+        force_N_q22->v[k] = crn_sat32(force_N_q22->v[k] - drag);
     }
     return true;
 }

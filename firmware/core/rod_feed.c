@@ -17,24 +17,23 @@ enum {
  * Format: N Q22 x m/N Q40 -> m Q30. Overflow: saturates at the feed limit. */
 static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
 {
-    const int32_t slip_max = SELD_FEED_MAX_M_Q30 / 16;
+    const int32_t slip_max = CRN_FEED_MAX_M_Q30 / 16;
     if (margin_N_q22 <= 0) {
         int64_t back = ((int64_t)margin_N_q22 * compliance_m_N_q40) >> 32;
         return back < -slip_max ? -slip_max : (int32_t)back;
     }
     int64_t limit = (int64_t)(((uint64_t)(uint32_t)margin_N_q22 * compliance_m_N_q40) >> 32);
-    return limit > SELD_FEED_MAX_M_Q30 ? SELD_FEED_MAX_M_Q30 : (int32_t)limit;
+    return limit > CRN_FEED_MAX_M_Q30 ? CRN_FEED_MAX_M_Q30 : (int32_t)limit;
 }
 
 /* How far the hand may move for each newton, Q40 m/N: what the free part and the wall give, or what the last ticks have
  * shown to be less, since the wall's friction holds the front of a wire and leaves the hand the stiff rest. What was seen
  * relaxes by 1/128 a tick, so that one soft tick (a snap, a rest) does not forget a stiff line (docs/rod.md, "stall"). */
-static uint32_t line_compliance(const seld_state *state)
+static uint32_t line_compliance(const crn_state *state)
 {
     enum { SEEN_FROM_M_Q30 = 107, LEAST_m_N_Q40 = WALL_COMPLIANCE_m_N_Q40 / 16 }; /* 0.1 um; 400 kN/m */
-    const seld_state_words *words = &state->words;
-    uint32_t whole =
-        (uint32_t)seld_line_compliance(&state->line, words->free_count) + WALL_COMPLIANCE_m_N_Q40;
+    const crn_state_words *words = &state->words;
+    uint32_t whole = (uint32_t)crn_line_compliance(&state->line, words->free_count) + WALL_COMPLIANCE_m_N_Q40;
     uint64_t older = words->line_compliance_m_N_q40 + (uint64_t)(words->line_compliance_m_N_q40 / 128);
     uint32_t most = older < whole ? (uint32_t)older : whole;
     int64_t way = words->line_feed_m_q30;
@@ -43,7 +42,7 @@ static uint32_t line_compliance(const seld_state *state)
     change = change < 0 ? -change : change;
     if (way >= SEEN_FROM_M_Q30 && change > 0) {
         /* Q30 m / Q22 N -> Q40: 2^32 way / change; below 2 where it matters */
-        uint32_t seen = (uint32_t)seld_quotient((int32_t)way, seld_sat32(change), 30) * 2u;
+        uint32_t seen = (uint32_t)crn_quotient((int32_t)way, crn_sat32(change), 30) * 2u;
         seen = seen > UINT32_MAX / 2 ? seen : seen * 2u;
         most = seen < most ? seen : most;
     }
@@ -52,50 +51,50 @@ static uint32_t line_compliance(const seld_state *state)
 
 /* What a tool may be fed: as far as its hand's force limit allows, and the leading tip no farther than the force of all
  * hands together allows, or two tips at one wall would push each other's share on, tick by tick. */
-static int32_t limit_feed(const seld_model *model, const seld_state *state, uint32_t k, int32_t feed_m_q30)
+static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32_t k, int32_t feed_m_q30)
 {
-    const seld_state_words *words = &state->words;
-    const seld_tool_state *tool = &words->tools[k];
+    const crn_state_words *words = &state->words;
+    const crn_tool_state *tool = &words->tools[k];
     uint32_t compliance = words->line_compliance_m_N_q40;
-    int32_t push = stall_limit(seld_sub_sat(model->stall_N_q22, tool->handle_axial_N_q22), compliance);
-    int32_t pull = stall_limit(seld_add_sat(model->stall_N_q22, tool->handle_axial_N_q22), compliance);
-    int32_t behind = seld_lead_inserted(model, words) - tool->inserted_m_q30;
-    int32_t line = stall_limit(seld_sub_sat(model->stall_N_q22, words->line_axial_N_q22), compliance);
-    line = seld_add_sat(behind, line);
-    return seld_clamp(feed_m_q30, -pull, push < line ? push : line);
+    int32_t push = stall_limit(crn_sub_sat(model->stall_N_q22, tool->handle_axial_N_q22), compliance);
+    int32_t pull = stall_limit(crn_add_sat(model->stall_N_q22, tool->handle_axial_N_q22), compliance);
+    int32_t behind = crn_lead_inserted(model, words) - tool->inserted_m_q30;
+    int32_t line = stall_limit(crn_sub_sat(model->stall_N_q22, words->line_axial_N_q22), compliance);
+    line = crn_add_sat(behind, line);
+    return crn_clamp(feed_m_q30, -pull, push < line ? push : line);
 }
 
 /* Feed of one tool in this tick, Q30 m. The hand may lead by four times the largest feed; beyond that it slips, as
  * a hand does on a wire or a wire in the rig's rollers. A tool that pushes or pulls as hard as a hand can stalls. */
-static int32_t choose_feed(const seld_model *model, seld_state *state, uint32_t k, int32_t hand_m_q30)
+static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k, int32_t hand_m_q30)
 {
-    const int32_t lead_max = 4 * SELD_FEED_MAX_M_Q30;
-    seld_state_words *words = &state->words;
-    seld_tool_state *tool = &words->tools[k];
+    const int32_t lead_max = 4 * CRN_FEED_MAX_M_Q30;
+    crn_state_words *words = &state->words;
+    crn_tool_state *tool = &words->tools[k];
     int64_t lead = (int64_t)hand_m_q30 + tool->hand_offset_m_q30 - tool->inserted_m_q30;
     if (lead > lead_max || lead < -lead_max) {
         int64_t kept = lead > 0 ? lead_max : -(int64_t)lead_max;
-        tool->hand_offset_m_q30 = seld_sat32(tool->hand_offset_m_q30 - (lead - kept));
-        words->fault_bits |= SELD_FAULT_FEED_LIMIT;
+        tool->hand_offset_m_q30 = crn_sat32(tool->hand_offset_m_q30 - (lead - kept));
+        words->fault_bits |= CRN_FAULT_FEED_LIMIT;
         lead = kept;
     }
     int32_t feed = limit_feed(model, state, k, (int32_t)lead / (1 << FOLLOW_SHIFT));
     int32_t wanted = tool->inserted_m_q30 + feed;
-    int32_t allowed = seld_clamp(wanted, SELD_WITHDRAWN_M_Q30, model->tools[k].inserted_max_m_q30);
+    int32_t allowed = crn_clamp(wanted, CRN_WITHDRAWN_M_Q30, model->tools[k].inserted_max_m_q30);
     if (allowed != wanted) {
-        words->fault_bits |= SELD_FAULT_INSERT_END;
+        words->fault_bits |= CRN_FAULT_INSERT_END;
     }
     return allowed - tool->inserted_m_q30;
 }
 
 /* Feeds every tool. The line never gets shorter than a few elements: the last tool to leave stops there. */
-static void feed_tools(const seld_model *model, seld_state *state, const seld_input *input)
+static void feed_tools(const crn_model *model, crn_state *state, const crn_input *input)
 {
-    seld_state_words *words = &state->words;
-    const int32_t least = seld_least_inserted(model);
-    int32_t before = seld_lead_inserted(model, words);
+    crn_state_words *words = &state->words;
+    const int32_t least = crn_least_inserted(model);
+    int32_t before = crn_lead_inserted(model, words);
     uint32_t longest = 0;
-    int32_t feed[SELD_TOOL_MAX];
+    int32_t feed[CRN_TOOL_MAX];
     words->line_compliance_m_N_q40 = line_compliance(state);
     for (uint32_t k = 0; k < model->tool_count; k++) {
         feed[k] = choose_feed(model, state, k, input->hands[k].feed_m_q30);
@@ -108,9 +107,9 @@ static void feed_tools(const seld_model *model, seld_state *state, const seld_in
     if (short_by > 0) {
         words->tools[longest].inserted_m_q30 += short_by;
         feed[longest] += short_by;
-        words->fault_bits |= SELD_FAULT_INSERT_END;
+        words->fault_bits |= CRN_FAULT_INSERT_END;
     }
-    int32_t line = seld_lead_inserted(model, words) - before;
+    int32_t line = crn_lead_inserted(model, words) - before;
     state->scratch.feed_m_q33 = line * 8;
     for (uint32_t k = 0; k < model->tool_count; k++) {
         state->scratch.slide_m_q33[k] = (feed[k] - line) * 8;
@@ -118,51 +117,51 @@ static void feed_tools(const seld_model *model, seld_state *state, const seld_in
 }
 
 /* The material frames in the inserter follow the hands' angles a quarter of the way each tick, at most 20 rad/s. */
-static void turn_bases(const seld_model *model, seld_state *state, const seld_input *input)
+static void turn_bases(const crn_model *model, crn_state *state, const crn_input *input)
 {
     for (uint32_t k = 0; k < model->tool_count; k++) {
-        seld_tool_state *tool = &state->words.tools[k];
+        crn_tool_state *tool = &state->words.tools[k];
         int32_t lead = (int32_t)(input->hands[k].turn32 - tool->base_turn32);
-        int32_t turn = seld_clamp(lead / (1 << FOLLOW_SHIFT), -SELD_TURN_MAX_TURN32, SELD_TURN_MAX_TURN32);
+        int32_t turn = crn_clamp(lead / (1 << FOLLOW_SHIFT), -CRN_TURN_MAX_TURN32, CRN_TURN_MAX_TURN32);
         tool->base_turn32 += (uint32_t)turn;
-        state->scratch.turn_q30[k] = -seld_mul_q30(turn, TURN32_TO_Q30_RAD);
+        state->scratch.turn_q30[k] = -crn_mul_q30(turn, TURN32_TO_Q30_RAD);
     }
 }
 
 /* Position of a node inside the inserter: on its axis, arc - s behind the mouth. */
-static seld_vec3 position_inside(const seld_model *model, int32_t inserted_m_q30, uint32_t node)
+static crn_vec3 position_inside(const crn_model *model, int32_t inserted_m_q30, uint32_t node)
 {
     int32_t behind = model->mesh[node].arc_m_q30 - inserted_m_q30;
-    seld_vec3 p = model->entry.position_m_q30;
+    crn_vec3 p = model->entry.position_m_q30;
     for (int k = 0; k < 3; k++) {
-        p.v[k] -= seld_mul_q30(behind, model->entry.direction_q30.v[k]);
+        p.v[k] -= crn_mul_q30(behind, model->entry.direction_q30.v[k]);
     }
     return p;
 }
 
 /* Node i and the edge behind it as they are inside the inserter: straight, unloaded, moving with the feed. */
-static void place_inside(const seld_model *model, seld_state *state, int32_t inserted_m_q30, uint32_t i)
+static void place_inside(const crn_model *model, crn_state *state, int32_t inserted_m_q30, uint32_t i)
 {
-    seld_node_state *node = &state->words.nodes[i];
-    seld_work *work = &state->scratch.nodes[i];
+    crn_node_state *node = &state->words.nodes[i];
+    crn_work *work = &state->scratch.nodes[i];
     for (int k = 0; k < 3; k++) {
         node->tangent_q30.v[k] = -model->entry.direction_q30.v[k];
-        node->step_m_q33.v[k] = seld_mul_q30(state->scratch.feed_m_q33, model->entry.direction_q30.v[k]);
+        node->step_m_q33.v[k] = crn_mul_q30(state->scratch.feed_m_q33, model->entry.direction_q30.v[k]);
     }
     node->position_m_q30 = position_inside(model, inserted_m_q30, i);
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
         node->angle_turn32[k] = 0u - state->words.tools[k].base_turn32;
         node->spin_q30[k] = state->scratch.turn_q30[k];
     }
-    for (uint32_t k = 0; k < SELD_PAIR_MAX; k++) {
+    for (uint32_t k = 0; k < CRN_PAIR_MAX; k++) {
         node->grip_q30[k] = 0;
     }
-    node->bristle_m_q33 = (seld_vec3){{0, 0, 0}};
-    node->contact = SELD_CONTACT_NONE;
+    node->bristle_m_q33 = (crn_vec3){{0, 0, 0}};
+    node->contact = CRN_CONTACT_NONE;
     work->position_m_q30 = node->position_m_q30;
     work->slide_m_q33 = node->step_m_q33;
-    work->drift_m_q33 = (seld_vec3){{0, 0, 0}};
-    work->force_N_q22 = (seld_vec3){{0, 0, 0}};
+    work->drift_m_q33 = (crn_vec3){{0, 0, 0}};
+    work->force_N_q22 = (crn_vec3){{0, 0, 0}};
 }
 
 /* Weights, with the rounding error carried to the next node so that the total is exact. */
@@ -170,22 +169,22 @@ typedef struct weight_carry {
     int64_t rest[3];
 } weight_carry;
 
-static void add_weight(const seld_model *model, const seld_line_node *line, weight_carry *carry,
-                       seld_vec3 *force)
+static void add_weight(const crn_model *model, const crn_line_node *line, weight_carry *carry,
+                       crn_vec3 *force)
 {
     for (int k = 0; k < 3; k++) {
         /* kg Q40 x m/s^2 Q20 -> N Q22 */
         int64_t exact = (int64_t)line->mass_kg_q40 * model->gravity_m_s2_q20[k] + carry->rest[k];
-        int64_t rounded = seld_rshift_round64(exact, 38);
+        int64_t rounded = crn_rshift_round64(exact, 38);
         carry->rest[k] = exact - rounded * ((int64_t)1 << 38);
-        force->v[k] = seld_sat32(force->v[k] + rounded);
+        force->v[k] = crn_sat32(force->v[k] + rounded);
     }
 }
 
 /* A node freed this tick: x* is on the axis at the new feed, it came from there less the slide, under its weight. */
-static void free_node(seld_state *state, uint32_t i)
+static void free_node(crn_state *state, uint32_t i)
 {
-    seld_work *work = &state->scratch.nodes[i];
+    crn_work *work = &state->scratch.nodes[i];
     for (int k = 0; k < 3; k++) {
         state->words.nodes[i].position_m_q30.v[k] =
             work->position_m_q30.v[k] - ((work->slide_m_q33.v[k] + 4) >> 3);
@@ -193,70 +192,69 @@ static void free_node(seld_state *state, uint32_t i)
 }
 
 /* Mean T of the two tangents at a node. Returns its square, Q28: cos^2 of half the joint's angle. */
-static inline int32_t mean_tangent(const seld_state *state, uint32_t i, seld_vec3 *mean_q30)
+static inline int32_t mean_tangent(const crn_state *state, uint32_t i, crn_vec3 *mean_q30)
 {
-    const seld_vec3 *ahead = &state->words.nodes[i > 0 ? i - 1 : 0].tangent_q30;
-    const seld_vec3 *behind = &state->words.nodes[i].tangent_q30;
+    const crn_vec3 *ahead = &state->words.nodes[i > 0 ? i - 1 : 0].tangent_q30;
+    const crn_vec3 *behind = &state->words.nodes[i].tangent_q30;
     int32_t square_q28 = 0;
     for (int k = 0; k < 3; k++) {
-        mean_q30->v[k] = seld_asr32(ahead->v[k], 1) + seld_asr32(behind->v[k], 1);
-        square_q28 = seld_mulh_add(square_q28, mean_q30->v[k], mean_q30->v[k]);
+        mean_q30->v[k] = crn_asr32(ahead->v[k], 1) + crn_asr32(behind->v[k], 1);
+        square_q28 = crn_mulh_add(square_q28, mean_q30->v[k], mean_q30->v[k]);
     }
     return square_q28;
 }
 
 /* How a node of a fold slides: T / T^2 ds, which takes it as far along both edges as their other ends go; doubled at most, from a
  * right angle on. Overflow: a slide of 0.5 mm becomes 0.71 mm. */
-SELD_RARE static void slide_round(seld_vec3 *slide_m_q33, int32_t square_q28)
+CRN_RARE static void slide_round(crn_vec3 *slide_m_q33, int32_t square_q28)
 {
-    const int32_t factor_q28 = square_q28 > 1 << 27 ? seld_quotient(1 << 28, square_q28, 28) : 1 << 29;
+    const int32_t factor_q28 = square_q28 > 1 << 27 ? crn_quotient(1 << 28, square_q28, 28) : 1 << 29;
     for (int k = 0; k < 3; k++) {
-        slide_m_q33->v[k] = seld_mul(slide_m_q33->v[k], factor_q28, 28);
+        slide_m_q33->v[k] = crn_mul(slide_m_q33->v[k], factor_q28, 28);
     }
 }
 
 /* Puts node i at x* = x + slide and the inertia's right side m/h^2 ((1 - gamma h) u - slide).
  * Overflow: slides stay below 2^24 m Q33 (feed 0.71, turn 0.6, shift 0.5 mm), displacements per tick below 2^25 (1.25 mm more by cap and
  * shift), differences below 2^26, their eightfold below 2^29. */
-static inline void predict_node(const seld_model *model, seld_state *state, uint32_t i,
-                                const seld_vec3 *slide_m_q33)
+static inline void predict_node(const crn_model *model, crn_state *state, uint32_t i,
+                                const crn_vec3 *slide_m_q33)
 {
-    seld_node_state *node = &state->words.nodes[i];
-    seld_work *work = &state->scratch.nodes[i];
-    const int32_t inertia_q18 = seld_line_inertia(model, &state->line.nodes[i])
+    crn_node_state *node = &state->words.nodes[i];
+    crn_work *work = &state->scratch.nodes[i];
+    const int32_t inertia_q18 = crn_line_inertia(model, &state->line.nodes[i])
                                 << (18 - model->stiffness_exponent);
     for (int k = 0; k < 3; k++) {
         const int32_t slide = slide_m_q33->v[k];
         const int32_t drift = node->step_m_q33.v[k] - slide;
-        const int32_t kept = seld_mulh_add(drift, node->step_m_q33.v[k], -4 * SELD_DAMPING_KEEP_Q30);
+        const int32_t kept = crn_mulh_add(drift, node->step_m_q33.v[k], -4 * CRN_DAMPING_KEEP_Q30);
         work->slide_m_q33.v[k] = slide;
         work->drift_m_q33.v[k] = drift;
         work->position_m_q30.v[k] = node->position_m_q30.v[k] + ((slide + 4) >> 3);
-        work->force_N_q22.v[k] = seld_mulh(inertia_q18, kept * 8); /* Q18 N/m x Q36 m */
+        work->force_N_q22.v[k] = crn_mulh(inertia_q18, kept * 8); /* Q18 N/m x Q36 m */
     }
 }
 
 /* What the nodes ahead have moved on by to keep the edges of folds behind them as long as they are. */
 typedef struct fold_shift {
-    seld_vec3 shift_m_q33;
+    crn_vec3 shift_m_q33;
     bool was_fold;  /* the node behind is one of a fold, */
     bool is_passed; /* some node behind is */
 } fold_shift;
 
 /* The slide of a node in a fold or ahead of one; `is_inside`: the edge behind it slides too and is no part of the rigid tip. */
-SELD_RARE static void slide_apart(const seld_model *model, const seld_state *state, uint32_t i,
-                                  bool is_inside, int32_t square_q28, fold_shift *fold,
-                                  seld_vec3 *slide_m_q33)
+CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state, uint32_t i, bool is_inside,
+                                 int32_t square_q28, fold_shift *fold, crn_vec3 *slide_m_q33)
 {
     const bool is_fold = square_q28 < FOLD_Q28;
     if (is_fold) {
         slide_round(slide_m_q33, square_q28);
     }
-    const seld_vec3 alone = *slide_m_q33;
-    *slide_m_q33 = seld_vec3_add(alone, fold->shift_m_q33);
+    const crn_vec3 alone = *slide_m_q33;
+    *slide_m_q33 = crn_vec3_add(alone, fold->shift_m_q33);
     if (is_inside && (is_fold || fold->was_fold)) {
-        seld_slide_keep_length(model, state, i, slide_m_q33, &fold->shift_m_q33);
-        *slide_m_q33 = seld_vec3_add(alone, fold->shift_m_q33);
+        crn_slide_keep_length(model, state, i, slide_m_q33, &fold->shift_m_q33);
+        *slide_m_q33 = crn_vec3_add(alone, fold->shift_m_q33);
     }
     fold->was_fold = is_fold;
     fold->is_passed |= is_fold;
@@ -264,21 +262,21 @@ SELD_RARE static void slide_apart(const seld_model *model, const seld_state *sta
 
 /* Nodes 0 .. count-1 slide by -T ds; the first `rigid` of them as node `rigid` does, plus the turn that the scratch holds. From the
  * hand on, so that where the line is folded the nodes ahead follow the edges behind them. */
-static void slide_nodes(const seld_model *model, seld_state *state, uint32_t count, uint32_t rigid)
+static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count, uint32_t rigid)
 {
     const int32_t back_m_q35 = -4 * state->scratch.feed_m_q33;
     fold_shift fold = {{{0, 0, 0}}, false, false};
     for (uint32_t i = count; i-- > 0;) {
-        seld_vec3 mean, slide;
+        crn_vec3 mean, slide;
         const int32_t square_q28 = mean_tangent(state, i < rigid ? rigid : i, &mean);
         for (int k = 0; k < 3; k++) {
-            slide.v[k] = seld_mulh(back_m_q35, mean.v[k]);
+            slide.v[k] = crn_mulh(back_m_q35, mean.v[k]);
         }
         if (square_q28 < FOLD_Q28 || fold.is_passed) {
             slide_apart(model, state, i, i >= rigid && i + 1 < count, square_q28, &fold, &slide);
         }
         if (i < rigid) {
-            slide = seld_vec3_add(slide, state->scratch.nodes[i].slide_m_q33);
+            slide = crn_vec3_add(slide, state->scratch.nodes[i].slide_m_q33);
         }
         predict_node(model, state, i, &slide);
     }
@@ -286,23 +284,23 @@ static void slide_nodes(const seld_model *model, seld_state *state, uint32_t cou
 
 /* Factor by which a joint's stiffness may grow: its entries stay below 2^26, of which four meet in a diagonal below
  * 2^29 (core_build.c), and W below 16 N m. */
-static int32_t clip_room(const seld_joint *joint)
+static int32_t clip_room(const crn_joint *joint)
 {
     int32_t entry = joint->p > joint->r ? joint->p : joint->r;
-    int32_t by_entry = entry <= (1 << 26) / SELD_CLIP_MAX ? SELD_CLIP_MAX : seld_quotient(1 << 26, entry, 0);
-    int32_t by_bend = joint->bend_N_m_q26 <= (1 << 30) / SELD_CLIP_MAX
-                          ? SELD_CLIP_MAX
-                          : seld_quotient(1 << 30, joint->bend_N_m_q26, 0);
+    int32_t by_entry = entry <= (1 << 26) / CRN_CLIP_MAX ? CRN_CLIP_MAX : crn_quotient(1 << 26, entry, 0);
+    int32_t by_bend = joint->bend_N_m_q26 <= (1 << 30) / CRN_CLIP_MAX
+                          ? CRN_CLIP_MAX
+                          : crn_quotient(1 << 30, joint->bend_N_m_q26, 0);
     int32_t room = by_entry < by_bend ? by_entry : by_bend;
-    return room > SELD_CLIP_SURE ? room : SELD_CLIP_SURE;
+    return room > CRN_CLIP_SURE ? room : CRN_CLIP_SURE;
 }
 
 /* The two joints at the mouth own only the part of their cell that lies outside it: W grows by cell / part,
  * the rest turning shrinks by part / cell. The format sets how little of a cell may be left, and what is
  * kept too much bends as if the line were that much longer. */
-static void clip_joint(const seld_model *model, seld_state *state, int32_t inserted_m_q30, uint32_t i)
+static void clip_joint(const crn_model *model, crn_state *state, int32_t inserted_m_q30, uint32_t i)
 {
-    seld_joint *joint = &state->scratch.mouth[i + 1 - state->words.free_count];
+    crn_joint *joint = &state->scratch.mouth[i + 1 - state->words.free_count];
     *joint = state->line.nodes[i].joint;
     int32_t from = model->mesh[i - 1].cell_end_m_q30;
     int32_t cell = model->mesh[i].cell_end_m_q30 - from;
@@ -310,22 +308,22 @@ static void clip_joint(const seld_model *model, seld_state *state, int32_t inser
     if (part >= cell) {
         return;
     }
-    int32_t least = seld_quotient(cell, clip_room(joint), 0);
-    int32_t factor_q24 = seld_quotient(cell, part > least ? part : least, 24);
-    joint->bend_N_m_q26 = seld_mul(joint->bend_N_m_q26, factor_q24, 24);
-    joint->p = seld_mul(joint->p, factor_q24, 24);
-    joint->q = seld_mul(joint->q, factor_q24, 24);
-    joint->r = seld_mul(joint->r, factor_q24, 24);
-    int32_t share_q24 = part <= 0 ? 0 : seld_quotient(part, cell, 24);
+    int32_t least = crn_quotient(cell, clip_room(joint), 0);
+    int32_t factor_q24 = crn_quotient(cell, part > least ? part : least, 24);
+    joint->bend_N_m_q26 = crn_mul(joint->bend_N_m_q26, factor_q24, 24);
+    joint->p = crn_mul(joint->p, factor_q24, 24);
+    joint->q = crn_mul(joint->q, factor_q24, 24);
+    joint->r = crn_mul(joint->r, factor_q24, 24);
+    int32_t share_q24 = part <= 0 ? 0 : crn_quotient(part, cell, 24);
     for (uint32_t k = 0; k < model->tool_count; k++) {
-        joint->turn1_q30[k] = seld_mul(joint->turn1_q30[k], share_q24, 24);
-        joint->turn2_q30[k] = seld_mul(joint->turn2_q30[k], share_q24, 24);
+        joint->turn1_q30[k] = crn_mul(joint->turn1_q30[k], share_q24, 24);
+        joint->turn2_q30[k] = crn_mul(joint->turn2_q30[k], share_q24, 24);
     }
 }
 
 /* Nodes beyond the mouth once the tip has advanced to arc length s. A tick's feed passes at most eight nodes.
  */
-static uint32_t count_free(const seld_model *model, uint32_t count, int32_t inserted_m_q30)
+static uint32_t count_free(const crn_model *model, uint32_t count, int32_t inserted_m_q30)
 {
     for (int step = 0; step < 8 && model->mesh[count].arc_m_q30 < inserted_m_q30; step++) {
         count++;
@@ -336,34 +334,34 @@ static uint32_t count_free(const seld_model *model, uint32_t count, int32_t inse
     return count;
 }
 
-static void load_nodes(const seld_model *model, seld_state *state)
+static void load_nodes(const crn_model *model, crn_state *state)
 {
     weight_carry carry = {{0, 0, 0}};
     for (uint32_t i = 0; i < state->words.free_count; i++) {
         add_weight(model, &state->line.nodes[i], &carry, &state->scratch.nodes[i].force_N_q22);
     }
     for (int k = 0; k < 3; k++) {
-        seld_vec3 *force = &state->scratch.nodes[0].force_N_q22;
-        force->v[k] = seld_add_sat(force->v[k], model->tip_load_N_q22.v[k]);
+        crn_vec3 *force = &state->scratch.nodes[0].force_N_q22;
+        force->v[k] = crn_add_sat(force->v[k], model->tip_load_N_q22.v[k]);
     }
 }
 
-void seld_rod_feed(const seld_model *model, seld_state *state, const seld_input *input)
+void crn_rod_feed(const crn_model *model, crn_state *state, const crn_input *input)
 {
-    seld_state_words *words = &state->words;
-    seld_line_update(model, state); /* for the stall's compliance, after a restored state */
+    crn_state_words *words = &state->words;
+    crn_line_update(model, state); /* for the stall's compliance, after a restored state */
     feed_tools(model, state, input);
     turn_bases(model, state, input);
-    if (words->release_q30 < SELD_ONE_Q30) {
-        words->release_q30 += SELD_RELEASE_STEP_Q30;
+    if (words->release_q30 < CRN_ONE_Q30) {
+        words->release_q30 += CRN_RELEASE_STEP_Q30;
     }
-    int32_t inserted = seld_lead_inserted(model, words);
+    int32_t inserted = crn_lead_inserted(model, words);
     uint32_t before = words->free_count;
     uint32_t now = count_free(model, before, inserted);
     words->free_count = now;
-    seld_line_update(model, state);
+    crn_line_update(model, state);
     uint32_t sliding = before < now ? before : now;
-    uint32_t rigid = seld_tip_predict(model, state, sliding);
+    uint32_t rigid = crn_tip_predict(model, state, sliding);
     slide_nodes(model, state, sliding, rigid);
     for (uint32_t i = sliding; i < now + 3; i++) {
         place_inside(model, state, inserted, i);

@@ -22,62 +22,62 @@ enum {
 };
 
 /* Adds one force component. Overflow: saturates at 512 N, beyond what the solve takes (rod_solve.c says so). */
-static inline void add(seld_vec3 *sum, int k, int32_t value)
+static inline void add(crn_vec3 *sum, int k, int32_t value)
 {
-    sum->v[k] = seld_add_sat(sum->v[k], value);
+    sum->v[k] = crn_add_sat(sum->v[k], value);
 }
 
 /* Strain sqrt(1 + 2e) - 1 and inverse length of an edge from e = (|w|^2 - 1) / 2.
  * Error: e^4 * 5/8 <= 2.4e-3 at 25 %, 1.5e-4 at 12.5 %; below 1e-9 at 1 %. */
 static int32_t strain_of(int32_t e)
 {
-    int32_t e2 = seld_scale_q30(e, e);
-    return e - (e2 >> 1) + (seld_scale_q30(e2, e) >> 1);
+    int32_t e2 = crn_scale_q30(e, e);
+    return e - (e2 >> 1) + (crn_scale_q30(e2, e) >> 1);
 }
 static int32_t inverse_stretch_of(int32_t e)
 {
-    int32_t e2 = seld_scale_q30(e, e);
-    return SELD_ONE_Q30 - e + e2 + (e2 >> 1) - ((seld_scale_q30(e2, e) * 5) >> 1);
+    int32_t e2 = crn_scale_q30(e, e);
+    return CRN_ONE_Q30 - e + e2 + (e2 >> 1) - ((crn_scale_q30(e2, e) * 5) >> 1);
 }
 
 /* w of the edge between two positions. Format: positions Q30 m, 1/l Q18 -> Q30 (floor: the same in all directions, so that no
  * joint bends by it). Overflow: saturates component by component. */
-static seld_vec3 relative(int32_t inverse_per_m_q18, const seld_vec3 *from, const seld_vec3 *to)
+static crn_vec3 relative(int32_t inverse_per_m_q18, const crn_vec3 *from, const crn_vec3 *to)
 {
-    seld_vec3 w;
+    crn_vec3 w;
     uint32_t unseen = 0; /* the strain says it */
     for (int k = 0; k < 3; k++) {
-        int64_t product = (int64_t)seld_sub_sat(to->v[k], from->v[k]) * inverse_per_m_q18 + (1 << 17);
-        w.v[k] = seld_limit64(product, 18, 1 << 17, 0, &unseen);
+        int64_t product = (int64_t)crn_sub_sat(to->v[k], from->v[k]) * inverse_per_m_q18 + (1 << 17);
+        w.v[k] = crn_limit64(product, 18, 1 << 17, 0, &unseen);
     }
     return w;
 }
 
 /* w, t and the strain of the edge between two positions. |w|^2 fits 64 bits without a sign: 3 x 2^62. */
-static int32_t stretch_of(int32_t inverse_per_m_q18, const seld_vec3 *from, const seld_vec3 *to, seld_vec3 *w,
-                          seld_vec3 *t, uint32_t *fault_bits)
+static int32_t stretch_of(int32_t inverse_per_m_q18, const crn_vec3 *from, const crn_vec3 *to, crn_vec3 *w,
+                          crn_vec3 *t, uint32_t *fault_bits)
 {
     *w = relative(inverse_per_m_q18, from, to);
     uint64_t square = (uint64_t)((int64_t)w->v[0] * w->v[0]) + (uint64_t)((int64_t)w->v[1] * w->v[1]) +
                       (uint64_t)((int64_t)w->v[2] * w->v[2]);
     int64_t excess = (int64_t)(square - ((uint64_t)1 << 60)); /* twice e, Q60 */
-    int32_t high = seld_high64(excess);
+    int32_t high = crn_high64(excess);
     if (high >= STRAIN_SMALL_Q30 / 2 || high < -STRAIN_SMALL_Q30 / 2) {
         if (high < STRAIN_MAX_Q30 / 2 && high >= -STRAIN_MAX_Q30 / 2) {
-            *t = seld_vec3_normalise(*w, *t, NULL);
-            return strain_of(seld_narrow64(excess, 31));
+            *t = crn_vec3_normalise(*w, *t, NULL);
+            return strain_of(crn_narrow64(excess, 31));
         }
-        *fault_bits |= SELD_FAULT_SATURATED;
+        *fault_bits |= CRN_FAULT_SATURATED;
         for (int k = 0; k < 3; k++) {
-            w->v[k] = seld_clamp(w->v[k], -W_MAX_Q30, W_MAX_Q30);
+            w->v[k] = crn_clamp(w->v[k], -W_MAX_Q30, W_MAX_Q30);
         }
-        *t = seld_vec3_normalise(*w, *t, NULL);
-        return strain_of(seld_vec3_dot64(*w, *w) > (int64_t)1 << 60 ? STRAIN_MAX_Q30 : -STRAIN_MAX_Q30);
+        *t = crn_vec3_normalise(*w, *t, NULL);
+        return strain_of(crn_vec3_dot64(*w, *w) > (int64_t)1 << 60 ? STRAIN_MAX_Q30 : -STRAIN_MAX_Q30);
     }
-    int32_t e = seld_narrow64(excess, 31);
+    int32_t e = crn_narrow64(excess, 31);
     int32_t inverse = inverse_stretch_of(e);
     for (int k = 0; k < 3; k++) {
-        t->v[k] = seld_scale_q30(w->v[k], inverse);
+        t->v[k] = crn_scale_q30(w->v[k], inverse);
     }
     return strain_of(e);
 }
@@ -89,31 +89,31 @@ static int32_t geometric_stiffness(int32_t tension_N_q22, int32_t inverse_per_m_
         return 0;
     }
     int32_t pull = tension_N_q22 < TENSION_STIFF_MAX_N_Q22 ? tension_N_q22 : TENSION_STIFF_MAX_N_Q22;
-    int32_t stiffness_q8 = seld_mulh(pull, inverse_per_m_q18); /* below 2^26: 2^27 N Q22 x 2^31 */
+    int32_t stiffness_q8 = crn_mulh(pull, inverse_per_m_q18); /* below 2^26: 2^27 N Q22 x 2^31 */
     return exponent >= 8 ? stiffness_q8 << (exponent - 8) : stiffness_q8 >> (8 - exponent);
 }
 
 /* Geometry and axial force of edge i; adds +-F t to its two nodes. */
-static void edge_forces(const seld_model *model, seld_state *state, uint32_t i)
+static void edge_forces(const crn_model *model, crn_state *state, uint32_t i)
 {
-    seld_work *here = &state->scratch.nodes[i];
-    seld_work *next = here + 1;
+    crn_work *here = &state->scratch.nodes[i];
+    crn_work *next = here + 1;
     int32_t inverse = model->mesh[i].inverse_length_per_m_q18;
-    seld_vec3 *tangent = &state->words.nodes[i].tangent_q30;
+    crn_vec3 *tangent = &state->words.nodes[i].tangent_q30;
     here->strain_q30 = stretch_of(inverse, &here->position_m_q30, &next->position_m_q30,
                                   &here->u.a.stretch_q30, tangent, &state->words.fault_bits);
     /* Q17 N x Q30 -> Q22 N */
-    int32_t tension = seld_limit64((int64_t)state->line.nodes[i].axial_stiffness_N_q17 * here->strain_q30, 25,
-                                   TENSION_MAX_N_Q22 >> 7, SELD_FAULT_SATURATED, &state->words.fault_bits);
+    int32_t tension = crn_limit64((int64_t)state->line.nodes[i].axial_stiffness_N_q17 * here->strain_q30, 25,
+                                  TENSION_MAX_N_Q22 >> 7, CRN_FAULT_SATURATED, &state->words.fault_bits);
     here->geometric = geometric_stiffness(tension, inverse, model->stiffness_exponent);
     for (int k = 0; k < 3; k++) {
-        int32_t pull = seld_scale_q30(tension, tangent->v[k]);
+        int32_t pull = crn_scale_q30(tension, tangent->v[k]);
         add(&here->force_N_q22, k, pull);
         add(&next->force_N_q22, k, -pull);
     }
 }
 
-void seld_rod_stretch(const seld_model *model, seld_state *state)
+void crn_rod_stretch(const crn_model *model, crn_state *state)
 {
     uint32_t na = state->words.free_count;
     for (uint32_t i = 0; i < na; i++) {
@@ -123,14 +123,14 @@ void seld_rod_stretch(const seld_model *model, seld_state *state)
     state->scratch.nodes[na].u.a.stretch_q30 = state->words.nodes[na].tangent_q30;
 }
 
-void seld_rod_rest_turn(const seld_joint *joint, uint32_t tool, int32_t release_q30, const seld_vec3 *axis1,
-                        const seld_vec3 *tangent, seld_vec3 *half)
+void crn_rod_rest_turn(const crn_joint *joint, uint32_t tool, int32_t release_q30, const crn_vec3 *axis1,
+                       const crn_vec3 *tangent, crn_vec3 *half)
 {
-    seld_vec3 axis2 = seld_vec3_cross_unit(tangent, axis1);
-    int32_t turn1 = seld_scale_q30(joint->turn1_q30[tool], release_q30);
-    int32_t turn2 = seld_scale_q30(joint->turn2_q30[tool], release_q30);
+    crn_vec3 axis2 = crn_vec3_cross_unit(tangent, axis1);
+    int32_t turn1 = crn_scale_q30(joint->turn1_q30[tool], release_q30);
+    int32_t turn2 = crn_scale_q30(joint->turn2_q30[tool], release_q30);
     for (int k = 0; k < 3; k++) {
-        int64_t sum = (int64_t)seld_scale_q30(turn1, axis1->v[k]) + seld_scale_q30(turn2, axis2.v[k]);
+        int64_t sum = (int64_t)crn_scale_q30(turn1, axis1->v[k]) + crn_scale_q30(turn2, axis2.v[k]);
         half->v[k] = (int32_t)(sum >> 1);
     }
 }
@@ -140,20 +140,20 @@ void seld_rod_rest_turn(const seld_joint *joint, uint32_t tool, int32_t release_
  * Overflow: impossible, 7/8 at most. */
 static int32_t inverse_of_one_and(int32_t cosine_q30, int32_t *lack_q30)
 {
-    const int32_t lack = SELD_ONE_Q30 - seld_clamp(cosine_q30, 0, SELD_ONE_Q30);
+    const int32_t lack = CRN_ONE_Q30 - crn_clamp(cosine_q30, 0, CRN_ONE_Q30);
     *lack_q30 = lack;
-    return (SELD_ONE_Q30 >> 1) + (lack >> 2) + (seld_scale_q30(lack, lack) >> 3);
+    return (CRN_ONE_Q30 >> 1) + (lack >> 2) + (crn_scale_q30(lack, lack) >> 3);
 }
 
 /* F = tau kb / 2 = tau (t x t') / (1 + t.t'). Format: tau Q30 N m -> Q30 N m. Overflow: impossible, the factor is 7/8 at most. */
-static seld_vec3 twist_force(int32_t torque_N_m_q30, const seld_vec3 *before, const seld_vec3 *after)
+static crn_vec3 twist_force(int32_t torque_N_m_q30, const crn_vec3 *before, const crn_vec3 *after)
 {
     int32_t lack = 0;
-    int32_t inverse = inverse_of_one_and(seld_vec3_dot_unit(before, after), &lack);
-    int32_t scaled = seld_scale_q30(torque_N_m_q30, inverse);
-    seld_vec3 across = seld_vec3_cross_unit(before, after);
+    int32_t inverse = inverse_of_one_and(crn_vec3_dot_unit(before, after), &lack);
+    int32_t scaled = crn_scale_q30(torque_N_m_q30, inverse);
+    crn_vec3 across = crn_vec3_cross_unit(before, after);
     for (int k = 0; k < 3; k++) {
-        across.v[k] = seld_scale_q30(scaled, across.v[k]);
+        across.v[k] = crn_scale_q30(scaled, across.v[k]);
     }
     return across;
 }
@@ -163,23 +163,23 @@ static seld_vec3 twist_force(int32_t torque_N_m_q30, const seld_vec3 *before, co
  * more, so that a swing does not grow and what else is in the matrix ends it: without it a J of 1.5 mm swung by 11 um to and fro for ever
  * (docs/rod.md, "rows"). Tools without a rest shape there are not held and give nothing.
  * Overflow: the sum is limited to 32 bits, its product with at most 7/8 fits; with k_g no more than the edge's spring. */
-static void resist_twist(const seld_model *model, seld_state *state, const seld_joint *joint, uint32_t i)
+static void resist_twist(const crn_model *model, crn_state *state, const crn_joint *joint, uint32_t i)
 {
-    const seld_node_state *node = &state->words.nodes[i];
+    const crn_node_state *node = &state->words.nodes[i];
     int64_t twist_N_m_q26 = 0;
     for (uint32_t k = 0; k < model->tool_count; k++) {
         twist_N_m_q26 += joint->curved >> k & 1u ? joint->twist_N_m_q26[k] : 0;
     }
     int32_t lack = 0;
     const int32_t inverse =
-        inverse_of_one_and(seld_vec3_dot_unit(&node[-1].tangent_q30, &node->tangent_q30), &lack);
-    const int32_t held_N_m_q26 = seld_scale_q30(seld_sat32(twist_N_m_q26), seld_scale_q30(lack, inverse));
+        inverse_of_one_and(crn_vec3_dot_unit(&node[-1].tangent_q30, &node->tangent_q30), &lack);
+    const int32_t held_N_m_q26 = crn_scale_q30(crn_sat32(twist_N_m_q26), crn_scale_q30(lack, inverse));
     for (uint32_t edge = i - 1; edge <= i && edge < state->words.free_count; edge++) {
         const int32_t a = model->mesh[edge].inverse_length_per_m_q18;
         const int32_t spring = state->line.nodes[edge].spring;
         int32_t *geometric = &state->scratch.nodes[edge].geometric;
-        const int32_t sum = seld_add_sat(
-            *geometric, seld_to_exponent(seld_bend_spring_q8(held_N_m_q26, a, a), model->stiffness_exponent));
+        const int32_t sum = crn_add_sat(
+            *geometric, crn_to_exponent(crn_bend_spring_q8(held_N_m_q26, a, a), model->stiffness_exponent));
         *geometric = sum < spring ? sum : spring;
     }
 }
@@ -189,35 +189,34 @@ static void resist_twist(const seld_model *model, seld_state *state, const seld_
 static inline int32_t part(int32_t moment_N_m_q30, int32_t inverse_per_m_q18, uint32_t *fault_bits)
 {
     int64_t force = (int64_t)moment_N_m_q30 * inverse_per_m_q18 + (1 << 25);
-    return seld_limit64(force, 26, PART_MAX_N_Q22 / 64, SELD_FAULT_SATURATED, fault_bits);
+    return crn_limit64(force, 26, PART_MAX_N_Q22 / 64, CRN_FAULT_SATURATED, fault_bits);
 }
 
 /* W b. Format: Q26 N m x Q28 -> Q30 N m, floor. Overflow: saturates at 2 N m, which gives 240 N on an edge of 8 mm. */
 static inline int32_t moment_of(int32_t bend_N_m_q26, int32_t turn_q28)
 {
     uint32_t unseen = 0; /* the force says it */
-    return seld_limit64((int64_t)bend_N_m_q26 * turn_q28 + (1 << 23), 24, 1 << 23, 0, &unseen);
+    return crn_limit64((int64_t)bend_N_m_q26 * turn_q28 + (1 << 23), 24, 1 << 23, 0, &unseen);
 }
 
-seld_vec3 seld_rod_tool_turn(const seld_state *state, const seld_joint *joint, uint32_t tool, uint32_t i)
+crn_vec3 crn_rod_tool_turn(const crn_state *state, const crn_joint *joint, uint32_t tool, uint32_t i)
 {
-    const seld_work *here = &state->scratch.nodes[i];
+    const crn_work *here = &state->scratch.nodes[i];
     int32_t release = state->words.release_q30;
-    seld_vec3 half_ahead, half_here;
-    seld_rod_rest_turn(joint, tool, release, &here[-1].u.a.axis1_q30[tool],
-                       &state->words.nodes[i - 1].tangent_q30, &half_ahead);
-    seld_rod_rest_turn(joint, tool, release, &here->u.a.axis1_q30[tool], &state->words.nodes[i].tangent_q30,
-                       &half_here);
-    return seld_vec3_add(half_ahead, half_here);
+    crn_vec3 half_ahead, half_here;
+    crn_rod_rest_turn(joint, tool, release, &here[-1].u.a.axis1_q30[tool],
+                      &state->words.nodes[i - 1].tangent_q30, &half_ahead);
+    crn_rod_rest_turn(joint, tool, release, &here->u.a.axis1_q30[tool], &state->words.nodes[i].tangent_q30,
+                      &half_here);
+    return crn_vec3_add(half_ahead, half_here);
 }
 
-seld_vec3 seld_rod_line_turn(const seld_model *model, const seld_state *state, const seld_joint *joint,
-                             uint32_t i)
+crn_vec3 crn_rod_line_turn(const crn_model *model, const crn_state *state, const crn_joint *joint, uint32_t i)
 {
-    seld_vec3 turn = {{0, 0, 0}};
+    crn_vec3 turn = {{0, 0, 0}};
     for (uint32_t k = 0; k < model->tool_count; k++) {
         if (joint->curved >> k & 1u) {
-            turn = seld_vec3_add(turn, seld_rod_tool_turn(state, joint, k, i));
+            turn = crn_vec3_add(turn, crn_rod_tool_turn(state, joint, k, i));
         }
     }
     return turn;
@@ -225,37 +224,37 @@ seld_vec3 seld_rod_line_turn(const seld_model *model, const seld_state *state, c
 
 /* Bending and twist at the joint of node i (1 .. na). Format: W Q26 x b Q28 -> v Q30 N m; a Q18 x v Q30 -> Q22 N. b loses two
  * bits of the edges' Q30, below the step of a position. Both ends get the same rounded force, so momentum is exact. */
-static void joint_forces(const seld_model *model, seld_state *state, uint32_t i)
+static void joint_forces(const crn_model *model, crn_state *state, uint32_t i)
 {
-    seld_work *here = &state->scratch.nodes[i];
-    seld_work *ahead = here - 1;
-    const seld_joint *joint = seld_rod_joint(state, i);
+    crn_work *here = &state->scratch.nodes[i];
+    crn_work *ahead = here - 1;
+    const crn_joint *joint = crn_rod_joint(state, i);
     int32_t a = model->mesh[i - 1].inverse_length_per_m_q18;
     int32_t c = model->mesh[i].inverse_length_per_m_q18;
     uint32_t *faults = &state->words.fault_bits;
-    seld_vec3 turn = {{0, 0, 0}};
+    crn_vec3 turn = {{0, 0, 0}};
     if (joint->curved != 0) {
-        turn = seld_rod_line_turn(model, state, joint, i);
+        turn = crn_rod_line_turn(model, state, joint, i);
         resist_twist(model, state, joint, i);
     }
-    seld_vec3 twisting = {{0, 0, 0}};
+    crn_vec3 twisting = {{0, 0, 0}};
     if (here->torque_N_m_q30 != 0) {
         twisting = twist_force(here->torque_N_m_q30, &state->words.nodes[i - 1].tangent_q30,
                                &state->words.nodes[i].tangent_q30);
     }
     for (int k = 0; k < 3; k++) {
-        int32_t bend_q28 = seld_asr32(here->u.a.stretch_q30.v[k], 2) -
-                           seld_asr32(ahead->u.a.stretch_q30.v[k], 2) - seld_asr32(turn.v[k], 2);
+        int32_t bend_q28 = crn_asr32(here->u.a.stretch_q30.v[k], 2) -
+                           crn_asr32(ahead->u.a.stretch_q30.v[k], 2) - crn_asr32(turn.v[k], 2);
         int32_t moment = moment_of(joint->bend_N_m_q26, bend_q28);
-        int32_t front = part(seld_sub_sat(moment, twisting.v[k]), a, faults);
-        int32_t back = part(seld_add_sat(moment, twisting.v[k]), c, faults);
+        int32_t front = part(crn_sub_sat(moment, twisting.v[k]), a, faults);
+        int32_t back = part(crn_add_sat(moment, twisting.v[k]), c, faults);
         add(&ahead->force_N_q22, k, -front);
         add(&here->force_N_q22, k, front + back);
         add(&here[1].force_N_q22, k, -back);
     }
 }
 
-void seld_rod_bend(const seld_model *model, seld_state *state)
+void crn_rod_bend(const crn_model *model, crn_state *state)
 {
     for (uint32_t i = 1; i <= state->words.free_count; i++) {
         joint_forces(model, state, i);

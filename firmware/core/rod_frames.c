@@ -11,81 +11,80 @@ enum {
 };
 
 /* Vectors here are unit, amounts below one: sums and products stay inside Q30. */
-static void add_scaled(seld_vec3 *sum, const seld_vec3 *direction_q30, int32_t amount)
+static void add_scaled(crn_vec3 *sum, const crn_vec3 *direction_q30, int32_t amount)
 {
     for (int k = 0; k < 3; k++) {
-        sum->v[k] += seld_scale_q30(amount, direction_q30->v[k]);
+        sum->v[k] += crn_scale_q30(amount, direction_q30->v[k]);
     }
 }
 
-void seld_frames_orthonormalise(seld_vec3 *axis, const seld_vec3 *tangent)
+void crn_frames_orthonormalise(crn_vec3 *axis, const crn_vec3 *tangent)
 {
-    add_scaled(axis, tangent, -seld_vec3_dot_unit(axis, tangent));
-    int32_t excess = (int32_t)((seld_vec3_dot64(*axis, *axis) - ((int64_t)1 << 60)) >> 31);
+    add_scaled(axis, tangent, -crn_vec3_dot_unit(axis, tangent));
+    int32_t excess = (int32_t)((crn_vec3_dot64(*axis, *axis) - ((int64_t)1 << 60)) >> 31);
     for (int k = 0; k < 3; k++) {
-        axis->v[k] = seld_scale_q30(axis->v[k], SELD_ONE_Q30 - excess);
+        axis->v[k] = crn_scale_q30(axis->v[k], CRN_ONE_Q30 - excess);
     }
 }
 
 /* Transport across a sharp bend: the exact factor up to 139 degrees, beyond it the projection of the old axis. */
-static seld_vec3 transport_sharply(seld_vec3 axis, const seld_vec3 *from, const seld_vec3 *to, int32_t tilt,
-                                   int32_t lack)
+static crn_vec3 transport_sharply(crn_vec3 axis, const crn_vec3 *from, const crn_vec3 *to, int32_t tilt,
+                                  int32_t lack)
 {
-    uint32_t sum = ((uint32_t)SELD_ONE_Q30 << 1) - (uint32_t)lack; /* 1 + t.t' */
+    uint32_t sum = ((uint32_t)CRN_ONE_Q30 << 1) - (uint32_t)lack; /* 1 + t.t' */
     if (sum < FOLD_Q30) {
         add_scaled(&axis, to, -tilt);
-        return seld_vec3_normalise(axis, *from, NULL);
+        return crn_vec3_normalise(axis, *from, NULL);
     }
-    int32_t ratio_q27 = seld_quotient(tilt, (int32_t)(sum > INT32_MAX ? INT32_MAX : sum), 27);
+    int32_t ratio_q27 = crn_quotient(tilt, (int32_t)(sum > INT32_MAX ? INT32_MAX : sum), 27);
     for (int k = 0; k < 3; k++) {
         int64_t moved = (int64_t)ratio_q27 * from->v[k] + (int64_t)ratio_q27 * to->v[k];
-        axis.v[k] = seld_sat32(axis.v[k] - seld_rshift_round64(moved, 27));
+        axis.v[k] = crn_sat32(axis.v[k] - crn_rshift_round64(moved, 27));
     }
-    seld_frames_orthonormalise(&axis, to);
+    crn_frames_orthonormalise(&axis, to);
     return axis;
 }
 
 /* u - (u.t') / (1 + t.t') (t + t'): parallel transport from t to t'. */
-static seld_vec3 transport(seld_vec3 axis, const seld_vec3 *from, const seld_vec3 *to)
+static crn_vec3 transport(crn_vec3 axis, const crn_vec3 *from, const crn_vec3 *to)
 {
-    int32_t tilt = seld_vec3_dot_unit(&axis, to);
-    int32_t lack = seld_sub_sat(SELD_ONE_Q30, seld_vec3_dot_unit(from, to));
+    int32_t tilt = crn_vec3_dot_unit(&axis, to);
+    int32_t lack = crn_sub_sat(CRN_ONE_Q30, crn_vec3_dot_unit(from, to));
     if (lack > LACK_FAST_Q30) {
         return transport_sharply(axis, from, to, tilt, lack);
     }
     /* 1 / (1 + c) = 1/2 + lack/4 + lack^2/8 + lack^3/16 */
-    int32_t square = seld_scale_q30(lack, lack);
-    int32_t inverse = (SELD_ONE_Q30 >> 1) + (lack >> 2) + (square >> 3) + (seld_scale_q30(square, lack) >> 4);
-    int32_t amount = -seld_scale_q30(tilt, inverse);
+    int32_t square = crn_scale_q30(lack, lack);
+    int32_t inverse = (CRN_ONE_Q30 >> 1) + (lack >> 2) + (square >> 3) + (crn_scale_q30(square, lack) >> 4);
+    int32_t amount = -crn_scale_q30(tilt, inverse);
     for (int k = 0; k < 3; k++) {
-        int32_t middle_q29 =
-            seld_asr32(from->v[k], 1) + seld_asr32(to->v[k], 1); /* half the sum, within one */
-        axis.v[k] += seld_mulh(amount, middle_q29) * 8;
+        int32_t middle_q29 = crn_asr32(from->v[k], 1) + crn_asr32(to->v[k], 1); /* half the sum, within one */
+        axis.v[k] += crn_mulh(amount, middle_q29) * 8;
     }
     return axis;
 }
 
 /* d1 of an edge from its reference axis and angle. */
-static void material_axis(const seld_vec3 *reference, const seld_vec3 *tangent, uint32_t angle_turn32,
-                          seld_vec3 *axis1)
+static void material_axis(const crn_vec3 *reference, const crn_vec3 *tangent, uint32_t angle_turn32,
+                          crn_vec3 *axis1)
 {
     int32_t sine, cosine;
-    seld_sincos_turn32(angle_turn32, &sine, &cosine);
-    seld_vec3 across = seld_vec3_cross_unit(tangent, reference);
+    crn_sincos_turn32(angle_turn32, &sine, &cosine);
+    crn_vec3 across = crn_vec3_cross_unit(tangent, reference);
     for (int k = 0; k < 3; k++) {
-        axis1->v[k] = seld_scale_q30(reference->v[k], cosine) + seld_scale_q30(across.v[k], sine);
+        axis1->v[k] = crn_scale_q30(reference->v[k], cosine) + crn_scale_q30(across.v[k], sine);
     }
-    seld_frames_orthonormalise(axis1, tangent);
+    crn_frames_orthonormalise(axis1, tangent);
 }
 
 /* Reference axes from the inserter to the tip, and material axes where a rest shape needs them. */
-void seld_frames_carry(const seld_model *model, seld_state *state)
+void crn_frames_carry(const crn_model *model, crn_state *state)
 {
-    seld_node_state *nodes = state->words.nodes;
+    crn_node_state *nodes = state->words.nodes;
     uint32_t na = state->words.free_count;
-    seld_vec3 reference = model->base_axis1_q30;
+    crn_vec3 reference = model->base_axis1_q30;
     uint32_t last = 0; /* nothing beyond it needs an axis */
-    while (last <= na && seld_edge_curved(state, last) == 0) {
+    while (last <= na && crn_edge_curved(state, last) == 0) {
         last++;
     }
     for (uint32_t n = na + 1; n > last; n--) {
@@ -93,11 +92,11 @@ void seld_frames_carry(const seld_model *model, seld_state *state)
         if (j < na) {
             reference = transport(reference, &nodes[j + 1].tangent_q30, &nodes[j].tangent_q30);
         }
-        uint32_t curved = seld_edge_curved(state, j);
+        uint32_t curved = crn_edge_curved(state, j);
         if (curved == 0) {
             continue;
         }
-        seld_frames_orthonormalise(&reference, &nodes[j].tangent_q30);
+        crn_frames_orthonormalise(&reference, &nodes[j].tangent_q30);
         for (uint32_t k = 0; k < model->tool_count; k++) {
             if (curved >> k & 1u) {
                 material_axis(&reference, &nodes[j].tangent_q30, nodes[j].angle_turn32[k],

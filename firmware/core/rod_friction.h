@@ -1,12 +1,12 @@
 /* Friction of one node on the wall: what it may be, its stiffness in the matrix (docs/rod.md, "Contact").
  * May include: rod.h. Called by: rod_contact.c. */
-#ifndef SELD_CORE_ROD_FRICTION_H
-#define SELD_CORE_ROD_FRICTION_H
+#ifndef CRN_CORE_ROD_FRICTION_H
+#define CRN_CORE_ROD_FRICTION_H
 
 #include "firmware/core/rod.h"
 
 /* No less than the length: half of the largest magnitude and of their sum. Overflow: saturates. */
-static inline int32_t length_at_most(const seld_vec3 *a)
+static inline int32_t length_at_most(const crn_vec3 *a)
 {
     int64_t sum = 0, most = 0;
     for (int k = 0; k < 3; k++) {
@@ -14,29 +14,29 @@ static inline int32_t length_at_most(const seld_vec3 *a)
         sum += size;
         most = size > most ? size : most;
     }
-    return seld_sat32((sum + most + 1) / 2);
+    return crn_sat32((sum + most + 1) / 2);
 }
 
-static inline int32_t friction_of(const seld_node_state *node, const seld_line_node *line)
+static inline int32_t friction_of(const crn_node_state *node, const crn_line_node *line)
 {
-    return node->contact == SELD_CONTACT_SLIPS ? line->kinetic_q30 : line->static_q30;
+    return node->contact == CRN_CONTACT_SLIPS ? line->kinetic_q30 : line->static_q30;
 }
 
 /* Bristle at its limit mu N / k_t. Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 / 2^20. Overflow: impossible, 128 N. */
 static inline int32_t bristle_limit(int32_t limit_N_q22)
 {
-    return limit_N_q22 + seld_mulh(limit_N_q22, 25166 << 12);
+    return limit_N_q22 + crn_mulh(limit_N_q22, 25166 << 12);
 }
 
-/* What friction may be while a node does not stick: in each tick SELD_FRICTION_GROWTH times k_t |z|, which is mu N after the
- * last solve (|z| is taken up to a sixth too long), and SELD_FRICTION_FRESH. mu N of the predicted depth alone lets a node that
+/* What friction may be while a node does not stick: in each tick CRN_FRICTION_GROWTH times k_t |z|, which is mu N after the
+ * last solve (|z| is taken up to a sixth too long), and CRN_FRICTION_FRESH. mu N of the predicted depth alone lets a node that
  * hops on the wall by micrometres rub with many times its force (5 mN for each), and what that pushes on makes others hop: a
  * soft wire at 40 mm/s felt six times as hard. Format: Q33 m -> Q22 N, 2000 / 2^11. Overflow: impossible in 64 bits. */
-static inline int32_t growing_limit(const seld_node_state *node, int32_t limit_N_q22)
+static inline int32_t growing_limit(const crn_node_state *node, int32_t limit_N_q22)
 {
     const int64_t last_m_q33 = length_at_most(&node->bristle_m_q33);
-    const int64_t most_N_q22 = ((last_m_q33 * (SELD_FRICTION_GROWTH * SELD_FRICTION_STIFFNESS_N_m)) >> 11) +
-                               SELD_FRICTION_FRESH_N_Q22;
+    const int64_t most_N_q22 =
+        ((last_m_q33 * (CRN_FRICTION_GROWTH * CRN_FRICTION_STIFFNESS_N_m)) >> 11) + CRN_FRICTION_FRESH_N_Q22;
     return most_N_q22 < limit_N_q22 ? (int32_t)most_N_q22 : limit_N_q22;
 }
 
@@ -45,23 +45,22 @@ static inline int32_t inverse_root(int64_t square, unsigned *half_lead)
 {
     unsigned lead = (unsigned)__builtin_clzll((uint64_t)square) & ~1u;
     *half_lead = lead >> 1;
-    return seld_rsqrt_q30((uint32_t)(((uint64_t)square << lead) >> 32));
+    return crn_rsqrt_q30((uint32_t)(((uint64_t)square << lead) >> 32));
 }
 
 /* k_f in Q(a): k_t while the bristle's reach is within its limit, else mu N / reach.
  * Format: N Q22 / m Q33 -> Q(a): N root 2^(half_lead - 62) 2^(11 + a). */
-static inline int32_t friction_stiffness(const seld_model *model, int32_t limit_N_q22,
-                                         const seld_vec3 *reach_m_q33)
+static inline int32_t friction_stiffness(const crn_model *model, int32_t limit_N_q22,
+                                         const crn_vec3 *reach_m_q33)
 {
     int32_t most = bristle_limit(limit_N_q22);
-    int64_t square = seld_vec3_dot64(*reach_m_q33, *reach_m_q33);
-    if (square <= seld_product(most, most)) {
+    int64_t square = crn_vec3_dot64(*reach_m_q33, *reach_m_q33);
+    if (square <= crn_product(most, most)) {
         return model->friction;
     }
     unsigned half_lead;
     int32_t root = inverse_root(square, &half_lead);
-    int64_t stiffness =
-        seld_asr64(seld_product(limit_N_q22, root), 51 - model->stiffness_exponent - half_lead);
+    int64_t stiffness = crn_asr64(crn_product(limit_N_q22, root), 51 - model->stiffness_exponent - half_lead);
     return stiffness > model->friction ? model->friction : (int32_t)stiffness;
 }
 

@@ -5,55 +5,55 @@
 #include "firmware/core/rod.h"
 
 enum {
-    EXCESS_MAX_Q30 = SELD_ONE_Q30 / 4, /* taken back of one edge in one tick */
+    EXCESS_MAX_Q30 = CRN_ONE_Q30 / 4, /* taken back of one edge in one tick */
     SHIFT_MAX_M_Q33 = 1 << 22, /* 0.49 mm in each direction: all edges of the slide, and of the solve */
 };
 
 /* Moves the nodes ahead on by `way` along `along_q30`. Overflow: clamped, both are below 2^31 - 2^22. */
-static void shift_on(seld_vec3 *shift_m_q33, int32_t way_m_q33, const seld_vec3 *along_q30)
+static void shift_on(crn_vec3 *shift_m_q33, int32_t way_m_q33, const crn_vec3 *along_q30)
 {
     for (int k = 0; k < 3; k++) {
-        shift_m_q33->v[k] = seld_clamp(shift_m_q33->v[k] + seld_scale_q30(way_m_q33, along_q30->v[k]),
-                                       -SHIFT_MAX_M_Q33, SHIFT_MAX_M_Q33);
+        shift_m_q33->v[k] = crn_clamp(shift_m_q33->v[k] + crn_scale_q30(way_m_q33, along_q30->v[k]),
+                                      -SHIFT_MAX_M_Q33, SHIFT_MAX_M_Q33);
     }
 }
 
 /* An edge's part of its length as a way. Format: Q30 x Q30 m -> Q33 m. Overflow: a length is below 2^25, the part at most 0.4. */
 static int32_t way_of(int32_t part_q30, int32_t length_m_q30)
 {
-    return seld_mulh(part_q30, length_m_q30 * 32);
+    return crn_mulh(part_q30, length_m_q30 * 32);
 }
 
 /* One component of an edge over its length. Format: Q30 m x Q18 1/m -> Q30. Overflow: saturates; the sum of both then is still right in
  * 64 bits. */
 static int32_t over_length(int32_t from_m_q30, int32_t to_m_q30, int32_t inverse_per_m_q18)
 {
-    return seld_sat32(seld_asr64((int64_t)seld_sub_sat(to_m_q30, from_m_q30) * inverse_per_m_q18, 18));
+    return crn_sat32(crn_asr64((int64_t)crn_sub_sat(to_m_q30, from_m_q30) * inverse_per_m_q18, 18));
 }
 
-void seld_slide_keep_length(const seld_model *model, const seld_state *state, uint32_t i,
-                            const seld_vec3 *slide_m_q33, seld_vec3 *shift_m_q33)
+void crn_slide_keep_length(const crn_model *model, const crn_state *state, uint32_t i,
+                           const crn_vec3 *slide_m_q33, crn_vec3 *shift_m_q33)
 {
-    const seld_vec3 *from = &state->words.nodes[i].position_m_q30,
-                    *to = &state->words.nodes[i + 1].position_m_q30;
-    const seld_vec3 *ahead = &state->scratch.nodes[i + 1].position_m_q30;
+    const crn_vec3 *from = &state->words.nodes[i].position_m_q30,
+                   *to = &state->words.nodes[i + 1].position_m_q30;
+    const crn_vec3 *ahead = &state->scratch.nodes[i + 1].position_m_q30;
     const int32_t inverse = model->mesh[i].inverse_length_per_m_q18;
     int64_t excess_q30 = 0; /* (|w*|^2 - |w|^2) / 2 */
-    seld_vec3 w;
+    crn_vec3 w;
     for (int k = 0; k < 3; k++) {
         const int32_t before = over_length(from->v[k], to->v[k], inverse);
         w.v[k] = over_length(from->v[k] + ((slide_m_q33->v[k] + 4) >> 3), ahead->v[k], inverse);
-        excess_q30 += seld_asr64(((int64_t)w.v[k] - before) * ((int64_t)w.v[k] + before) / 2, 30);
+        excess_q30 += crn_asr64(((int64_t)w.v[k] - before) * ((int64_t)w.v[k] + before) / 2, 30);
     }
-    const int32_t e = seld_clamp(seld_sat32(excess_q30), -EXCESS_MAX_Q30, EXCESS_MAX_Q30);
+    const int32_t e = crn_clamp(crn_sat32(excess_q30), -EXCESS_MAX_Q30, EXCESS_MAX_Q30);
     /* 1 - 1 / sqrt(1 + 2 e) of w, by its series; off by 3 % at 1/4, 0.04 % at 0.1 */
-    const int32_t square = seld_scale_q30(e, e);
-    const int32_t part = e - square - square / 2 + seld_scale_q30(square, e) / 2 * 5;
+    const int32_t square = crn_scale_q30(e, e);
+    const int32_t part = e - square - square / 2 + crn_scale_q30(square, e) / 2 * 5;
     shift_on(shift_m_q33, way_of(part, model->mesh[i].length_m_q30), &w);
 }
 
 /* Do the deviations of an edge's ends differ by more than a sixteenth of it in any axis? Below, it gets 0.4 % longer at most. */
-static inline bool is_fast(const seld_vec3 *front_m_q33, const seld_vec3 *end_m_q33, int32_t length_m_q30)
+static inline bool is_fast(const crn_vec3 *front_m_q33, const crn_vec3 *end_m_q33, int32_t length_m_q30)
 {
     const int32_t most = length_m_q30 / 2; /* a sixteenth in Q33 */
     uint32_t beyond = 0;
@@ -65,52 +65,51 @@ static inline bool is_fast(const seld_vec3 *front_m_q33, const seld_vec3 *end_m_
 }
 
 /* How an edge turns in the solve's deviation: the way of its end against its front over its length, each component at most 1. */
-static seld_vec3 turn_of(const seld_model *model, uint32_t i, const seld_vec3 *front_m_q33,
-                         const seld_vec3 *end_m_q33)
+static crn_vec3 turn_of(const crn_model *model, uint32_t i, const crn_vec3 *front_m_q33,
+                        const crn_vec3 *end_m_q33)
 {
-    seld_vec3 turn_q30;
+    crn_vec3 turn_q30;
     for (int k = 0; k < 3; k++) {
         const int64_t way =
             (int64_t)(end_m_q33->v[k] - front_m_q33->v[k]) * model->mesh[i].inverse_length_per_m_q18;
-        turn_q30.v[k] = seld_clamp(seld_sat32(seld_asr64(way, 21)), -SELD_ONE_Q30, SELD_ONE_Q30);
+        turn_q30.v[k] = crn_clamp(crn_sat32(crn_asr64(way, 21)), -CRN_ONE_Q30, CRN_ONE_Q30);
     }
     return turn_q30;
 }
 
 /* Takes back what edge i gets longer by turning: half the square of the turn across it, along where it ends. */
-SELD_RARE static void take_back(const seld_model *model, seld_state *state, uint32_t i,
-                                const seld_vec3 *front_m_q33, const seld_vec3 *end_m_q33,
-                                seld_vec3 *shift_m_q33)
+CRN_RARE static void take_back(const crn_model *model, crn_state *state, uint32_t i,
+                               const crn_vec3 *front_m_q33, const crn_vec3 *end_m_q33, crn_vec3 *shift_m_q33)
 {
-    const seld_vec3 turn = turn_of(model, i, front_m_q33, end_m_q33);
-    const seld_vec3 *t = &state->words.nodes[i].tangent_q30;
-    const int32_t along = seld_vec3_dot_unit(&turn, t);
-    const int64_t square = seld_vec3_dot64(turn, turn) - seld_product(along, along);
-    const int32_t part = seld_clamp(seld_sat32(seld_asr64(square, 31)), 0, EXCESS_MAX_Q30);
+    const crn_vec3 turn = turn_of(model, i, front_m_q33, end_m_q33);
+    const crn_vec3 *t = &state->words.nodes[i].tangent_q30;
+    const int32_t along = crn_vec3_dot_unit(&turn, t);
+    const int64_t square = crn_vec3_dot64(turn, turn) - crn_product(along, along);
+    const int32_t part = crn_clamp(crn_sat32(crn_asr64(square, 31)), 0, EXCESS_MAX_Q30);
     const int32_t way = way_of(part, model->mesh[i].length_m_q30);
-    seld_vec3 ended;
+    crn_vec3 ended;
     for (int k = 0; k < 3; k++) {
-        ended.v[k] = seld_add_sat(t->v[k], turn.v[k]);
+        ended.v[k] = crn_add_sat(t->v[k], turn.v[k]);
     }
     shift_on(shift_m_q33, way, &ended);
-    state->scratch.kept_m_q33 = seld_add_sat(state->scratch.kept_m_q33, way);
+    state->scratch.kept_m_q33 = crn_add_sat(state->scratch.kept_m_q33, way);
 }
 
-void seld_rod_keep_lengths(const seld_model *model, seld_state *state, int32_t largest_m_q33)
+void crn_rod_keep_lengths(const crn_model *model, crn_state *state, int32_t largest_m_q33)
 {
     state->scratch.kept_m_q33 = 0;
-    if (largest_m_q33 < SELD_STEP_CAP_M_Q33 / 10) {
+    if (largest_m_q33 < CRN_STEP_CAP_M_Q33 / 10) {
         return; /* an edge of 1 mm gets 1 % longer at most */
     }
-    seld_vec3 shift = {{0, 0, 0}}, end = state->scratch.nodes[state->words.free_count - 1].solution_m_q33;
+    crn_vec3 shift = {{0, 0, 0}}, end = state->scratch.nodes[state->words.free_count - 1].solution_m_q33;
     for (uint32_t i = state->words.free_count - 1; i-- > 0;) {
-        seld_vec3 *solution = &state->scratch.nodes[i].solution_m_q33;
-        const seld_vec3 front = *solution;
+        crn_vec3 *solution = &state->scratch.nodes[i].solution_m_q33;
+        const crn_vec3 front = *solution;
         if (is_fast(&front, &end, model->mesh[i].length_m_q30)) {
             take_back(model, state, i, &front, &end, &shift);
         }
         if (state->scratch.kept_m_q33 != 0) {
-            *solution = seld_vec3_add(front, shift);
+            *solution = crn_vec3_add(front, shift);
         }
         end = front;
     }

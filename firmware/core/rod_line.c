@@ -8,14 +8,14 @@
 #include "firmware/core/rod.h"
 
 enum {
-    TWIST_MAX_N_m_Q26 = SELD_TWIST_MAX_N_m << 26
+    TWIST_MAX_N_m_Q26 = CRN_TWIST_MAX_N_m << 26
 }; /* of one joint; two of them fit a pivot (rod_twist.c) */
 
 /* One tick's walk along the line: the span that each tool is in. */
 typedef struct walk {
-    const seld_model *model;
-    seld_line *line;
-    uint32_t span[SELD_TOOL_MAX];
+    const crn_model *model;
+    crn_line *line;
+    uint32_t span[CRN_TOOL_MAX];
 } walk;
 
 /* Integrals over a stretch of one tool. */
@@ -32,43 +32,43 @@ typedef struct cell {
 /* length / stiffness. Format: Q30 m / Q35 N m^2 -> Q32 1 / (N m). Overflow: impossible, 8 mm / 1e-7 N m^2 = 2^49. */
 static int64_t compliance_q32(int32_t length_m_q30, int32_t stiffness_q35)
 {
-    unsigned lead = seld_clz32((uint32_t)stiffness_q35) - 1; /* at most 19: stiffness >= 1e-7 N m^2 */
-    int64_t inverse = seld_reciprocal_q30((uint32_t)stiffness_q35 << lead);
+    unsigned lead = crn_clz32((uint32_t)stiffness_q35) - 1; /* at most 19: stiffness >= 1e-7 N m^2 */
+    int64_t inverse = crn_reciprocal_q30((uint32_t)stiffness_q35 << lead);
     return (length_m_q30 * inverse) >> (24 - lead);
 }
 
 /* 2^q / value for value > 0. Overflow: saturates. Error: 2^-29 relative. */
 static int32_t inverse_of(int64_t value, unsigned q)
 {
-    unsigned lead = seld_clz64((uint64_t)value);
-    int64_t inverse = seld_reciprocal_q30((uint32_t)(((uint64_t)value << lead) >> 33));
+    unsigned lead = crn_clz64((uint64_t)value);
+    int64_t inverse = crn_reciprocal_q30((uint32_t)(((uint64_t)value << lead) >> 33));
     int shift = 94 - (int)lead - (int)q; /* value = mantissa 2^(33 - lead), inverse = 2^61 / mantissa */
     if (shift <= 0) {
-        return shift == 0 ? seld_sat32(inverse) : INT32_MAX;
+        return shift == 0 ? crn_sat32(inverse) : INT32_MAX;
     }
-    return shift > 62 ? 0 : seld_sat32(seld_rshift_round64(inverse, (unsigned)shift));
+    return shift > 62 ? 0 : crn_sat32(crn_rshift_round64(inverse, (unsigned)shift));
 }
 
 /* length / compliance, the series average of a stiffness. Format: Q30 m / Q32 1/(N m) -> Q35 N m^2. Overflow: saturates.
  * Error: that of the compliance, 1 in `compliance`. */
 static int32_t series_stiffness_q35(int32_t length_m_q30, int64_t compliance)
 {
-    unsigned lead = seld_clz64((uint64_t)compliance);
-    int64_t inverse = seld_reciprocal_q30((uint32_t)(((uint64_t)compliance << lead) >> 33));
+    unsigned lead = crn_clz64((uint64_t)compliance);
+    int64_t inverse = crn_reciprocal_q30((uint32_t)(((uint64_t)compliance << lead) >> 33));
     int shift = 57 - (int)lead; /* 2^37 length / compliance, compliance = mantissa 2^(33 - lead) */
-    return shift <= 0 ? INT32_MAX : seld_sat32(seld_rshift_round64(length_m_q30 * inverse, (unsigned)shift));
+    return shift <= 0 ? INT32_MAX : crn_sat32(crn_rshift_round64(length_m_q30 * inverse, (unsigned)shift));
 }
 
 /* A cell's rest turning that the format and the joint's own force can bear: 1.2 rad. A tool whose own cells turn farther
  * is refused (core_build.c); its hook gets there only inside a stiffer tool that leads, in the long cells of the shaft. */
 static int32_t limit_turn(int32_t turn_q30)
 {
-    return seld_clamp(turn_q30, -SELD_TURN_OF_CELL_MAX_Q30, SELD_TURN_OF_CELL_MAX_Q30);
+    return crn_clamp(turn_q30, -CRN_TURN_OF_CELL_MAX_Q30, CRN_TURN_OF_CELL_MAX_Q30);
 }
 
 static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
 {
-    return seld_mul(per_m_q20, length_m_q30, 20);
+    return crn_mul(per_m_q20, length_m_q30, 20);
 }
 
 /* What makes two unit edges rest at this angle: they differ by 2 sin(turn / 2), and the rest turning is applied along the
@@ -76,12 +76,12 @@ static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
  * Error: 0.1 % at 1 rad. */
 static int32_t rest_turn_of(int32_t turn_q30)
 {
-    int32_t square = seld_mul_q30(turn_q30, turn_q30);
-    int32_t series = seld_add_sat(89478485, seld_mul_q30(square, 8947849)); /* 1/12 and 1/120 in Q30 */
-    return seld_add_sat(turn_q30, seld_mul_q30(turn_q30, seld_mul_q30(square, series)));
+    int32_t square = crn_mul_q30(turn_q30, turn_q30);
+    int32_t series = crn_add_sat(89478485, crn_mul_q30(square, 8947849)); /* 1/12 and 1/120 in Q30 */
+    return crn_add_sat(turn_q30, crn_mul_q30(turn_q30, crn_mul_q30(square, series)));
 }
 
-static void seek(const seld_tool *tool, uint32_t *span, int32_t arc_m_q30)
+static void seek(const crn_tool *tool, uint32_t *span, int32_t arc_m_q30)
 {
     while (*span + 1 < tool->span_count && tool->spans[*span].end_m_q30 <= arc_m_q30) {
         (*span)++;
@@ -89,19 +89,19 @@ static void seek(const seld_tool *tool, uint32_t *span, int32_t arc_m_q30)
 }
 
 /* Sums of a tool between two of its own arc lengths, by the middle of each span's share. */
-static stretch integrate(const seld_tool *tool, uint32_t span, int32_t from, int32_t to)
+static stretch integrate(const crn_tool *tool, uint32_t span, int32_t from, int32_t to)
 {
     stretch sum = {0, 0, 0, 0};
     seek(tool, &span, from);
     while (from < to) {
-        const seld_span *s = &tool->spans[span];
+        const crn_span *s = &tool->spans[span];
         bool last = span + 1 == tool->span_count || to <= s->end_m_q30;
         int32_t until = last ? to : s->end_m_q30;
-        int32_t fraction = seld_span_fraction(s, from + (until - from) / 2);
-        sum.bend_q32 += compliance_q32(until - from, seld_span_value(s, SELD_BEND_N_M2_Q35, fraction));
-        sum.twist_q32 += compliance_q32(until - from, seld_span_value(s, SELD_TWIST_N_M2_Q35, fraction));
-        sum.turn1_q30 += turn_of(seld_span_value(s, SELD_CURVE1_PER_M_Q20, fraction), until - from);
-        sum.turn2_q30 += turn_of(seld_span_value(s, SELD_CURVE2_PER_M_Q20, fraction), until - from);
+        int32_t fraction = crn_span_fraction(s, from + (until - from) / 2);
+        sum.bend_q32 += compliance_q32(until - from, crn_span_value(s, CRN_BEND_N_M2_Q35, fraction));
+        sum.twist_q32 += compliance_q32(until - from, crn_span_value(s, CRN_TWIST_N_M2_Q35, fraction));
+        sum.turn1_q30 += turn_of(crn_span_value(s, CRN_CURVE1_PER_M_Q20, fraction), until - from);
+        sum.turn2_q30 += turn_of(crn_span_value(s, CRN_CURVE2_PER_M_Q20, fraction), until - from);
         from = until;
         span++;
     }
@@ -109,54 +109,54 @@ static stretch integrate(const seld_tool *tool, uint32_t span, int32_t from, int
 }
 
 /* Share of the tools up to each pair's inner one in the joint's stiffness. Q15. */
-static void share_stiffness(const walk *w, const int32_t own_q26[SELD_TOOL_MAX], seld_joint *joint)
+static void share_stiffness(const walk *w, const int32_t own_q26[CRN_TOOL_MAX], crn_joint *joint)
 {
     if (w->model->tool_count < 2) {
         return;
     }
-    unsigned lead = seld_clz32((uint32_t)joint->bend_N_m_q26) - 1;
-    int64_t inverse = seld_reciprocal_q30((uint32_t)joint->bend_N_m_q26 << lead);
+    unsigned lead = crn_clz32((uint32_t)joint->bend_N_m_q26) - 1;
+    int64_t inverse = crn_reciprocal_q30((uint32_t)joint->bend_N_m_q26 << lead);
     int32_t inner_q26 = 0;
     for (uint32_t pair = 0; pair + 1 < w->model->tool_count; pair++) {
-        inner_q26 = seld_add_sat(inner_q26, own_q26[pair]);
+        inner_q26 = crn_add_sat(inner_q26, own_q26[pair]);
         bool all = inner_q26 >= joint->bend_N_m_q26;
         joint->inner_share_q15[pair] =
-            (uint16_t)(all ? 1 << 15 : seld_rshift_round64(inner_q26 * inverse, 46 - lead));
+            (uint16_t)(all ? 1 << 15 : crn_rshift_round64(inner_q26 * inverse, 46 - lead));
     }
 }
 
 /* --- cells that no tip divides ------------------------------------------------------------------------------- */
 
 /* Tool k over a whole cell: its own W, twist stiffness and turns. */
-static int32_t whole_cell(walk *w, uint32_t k, const seld_mesh_node *mesh, cell c, seld_joint *joint)
+static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c, crn_joint *joint)
 {
-    const seld_tool *tool = &w->model->tools[k];
+    const crn_tool *tool = &w->model->tools[k];
     int32_t from = c.begin - w->line->offset_m_q30[k];
     int32_t to = c.end - w->line->offset_m_q30[k];
     seek(tool, &w->span[k], from);
-    const seld_span *s = &tool->spans[w->span[k]];
+    const crn_span *s = &tool->spans[w->span[k]];
     if (to <= s->end_m_q30 || w->span[k] + 1 == tool->span_count) {
-        int32_t fraction = s->flat ? 0 : seld_span_fraction(s, from + (to - from) / 2);
+        int32_t fraction = s->flat ? 0 : crn_span_fraction(s, from + (to - from) / 2);
         int32_t inverse = mesh->inverse_cell_per_m_q18;
-        joint->twist_N_m_q26[k] = seld_mul(seld_span_value(s, SELD_TWIST_N_M2_Q35, fraction), inverse, 27);
-        joint->turn1_q30[k] = turn_of(seld_span_value(s, SELD_CURVE1_PER_M_Q20, fraction), to - from);
-        joint->turn2_q30[k] = turn_of(seld_span_value(s, SELD_CURVE2_PER_M_Q20, fraction), to - from);
-        return seld_mul(seld_span_value(s, SELD_BEND_N_M2_Q35, fraction), inverse, 27);
+        joint->twist_N_m_q26[k] = crn_mul(crn_span_value(s, CRN_TWIST_N_M2_Q35, fraction), inverse, 27);
+        joint->turn1_q30[k] = turn_of(crn_span_value(s, CRN_CURVE1_PER_M_Q20, fraction), to - from);
+        joint->turn2_q30[k] = turn_of(crn_span_value(s, CRN_CURVE2_PER_M_Q20, fraction), to - from);
+        return crn_mul(crn_span_value(s, CRN_BEND_N_M2_Q35, fraction), inverse, 27);
     }
     stretch sum = integrate(tool, w->span[k], from, to);
     joint->twist_N_m_q26[k] = inverse_of(sum.twist_q32, 58);
-    joint->turn1_q30[k] = seld_sat32(sum.turn1_q30);
-    joint->turn2_q30[k] = seld_sat32(sum.turn2_q30);
+    joint->turn1_q30[k] = crn_sat32(sum.turn1_q30);
+    joint->turn2_q30[k] = crn_sat32(sum.turn2_q30);
     return inverse_of(sum.bend_q32, 58);
 }
 
 /* --- cells that one or more tips divide ---------------------------------------------------------------------- */
 
 /* Adds the piece [from, to] of a cell, in which the same tools are all along. */
-static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[SELD_TOOL_MAX], int64_t *compliance)
+static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_MAX], int64_t *compliance)
 {
-    stretch part[SELD_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
-    int32_t stiffness_q35[SELD_TOOL_MAX];
+    stretch part[CRN_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
+    int32_t stiffness_q35[CRN_TOOL_MAX];
     int32_t total_q35 = 0;
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
         int32_t offset = w->line->offset_m_q30[k];
@@ -166,28 +166,28 @@ static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[SELD_TOOL_
         }
         part[k] = integrate(&w->model->tools[k], w->span[k], from - offset, to - offset);
         stiffness_q35[k] = series_stiffness_q35(to - from, part[k].bend_q32);
-        total_q35 = seld_add_sat(total_q35, stiffness_q35[k]);
+        total_q35 = crn_add_sat(total_q35, stiffness_q35[k]);
     }
     *compliance += compliance_q32(to - from, total_q35 < 1 << 11 ? 1 << 11 : total_q35);
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
         if (stiffness_q35[k] == 0) {
             continue;
         }
-        int32_t share = seld_quotient(stiffness_q35[k], total_q35, 30);
+        int32_t share = crn_quotient(stiffness_q35[k], total_q35, 30);
         sums[k].twist_q32 += part[k].twist_q32;
-        sums[k].bend_q32 += seld_mul_q30(to - from, share);
-        sums[k].turn1_q30 += seld_mul_q30(seld_sat32(part[k].turn1_q30), share);
-        sums[k].turn2_q30 += seld_mul_q30(seld_sat32(part[k].turn2_q30), share);
+        sums[k].bend_q32 += crn_mul_q30(to - from, share);
+        sums[k].turn1_q30 += crn_mul_q30(crn_sat32(part[k].turn1_q30), share);
+        sums[k].turn2_q30 += crn_mul_q30(crn_sat32(part[k].turn2_q30), share);
     }
 }
 
-/* A cell piece by piece, tip after tip. At most SELD_TOOL_MAX tips lie in it. */
-static void divided_cell(walk *w, cell c, seld_joint *joint)
+/* A cell piece by piece, tip after tip. At most CRN_TOOL_MAX tips lie in it. */
+static void divided_cell(walk *w, cell c, crn_joint *joint)
 {
-    stretch sums[SELD_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
+    stretch sums[CRN_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
     int64_t compliance = 0;
     int32_t from = c.begin;
-    for (int piece = 0; piece <= SELD_TOOL_MAX && from < c.end; piece++) {
+    for (int piece = 0; piece <= CRN_TOOL_MAX && from < c.end; piece++) {
         int32_t to = c.end;
         for (uint32_t k = 0; k < w->model->tool_count; k++) {
             int32_t tip = w->line->offset_m_q30[k];
@@ -197,10 +197,10 @@ static void divided_cell(walk *w, cell c, seld_joint *joint)
         from = to;
     }
     joint->bend_N_m_q26 = inverse_of(compliance, 58);
-    int32_t parts_q26[SELD_TOOL_MAX];
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
-        int32_t part = seld_quotient((int32_t)sums[k].bend_q32, c.end - c.begin, 30);
-        parts_q26[k] = seld_mul_q30(joint->bend_N_m_q26, part);
+    int32_t parts_q26[CRN_TOOL_MAX];
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
+        int32_t part = crn_quotient((int32_t)sums[k].bend_q32, c.end - c.begin, 30);
+        parts_q26[k] = crn_mul_q30(joint->bend_N_m_q26, part);
     }
     share_stiffness(w, parts_q26, joint);
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
@@ -210,12 +210,12 @@ static void divided_cell(walk *w, cell c, seld_joint *joint)
         int64_t least = 1;
         if (w->line->offset_m_q30[k] > c.begin) {
             /* At least a tenth of the cell, so that a tip that just enters it is no rigid joint. */
-            int32_t tip_q35 = w->model->tools[k].spans[0].from[SELD_TWIST_N_M2_Q35];
+            int32_t tip_q35 = w->model->tools[k].spans[0].from[CRN_TWIST_N_M2_Q35];
             least = compliance_q32((c.end - c.begin) / 10, tip_q35);
         }
         joint->twist_N_m_q26[k] = inverse_of(sums[k].twist_q32 > least ? sums[k].twist_q32 : least, 58);
-        joint->turn1_q30[k] = seld_sat32(sums[k].turn1_q30);
-        joint->turn2_q30[k] = seld_sat32(sums[k].turn2_q30);
+        joint->turn1_q30[k] = crn_sat32(sums[k].turn1_q30);
+        joint->turn2_q30[k] = crn_sat32(sums[k].turn2_q30);
     }
 }
 
@@ -232,45 +232,45 @@ static bool is_divided(const walk *w, cell c)
 }
 
 /* Several tools: each turns the joint by its share of the stiffness. */
-static void share_turns(const walk *w, const int32_t own_q26[SELD_TOOL_MAX], seld_joint *joint)
+static void share_turns(const walk *w, const int32_t own_q26[CRN_TOOL_MAX], crn_joint *joint)
 {
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
         if (own_q26[k] != joint->bend_N_m_q26 && (joint->turn1_q30[k] | joint->turn2_q30[k]) != 0) {
-            int32_t share = seld_quotient(own_q26[k], joint->bend_N_m_q26, 30);
-            joint->turn1_q30[k] = seld_mul_q30(joint->turn1_q30[k], share);
-            joint->turn2_q30[k] = seld_mul_q30(joint->turn2_q30[k], share);
+            int32_t share = crn_quotient(own_q26[k], joint->bend_N_m_q26, 30);
+            joint->turn1_q30[k] = crn_mul_q30(joint->turn1_q30[k], share);
+            joint->turn2_q30[k] = crn_mul_q30(joint->turn2_q30[k], share);
         }
     }
 }
 
 /* Bending entries of joint i from its stiffness. */
-static void build_entries(const walk *w, uint32_t i, seld_joint *joint)
+static void build_entries(const walk *w, uint32_t i, crn_joint *joint)
 {
-    const seld_mesh_node *mesh = &w->model->mesh[i];
+    const crn_mesh_node *mesh = &w->model->mesh[i];
     if (i > 0) {
         unsigned exponent = w->model->stiffness_exponent;
         int32_t bend = joint->bend_N_m_q26;
         int32_t a = mesh[-1].inverse_length_per_m_q18;
         int32_t b = mesh->inverse_length_per_m_q18;
-        joint->p = seld_to_exponent(seld_bend_spring_q8(bend, a, a), exponent);
-        joint->q = a == b ? joint->p : seld_to_exponent(seld_bend_spring_q8(bend, a, b), exponent);
-        joint->r = a == b ? joint->p : seld_to_exponent(seld_bend_spring_q8(bend, b, b), exponent);
+        joint->p = crn_to_exponent(crn_bend_spring_q8(bend, a, a), exponent);
+        joint->q = a == b ? joint->p : crn_to_exponent(crn_bend_spring_q8(bend, a, b), exponent);
+        joint->r = a == b ? joint->p : crn_to_exponent(crn_bend_spring_q8(bend, b, b), exponent);
     }
 }
 
 static void build_joint(walk *w, uint32_t i, cell c)
 {
-    seld_joint *joint = &w->line->nodes[i].joint;
-    const seld_mesh_node *mesh = &w->model->mesh[i];
-    *joint = (seld_joint){0};
+    crn_joint *joint = &w->line->nodes[i].joint;
+    const crn_mesh_node *mesh = &w->model->mesh[i];
+    *joint = (crn_joint){0};
     if (is_divided(w, c)) {
         divided_cell(w, c, joint);
     } else {
-        int32_t own_q26[SELD_TOOL_MAX] = {0, 0, 0};
+        int32_t own_q26[CRN_TOOL_MAX] = {0, 0, 0};
         for (uint32_t k = 0; k < w->model->tool_count; k++) {
             if (w->line->offset_m_q30[k] <= c.begin) {
                 own_q26[k] = whole_cell(w, k, mesh, c, joint);
-                joint->bend_N_m_q26 = seld_add_sat(joint->bend_N_m_q26, own_q26[k]);
+                joint->bend_N_m_q26 = crn_add_sat(joint->bend_N_m_q26, own_q26[k]);
             }
         }
         share_turns(w, own_q26, joint);
@@ -290,21 +290,21 @@ static int32_t cover_of(const walk *w, uint32_t k, cell c)
 {
     int32_t offset = w->line->offset_m_q30[k];
     if (offset <= c.begin) {
-        return SELD_ONE_Q30;
+        return CRN_ONE_Q30;
     }
-    return offset >= c.end ? 0 : seld_quotient(c.end - offset, c.end - c.begin, 30);
+    return offset >= c.end ? 0 : crn_quotient(c.end - offset, c.end - c.begin, 30);
 }
 
 static int32_t blend(int32_t under, int32_t over, int32_t share_q30)
 {
-    return under + seld_scale_q30(over - under, share_q30);
+    return under + crn_scale_q30(over - under, share_q30);
 }
 
 /* Mass and surface of a node: masses add, the outermost tool touches the wall; in the cell of its tip its radius and
  * friction are blended in, since a hard switch jumps (docs/rod.md). */
 static void build_surface(walk *w, uint32_t i, cell c)
 {
-    seld_line_node *node = &w->line->nodes[i];
+    crn_line_node *node = &w->line->nodes[i];
     int64_t mass_kg_per_m_q34 = 0;
     bool first = true;
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
@@ -312,63 +312,63 @@ static void build_surface(walk *w, uint32_t i, cell c)
         if (cover == 0) {
             continue;
         }
-        const seld_tool *tool = &w->model->tools[k];
+        const crn_tool *tool = &w->model->tools[k];
         int32_t arc = c.begin + (c.end - c.begin) / 2 - w->line->offset_m_q30[k];
         uint32_t span = w->span[k];
         arc = arc < 0 ? 0 : arc;
         seek(tool, &span, arc);
-        const seld_span *s = &tool->spans[span];
-        int32_t fraction = s->flat ? 0 : seld_span_fraction(s, arc);
-        mass_kg_per_m_q34 += seld_scale_q30(seld_span_value(s, SELD_MASS_KG_PER_M_Q34, fraction), cover);
-        int32_t share = first ? SELD_ONE_Q30 : cover;
+        const crn_span *s = &tool->spans[span];
+        int32_t fraction = s->flat ? 0 : crn_span_fraction(s, arc);
+        mass_kg_per_m_q34 += crn_scale_q30(crn_span_value(s, CRN_MASS_KG_PER_M_Q34, fraction), cover);
+        int32_t share = first ? CRN_ONE_Q30 : cover;
         node->radius_m_q30 =
-            blend(first ? 0 : node->radius_m_q30, seld_span_value(s, SELD_RADIUS_M_Q30, fraction), share);
+            blend(first ? 0 : node->radius_m_q30, crn_span_value(s, CRN_RADIUS_M_Q30, fraction), share);
         node->kinetic_q30 =
-            blend(first ? 0 : node->kinetic_q30, seld_span_value(s, SELD_KINETIC_Q30, fraction), share);
+            blend(first ? 0 : node->kinetic_q30, crn_span_value(s, CRN_KINETIC_Q30, fraction), share);
         node->static_q30 =
-            blend(first ? 0 : node->static_q30, seld_span_value(s, SELD_STATIC_Q30, fraction), share);
+            blend(first ? 0 : node->static_q30, crn_span_value(s, CRN_STATIC_Q30, fraction), share);
         node->under = first ? (uint8_t)k : node->outer;
         node->outer = (uint8_t)k;
         node->outer_share_q15 = (uint16_t)(share >> 15);
         first = false;
     }
-    node->mass_kg_q40 = seld_sat32(seld_rshift_round64(mass_kg_per_m_q34 * (c.end - c.begin), 24));
+    node->mass_kg_q40 = crn_sat32(crn_rshift_round64(mass_kg_per_m_q34 * (c.end - c.begin), 24));
 }
 
 /* Edge i: EA is what the weaker of its two joints bears in the number format, at most the cap. */
 static void build_edge(walk *w, uint32_t i)
 {
-    seld_line_node *node = &w->line->nodes[i];
+    crn_line_node *node = &w->line->nodes[i];
     int32_t softer = node[1].joint.bend_N_m_q26;
     if (i > 0 && node->joint.bend_N_m_q26 < softer) {
         softer = node->joint.bend_N_m_q26;
     }
-    int64_t spring_q8 = seld_axial_spring_q8(w->model, i, softer);
-    node->spring = seld_to_exponent(spring_q8, w->model->stiffness_exponent);
-    node->axial_stiffness_N_q17 = seld_sat32((spring_q8 * w->model->mesh[i].length_m_q30) >> 21);
+    int64_t spring_q8 = crn_axial_spring_q8(w->model, i, softer);
+    node->spring = crn_to_exponent(spring_q8, w->model->stiffness_exponent);
+    node->axial_stiffness_N_q17 = crn_sat32((spring_q8 * w->model->mesh[i].length_m_q30) >> 21);
     w->line->edge_compliance_m_N_q40 = inverse_of(spring_q8, 48);
-    node[1].compliance_m_N_q40 = seld_add_sat(node->compliance_m_N_q40, w->line->edge_compliance_m_N_q40);
+    node[1].compliance_m_N_q40 = crn_add_sat(node->compliance_m_N_q40, w->line->edge_compliance_m_N_q40);
 }
 
 /* --- cells like most of them: each tool either absent or in one span, straight ------------------------------------ */
 
-static bool is_straight(const seld_span *s)
+static bool is_straight(const crn_span *s)
 {
-    return (s->from[SELD_CURVE1_PER_M_Q20] | s->delta[SELD_CURVE1_PER_M_Q20] |
-            s->from[SELD_CURVE2_PER_M_Q20] | s->delta[SELD_CURVE2_PER_M_Q20]) == 0;
+    return (s->from[CRN_CURVE1_PER_M_Q20] | s->delta[CRN_CURVE1_PER_M_Q20] | s->from[CRN_CURVE2_PER_M_Q20] |
+            s->delta[CRN_CURVE2_PER_M_Q20]) == 0;
 }
 
 /* Is the cell such a one? Brings every tool's span to it. */
 static bool is_plain(walk *w, cell c)
 {
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
-        const seld_tool *tool = &w->model->tools[k];
+        const crn_tool *tool = &w->model->tools[k];
         int32_t offset = w->line->offset_m_q30[k];
         if (offset >= c.end) {
             continue;
         }
         seek(tool, &w->span[k], c.begin - offset);
-        const seld_span *s = &tool->spans[w->span[k]];
+        const crn_span *s = &tool->spans[w->span[k]];
         bool one = c.end - offset <= s->end_m_q30 || w->span[k] + 1 == tool->span_count;
         if (offset > c.begin || !one || !is_straight(s)) {
             return false;
@@ -380,13 +380,13 @@ static bool is_plain(walk *w, cell c)
 /* Joint, mass and surface of a plain cell: one place in each span gives all of them. */
 static void build_plain(walk *w, uint32_t i, cell c)
 {
-    seld_line_node *node = &w->line->nodes[i];
+    crn_line_node *node = &w->line->nodes[i];
     int32_t inverse = w->model->mesh[i].inverse_cell_per_m_q18;
     int32_t middle = c.begin + (c.end - c.begin) / 2;
-    int32_t own_q26[SELD_TOOL_MAX] = {0, 0, 0};
+    int32_t own_q26[CRN_TOOL_MAX] = {0, 0, 0};
     int64_t mass_kg_per_m_q34 = 0;
     int32_t bend = 0, outer_fraction = 0;
-    uint32_t outer = SELD_TOOL_MAX;
+    uint32_t outer = CRN_TOOL_MAX;
     node->joint.p = node->joint.q = node->joint.r = 0; /* for the tip, which has no joint */
     node->joint.curved = 0;
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
@@ -395,27 +395,27 @@ static void build_plain(walk *w, uint32_t i, cell c)
         if (offset >= c.end) {
             continue;
         }
-        const seld_span *s = &w->model->tools[k].spans[w->span[k]];
-        int32_t fraction = s->flat ? 0 : seld_span_fraction(s, middle - offset);
-        int32_t twist = seld_mul(seld_span_value(s, SELD_TWIST_N_M2_Q35, fraction), inverse, 27);
-        own_q26[k] = seld_mul(seld_span_value(s, SELD_BEND_N_M2_Q35, fraction), inverse, 27);
+        const crn_span *s = &w->model->tools[k].spans[w->span[k]];
+        int32_t fraction = s->flat ? 0 : crn_span_fraction(s, middle - offset);
+        int32_t twist = crn_mul(crn_span_value(s, CRN_TWIST_N_M2_Q35, fraction), inverse, 27);
+        own_q26[k] = crn_mul(crn_span_value(s, CRN_BEND_N_M2_Q35, fraction), inverse, 27);
         node->joint.twist_N_m_q26[k] = twist < TWIST_MAX_N_m_Q26 ? twist : TWIST_MAX_N_m_Q26;
-        bend = seld_add_sat(bend, own_q26[k]);
-        mass_kg_per_m_q34 += seld_span_value(s, SELD_MASS_KG_PER_M_Q34, fraction);
-        node->under = (uint8_t)(outer == SELD_TOOL_MAX ? k : outer);
+        bend = crn_add_sat(bend, own_q26[k]);
+        mass_kg_per_m_q34 += crn_span_value(s, CRN_MASS_KG_PER_M_Q34, fraction);
+        node->under = (uint8_t)(outer == CRN_TOOL_MAX ? k : outer);
         outer = k;
         outer_fraction = fraction;
     }
     /* The leading tool is everywhere, so that there is an outer one. */
-    const seld_span *s = &w->model->tools[outer].spans[w->span[outer]];
+    const crn_span *s = &w->model->tools[outer].spans[w->span[outer]];
     node->joint.bend_N_m_q26 = bend;
     share_stiffness(w, own_q26, &node->joint);
     node->outer = (uint8_t)outer;
     node->outer_share_q15 = 1 << 15;
-    node->radius_m_q30 = seld_span_value(s, SELD_RADIUS_M_Q30, outer_fraction);
-    node->kinetic_q30 = seld_span_value(s, SELD_KINETIC_Q30, outer_fraction);
-    node->static_q30 = seld_span_value(s, SELD_STATIC_Q30, outer_fraction);
-    node->mass_kg_q40 = seld_sat32(seld_rshift_round64(mass_kg_per_m_q34 * (c.end - c.begin), 24));
+    node->radius_m_q30 = crn_span_value(s, CRN_RADIUS_M_Q30, outer_fraction);
+    node->kinetic_q30 = crn_span_value(s, CRN_KINETIC_Q30, outer_fraction);
+    node->static_q30 = crn_span_value(s, CRN_STATIC_Q30, outer_fraction);
+    node->mass_kg_q40 = crn_sat32(crn_rshift_round64(mass_kg_per_m_q34 * (c.end - c.begin), 24));
 }
 
 /* --- the whole line ------------------------------------------------------------------------------------------ */
@@ -423,14 +423,14 @@ static void build_plain(walk *w, uint32_t i, cell c)
 /* Is node i like node i-1: same elements, each tool absent or in one flat span over both cells? */
 static bool repeats(const walk *w, uint32_t i)
 {
-    const seld_mesh_node *mesh = &w->model->mesh[i];
+    const crn_mesh_node *mesh = &w->model->mesh[i];
     if (i < 3 || mesh->length_m_q30 != mesh[-2].length_m_q30) {
         return false;
     }
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
         int32_t offset = w->line->offset_m_q30[k];
-        const seld_tool *tool = &w->model->tools[k];
-        const seld_span *s = &tool->spans[w->span[k]];
+        const crn_tool *tool = &w->model->tools[k];
+        const crn_span *s = &tool->spans[w->span[k]];
         bool inside = s->flat && mesh[-2].cell_end_m_q30 - offset >= s->begin_m_q30 &&
                       (mesh->cell_end_m_q30 - offset <= s->end_m_q30 || w->span[k] + 1 == tool->span_count);
         if (offset < mesh->cell_end_m_q30 && !inside) {
@@ -441,22 +441,22 @@ static bool repeats(const walk *w, uint32_t i)
 }
 
 /* Arc length behind the leading tip from which every tool is in its last span and that is flat, as most of a shaft is. */
-static int32_t steady_arc(const seld_model *model, const seld_line *line)
+static int32_t steady_arc(const crn_model *model, const crn_line *line)
 {
     int32_t arc = 0;
     for (uint32_t k = 0; k < model->tool_count; k++) {
-        const seld_span *last = &model->tools[k].spans[model->tools[k].span_count - 1];
-        int32_t begin = last->flat ? seld_add_sat(last->begin_m_q30, line->offset_m_q30[k]) : INT32_MAX;
+        const crn_span *last = &model->tools[k].spans[model->tools[k].span_count - 1];
+        int32_t begin = last->flat ? crn_add_sat(last->begin_m_q30, line->offset_m_q30[k]) : INT32_MAX;
         arc = begin > arc ? begin : arc;
     }
     return arc;
 }
 
 /* First node that is like all nodes behind it; `count` when there is none. */
-static uint32_t steady_node(const seld_model *model, const seld_line *line, uint32_t count)
+static uint32_t steady_node(const crn_model *model, const crn_line *line, uint32_t count)
 {
     int32_t arc = steady_arc(model, line);
-    const seld_mesh_node *mesh = model->mesh;
+    const crn_mesh_node *mesh = model->mesh;
     uint32_t i = line->uniform;
     i = line->count > 0 && line->steady > i ? line->steady : i;
     while (i > line->uniform && mesh[i - 3].cell_end_m_q30 >= arc) {
@@ -469,7 +469,7 @@ static uint32_t steady_node(const seld_model *model, const seld_line *line, uint
 }
 
 /* First node that has two edges in front of it as long as all behind it. */
-static uint32_t uniform_node(const seld_model *model)
+static uint32_t uniform_node(const crn_model *model)
 {
     uint32_t i = model->node_count + 2;
     while (i > 3 && model->mesh[i - 3].length_m_q30 == model->mesh[model->node_count].length_m_q30) {
@@ -480,14 +480,14 @@ static uint32_t uniform_node(const seld_model *model)
 
 static void build_node(walk *w, uint32_t i)
 {
-    seld_line_node *node = &w->line->nodes[i];
+    crn_line_node *node = &w->line->nodes[i];
     if (repeats(w, i)) {
         int32_t compliance = node->compliance_m_N_q40;
         *node = node[-1];
         node->compliance_m_N_q40 = compliance;
         return;
     }
-    const seld_mesh_node *mesh = &w->model->mesh[i];
+    const crn_mesh_node *mesh = &w->model->mesh[i];
     cell c = {i > 0 ? mesh[-1].cell_end_m_q30 : 0, mesh->cell_end_m_q30};
     if (is_plain(w, c)) {
         build_plain(w, i, c);
@@ -499,13 +499,13 @@ static void build_node(walk *w, uint32_t i)
 }
 
 /* Edge behind node i: like the one in front. */
-static void repeat_edge(seld_line *line, uint32_t i)
+static void repeat_edge(crn_line *line, uint32_t i)
 {
     line->nodes[i].spring = line->nodes[i - 1].spring;
     line->nodes[i].axial_stiffness_N_q17 = line->nodes[i - 1].axial_stiffness_N_q17;
 }
 
-static void build_line(const seld_model *model, seld_line *line, uint32_t count)
+static void build_line(const crn_model *model, crn_line *line, uint32_t count)
 {
     walk w = {model, line, {0, 0, 0}};
     if (line->count == 0) {
@@ -534,11 +534,11 @@ static void build_line(const seld_model *model, seld_line *line, uint32_t count)
     line->steady = steady;
 }
 
-void seld_line_update(const seld_model *model, seld_state *state)
+void crn_line_update(const crn_model *model, crn_state *state)
 {
     enum { BEHIND_MOUTH = 3, RESERVE = 16 };
-    seld_line *line = &state->line;
-    int32_t lead = seld_lead_inserted(model, &state->words);
+    crn_line *line = &state->line;
+    int32_t lead = crn_lead_inserted(model, &state->words);
     bool same = line->count >= state->words.free_count + BEHIND_MOUTH;
     for (uint32_t k = 0; k < model->tool_count; k++) {
         int32_t offset = lead - state->words.tools[k].inserted_m_q30;

@@ -48,7 +48,7 @@ static inline int64_t minor(int32_t a, int32_t b, int32_t c, int32_t d)
  * The adjugate is exact in 64 bits (2 x 2^58), cut to 30 bits by its largest diagonal, which bounds every entry of a
  * positive definite matrix. The determinant keeps 22 bits or more while k_s / w <= 2^9.
  * Overflow: determinant below 3 * 2^29 * 2^30. */
-static inline void invert(const seld_sym3 *d, inverse3 *inverse)
+static inline void invert(const crn_sym3 *d, inverse3 *inverse)
 {
     const int32_t xx = d->m[XX], xy = d->m[XY], xz = d->m[XZ], yy = d->m[YY], yz = d->m[YZ], zz = d->m[ZZ];
     const int64_t n[6] = {minor(yy, zz, yz, yz), minor(xz, yz, xy, zz), minor(xy, yz, xz, yy),
@@ -57,7 +57,7 @@ static inline void invert(const seld_sym3 *d, inverse3 *inverse)
     unsigned cut = 34 - clz64(size); /* largest diagonal to below 2^30: 1 .. 30 */
     int32_t m[6];
     for (int k = 0; k < 6; k++) {
-        m[k] = seld_narrow64(n[k], cut);
+        m[k] = crn_narrow64(n[k], cut);
     }
     int64_t determinant = (int64_t)xx * m[XX] + (int64_t)xy * m[XY] + (int64_t)xz * m[XZ];
     /* An instrument far softer than its format's step could fall below; the floor keeps every shift in range. */
@@ -65,9 +65,9 @@ static inline void invert(const seld_sym3 *d, inverse3 *inverse)
     determinant = determinant < least ? least : determinant;
     unsigned lead = clz64((uint64_t)determinant); /* 3 .. 32 */
     /* determinant = mantissa 2^(33 - lead); reciprocal = 2^61 / mantissa */
-    int32_t reciprocal = seld_reciprocal_q30((uint32_t)(((uint64_t)determinant << lead) >> 33));
+    int32_t reciprocal = crn_reciprocal_q30((uint32_t)(((uint64_t)determinant << lead) >> 33));
     for (int k = 0; k < 6; k++) {
-        inverse->m[k] = seld_mulh(m[k], reciprocal);
+        inverse->m[k] = crn_mulh(m[k], reciprocal);
     }
     inverse->exponent = 62 - lead; /* 30 .. 59 */
 }
@@ -76,7 +76,7 @@ static inline void invert(const seld_sym3 *d, inverse3 *inverse)
 static inline int32_t row_times(int_fast32_t a, int_fast32_t b, int_fast32_t c, const int_fast32_t *t,
                                 unsigned shift)
 {
-    return seld_narrow64((int64_t)a * t[0] + (int64_t)b * t[3] + (int64_t)c * t[6], shift);
+    return crn_narrow64((int64_t)a * t[0] + (int64_t)b * t[3] + (int64_t)c * t[6], shift);
 }
 
 /* V = D^-1 T in Q29, column by column. Overflow: 3 * 2^29 * 2^29 in the sum; |W| = |V - I| <= 2 for meshes that grow to
@@ -98,20 +98,20 @@ static inline int32_t row_apply(int_fast32_t a, int_fast32_t b, int_fast32_t c, 
 {
     int64_t sum = (int64_t)a * r[0] + (int64_t)b * r[1] + (int64_t)c * r[2];
     if (shift > 32) { /* the low word cannot carry */
-        int32_t value = seld_asr32(seld_high64(sum) + ((int32_t)1 << (shift - 33)), shift - 32);
+        int32_t value = crn_asr32(crn_high64(sum) + ((int32_t)1 << (shift - 33)), shift - 32);
         return value > SOLUTION_MAX_M_Q33 ? SOLUTION_MAX_M_Q33
                                           : (value < -SOLUTION_MAX_M_Q33 ? -SOLUTION_MAX_M_Q33 : value);
     }
     int32_t most = (int32_t)1 << (shift < 3 ? 0 : shift - 3); /* upper word of the limit */
-    int32_t high = seld_high64(sum);
+    int32_t high = crn_high64(sum);
     if (shift < 32 && shift > 3 && high < most && high >= -most) {
-        return seld_narrow64(sum + ((int64_t)1 << (shift - 1)), shift);
+        return crn_narrow64(sum + ((int64_t)1 << (shift - 1)), shift);
     }
-    return limit(seld_rshift_round64(sum, shift), SOLUTION_MAX_M_Q33);
+    return limit(crn_rshift_round64(sum, shift), SOLUTION_MAX_M_Q33);
 }
 
 /* z = D^-1 r. Format: r Q22 N -> Q33 m: shift = exponent - a - 11. Overflow: 3 * 2^29 * 2^30 in the sum. */
-static inline void apply(const inverse3 *inverse, const int_fast32_t *r, unsigned exponent_a, seld_vec3 *z)
+static inline void apply(const inverse3 *inverse, const int_fast32_t *r, unsigned exponent_a, crn_vec3 *z)
 {
     const int_fast32_t *n = inverse->m;
     unsigned shift = inverse->exponent - exponent_a - 11;
@@ -121,33 +121,33 @@ static inline void apply(const inverse3 *inverse, const int_fast32_t *r, unsigne
 }
 
 /* P = kb D^-1 in Q29. Overflow: |P| <= 1, as kb is the pure bending part of D's smallest eigenvalue. */
-static inline void second_neighbour(const inverse3 *inverse, int32_t second, seld_sym3 *p_q29)
+static inline void second_neighbour(const inverse3 *inverse, int32_t second, crn_sym3 *p_q29)
 {
     unsigned shift = inverse->exponent - 29;
     for (int k = 0; k < 6; k++) {
-        p_q29->m[k] = seld_narrow64((int64_t)inverse->m[k] * second, shift);
+        p_q29->m[k] = crn_narrow64((int64_t)inverse->m[k] * second, shift);
     }
 }
 
 /* k v v^T added to a block. Overflow: |k| < 2^29. */
-static inline void add_along(const seld_vec3 *v_q30, int32_t stiffness, seld_sym3 *d)
+static inline void add_along(const crn_vec3 *v_q30, int32_t stiffness, crn_sym3 *d)
 {
-    int32_t x = 4 * seld_mulh(4 * stiffness, v_q30->v[0]);
-    int32_t y = 4 * seld_mulh(4 * stiffness, v_q30->v[1]);
-    int32_t z = 4 * seld_mulh(4 * stiffness, v_q30->v[2]);
-    d->m[XX] = seld_mulh_add(d->m[XX], x, v_q30->v[0]);
-    d->m[XY] = seld_mulh_add(d->m[XY], x, v_q30->v[1]);
-    d->m[XZ] = seld_mulh_add(d->m[XZ], x, v_q30->v[2]);
-    d->m[YY] = seld_mulh_add(d->m[YY], y, v_q30->v[1]);
-    d->m[YZ] = seld_mulh_add(d->m[YZ], y, v_q30->v[2]);
-    d->m[ZZ] = seld_mulh_add(d->m[ZZ], z, v_q30->v[2]);
+    int32_t x = 4 * crn_mulh(4 * stiffness, v_q30->v[0]);
+    int32_t y = 4 * crn_mulh(4 * stiffness, v_q30->v[1]);
+    int32_t z = 4 * crn_mulh(4 * stiffness, v_q30->v[2]);
+    d->m[XX] = crn_mulh_add(d->m[XX], x, v_q30->v[0]);
+    d->m[XY] = crn_mulh_add(d->m[XY], x, v_q30->v[1]);
+    d->m[XZ] = crn_mulh_add(d->m[XZ], x, v_q30->v[2]);
+    d->m[YY] = crn_mulh_add(d->m[YY], y, v_q30->v[1]);
+    d->m[YZ] = crn_mulh_add(d->m[YZ], y, v_q30->v[2]);
+    d->m[ZZ] = crn_mulh_add(d->m[ZZ], z, v_q30->v[2]);
 }
 
 /* S of the edge behind node i in Q(a). Format: (4 k) t keeps the fraction that k t in Q(a) would lose. Overflow: |S| <= k_s
  * < 2^29. */
-static inline void add_edge(const seld_state *state, uint32_t i, seld_sym3 *d)
+static inline void add_edge(const crn_state *state, uint32_t i, crn_sym3 *d)
 {
-    const seld_vec3 *t = &state->words.nodes[i].tangent_q30;
+    const crn_vec3 *t = &state->words.nodes[i].tangent_q30;
     int32_t geometric = state->scratch.nodes[i].geometric;
     d->m[XX] += geometric;
     d->m[YY] += geometric;
@@ -159,14 +159,14 @@ static inline void add_edge(const seld_state *state, uint32_t i, seld_sym3 *d)
  * both turns the normal force with the round wall, which without k_r = N / r swings for ever where nothing rubs
  * (docs/rod.md, "contact"). With b = n x t and c = n.t the last bracket is b b^T + c^2 (I - n n^T): a tip that meets the wall
  * head on has no t', and k_r acts all round. */
-static inline void add_wall(const seld_work *work, const seld_vec3 *tangent, seld_sym3 *d)
+static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_sym3 *d)
 {
-    const seld_vec3 *n = &work->normal_q30;
+    const crn_vec3 *n = &work->normal_q30;
     int32_t across = work->wall_friction;
     if (work->touching && work->wall_round != 0) {
-        int32_t inwards = seld_vec3_dot_unit(tangent, n);
+        int32_t inwards = crn_vec3_dot_unit(tangent, n);
         add_along(&work->around_q30, work->wall_round, d);
-        across += seld_scale_q30(seld_scale_q30(work->wall_round, inwards), inwards);
+        across += crn_scale_q30(crn_scale_q30(work->wall_round, inwards), inwards);
     }
     d->m[XX] += across;
     d->m[YY] += across;
@@ -178,29 +178,29 @@ static inline void add_wall(const seld_work *work, const seld_vec3 *tangent, sel
  * kb and r. */
 typedef struct given {
     int_fast32_t t[9];
-    seld_sym3 rest;
+    crn_sym3 rest;
     int_fast32_t second, second_before;
     int_fast32_t r[3], r_before[3];
 } given;
 
 /* Joints i-1, i and i+1 around row i. */
 typedef struct joints3 {
-    const seld_joint *before, *here, *after;
+    const crn_joint *before, *here, *after;
 } joints3;
 
 /* R of row i as assembled: joints, inertia, wall and balloon. */
-static inline seld_sym3 load_rest(const seld_model *model, const seld_state *state, uint32_t i,
-                                  const joints3 *joint)
+static inline crn_sym3 load_rest(const crn_model *model, const crn_state *state, uint32_t i,
+                                 const joints3 *joint)
 {
-    const seld_work *work = &state->scratch.nodes[i];
-    const seld_joint *here = joint->here;
-    int32_t diagonal = seld_line_inertia(model, &state->line.nodes[i]) + joint->before->r + here->p +
+    const crn_work *work = &state->scratch.nodes[i];
+    const crn_joint *here = joint->here;
+    int32_t diagonal = crn_line_inertia(model, &state->line.nodes[i]) + joint->before->r + here->p +
                        2 * here->q + here->r + joint->after->p + work->tied;
-    seld_sym3 rest = {{diagonal, 0, 0, diagonal, 0, diagonal}};
+    crn_sym3 rest = {{diagonal, 0, 0, diagonal, 0, diagonal}};
     if ((work->wall_normal | work->wall_friction) != 0) {
         add_wall(work, &state->words.nodes[i].tangent_q30, &rest);
         if (work->touching > 1) {
-            const seld_second_contact *second = &state->scratch.second[work->touching - 2];
+            const crn_second_contact *second = &state->scratch.second[work->touching - 2];
             add_along(&second->normal_q30, second->stiffness, &rest);
         }
     }
@@ -212,11 +212,11 @@ static inline int32_t taken(const int_fast32_t *t, const int32_t *v_q29, int_fas
 {
     int64_t sum = (int64_t)t[0] * v_q29[0] + (int64_t)t[3] * v_q29[3] + (int64_t)t[6] * v_q29[6] +
                   (int64_t)second * p_q29 + (1 << 28);
-    return seld_narrow64(sum, 29);
+    return crn_narrow64(sum, 29);
 }
 
 /* R += R' + Q' + Q'^T - T'^T V' - kb'' P'' */
-static inline void gather_rest(seld_sym3 *rest, const given *from, const int32_t *v_q29, const int32_t *p_q29)
+static inline void gather_rest(crn_sym3 *rest, const given *from, const int32_t *v_q29, const int32_t *p_q29)
 {
     const int_fast32_t *t = from->t;
     const int32_t *r = from->rest.m;
@@ -236,7 +236,7 @@ static inline void gather_upper(int32_t *q, int32_t next, int32_t second, const 
     const int32_t diagonal = next + second;
     for (int r = 0; r < 3; r++) {
         for (int c = 0; c < 3; c++) {
-            q[3 * r + c] = seld_mulh_add(r == c ? diagonal : 0, minus_q3, v_q29[3 * c + r]);
+            q[3 * r + c] = crn_mulh_add(r == c ? diagonal : 0, minus_q3, v_q29[3 * c + r]);
         }
     }
 }
@@ -255,7 +255,7 @@ static inline int32_t gather_force(int64_t sum_N_q22, const int32_t *v_q29, cons
 /* Keeps what the next two rows need. */
 static inline void give(given *from, const int32_t *q, const int32_t *t, const int32_t *r, int32_t second)
 {
-    from->rest = (seld_sym3){{t[0] + q[0], t[1] + q[3], t[2] + q[6], t[4] + q[4], t[5] + q[7], t[8] + q[8]}};
+    from->rest = (crn_sym3){{t[0] + q[0], t[1] + q[3], t[2] + q[6], t[4] + q[4], t[5] + q[7], t[8] + q[8]}};
     for (int k = 0; k < 9; k++) {
         from->t[k] = t[k];
     }
@@ -269,16 +269,16 @@ static inline void give(given *from, const int32_t *q, const int32_t *t, const i
 
 /* Eliminates row i; V' and P'' are those of the rows before. The assembled forces stay as they are, so that a second solve
  * can start from them. Returns true when a force had to be limited. */
-static inline bool eliminate_row(const seld_model *model, seld_state *state, uint32_t i, const joints3 *joint,
+static inline bool eliminate_row(const crn_model *model, crn_state *state, uint32_t i, const joints3 *joint,
                                  const int32_t *v_q29, const int32_t *p_q29, given *from)
 {
-    seld_work *work = &state->scratch.nodes[i];
+    crn_work *work = &state->scratch.nodes[i];
     const int32_t *f = work->force_N_q22.v;
     const int32_t *p = p_q29;
     const int_fast32_t *before = from->r;
     const int32_t next = -(joint->here->q + joint->here->r + joint->after->p + joint->after->q);
     const int32_t second = joint->after->q;
-    seld_sym3 rest = load_rest(model, state, i, joint);
+    crn_sym3 rest = load_rest(model, state, i, joint);
     gather_rest(&rest, from, v_q29, p_q29);
     int32_t q[9];
     gather_upper(q, next, from->second, v_q29);
@@ -304,34 +304,34 @@ static inline bool eliminate_row(const seld_model *model, seld_state *state, uin
 }
 
 /* One pass from tip to base. */
-static void eliminate(const seld_model *model, seld_state *state)
+static void eliminate(const crn_model *model, crn_state *state)
 {
-    static const seld_factor none = {{0}, {{0}}};
-    static const seld_joint no_joint = {0};
-    const seld_factor *ahead = &none, *ahead2 = &none;
+    static const crn_factor none = {{0}, {{0}}};
+    static const crn_joint no_joint = {0};
+    const crn_factor *ahead = &none, *ahead2 = &none;
     given from = {{0}, {{0}}, 0, 0, {0}, {0}};
-    joints3 joint = {NULL, &no_joint, seld_rod_joint(state, 0)};
+    joints3 joint = {NULL, &no_joint, crn_rod_joint(state, 0)};
     bool limited = false;
     for (uint32_t i = 0; i < state->words.free_count; i++) {
-        joint = (joints3){joint.here, joint.after, seld_rod_joint(state, i + 1)};
+        joint = (joints3){joint.here, joint.after, crn_rod_joint(state, i + 1)};
         limited |= eliminate_row(model, state, i, &joint, ahead->w_q29, ahead2->p_q29.m, &from);
         ahead2 = ahead;
         ahead = &state->scratch.nodes[i].u.f;
     }
     if (limited) {
-        state->words.fault_bits |= SELD_FAULT_SATURATED;
+        state->words.fault_bits |= CRN_FAULT_SATURATED;
     }
 }
 
 /* Back substitution. Format: Q29 x Q33 -> Q33. Overflow: limited to 62 mm, so the sums stay below 2^62. */
-static void substitute(seld_state *state)
+static void substitute(crn_state *state)
 {
     uint32_t na = state->words.free_count;
-    seld_work *work = state->scratch.nodes;
-    work[na].solution_m_q33 = (seld_vec3){{0, 0, 0}};
-    work[na + 1].solution_m_q33 = (seld_vec3){{0, 0, 0}};
+    crn_work *work = state->scratch.nodes;
+    work[na].solution_m_q33 = (crn_vec3){{0, 0, 0}};
+    work[na + 1].solution_m_q33 = (crn_vec3){{0, 0, 0}};
     for (uint32_t n = na; n > 0; n--) {
-        seld_work *here = &work[n - 1];
+        crn_work *here = &work[n - 1];
         const int32_t *w = here->u.f.w_q29;
         const int32_t *p = here->u.f.p_q29.m;
         const int32_t *b = here[1].solution_m_q33.v;
@@ -341,13 +341,13 @@ static void substitute(seld_state *state)
             int64_t sum =
                 (int64_t)w[3 * k] * b[0] + (int64_t)w[3 * k + 1] * b[1] + (int64_t)w[3 * k + 2] * b[2];
             sum += (int64_t)pr[3 * k] * c[0] + (int64_t)pr[3 * k + 1] * c[1] + (int64_t)pr[3 * k + 2] * c[2];
-            int64_t value = (int64_t)here->solution_m_q33.v[k] + b[k] - seld_rshift_round64(sum, 29);
+            int64_t value = (int64_t)here->solution_m_q33.v[k] + b[k] - crn_rshift_round64(sum, 29);
             here->solution_m_q33.v[k] = limit(value, SOLUTION_MAX_M_Q33);
         }
     }
 }
 
-void seld_rod_solve(const seld_model *model, seld_state *state)
+void crn_rod_solve(const crn_model *model, crn_state *state)
 {
     eliminate(model, state);
     substitute(state);
@@ -355,15 +355,15 @@ void seld_rod_solve(const seld_model *model, seld_state *state)
 
 /* Force of the line on the two held nodes: f - A delta. Bending is part of it: the edge force alone jumps when a node is
  * freed and reads low with a bent mouth (docs/rod.md). */
-int32_t seld_rod_handle_axial(const seld_model *model, const seld_state *state)
+int32_t crn_rod_handle_axial(const crn_model *model, const crn_state *state)
 {
     uint32_t na = state->words.free_count;
-    const seld_work *work = state->scratch.nodes;
-    seld_sym3 spring = {{0}};
+    const crn_work *work = state->scratch.nodes;
+    crn_sym3 spring = {{0}};
     add_edge(state, na - 1, &spring);
     const int32_t *s = spring.m;
-    const seld_joint *last = &state->scratch.mouth[0]; /* joints na-1 and na */
-    const seld_joint *held = &state->scratch.mouth[1];
+    const crn_joint *last = &state->scratch.mouth[0]; /* joints na-1 and na */
+    const crn_joint *held = &state->scratch.mouth[1];
     int64_t off = -(last->q + last->r + held->p + held->q);
     const int64_t row[9] = {off - s[XX], -s[XY], -s[XZ], -s[XY],     off - s[YY],
                             -s[YZ],      -s[XZ], -s[YZ], off - s[ZZ]};
@@ -375,8 +375,8 @@ int32_t seld_rod_handle_axial(const seld_model *model, const seld_state *state)
         int64_t moved = row[3 * k] * near[0] + row[3 * k + 1] * near[1] + row[3 * k + 2] * near[2];
         moved += (int64_t)last->q * far[k] + (int64_t)held->q * near[k];
         int64_t force = (int64_t)work[na].force_N_q22.v[k] + work[na + 1].force_N_q22.v[k];
-        force -= seld_rshift_round64(moved, shift);
+        force -= crn_rshift_round64(moved, shift);
         axial -= force * model->entry.direction_q30.v[k];
     }
-    return seld_sat32(seld_rshift_round64(axial, 30));
+    return crn_sat32(crn_rshift_round64(axial, 30));
 }

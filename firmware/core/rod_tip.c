@@ -19,16 +19,16 @@ enum {
  * tightly than 110 / m (a J, a pigtail, the first bend of a guide). Sliding along its own curve would turn such a tip by ds / R in
  * each tick, and the solve, whose matrix holds rest turns fixed in space, gives that back over EI kappa^2 s / (EI / L) ticks:
  * a J of 1.5 mm on 50 mm of soft wire lay 20 mm behind at 30 mm/s. Overflow: turns are below 1.3 rad, a cell below 2^24 m Q30. */
-static uint32_t count_rigid(const seld_model *model, const seld_state *state, uint32_t free_count)
+static uint32_t count_rigid(const crn_model *model, const crn_state *state, uint32_t free_count)
 {
     uint32_t rigid = 0;
-    for (uint32_t i = 1; i < free_count && model->mesh[i].arc_m_q30 < SELD_TIP_CURVES_M_Q30; i++) {
-        const seld_joint *joint = &state->line.nodes[i].joint;
+    for (uint32_t i = 1; i < free_count && model->mesh[i].arc_m_q30 < CRN_TIP_CURVES_M_Q30; i++) {
+        const crn_joint *joint = &state->line.nodes[i].joint;
         if (joint->curved == 0) {
             continue;
         }
         int64_t tight = (int64_t)(model->mesh[i].cell_end_m_q30 - model->mesh[i - 1].cell_end_m_q30) *
-                        SELD_TIP_CURVE_PER_m;
+                        CRN_TIP_CURVE_PER_m;
         for (uint32_t k = 0; k < model->tool_count; k++) {
             int64_t turn1 = joint->turn1_q30[k], turn2 = joint->turn2_q30[k];
             if (turn1 * turn1 + turn2 * turn2 >= tight * tight) {
@@ -44,69 +44,68 @@ static uint32_t count_rigid(const seld_model *model, const seld_state *state, ui
  * Returns the sum of a x r, Q24 m.
  * Overflow: arms are below 2^26.7 in Q30 (96 mm, where restored edges are twice as long), motions below 2^26.9 in Q33, nodes below 2^8:
  * sums below 2^62. */
-static seld_vec3 turn_about(seld_state *state, uint32_t root, const seld_vec3 *axis_q30)
+static crn_vec3 turn_about(crn_state *state, uint32_t root, const crn_vec3 *axis_q30)
 {
-    const seld_vec3 *centre = &state->words.nodes[root].position_m_q30;
+    const crn_vec3 *centre = &state->words.nodes[root].position_m_q30;
     int64_t along = 0, square = 0, sum[3] = {0, 0, 0};
     int32_t most = 0;
     for (uint32_t i = 0; i < root; i++) {
-        seld_work *work = &state->scratch.nodes[i];
-        seld_vec3 arm = seld_vec3_sub(state->words.nodes[i].position_m_q30, *centre);
-        seld_vec3 around = seld_vec3_cross_unit(axis_q30, &arm);
-        along += seld_vec3_dot64(around, work->drift_m_q33);
-        square += seld_vec3_dot64(around, around);
+        crn_work *work = &state->scratch.nodes[i];
+        crn_vec3 arm = crn_vec3_sub(state->words.nodes[i].position_m_q30, *centre);
+        crn_vec3 around = crn_vec3_cross_unit(axis_q30, &arm);
+        along += crn_vec3_dot64(around, work->drift_m_q33);
+        square += crn_vec3_dot64(around, around);
         for (int k = 0; k < 3; k++) {
             int32_t size = around.v[k] < 0 ? -around.v[k] : around.v[k];
             most = size > most ? size : most;
             sum[k] += around.v[k];
         }
     }
-    const seld_vec3 total = {{seld_sat32(seld_asr64(sum[0], 6)), seld_sat32(seld_asr64(sum[1], 6)),
-                              seld_sat32(seld_asr64(sum[2], 6))}};
+    const crn_vec3 total = {
+        {crn_sat32(crn_asr64(sum[0], 6)), crn_sat32(crn_asr64(sum[1], 6)), crn_sat32(crn_asr64(sum[2], 6))}};
     if (square < LEVER_LEAST_M2_Q60) {
         return total;
     }
-    unsigned shift = 34 - seld_clz64((uint64_t)square); /* square in 30 bits */
-    int32_t turn_q30 =
-        seld_quotient(seld_sat32(seld_asr64(along, shift + 3)), (int32_t)(square >> shift), 30);
-    int32_t limit = seld_quotient(WAY_MAX_M_Q33 / 8, most, 30);
-    turn_q30 = seld_clamp(turn_q30, -limit, limit);
+    unsigned shift = 34 - crn_clz64((uint64_t)square); /* square in 30 bits */
+    int32_t turn_q30 = crn_quotient(crn_sat32(crn_asr64(along, shift + 3)), (int32_t)(square >> shift), 30);
+    int32_t limit = crn_quotient(WAY_MAX_M_Q33 / 8, most, 30);
+    turn_q30 = crn_clamp(turn_q30, -limit, limit);
     for (uint32_t i = 0; i < root; i++) {
-        seld_work *work = &state->scratch.nodes[i];
-        seld_vec3 arm = seld_vec3_sub(state->words.nodes[i].position_m_q30, *centre);
-        seld_vec3 around = seld_vec3_cross_unit(axis_q30, &arm);
+        crn_work *work = &state->scratch.nodes[i];
+        crn_vec3 arm = crn_vec3_sub(state->words.nodes[i].position_m_q30, *centre);
+        crn_vec3 around = crn_vec3_cross_unit(axis_q30, &arm);
         for (int k = 0; k < 3; k++) {
-            int32_t way_m_q33 = (int32_t)seld_rshift_round64((int64_t)around.v[k] * turn_q30, 27);
+            int32_t way_m_q33 = (int32_t)crn_rshift_round64((int64_t)around.v[k] * turn_q30, 27);
             work->drift_m_q33.v[k] -= way_m_q33;
-            work->slide_m_q33.v[k] += way_m_q33 - seld_mulh(way_m_q33, 1 << (32 - TURN_LOST_SHIFT));
+            work->slide_m_q33.v[k] += way_m_q33 - crn_mulh(way_m_q33, 1 << (32 - TURN_LOST_SHIFT));
         }
     }
     return total;
 }
 
-uint32_t seld_tip_predict(const seld_model *model, seld_state *state, uint32_t free_count)
+uint32_t crn_tip_predict(const crn_model *model, crn_state *state, uint32_t free_count)
 {
     const uint32_t rigid = count_rigid(model, state, free_count);
     if (rigid == 0) {
         return 0;
     }
-    const seld_node_state *root = &state->words.nodes[rigid];
+    const crn_node_state *root = &state->words.nodes[rigid];
     uint32_t touching = 0;
     for (uint32_t i = 0; i < rigid; i++) {
-        seld_work *work = &state->scratch.nodes[i];
+        crn_work *work = &state->scratch.nodes[i];
         touching |= state->words.nodes[i].contact;
-        work->slide_m_q33 = (seld_vec3){{0, 0, 0}};
-        work->drift_m_q33 = seld_vec3_sub(state->words.nodes[i].step_m_q33, root->step_m_q33);
+        work->slide_m_q33 = (crn_vec3){{0, 0, 0}};
+        work->drift_m_q33 = crn_vec3_sub(state->words.nodes[i].step_m_q33, root->step_m_q33);
     }
-    if (touching != SELD_CONTACT_NONE || model->hold.pinned || model->hold.turn) {
+    if (touching != CRN_CONTACT_NONE || model->hold.pinned || model->hold.turn) {
         return rigid;
     }
     /* About the line behind the tip, then across it: in the tip's plane, and out of it. */
-    seld_vec3 out = turn_about(state, rigid, &root->tangent_q30);
+    crn_vec3 out = turn_about(state, rigid, &root->tangent_q30);
     int32_t size = 0;
-    out = seld_vec3_normalise(out, root->tangent_q30, &size);
+    out = crn_vec3_normalise(out, root->tangent_q30, &size);
     if (size >= AXIS_LEAST_M_Q24) {
-        seld_vec3 in = seld_vec3_cross_unit(&root->tangent_q30, &out);
+        crn_vec3 in = crn_vec3_cross_unit(&root->tangent_q30, &out);
         (void)turn_about(state, rigid, &out);
         (void)turn_about(state, rigid, &in);
     }

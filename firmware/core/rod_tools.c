@@ -32,45 +32,45 @@ static inline int32_t limited_shift(int64_t a, unsigned n, unsigned log2_most)
     if (sizeof(void *) > 4) {
         return limited(a >> n, (int64_t)1 << log2_most);
     }
-    int32_t high = seld_high64(a);
+    int32_t high = crn_high64(a);
     uint32_t most_high = (uint32_t)1 << (log2_most + n - 32);
     if ((uint32_t)high + most_high < 2 * most_high) {
-        return seld_narrow64(a, n);
+        return crn_narrow64(a, n);
     }
     return high < 0 ? -((int32_t)1 << log2_most) : (int32_t)1 << log2_most;
 }
 
 /* Length of a vector, relative error 2^-16. Format: same in and out. Overflow: impossible for components within 2^30. */
-static int32_t length_of(const seld_vec3 *a)
+static int32_t length_of(const crn_vec3 *a)
 {
-    uint64_t square = (uint64_t)seld_vec3_dot64(*a, *a);
+    uint64_t square = (uint64_t)crn_vec3_dot64(*a, *a);
     if (square == 0) {
         return 0;
     }
     unsigned lead = (unsigned)__builtin_clzll(square) & ~1u;
     uint64_t top = (square << lead) >> 32;
     /* sqrt(top 2^(32 - lead)) = top / sqrt(top) 2^(16 - lead / 2), 1 / sqrt(top) = root 2^-46 */
-    uint64_t root = (uint64_t)seld_rsqrt_q30((uint32_t)top);
+    uint64_t root = (uint64_t)crn_rsqrt_q30((uint32_t)top);
     return (int32_t)((top * root) >> (30 + (lead >> 1)));
 }
 
 /* Moments W b of all joints as the unturned line sees them, where the solution will be. Format: b in Q29 so that it fits,
  * W Q26 -> Q30 N m, limited. */
-static void bending_moments(seld_state *state)
+static void bending_moments(crn_state *state)
 {
     for (uint32_t i = 1; i <= state->words.free_count; i++) {
-        seld_work *here = &state->scratch.nodes[i];
-        int32_t bend_N_m_q26 = seld_rod_joint(state, i)->bend_N_m_q26;
+        crn_work *here = &state->scratch.nodes[i];
+        int32_t bend_N_m_q26 = crn_rod_joint(state, i)->bend_N_m_q26;
         for (int c = 0; c < 3; c++) {
             int32_t bend_q29 =
-                seld_asr32(here->u.a.stretch_q30.v[c], 1) - seld_asr32(here[-1].u.a.stretch_q30.v[c], 1);
-            here->moment_N_m_q30.v[c] = limited_shift(seld_product(bend_q29, bend_N_m_q26), 25, 29);
+                crn_asr32(here->u.a.stretch_q30.v[c], 1) - crn_asr32(here[-1].u.a.stretch_q30.v[c], 1);
+            here->moment_N_m_q30.v[c] = limited_shift(crn_product(bend_q29, bend_N_m_q26), 25, 29);
         }
     }
 }
 
 /* Less W times a rest turning. */
-static void take_turn(const seld_vec3 *turn_q30, int32_t bend_N_m_q26, seld_vec3 *moment)
+static void take_turn(const crn_vec3 *turn_q30, int32_t bend_N_m_q26, crn_vec3 *moment)
 {
     for (int c = 0; c < 3; c++) {
         int64_t rest = ((int64_t)turn_q30->v[c] * bend_N_m_q26) >> 26;
@@ -79,34 +79,34 @@ static void take_turn(const seld_vec3 *turn_q30, int32_t bend_N_m_q26, seld_vec3
 }
 
 /* Rest turning of the tools up to `pair` at joint i. */
-static seld_vec3 inner_turn(const seld_state *state, const seld_joint *joint, uint32_t pair, uint32_t i)
+static crn_vec3 inner_turn(const crn_state *state, const crn_joint *joint, uint32_t pair, uint32_t i)
 {
-    seld_vec3 turn = {{0, 0, 0}};
+    crn_vec3 turn = {{0, 0, 0}};
     for (uint32_t k = 0; k <= pair; k++) {
         if (joint->curved >> k & 1u) {
-            turn = seld_vec3_add(turn, seld_rod_tool_turn(state, joint, k, i));
+            turn = crn_vec3_add(turn, crn_rod_tool_turn(state, joint, k, i));
         }
     }
     return turn;
 }
 
 /* Moment of joint i that the tools up to `pair` bear: their share of W b less their rest shapes. Q30 N m. */
-static inline void inner_moment(const seld_state *state, uint32_t pair, uint32_t i, seld_vec3 *moment)
+static inline void inner_moment(const crn_state *state, uint32_t pair, uint32_t i, crn_vec3 *moment)
 {
-    const seld_joint *joint = seld_rod_joint(state, i);
-    const seld_vec3 *whole = &state->scratch.nodes[i].moment_N_m_q30;
+    const crn_joint *joint = crn_rod_joint(state, i);
+    const crn_vec3 *whole = &state->scratch.nodes[i].moment_N_m_q30;
     int32_t share_q30 = joint->inner_share_q15[pair] << 15;
     for (int c = 0; c < 3; c++) {
-        moment->v[c] = seld_scale_q30(whole->v[c], share_q30);
+        moment->v[c] = crn_scale_q30(whole->v[c], share_q30);
     }
     if ((joint->curved & ((2u << pair) - 1u)) != 0) {
-        seld_vec3 turn = inner_turn(state, joint, pair, i);
+        crn_vec3 turn = inner_turn(state, joint, pair, i);
         take_turn(&turn, joint->bend_N_m_q26, moment);
     }
 }
 
 /* First edge where both tools of a pair are. */
-static uint32_t first_shared(const seld_model *model, const seld_state *state, uint32_t pair)
+static uint32_t first_shared(const crn_model *model, const crn_state *state, uint32_t pair)
 {
     int32_t a = state->line.offset_m_q30[pair];
     int32_t b = state->line.offset_m_q30[pair + 1];
@@ -120,13 +120,13 @@ static uint32_t first_shared(const seld_model *model, const seld_state *state, u
 
 /* Force of the inner tools' bending on a node from the moments of the joints around it. Q22 N. Overflow: differences of
  * moments fit 32 bits, 1 / edge is below 2^31. */
-static inline int32_t pressing_force(const seld_vec3 *before, const seld_vec3 *here, const seld_vec3 *after,
+static inline int32_t pressing_force(const crn_vec3 *before, const crn_vec3 *here, const crn_vec3 *after,
                                      int32_t a_per_m_q18, int32_t c_per_m_q18)
 {
-    seld_vec3 force;
+    crn_vec3 force;
     for (int k = 0; k < 3; k++) {
-        int64_t sum = seld_product(here->v[k] - before->v[k], a_per_m_q18);
-        sum = seld_product_add(sum, here->v[k] - after->v[k], c_per_m_q18);
+        int64_t sum = crn_product(here->v[k] - before->v[k], a_per_m_q18);
+        sum = crn_product_add(sum, here->v[k] - after->v[k], c_per_m_q18);
         force.v[k] = limited_shift(sum, 26, 30);
     }
     return length_of(&force);
@@ -135,35 +135,35 @@ static inline int32_t pressing_force(const seld_vec3 *before, const seld_vec3 *h
 /* A tool bears on the next one over a length that its clearance and stiffness set, about 3 mm for a wire in a catheter
  * (sqrt(2 EI delta / M) with 0.05 mm, docs/rod.md); without it a step of the moment would press the harder the finer the
  * mesh. */
-static inline void soften(int32_t share_q30, seld_vec3 *moment, const seld_vec3 *ahead)
+static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *ahead)
 {
     for (int c = 0; c < 3; c++) {
-        moment->v[c] = ahead->v[c] + seld_scale_q30(moment->v[c] - ahead->v[c], share_q30);
+        moment->v[c] = ahead->v[c] + crn_scale_q30(moment->v[c] - ahead->v[c], share_q30);
     }
 }
 
 /* Stiffness of the friction against turning: that of the bristle while its reach is within the limit mu N r, else limit /
  * reach, where the reach is that of the last tick's turns. Overflow: the quotient is then below 4e-4 N m. */
-static inline uint16_t grip_stiffness(const seld_node_state *node, uint32_t pair, int32_t limit_N_m_q30)
+static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair, int32_t limit_N_m_q30)
 {
-    int32_t turned = seld_sub_sat(node->spin_q30[pair], node->spin_q30[pair + 1]);
-    int32_t reach = seld_add_sat(node->grip_q30[pair], turned);
-    reach = reach < 0 ? seld_sub_sat(0, reach) : reach;
-    if (reach <= seld_product(limit_N_m_q30, SELD_GRIP_COMPLIANCE_PER_N_M)) {
-        return limit_N_m_q30 > 0 ? SELD_GRIP_STIFFNESS_N_M_Q26 : 0;
+    int32_t turned = crn_sub_sat(node->spin_q30[pair], node->spin_q30[pair + 1]);
+    int32_t reach = crn_add_sat(node->grip_q30[pair], turned);
+    reach = reach < 0 ? crn_sub_sat(0, reach) : reach;
+    if (reach <= crn_product(limit_N_m_q30, CRN_GRIP_COMPLIANCE_PER_N_M)) {
+        return limit_N_m_q30 > 0 ? CRN_GRIP_STIFFNESS_N_M_Q26 : 0;
     }
-    return (uint16_t)seld_quotient(limit_N_m_q30, reach, 26);
+    return (uint16_t)crn_quotient(limit_N_m_q30, reach, 26);
 }
 
 /* Turning limit mu N r of every edge of a pair with its stiffness, and the sum of mu N, which limits sliding. */
-static void grip_pair(const seld_model *model, seld_state *state, uint32_t pair)
+static void grip_pair(const crn_model *model, crn_state *state, uint32_t pair)
 {
     uint32_t na = state->words.free_count;
     uint32_t first = first_shared(model, state, pair);
     int32_t friction_q30 = model->tools[pair + 1].lumen_friction_q30;
     int32_t radius_m_q39 = model->tools[pair].shaft_radius_m_q30 << 9; /* at most 2 mm */
     int64_t sum_N_q22 = 0;
-    seld_vec3 before = {{0, 0, 0}}, here = {{0, 0, 0}}, after;
+    crn_vec3 before = {{0, 0, 0}}, here = {{0, 0, 0}}, after;
     for (uint32_t j = 0; j < first; j++) {
         state->scratch.nodes[j].u.a.press_N_m_q30[pair] = 0;
         state->scratch.nodes[j].u.a.grip_N_m_q26[pair] = 0;
@@ -175,24 +175,24 @@ static void grip_pair(const seld_model *model, seld_state *state, uint32_t pair)
         inner_moment(state, pair, first, &here);
     }
     for (uint32_t j = first; j < na; j++) {
-        const seld_mesh_node *mesh = &model->mesh[j];
-        seld_assembly *work = &state->scratch.nodes[j].u.a;
+        const crn_mesh_node *mesh = &model->mesh[j];
+        crn_assembly *work = &state->scratch.nodes[j].u.a;
         inner_moment(state, pair, j + 1, &after);
         soften(mesh->bearing_share_q30, &after, &here);
         int32_t force = pressing_force(&before, &here, &after, mesh[j > 0 ? -1 : 0].inverse_length_per_m_q18,
                                        mesh->inverse_length_per_m_q18);
-        int32_t limit = seld_scale_q30(force, friction_q30);
-        int32_t press = seld_mulh(limit, radius_m_q39) * 2; /* Q22 N x Q39 m -> Q30 N m */
+        int32_t limit = crn_scale_q30(force, friction_q30);
+        int32_t press = crn_mulh(limit, radius_m_q39) * 2; /* Q22 N x Q39 m -> Q30 N m */
         sum_N_q22 += limit;
         work->press_N_m_q30[pair] = press;
         work->grip_N_m_q26[pair] = grip_stiffness(&state->words.nodes[j], pair, press);
         before = here;
         here = after;
     }
-    state->scratch.grip_limit_N_q22[pair] = seld_sat32(sum_N_q22);
+    state->scratch.grip_limit_N_q22[pair] = crn_sat32(sum_N_q22);
 }
 
-void seld_tools_grip(const seld_model *model, seld_state *state)
+void crn_tools_grip(const crn_model *model, crn_state *state)
 {
     if (model->tool_count > 1) {
         bending_moments(state);
@@ -207,63 +207,60 @@ void seld_tools_grip(const seld_model *model, seld_state *state)
 /* All tools at one place: EI, P and S of the header. */
 typedef struct section {
     int32_t bend_q35;
-    seld_vec3 curved_N_m_q30; /* P */
-    int32_t stored_N_q22;     /* S */
+    crn_vec3 curved_N_m_q30; /* P */
+    int32_t stored_N_q22;    /* S */
 } section;
 
 /* Adds tool k at its arc length `arc` to the section of joint i. */
-static void add_tool(const seld_model *model, const seld_state *state, uint32_t k, int32_t arc_m_q30,
+static void add_tool(const crn_model *model, const crn_state *state, uint32_t k, int32_t arc_m_q30,
                      uint32_t i, section *sum)
 {
-    const seld_tool *tool = &model->tools[k];
+    const crn_tool *tool = &model->tools[k];
     uint32_t span = 0;
     while (span + 1 < tool->span_count && tool->spans[span].end_m_q30 <= arc_m_q30) {
         span++;
     }
-    const seld_span *s = &tool->spans[span];
-    int32_t fraction = seld_span_fraction(s, arc_m_q30);
-    int32_t bend = seld_span_value(s, SELD_BEND_N_M2_Q35, fraction);
-    int32_t curve1 =
-        seld_mul_q30(seld_span_value(s, SELD_CURVE1_PER_M_Q20, fraction), state->words.release_q30);
-    int32_t curve2 =
-        seld_mul_q30(seld_span_value(s, SELD_CURVE2_PER_M_Q20, fraction), state->words.release_q30);
-    sum->bend_q35 = seld_add_sat(sum->bend_q35, bend);
-    if ((curve1 | curve2) == 0 || (seld_edge_curved(state, i) >> k & 1u) == 0) {
+    const crn_span *s = &tool->spans[span];
+    int32_t fraction = crn_span_fraction(s, arc_m_q30);
+    int32_t bend = crn_span_value(s, CRN_BEND_N_M2_Q35, fraction);
+    int32_t curve1 = crn_mul_q30(crn_span_value(s, CRN_CURVE1_PER_M_Q20, fraction), state->words.release_q30);
+    int32_t curve2 = crn_mul_q30(crn_span_value(s, CRN_CURVE2_PER_M_Q20, fraction), state->words.release_q30);
+    sum->bend_q35 = crn_add_sat(sum->bend_q35, bend);
+    if ((curve1 | curve2) == 0 || (crn_edge_curved(state, i) >> k & 1u) == 0) {
         return;
     }
-    const seld_vec3 *axis1 = &state->scratch.nodes[i].u.a.axis1_q30[k];
-    seld_vec3 axis2 = seld_vec3_cross_unit(&state->words.nodes[i].tangent_q30, axis1);
-    int32_t moment1 = seld_mul(bend, curve1, 25); /* Q35 x Q20 -> Q30 */
-    int32_t moment2 = seld_mul(bend, curve2, 25);
+    const crn_vec3 *axis1 = &state->scratch.nodes[i].u.a.axis1_q30[k];
+    crn_vec3 axis2 = crn_vec3_cross_unit(&state->words.nodes[i].tangent_q30, axis1);
+    int32_t moment1 = crn_mul(bend, curve1, 25); /* Q35 x Q20 -> Q30 */
+    int32_t moment2 = crn_mul(bend, curve2, 25);
     for (int c = 0; c < 3; c++) {
-        int32_t part = seld_add_sat(seld_mul_q30(axis1->v[c], moment1), seld_mul_q30(axis2.v[c], moment2));
-        sum->curved_N_m_q30.v[c] = seld_add_sat(sum->curved_N_m_q30.v[c], part);
+        int32_t part = crn_add_sat(crn_mul_q30(axis1->v[c], moment1), crn_mul_q30(axis2.v[c], moment2));
+        sum->curved_N_m_q30.v[c] = crn_add_sat(sum->curved_N_m_q30.v[c], part);
     }
     /* Q30 N m x Q20 1/m -> Q22 N */
-    int32_t stored = seld_add_sat(seld_mul(moment1, curve1, 28), seld_mul(moment2, curve2, 28));
-    sum->stored_N_q22 = seld_add_sat(sum->stored_N_q22, stored);
+    int32_t stored = crn_add_sat(crn_mul(moment1, curve1, 28), crn_mul(moment2, curve2, 28));
+    sum->stored_N_q22 = crn_add_sat(sum->stored_N_q22, stored);
 }
 
 /* psi of a section under the moment M, Q22 N. */
-static int32_t potential(const section *s, const seld_vec3 *moment_N_m_q30)
+static int32_t potential(const section *s, const crn_vec3 *moment_N_m_q30)
 {
     int64_t sum = 0;
     for (int c = 0; c < 3; c++) {
-        int32_t load = seld_add_sat(moment_N_m_q30->v[c], s->curved_N_m_q30.v[c]);
-        int32_t curvature = seld_quotient(load, s->bend_q35, 25); /* Q30 / Q35 -> Q20 1/m */
+        int32_t load = crn_add_sat(moment_N_m_q30->v[c], s->curved_N_m_q30.v[c]);
+        int32_t curvature = crn_quotient(load, s->bend_q35, 25); /* Q30 / Q35 -> Q20 1/m */
         sum += ((int64_t)load * curvature) >> 28;
     }
-    return seld_sat32((sum - s->stored_N_q22) >> 1);
+    return crn_sat32((sum - s->stored_N_q22) >> 1);
 }
 
 /* Moment of joint i. Q30 N m, limited. */
-static inline void total_moment(const seld_model *model, const seld_state *state, uint32_t i,
-                                seld_vec3 *moment)
+static inline void total_moment(const crn_model *model, const crn_state *state, uint32_t i, crn_vec3 *moment)
 {
-    const seld_joint *joint = seld_rod_joint(state, i);
+    const crn_joint *joint = crn_rod_joint(state, i);
     *moment = state->scratch.nodes[i].moment_N_m_q30;
     if (joint->curved != 0) {
-        seld_vec3 turn = seld_rod_line_turn(model, state, joint, i);
+        crn_vec3 turn = crn_rod_line_turn(model, state, joint, i);
         take_turn(&turn, joint->bend_N_m_q26, moment);
     }
 }
@@ -271,25 +268,25 @@ static inline void total_moment(const seld_model *model, const seld_state *state
 /* Jump of psi over joint i where only the stiffness changes and no tool has a rest shape:
  *   |M|^2 / 2 (1 / E - 1 / E') = |M|^2 / (2 E') change / E,  E = EI before and E' = EI after
  * Format: change in Q35 N m^2, below E. */
-static int32_t straight_handle(const seld_vec3 *moment_N_m_q30, int32_t before_q35, int32_t change_q35)
+static int32_t straight_handle(const crn_vec3 *moment_N_m_q30, int32_t before_q35, int32_t change_q35)
 {
     int32_t after_q35 = before_q35 + change_q35;
-    unsigned lead = seld_clz32((uint32_t)after_q35) - 1; /* 0 .. 24 */
-    int64_t inverse = seld_reciprocal_q30((uint32_t)after_q35 << lead);
+    unsigned lead = crn_clz32((uint32_t)after_q35) - 1; /* 0 .. 24 */
+    int64_t inverse = crn_reciprocal_q30((uint32_t)after_q35 << lead);
     int64_t sum = 0;
     for (int c = 0; c < 3; c++) {
         int32_t curvature =
-            seld_sat32((moment_N_m_q30->v[c] * inverse) >> (36 - lead)); /* Q30 / Q35 -> Q20 1/m */
+            crn_sat32((moment_N_m_q30->v[c] * inverse) >> (36 - lead)); /* Q30 / Q35 -> Q20 1/m */
         sum += ((int64_t)moment_N_m_q30->v[c] * curvature) >> 28;
     }
-    return seld_mul(seld_sat32(sum), seld_quotient(change_q35, before_q35, 30), 31);
+    return crn_mul(crn_sat32(sum), crn_quotient(change_q35, before_q35, 30), 31);
 }
 
 /* Moment at joint i from the joints around it: moments are continuous; that of the cell itself lags while a tip slides
  * through it. Q30 N m. */
-static seld_vec3 moment_around(const seld_model *model, const seld_state *state, uint32_t i)
+static crn_vec3 moment_around(const crn_model *model, const crn_state *state, uint32_t i)
 {
-    seld_vec3 ahead, behind, moment;
+    crn_vec3 ahead, behind, moment;
     total_moment(model, state, i > 1 ? i - 1 : i, &ahead);
     total_moment(model, state, i < state->words.free_count ? i + 1 : i, &behind);
     for (int c = 0; c < 3; c++) {
@@ -299,7 +296,7 @@ static seld_vec3 moment_around(const seld_model *model, const seld_state *state,
 }
 
 /* Joint i's part of tool k's handle force: psi where the cell begins less psi where it ends. */
-static int32_t joint_handle(const seld_model *model, const seld_state *state, uint32_t k, uint32_t i,
+static int32_t joint_handle(const crn_model *model, const crn_state *state, uint32_t k, uint32_t i,
                             int32_t from, int32_t to)
 {
     section others = {0, {{0, 0, 0}}, 0};
@@ -318,12 +315,12 @@ static int32_t joint_handle(const seld_model *model, const seld_state *state, ui
         add_tool(model, state, k, from, i, &before);
     }
     add_tool(model, state, k, to, i, &after);
-    seld_vec3 moment = moment_around(model, state, i);
-    return seld_sub_sat(potential(&before, &moment), potential(&after, &moment));
+    crn_vec3 moment = moment_around(model, state, i);
+    return crn_sub_sat(potential(&before, &moment), potential(&after, &moment));
 }
 
 /* Energy that a curved tool keeps in the straight inserter, per length, where it leaves the mouth. */
-static int32_t mouth_handle(const seld_model *model, const seld_state *state, uint32_t k, int32_t arc_m_q30)
+static int32_t mouth_handle(const crn_model *model, const crn_state *state, uint32_t k, int32_t arc_m_q30)
 {
     section own = {0, {{0, 0, 0}}, 0};
     add_tool(model, state, k, arc_m_q30, state->words.free_count - 1, &own);
@@ -331,7 +328,7 @@ static int32_t mouth_handle(const seld_model *model, const seld_state *state, ui
 }
 
 /* Does a tip lie inside the cell of joint i? */
-static bool holds_tip(const seld_model *model, const seld_state *state, uint32_t i)
+static bool holds_tip(const crn_model *model, const crn_state *state, uint32_t i)
 {
     for (uint32_t m = 0; m < model->tool_count; m++) {
         int32_t tip = state->line.offset_m_q30[m];
@@ -343,35 +340,35 @@ static bool holds_tip(const seld_model *model, const seld_state *state, uint32_t
 }
 
 /* The same for a cell within one span of tool k: EI comes from the joint, its change from the span. */
-static int32_t smooth_handle(const seld_model *model, const seld_state *state, uint32_t k, uint32_t i,
-                             const seld_span *span, int32_t from, int32_t to)
+static int32_t smooth_handle(const crn_model *model, const crn_state *state, uint32_t k, uint32_t i,
+                             const crn_span *span, int32_t from, int32_t to)
 {
     /* the change follows from the way within the span, which only the tool's own end can cut */
     int32_t way = (to < span->end_m_q30 ? to : span->end_m_q30) - from;
     int32_t part = way > 0 ? (int32_t)(((int64_t)way * span->inverse_mantissa) >> span->shift) : 0;
-    int32_t change = seld_scale_q30(span->delta[SELD_BEND_N_M2_Q35], part);
+    int32_t change = crn_scale_q30(span->delta[CRN_BEND_N_M2_Q35], part);
     int32_t cell = model->mesh[i].cell_end_m_q30 - model->mesh[i - 1].cell_end_m_q30;
     /* Q26 N m x Q30 m -> Q35 N m^2 */
-    int32_t before = seld_mul(state->line.nodes[i].joint.bend_N_m_q26, cell, 21) - change / 2;
+    int32_t before = crn_mul(state->line.nodes[i].joint.bend_N_m_q26, cell, 21) - change / 2;
     int32_t size = change < 0 ? -change : change;
-    if (before <= size || seld_edge_curved(state, i) != 0 || holds_tip(model, state, i)) {
+    if (before <= size || crn_edge_curved(state, i) != 0 || holds_tip(model, state, i)) {
         return joint_handle(model, state, k, i, from, to);
     }
     if (change == 0) {
         return 0;
     }
-    seld_vec3 moment;
+    crn_vec3 moment;
     total_moment(model, state, i, &moment);
     return straight_handle(&moment, before, change);
 }
 
-static int32_t elastic_handle(const seld_model *model, const seld_state *state, uint32_t k)
+static int32_t elastic_handle(const crn_model *model, const crn_state *state, uint32_t k)
 {
-    int32_t inserted = seld_lead_inserted(model, &state->words);
+    int32_t inserted = crn_lead_inserted(model, &state->words);
     int32_t offset = state->line.offset_m_q30[k];
-    const seld_tool *tool = &model->tools[k];
-    const seld_span *last = &tool->spans[tool->span_count - 1];
-    const seld_span *span = tool->spans;
+    const crn_tool *tool = &model->tools[k];
+    const crn_span *last = &tool->spans[tool->span_count - 1];
+    const crn_span *span = tool->spans;
     int32_t sum = 0;
     for (uint32_t i = 1; i <= state->words.free_count; i++) {
         /* The tip's half cell has no joint of its own: the first one stands for it. */
@@ -385,26 +382,26 @@ static int32_t elastic_handle(const seld_model *model, const seld_state *state, 
             span++;
         }
         if (from <= 0 || (span < last && to > span->end_m_q30)) {
-            sum = seld_add_sat(sum, joint_handle(model, state, k, i, from, to));
+            sum = crn_add_sat(sum, joint_handle(model, state, k, i, from, to));
         } else if (!span->flat) {
-            sum = seld_add_sat(sum, smooth_handle(model, state, k, i, span, from, to));
+            sum = crn_add_sat(sum, smooth_handle(model, state, k, i, span, from, to));
         } else if (span == last) {
             break; /* nothing changes from here on */
         }
     }
-    return inserted > offset ? seld_add_sat(sum, mouth_handle(model, state, k, inserted - offset)) : 0;
+    return inserted > offset ? crn_add_sat(sum, mouth_handle(model, state, k, inserted - offset)) : 0;
 }
 
 /* A bent line pushes on the inserter along its axis with EI kappa^2 / 2 at the mouth: what is fed in has to be straight
  * (the configurational force of a sliding sleeve; Bigoni et al., Mech. Res. Commun. 2014). The cut joint's W is EI / part
  * and its edges differ by kappa part. Format: Q26 N m x Q30^2 -> Q30 N m, / Q30 m -> Q22 N. */
-static int32_t mouth_axial(const seld_model *model, const seld_state *state)
+static int32_t mouth_axial(const crn_model *model, const crn_state *state)
 {
     uint32_t na = state->words.free_count;
-    int32_t inserted = seld_lead_inserted(model, &state->words);
+    int32_t inserted = crn_lead_inserted(model, &state->words);
     uint32_t cut = inserted > model->mesh[na - 1].cell_end_m_q30 ? na : na - 1;
     int32_t part = inserted - model->mesh[cut - 1].cell_end_m_q30;
-    const seld_joint *joint = &state->scratch.mouth[cut + 1 - na];
+    const crn_joint *joint = &state->scratch.mouth[cut + 1 - na];
     int32_t whole = state->line.nodes[cut].joint.bend_N_m_q26;
     int64_t square = 0;
     for (int k = 0; k < 3; k++) {
@@ -412,18 +409,18 @@ static int32_t mouth_axial(const seld_model *model, const seld_state *state)
                        state->scratch.nodes[cut - 1].u.a.stretch_q30.v[k];
         square += (bend * bend) >> 30;
     }
-    int32_t energy = seld_mul(seld_sat32(square >> 1), joint->bend_N_m_q26, 26);
+    int32_t energy = crn_mul(crn_sat32(square >> 1), joint->bend_N_m_q26, 26);
     /* the part that the joint's stiffness stands for */
     int32_t cell = model->mesh[cut].cell_end_m_q30 - model->mesh[cut - 1].cell_end_m_q30;
-    int32_t least = seld_mul(cell, seld_quotient(whole, joint->bend_N_m_q26, 30), 30);
-    return -seld_quotient(energy, part > least ? part : least, 22);
+    int32_t least = crn_mul(cell, crn_quotient(whole, joint->bend_N_m_q26, 30), 30);
+    return -crn_quotient(energy, part > least ? part : least, 22);
 }
 
-void seld_tools_handles(const seld_model *model, seld_state *state)
+void crn_tools_handles(const crn_model *model, crn_state *state)
 {
-    uint32_t lead = seld_lead_tool(model, &state->words);
+    uint32_t lead = crn_lead_tool(model, &state->words);
     state->scratch.mouth_axial_N_q22 = mouth_axial(model, state);
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
         bool follows = k < model->tool_count && k != lead;
         state->scratch.axial_N_q22[k] = follows ? elastic_handle(model, state, k) : 0;
     }
@@ -432,35 +429,35 @@ void seld_tools_handles(const seld_model *model, seld_state *state)
 /* --- after the solve ----------------------------------------------------------------------------------------- */
 
 /* Elastic turn of each edge of a pair, limited to mu N r / stiffness. */
-void seld_tools_turned(const seld_model *model, seld_state *state)
+void crn_tools_turned(const crn_model *model, crn_state *state)
 {
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
         for (uint32_t j = 0; j < state->words.free_count; j++) {
-            seld_node_state *node = &state->words.nodes[j];
+            crn_node_state *node = &state->words.nodes[j];
             int32_t press = state->scratch.nodes[j].u.a.press_N_m_q30[pair];
-            int32_t turned = seld_sub_sat(node->spin_q30[pair], node->spin_q30[pair + 1]);
-            int32_t reach = seld_add_sat(node->grip_q30[pair], turned);
+            int32_t turned = crn_sub_sat(node->spin_q30[pair], node->spin_q30[pair + 1]);
+            int32_t reach = crn_add_sat(node->grip_q30[pair], turned);
             /* Q30 N m / 4e-4 N m: x 2500 */
-            int32_t most = seld_sat32(seld_product(press, SELD_GRIP_COMPLIANCE_PER_N_M));
-            node->grip_q30[pair] = seld_clamp(reach, -most, most);
+            int32_t most = crn_sat32(crn_product(press, CRN_GRIP_COMPLIANCE_PER_N_M));
+            node->grip_q30[pair] = crn_clamp(reach, -most, most);
         }
     }
 }
 
 /* Sliding between neighbours: a bristle along the line, the same force on both hands. */
-void seld_tools_slide(const seld_model *model, seld_state *state)
+void crn_tools_slide(const crn_model *model, crn_state *state)
 {
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
-        seld_tool_state *inner = &state->words.tools[pair];
+        crn_tool_state *inner = &state->words.tools[pair];
         /* N Q22 / (2000 N/m) -> m Q33: 2^11 / 2000 = 1 + 25166 / 2^20 */
         int64_t limit_N_q22 = state->scratch.grip_limit_N_q22[pair];
         int64_t most = limit_N_q22 + ((limit_N_q22 * 25166) >> 20);
         int64_t slid = (int64_t)inner->slide_grip_m_q33 + state->scratch.slide_m_q33[pair] -
                        state->scratch.slide_m_q33[pair + 1];
         inner->slide_grip_m_q33 = limited(slid, most < INT32_MAX ? most : INT32_MAX);
-        int32_t drag = (int32_t)(((int64_t)inner->slide_grip_m_q33 * SELD_FRICTION_STIFFNESS_N_m) >> 11);
+        int32_t drag = (int32_t)(((int64_t)inner->slide_grip_m_q33 * CRN_FRICTION_STIFFNESS_N_m) >> 11);
         int32_t *axial = state->scratch.axial_N_q22;
-        axial[pair] = seld_add_sat(axial[pair], drag);
-        axial[pair + 1] = seld_sub_sat(axial[pair + 1], drag);
+        axial[pair] = crn_add_sat(axial[pair], drag);
+        axial[pair + 1] = crn_sub_sat(axial[pair + 1], drag);
     }
 }

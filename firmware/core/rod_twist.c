@@ -18,28 +18,28 @@ enum {
 /* Twist of a joint. Format: difference of binary angles -> Q30 rad, saturated at 2 rad (114 degrees in one joint). */
 static int32_t joint_angle(uint32_t ahead_turn32, uint32_t here_turn32)
 {
-    return seld_mul_q30((int32_t)(here_turn32 - ahead_turn32), HALF_PI_Q30);
+    return crn_mul_q30((int32_t)(here_turn32 - ahead_turn32), HALF_PI_Q30);
 }
 
 /* What tool k's rest curvature adds to the twist equations of the two edges of joint i: torque W b.(t x half) on the
  * right, max(0, W b.half) on the diagonal. */
-static void curvature_torque(const seld_state *state, uint32_t k, uint32_t i, int32_t *torque_N_m_q30,
+static void curvature_torque(const crn_state *state, uint32_t k, uint32_t i, int32_t *torque_N_m_q30,
                              int32_t *stiffness_q26)
 {
-    const seld_joint *joint = seld_rod_joint(state, i);
-    const seld_node_state *node = &state->words.nodes[i];
-    const seld_work *work = &state->scratch.nodes[i];
-    seld_vec3 bend = seld_vec3_sub(work->u.a.stretch_q30, work[-1].u.a.stretch_q30);
+    const crn_joint *joint = crn_rod_joint(state, i);
+    const crn_node_state *node = &state->words.nodes[i];
+    const crn_work *work = &state->scratch.nodes[i];
+    crn_vec3 bend = crn_vec3_sub(work->u.a.stretch_q30, work[-1].u.a.stretch_q30);
     for (int side = 0; side < 2; side++) {
-        seld_vec3 half;
-        seld_rod_rest_turn(joint, k, state->words.release_q30, &work[side - 1].u.a.axis1_q30[k],
-                           &node[side - 1].tangent_q30, &half);
-        seld_vec3 turned = seld_vec3_cross_unit(&node[side - 1].tangent_q30, &half);
-        int32_t lever = seld_sat32(seld_rshift_round64(seld_vec3_dot64(bend, turned), 30));
-        int32_t hold = seld_sat32(seld_rshift_round64(seld_vec3_dot64(bend, half), 30));
-        torque_N_m_q30[side] = seld_mul(lever, joint->bend_N_m_q26, 26);
+        crn_vec3 half;
+        crn_rod_rest_turn(joint, k, state->words.release_q30, &work[side - 1].u.a.axis1_q30[k],
+                          &node[side - 1].tangent_q30, &half);
+        crn_vec3 turned = crn_vec3_cross_unit(&node[side - 1].tangent_q30, &half);
+        int32_t lever = crn_sat32(crn_rshift_round64(crn_vec3_dot64(bend, turned), 30));
+        int32_t hold = crn_sat32(crn_rshift_round64(crn_vec3_dot64(bend, half), 30));
+        torque_N_m_q30[side] = crn_mul(lever, joint->bend_N_m_q26, 26);
         stiffness_q26[side] =
-            hold > 0 ? seld_clamp(seld_mul_q30(joint->bend_N_m_q26, hold), 0, CURVE_MAX_N_M_Q26) : 0;
+            hold > 0 ? crn_clamp(crn_mul_q30(joint->bend_N_m_q26, hold), 0, CURVE_MAX_N_M_Q26) : 0;
     }
 }
 
@@ -52,19 +52,19 @@ typedef struct resistance {
  * wall, all against one bristle (rod_contact.c). Overflow: impossible; k_f r is below 2000 N/m x 2 mm = 2^24 in Q22, the
  * reach below 2^30.5, so the torque below 2^29. */
 static inline __attribute__((always_inline)) resistance
-wall_resistance(unsigned exponent, const seld_work *work, int32_t radius_m_q30)
+wall_resistance(unsigned exponent, const crn_work *work, int32_t radius_m_q30)
 {
     /* k_f in Q19 N/m, r in Q35 m: k_f r in Q22 N, then Q28; with the reach in Q33 m Q29 N m, with r in Q30 m Q26 N m */
     int32_t stiffness_q19 = work->wall_friction << (19 - exponent);
-    int32_t lever_N_q28 = seld_mulh(stiffness_q19, radius_m_q30 << 5) << 6;
-    return (resistance){seld_mulh(lever_N_q28, -work->reach_m_q33) * 2, seld_mulh(lever_N_q28, radius_m_q30)};
+    int32_t lever_N_q28 = crn_mulh(stiffness_q19, radius_m_q30 << 5) << 6;
+    return (resistance){crn_mulh(lever_N_q28, -work->reach_m_q33) * 2, crn_mulh(lever_N_q28, radius_m_q30)};
 }
 
 /* Friction on tool k at an edge: between it and its neighbours (the other's turn is the newest known), and of the wall.
  * Overflow: stiffnesses of pairs are below 2^15, so a pair's torque is below 2^20. */
 static inline __attribute__((always_inline)) resistance
-edge_resistance(unsigned exponent, const seld_node_state *node, const seld_work *work,
-                const seld_line_node *line, uint32_t k, bool outermost)
+edge_resistance(unsigned exponent, const crn_node_state *node, const crn_work *work,
+                const crn_line_node *line, uint32_t k, bool outermost)
 {
     resistance sum = {0, 0};
     if (work->touching && line->outer == k) {
@@ -72,14 +72,14 @@ edge_resistance(unsigned exponent, const seld_node_state *node, const seld_work 
     }
     if (!outermost) {
         int32_t stiffness = work->u.a.grip_N_m_q26[k];
-        int32_t way = seld_sub_sat(node->spin_q30[k + 1], node->grip_q30[k]);
-        sum.torque_N_m_q30 += seld_mulh(stiffness << 6, way);
+        int32_t way = crn_sub_sat(node->spin_q30[k + 1], node->grip_q30[k]);
+        sum.torque_N_m_q30 += crn_mulh(stiffness << 6, way);
         sum.stiffness_q26 += stiffness;
     }
     if (k > 0) {
         int32_t stiffness = work->u.a.grip_N_m_q26[k - 1];
-        int32_t way = seld_add_sat(node->spin_q30[k - 1], node->grip_q30[k - 1]);
-        sum.torque_N_m_q30 += seld_mulh(stiffness << 6, way);
+        int32_t way = crn_add_sat(node->spin_q30[k - 1], node->grip_q30[k - 1]);
+        sum.torque_N_m_q30 += crn_mulh(stiffness << 6, way);
         sum.stiffness_q26 += stiffness;
     }
     return sum;
@@ -101,89 +101,89 @@ static inline __attribute__((always_inline)) int32_t over_pivot(int32_t right, i
     int64_t product = (int64_t)right * reciprocal;
     unsigned shift = 36 - lead; /* 7 .. 36 */
     if (sizeof(void *) > 4 || shift > 31) {
-        return seld_sat32(product >> shift);
+        return crn_sat32(product >> shift);
     }
-    int32_t high = seld_high64(product);
+    int32_t high = crn_high64(product);
     int32_t most = (int32_t)1 << (shift - 1); /* upper word of the limit */
     if (high >= most || high < -most) {
         return high < 0 ? INT32_MIN : INT32_MAX;
     }
-    return seld_narrow64(product, shift);
+    return crn_narrow64(product, shift);
 }
 
 /* Row of edge j of tool k. Pivots and couplings in Q26 N m, right side in Q30 N m, angles in Q30 rad.
  * Overflow: k is below 2^30 (rod_line.c), curvature terms below 2^29 each, friction and the hold below 2^30 + 2^20: the pivot
  * fits 32 bits without a sign. Moments saturate. */
-static inline __attribute__((always_inline)) void eliminate_edge(const seld_model *model, seld_state *state,
+static inline __attribute__((always_inline)) void eliminate_edge(const crn_model *model, crn_state *state,
                                                                  uint32_t k, uint32_t j, bool outermost,
                                                                  twist_carry *carry)
 {
-    const seld_joint *joint = seld_rod_joint(state, j + 1);
-    const seld_node_state *node = &state->words.nodes[j];
-    seld_work *work = &state->scratch.nodes[j];
+    const crn_joint *joint = crn_rod_joint(state, j + 1);
+    const crn_node_state *node = &state->words.nodes[j];
+    crn_work *work = &state->scratch.nodes[j];
     int32_t next = joint->twist_N_m_q26[k];
-    int32_t moment = seld_mul(next, joint_angle(node->angle_turn32[k], node[1].angle_turn32[k]), 26);
+    int32_t moment = crn_mul(next, joint_angle(node->angle_turn32[k], node[1].angle_turn32[k]), 26);
     resistance sum =
         edge_resistance(model->stiffness_exponent, node, work, &state->line.nodes[j], k, outermost);
-    int32_t right = seld_add_sat(seld_sub_sat(moment, carry->moment), carry->reduced_torque);
-    right = seld_add_sat(right, sum.torque_N_m_q30);
+    int32_t right = crn_add_sat(crn_sub_sat(moment, carry->moment), carry->reduced_torque);
+    right = crn_add_sat(right, sum.torque_N_m_q30);
     uint32_t pivot =
-        (uint32_t)carry->left_q26 + (uint32_t)next + SELD_SPIN_DRAG_N_M_Q26 + (uint32_t)sum.stiffness_q26;
+        (uint32_t)carry->left_q26 + (uint32_t)next + CRN_SPIN_DRAG_N_M_Q26 + (uint32_t)sum.stiffness_q26;
     if (((joint->curved >> k & 1u) | (uint32_t)carry->curve_torque | (uint32_t)carry->curve_q26) != 0) {
         int32_t curve_torque[2] = {0, 0};
         int32_t curve_q26[2] = {0, 0};
         if (joint->curved >> k & 1u) {
             curvature_torque(state, k, j + 1, curve_torque, curve_q26);
         }
-        right = seld_add_sat(right, seld_add_sat(carry->curve_torque, curve_torque[0]));
+        right = crn_add_sat(right, crn_add_sat(carry->curve_torque, curve_torque[0]));
         pivot += (uint32_t)carry->curve_q26 + (uint32_t)curve_q26[0];
         carry->curve_torque = curve_torque[1];
         carry->curve_q26 = curve_q26[1];
     }
     unsigned lead = (unsigned)__builtin_clz(pivot);
-    int32_t reciprocal = seld_reciprocal_q30(pivot << lead >> 1);
+    int32_t reciprocal = crn_reciprocal_q30(pivot << lead >> 1);
     /* k / pivot, at most one since the pivot is k and more; 2^-30 of room for the reciprocal's rounding */
     int32_t ratio = (int32_t)(((uint64_t)((uint32_t)next << lead) * (uint32_t)reciprocal) >> 32);
-    ratio = ratio > SELD_ONE_Q30 ? SELD_ONE_Q30 : ratio;
+    ratio = ratio > CRN_ONE_Q30 ? CRN_ONE_Q30 : ratio;
     work->u.a.twist_ratio_q30 = ratio;
     work->u.a.twist_angle_q30 = over_pivot(right, reciprocal, lead);
-    carry->left_q26 = next - seld_scale_q30(next, ratio);
+    carry->left_q26 = next - crn_scale_q30(next, ratio);
     carry->moment = moment;
-    carry->reduced_torque = seld_mul_q30(right, ratio);
+    carry->reduced_torque = crn_mul_q30(right, ratio);
 }
 
 /* Turns the material axis of an edge: d1 (1 - a^2/2) + d2 a. */
-static void turn_axis(const seld_vec3 *tangent, int32_t angle_q30, seld_vec3 *axis1)
+static void turn_axis(const crn_vec3 *tangent, int32_t angle_q30, crn_vec3 *axis1)
 {
-    seld_vec3 axis2 = seld_vec3_cross_unit(tangent, axis1);
-    int32_t cosine = SELD_ONE_Q30 - (seld_scale_q30(angle_q30, angle_q30) >> 1);
+    crn_vec3 axis2 = crn_vec3_cross_unit(tangent, axis1);
+    int32_t cosine = CRN_ONE_Q30 - (crn_scale_q30(angle_q30, angle_q30) >> 1);
     for (int c = 0; c < 3; c++) {
-        axis1->v[c] = seld_scale_q30(axis1->v[c], cosine) + seld_scale_q30(axis2.v[c], angle_q30);
+        axis1->v[c] = crn_scale_q30(axis1->v[c], cosine) + crn_scale_q30(axis2.v[c], angle_q30);
     }
-    seld_frames_orthonormalise(axis1, tangent);
+    crn_frames_orthonormalise(axis1, tangent);
 }
 
 /* From the base to tool k's tip; edges that the tip is about to reach take the frame of its last edge. */
-static inline __attribute__((always_inline)) void substitute(seld_state *state, uint32_t k, uint32_t first)
+static inline __attribute__((always_inline)) void substitute(crn_state *state, uint32_t k, uint32_t first)
 {
     uint32_t na = state->words.free_count;
     int32_t turn = 0; /* of the edge nearer the base */
     uint32_t angle = state->words.nodes[na].angle_turn32[k];
     for (uint32_t n = na; n > first; n--) {
-        seld_work *work = &state->scratch.nodes[n - 1];
-        seld_node_state *node = &state->words.nodes[n - 1];
-        turn = seld_add_sat(work->u.a.twist_angle_q30, seld_scale_q30(turn, work->u.a.twist_ratio_q30));
-        turn = seld_clamp(turn, -ANGLE_STEP_MAX_Q30, ANGLE_STEP_MAX_Q30);
+        crn_work *work = &state->scratch.nodes[n - 1];
+        crn_node_state *node = &state->words.nodes[n - 1];
+        turn = crn_add_sat(work->u.a.twist_angle_q30, crn_scale_q30(turn, work->u.a.twist_ratio_q30));
+        turn = crn_clamp(turn, -ANGLE_STEP_MAX_Q30, ANGLE_STEP_MAX_Q30);
         uint32_t behind = angle;
-        angle = node->angle_turn32[k] + (uint32_t)seld_scale_q30(turn, TWO_OVER_PI_Q30);
+        angle = node->angle_turn32[k] + (uint32_t)crn_scale_q30(turn, TWO_OVER_PI_Q30);
         node->angle_turn32[k] = angle;
         node->spin_q30[k] = turn;
-        int32_t torque = seld_mul(seld_rod_joint(state, n)->twist_N_m_q26[k], joint_angle(angle, behind), 26);
-        work[1].torque_N_m_q30 = seld_add_sat(work[1].torque_N_m_q30, torque);
+        int32_t torque = crn_mul(crn_rod_joint(state, n)->twist_N_m_q26[k], joint_angle(angle, behind), 26);
+        work[1].torque_N_m_q30 = crn_add_sat(work[1].torque_N_m_q30, torque);
         if (n == na) {
             state->scratch.torque_N_m_q30[k] = torque;
         }
-        if ((seld_edge_curved(state, n - 1) >> k & 1u) != 0) {
+        if ((crn_edge_curved(state, n - 1) >> k & 1u) != 0) {
             turn_axis(&node->tangent_q30, turn, &work->u.a.axis1_q30[k]);
         }
     }
@@ -194,7 +194,7 @@ static inline __attribute__((always_inline)) void substitute(seld_state *state, 
 }
 
 /* The edge that tool k's tip lies in; free_count when the tool is still in the inserter. */
-static uint32_t tip_edge(const seld_model *model, const seld_state *state, uint32_t k)
+static uint32_t tip_edge(const crn_model *model, const crn_state *state, uint32_t k)
 {
     uint32_t j = 0;
     while (j < state->words.free_count && model->mesh[j + 1].arc_m_q30 <= state->line.offset_m_q30[k]) {
@@ -204,15 +204,15 @@ static uint32_t tip_edge(const seld_model *model, const seld_state *state, uint3
 }
 
 /* A spring of 16 N m/rad that holds the first edge of tool 0, for validation: as if it were a rest shape's. */
-static void hold_turn(const seld_model *model, const seld_state *state, twist_carry *carry)
+static void hold_turn(const crn_model *model, const crn_state *state, twist_carry *carry)
 {
     int32_t miss = (int32_t)(model->hold.turn32 - state->words.nodes[0].angle_turn32[0]);
-    carry->curve_torque = seld_sat32(16 * (int64_t)seld_mul_q30(miss, HALF_PI_Q30));
+    carry->curve_torque = crn_sat32(16 * (int64_t)crn_mul_q30(miss, HALF_PI_Q30));
     carry->curve_q26 = 16 << 26;
 }
 
 /* Inline, so that k and whether a tool is the outermost are constants in the loops. */
-static inline __attribute__((always_inline)) void twist_tool(const seld_model *model, seld_state *state,
+static inline __attribute__((always_inline)) void twist_tool(const crn_model *model, crn_state *state,
                                                              uint32_t k, bool outermost)
 {
     twist_carry carry = {0, 0, 0, 0, 0};
@@ -228,7 +228,7 @@ static inline __attribute__((always_inline)) void twist_tool(const seld_model *m
     substitute(state, k, first);
 }
 
-void seld_rod_twist(const seld_model *model, seld_state *state)
+void crn_rod_twist(const crn_model *model, crn_state *state)
 {
     for (uint32_t i = 0; i <= state->words.free_count; i++) {
         state->scratch.nodes[i].torque_N_m_q30 = 0;

@@ -22,11 +22,11 @@ static bool is_within(int32_t value, int32_t low, int32_t high)
     return value >= low && value <= high;
 }
 
-bool seld_strut_order_is_valid(const seld_strut_order *order)
+bool crn_strut_order_is_valid(const crn_strut_order *order)
 {
     const int32_t *c = order->centre_um;
     if (order->number == 0 || order->inside_um == 0) {
-        return order->number <= SELD_STRUT_RING_MAX && order->inside_um == 0 && order->thickness_um == 0 &&
+        return order->number <= CRN_STRUT_RING_MAX && order->inside_um == 0 && order->thickness_um == 0 &&
                order->is_joined == 0 && (c[0] | c[1] | c[2]) == 0;
     }
     for (int k = 0; k < 3; k++) {
@@ -34,7 +34,7 @@ bool seld_strut_order_is_valid(const seld_strut_order *order)
             return false;
         }
     }
-    return order->number <= SELD_STRUT_RING_MAX && order->inside_um >= INSIDE_MIN_um &&
+    return order->number <= CRN_STRUT_RING_MAX && order->inside_um >= INSIDE_MIN_um &&
            order->inside_um <= INSIDE_MAX_um && order->thickness_um >= THICKNESS_MIN_um &&
            order->thickness_um <= THICKNESS_MAX_um && order->is_joined <= 1;
 }
@@ -42,7 +42,7 @@ bool seld_strut_order_is_valid(const seld_strut_order *order)
 /* 2^30 / 10^6 in Q20. Overflow: 1.9e6 x 2^30 / 10^6 fits; the product is below 2^52. Error: 1/2 LSB. */
 static int32_t from_um(int32_t um)
 {
-    return (int32_t)seld_rshift_round64((int64_t)um * 1125899907, 20);
+    return (int32_t)crn_rshift_round64((int64_t)um * 1125899907, 20);
 }
 
 static void put_bit(uint32_t *bits, uint32_t i, bool is_set)
@@ -56,16 +56,16 @@ static bool has_bit(const uint32_t *bits, uint32_t i)
     return (bits[i >> 5] >> (i & 31) & 1) != 0;
 }
 
-static bool is_moving(const seld_strut_ring *ring)
+static bool is_moving(const crn_strut_ring *ring)
 {
     const int32_t *now = ring->centre_m_q30.v, *wanted = ring->wanted_m_q30.v;
     return now[0] != wanted[0] || now[1] != wanted[1] || now[2] != wanted[2] ||
            ring->inside_m_q30 != ring->wanted_inside_m_q30;
 }
 
-static void take_away(seld_strut_state *struts, uint32_t i)
+static void take_away(crn_strut_state *struts, uint32_t i)
 {
-    const seld_strut_ring none = {.thickness_m_q30 = 0};
+    const crn_strut_ring none = {.thickness_m_q30 = 0};
     struts->rings[i] = none;
     put_bit(struts->joined_bits, i, false);
     put_bit(struts->moving_bits, i, false);
@@ -74,18 +74,18 @@ static void take_away(seld_strut_state *struts, uint32_t i)
     }
 }
 
-bool seld_state_strut(seld_state *state, const seld_strut_order *order)
+bool crn_state_strut(crn_state *state, const crn_strut_order *order)
 {
-    if (order->number == 0 || !seld_strut_order_is_valid(order)) {
+    if (order->number == 0 || !crn_strut_order_is_valid(order)) {
         return false;
     }
-    seld_strut_state *struts = &state->words.struts;
+    crn_strut_state *struts = &state->words.struts;
     const uint32_t i = order->number - 1;
     if (order->inside_um == 0) {
         take_away(struts, i);
         return true;
     }
-    seld_strut_ring *ring = &struts->rings[i];
+    crn_strut_ring *ring = &struts->rings[i];
     for (int k = 0; k < 3; k++) {
         ring->wanted_m_q30.v[k] = from_um(order->centre_um[k]);
     }
@@ -104,12 +104,12 @@ bool seld_state_strut(seld_state *state, const seld_strut_order *order)
 /* Overflow: both are below 2^31 in magnitude and differ by less than 2^32: the difference saturates. */
 static int32_t next(int32_t now, int32_t wanted)
 {
-    return now + seld_clamp(seld_sub_sat(wanted, now), -PACE_M_Q30, PACE_M_Q30);
+    return now + crn_clamp(crn_sub_sat(wanted, now), -PACE_M_Q30, PACE_M_Q30);
 }
 
-static void move_on(seld_strut_state *struts, uint32_t i)
+static void move_on(crn_strut_state *struts, uint32_t i)
 {
-    seld_strut_ring *ring = &struts->rings[i];
+    crn_strut_ring *ring = &struts->rings[i];
     for (int k = 0; k < 3; k++) {
         ring->centre_m_q30.v[k] = next(ring->centre_m_q30.v[k], ring->wanted_m_q30.v[k]);
     }
@@ -117,12 +117,12 @@ static void move_on(seld_strut_state *struts, uint32_t i)
     put_bit(struts->moving_bits, i, is_moving(ring));
 }
 
-void seld_struts_step(seld_state *state)
+void crn_struts_step(crn_state *state)
 {
-    seld_strut_state *struts = &state->words.struts;
-    seld_vec3 low = {{INT32_MAX, INT32_MAX, INT32_MAX}}, high = {{INT32_MIN, INT32_MIN, INT32_MIN}};
+    crn_strut_state *struts = &state->words.struts;
+    crn_vec3 low = {{INT32_MAX, INT32_MAX, INT32_MAX}}, high = {{INT32_MIN, INT32_MIN, INT32_MIN}};
     for (uint32_t i = 0; i < struts->used; i++) {
-        const seld_strut_ring *ring = &struts->rings[i];
+        const crn_strut_ring *ring = &struts->rings[i];
         if (ring->thickness_m_q30 == 0) {
             continue;
         }
@@ -144,7 +144,7 @@ void seld_struts_step(seld_state *state)
 
 /* --- contact ------------------------------------------------------------------------------------------------- */
 
-static bool is_joined(const seld_strut_state *struts, uint32_t i)
+static bool is_joined(const crn_strut_state *struts, uint32_t i)
 {
     if (i + 1 >= struts->used || !has_bit(struts->joined_bits, i) ||
         struts->rings[i + 1].thickness_m_q30 == 0) {
@@ -152,7 +152,7 @@ static bool is_joined(const seld_strut_state *struts, uint32_t i)
     }
     for (int k = 0; k < 3; k++) {
         const int32_t apart =
-            seld_sub_sat(struts->rings[i + 1].centre_m_q30.v[k], struts->rings[i].centre_m_q30.v[k]);
+            crn_sub_sat(struts->rings[i + 1].centre_m_q30.v[k], struts->rings[i].centre_m_q30.v[k]);
         if (!is_within(apart, -APART_MAX_M_Q30, APART_MAX_M_Q30)) {
             return false;
         }
@@ -161,15 +161,15 @@ static bool is_joined(const seld_strut_state *struts, uint32_t i)
 }
 
 /* Along the chain at one of its rings, from the ring before to the one behind. Overflow: rings that are joined are less than 2^24 apart. */
-static seld_vec3 along_chain(const seld_strut_state *struts, uint32_t i, bool has_before, bool has_behind)
+static crn_vec3 along_chain(const crn_strut_state *struts, uint32_t i, bool has_before, bool has_behind)
 {
-    const seld_strut_ring *ring = &struts->rings[i];
-    return seld_vec3_sub(ring[has_behind ? 1 : 0].centre_m_q30, (ring - (has_before ? 1 : 0))->centre_m_q30);
+    const crn_strut_ring *ring = &struts->rings[i];
+    return crn_vec3_sub(ring[has_behind ? 1 : 0].centre_m_q30, (ring - (has_before ? 1 : 0))->centre_m_q30);
 }
 
 /* The struts at one place of the chain. */
 typedef struct section {
-    seld_vec3 centre_m_q30, along_q30;
+    crn_vec3 centre_m_q30, along_q30;
     int32_t inside_m_q30, thickness_m_q30, slope_q30;
     int32_t
         beyond_m_q30; /* the end of the chain: how far the place is from it, along_q30 being the way out */
@@ -178,17 +178,17 @@ typedef struct section {
 /* Between a and b. Overflow: impossible, a convex sum. */
 static int32_t between(int32_t a, int32_t b, int32_t share_q30)
 {
-    return seld_scale_q30(a, SELD_ONE_Q30 - share_q30) + seld_scale_q30(b, share_q30);
+    return crn_scale_q30(a, CRN_ONE_Q30 - share_q30) + crn_scale_q30(b, share_q30);
 }
 
-static seld_vec3 vector_between(const seld_vec3 *a, const seld_vec3 *b, int32_t share_q30)
+static crn_vec3 vector_between(const crn_vec3 *a, const crn_vec3 *b, int32_t share_q30)
 {
-    return seld_vec3_make(between(a->v[0], b->v[0], share_q30), between(a->v[1], b->v[1], share_q30),
-                          between(a->v[2], b->v[2], share_q30));
+    return crn_vec3_make(between(a->v[0], b->v[0], share_q30), between(a->v[1], b->v[1], share_q30),
+                         between(a->v[2], b->v[2], share_q30));
 }
 
 /* Within the box of rings i and i + 1, with room for the node? Overflow: radii are below 2^25, places below 2^30.93. */
-static bool is_near(const seld_strut_ring *ring, const seld_vec3 *place, int32_t radius_m_q30)
+static bool is_near(const crn_strut_ring *ring, const crn_vec3 *place, int32_t radius_m_q30)
 {
     const int32_t wider =
         ring[0].inside_m_q30 > ring[1].inside_m_q30 ? ring[0].inside_m_q30 : ring[1].inside_m_q30;
@@ -204,63 +204,63 @@ static bool is_near(const seld_strut_ring *ring, const seld_vec3 *place, int32_t
     return true;
 }
 
-static section end_at(const seld_strut_ring *ring, const seld_vec3 *out_q30, int32_t beyond_m_q30)
+static section end_at(const crn_strut_ring *ring, const crn_vec3 *out_q30, int32_t beyond_m_q30)
 {
     return (section){ring->centre_m_q30,    *out_q30, ring->inside_m_q30,
                      ring->thickness_m_q30, 0,        beyond_m_q30};
 }
 
-static seld_vec3 unit_of(const seld_vec3 *way)
+static crn_vec3 unit_of(const crn_vec3 *way)
 {
-    const seld_vec3 none = {{0, 0, 0}};
-    return seld_vec3_normalise(*way, none, NULL);
+    const crn_vec3 none = {{0, 0, 0}};
+    return crn_vec3_normalise(*way, none, NULL);
 }
 
 /* Between the planes across the chain at two rings. Overflow: within the box a place is less than 2^26 off. */
-static section section_between(const seld_strut_ring *ring, const seld_vec3 *first, const seld_vec3 *last,
-                               const seld_vec3 *off_a, const seld_vec3 *off_b)
+static section section_between(const crn_strut_ring *ring, const crn_vec3 *first, const crn_vec3 *last,
+                               const crn_vec3 *off_a, const crn_vec3 *off_b)
 {
-    const seld_strut_ring *a = ring, *b = ring + 1;
-    const int32_t behind_a = seld_vec3_dot_unit(off_a, first), before_b = -seld_vec3_dot_unit(off_b, last);
+    const crn_strut_ring *a = ring, *b = ring + 1;
+    const int32_t behind_a = crn_vec3_dot_unit(off_a, first), before_b = -crn_vec3_dot_unit(off_b, last);
     const int32_t from_a = behind_a > 0 ? behind_a : 0, to_b = before_b > 0 ? before_b : 0;
-    const int32_t share = seld_quotient(from_a, from_a + to_b + 1, 30);
-    const seld_vec3 none = {{0, 0, 0}};
+    const int32_t share = crn_quotient(from_a, from_a + to_b + 1, 30);
+    const crn_vec3 none = {{0, 0, 0}};
     int32_t apart;
-    (void)seld_vec3_normalise(seld_vec3_sub(b->centre_m_q30, a->centre_m_q30), none, &apart);
-    const int32_t slope = apart > 0 ? seld_quotient(b->inside_m_q30 - a->inside_m_q30, apart, 30) : 0;
-    const seld_vec3 along = vector_between(first, last, share);
+    (void)crn_vec3_normalise(crn_vec3_sub(b->centre_m_q30, a->centre_m_q30), none, &apart);
+    const int32_t slope = apart > 0 ? crn_quotient(b->inside_m_q30 - a->inside_m_q30, apart, 30) : 0;
+    const crn_vec3 along = vector_between(first, last, share);
     return (section){vector_between(&a->centre_m_q30, &b->centre_m_q30, share),
                      unit_of(&along),
                      between(a->inside_m_q30, b->inside_m_q30, share),
                      between(a->thickness_m_q30, b->thickness_m_q30, share),
-                     seld_clamp(slope, -STEEP_Q30, STEEP_Q30),
+                     crn_clamp(slope, -STEEP_Q30, STEEP_Q30),
                      0};
 }
 
 /* The section of the struts from ring i to the next in which a place lies; false: in another one's, or beyond an end. Signs first: of the
  * segments near a place all but one or two end there. */
-static bool section_at(const seld_strut_state *struts, uint32_t i, const seld_vec3 *place, section *at)
+static bool section_at(const crn_strut_state *struts, uint32_t i, const crn_vec3 *place, section *at)
 {
-    const seld_strut_ring *a = &struts->rings[i], *b = a + 1;
+    const crn_strut_ring *a = &struts->rings[i], *b = a + 1;
     const bool has_before = i > 0 && is_joined(struts, i - 1), has_behind = is_joined(struts, i + 1);
-    const seld_vec3 way_a = along_chain(struts, i, has_before, true),
-                    off_a = seld_vec3_sub(*place, a->centre_m_q30);
-    const bool is_before_a = seld_vec3_dot64(off_a, way_a) < 0;
+    const crn_vec3 way_a = along_chain(struts, i, has_before, true),
+                   off_a = crn_vec3_sub(*place, a->centre_m_q30);
+    const bool is_before_a = crn_vec3_dot64(off_a, way_a) < 0;
     if (is_before_a && has_before) {
         return false;
     }
-    const seld_vec3 way_b = along_chain(struts, i + 1, true, has_behind),
-                    off_b = seld_vec3_sub(*place, b->centre_m_q30);
-    const bool is_behind_b = seld_vec3_dot64(off_b, way_b) >= 0;
+    const crn_vec3 way_b = along_chain(struts, i + 1, true, has_behind),
+                   off_b = crn_vec3_sub(*place, b->centre_m_q30);
+    const bool is_behind_b = crn_vec3_dot64(off_b, way_b) >= 0;
     if (is_behind_b && !is_before_a && has_behind) {
         return false;
     }
-    const seld_vec3 none = {{0, 0, 0}}, first = unit_of(&way_a), last = unit_of(&way_b);
+    const crn_vec3 none = {{0, 0, 0}}, first = unit_of(&way_a), last = unit_of(&way_b);
     if (is_before_a) {
-        const seld_vec3 out = seld_vec3_sub(none, first);
-        *at = end_at(a, &out, seld_vec3_dot_unit(&off_a, &out));
+        const crn_vec3 out = crn_vec3_sub(none, first);
+        *at = end_at(a, &out, crn_vec3_dot_unit(&off_a, &out));
     } else if (is_behind_b) {
-        *at = end_at(b, &last, seld_vec3_dot_unit(&off_b, &last));
+        *at = end_at(b, &last, crn_vec3_dot_unit(&off_b, &last));
     } else {
         *at = section_between(a, &first, &last, &off_a, &off_b);
     }
@@ -268,57 +268,56 @@ static bool section_at(const seld_strut_state *struts, uint32_t i, const seld_ve
 }
 
 /* Beside the edge: round, its normal at least 45 degrees to the side. */
-static seld_lumen_sample beside_edge(const section *at, const seld_vec3 *outwards_q30,
-                                     int32_t off_middle_m_q30)
+static crn_lumen_sample beside_edge(const section *at, const crn_vec3 *outwards_q30, int32_t off_middle_m_q30)
 {
     const int32_t beyond = at->beyond_m_q30,
                   size = off_middle_m_q30 < 0 ? -off_middle_m_q30 : off_middle_m_q30;
     const int32_t aside = size > beyond ? size : beyond, sideways = off_middle_m_q30 < 0 ? -aside : aside;
-    const seld_vec3 none = {{0, 0, 0}};
-    seld_lumen_sample sample;
-    seld_vec3 way;
+    const crn_vec3 none = {{0, 0, 0}};
+    crn_lumen_sample sample;
+    crn_vec3 way;
     int32_t away;
-    (void)seld_vec3_normalise(seld_vec3_make(beyond, off_middle_m_q30, 0), none, &away);
+    (void)crn_vec3_normalise(crn_vec3_make(beyond, off_middle_m_q30, 0), none, &away);
     for (int k = 0; k < 3; k++) {
-        way.v[k] = seld_scale_q30(beyond, at->along_q30.v[k]) + seld_scale_q30(sideways, outwards_q30->v[k]);
+        way.v[k] = crn_scale_q30(beyond, at->along_q30.v[k]) + crn_scale_q30(sideways, outwards_q30->v[k]);
     }
     sample.distance_m_q30 = at->thickness_m_q30 / 2 - away;
-    sample.normal_q30 = seld_vec3_normalise(way, none, NULL);
+    sample.normal_q30 = crn_vec3_normalise(way, none, NULL);
     return sample;
 }
 
 /* Beside the struts, inside or outside. Overflow: slope and unit vector are below 1.5 together. */
-static seld_lumen_sample beside_struts(const section *at, const seld_vec3 *outwards_q30, int32_t rho_m_q30,
-                                       bool is_inside)
+static crn_lumen_sample beside_struts(const section *at, const crn_vec3 *outwards_q30, int32_t rho_m_q30,
+                                      bool is_inside)
 {
-    const seld_vec3 none = {{0, 0, 0}};
-    seld_vec3 away;
+    const crn_vec3 none = {{0, 0, 0}};
+    crn_vec3 away;
     for (int k = 0; k < 3; k++) {
-        const int32_t out = outwards_q30->v[k] - seld_scale_q30(at->slope_q30, at->along_q30.v[k]);
+        const int32_t out = outwards_q30->v[k] - crn_scale_q30(at->slope_q30, at->along_q30.v[k]);
         away.v[k] = is_inside ? -out : out;
     }
     const int32_t beyond =
         is_inside ? rho_m_q30 - at->inside_m_q30 : at->inside_m_q30 + at->thickness_m_q30 - rho_m_q30;
-    seld_lumen_sample sample;
+    crn_lumen_sample sample;
     int32_t length_q30;
-    sample.normal_q30 = seld_vec3_normalise(away, none, &length_q30);
-    sample.distance_m_q30 = seld_quotient(beyond, length_q30, 30);
+    sample.normal_q30 = crn_vec3_normalise(away, none, &length_q30);
+    sample.distance_m_q30 = crn_quotient(beyond, length_q30, 30);
     return sample;
 }
 
 /* One shell's contact; false: on its axis, where it has no normal. */
-static bool contact_of(const section *at, const seld_vec3 *place, int32_t radius_m_q30,
-                       seld_lumen_sample *sample)
+static bool contact_of(const section *at, const crn_vec3 *place, int32_t radius_m_q30,
+                       crn_lumen_sample *sample)
 {
-    const seld_vec3 none = {{0, 0, 0}};
-    const seld_vec3 off = seld_vec3_sub(*place, at->centre_m_q30);
-    const int32_t along = seld_vec3_dot_unit(&off, &at->along_q30);
-    seld_vec3 across;
+    const crn_vec3 none = {{0, 0, 0}};
+    const crn_vec3 off = crn_vec3_sub(*place, at->centre_m_q30);
+    const int32_t along = crn_vec3_dot_unit(&off, &at->along_q30);
+    crn_vec3 across;
     int32_t rho;
     for (int k = 0; k < 3; k++) {
-        across.v[k] = off.v[k] - seld_scale_q30(along, at->along_q30.v[k]);
+        across.v[k] = off.v[k] - crn_scale_q30(along, at->along_q30.v[k]);
     }
-    across = seld_vec3_normalise(across, none, &rho);
+    across = crn_vec3_normalise(across, none, &rho);
     if (rho == 0) {
         return false;
     }
@@ -332,7 +331,7 @@ static bool contact_of(const section *at, const seld_vec3 *place, int32_t radius
     return true;
 }
 
-static bool is_in_box(const seld_scratch *scratch, const seld_vec3 *place_m_q30)
+static bool is_in_box(const crn_scratch *scratch, const crn_vec3 *place_m_q30)
 {
     for (int k = 0; k < 3; k++) {
         if (place_m_q30->v[k] < scratch->struts_low_m_q30.v[k] ||
@@ -343,13 +342,13 @@ static bool is_in_box(const seld_scratch *scratch, const seld_vec3 *place_m_q30)
     return true;
 }
 
-bool seld_struts_contact(const seld_strut_state *struts, const seld_vec3 *place_m_q30, int32_t radius_m_q30,
-                         seld_lumen_sample *sample)
+bool crn_struts_contact(const crn_strut_state *struts, const crn_vec3 *place_m_q30, int32_t radius_m_q30,
+                        crn_lumen_sample *sample)
 {
     bool is_near_one = false;
     for (uint32_t i = 0; i + 1 < struts->used; i++) {
         section at;
-        seld_lumen_sample here;
+        crn_lumen_sample here;
         if (!has_bit(struts->joined_bits, i) || !is_near(&struts->rings[i], place_m_q30, radius_m_q30) ||
             !is_joined(struts, i) || !section_at(struts, i, place_m_q30, &at) ||
             !contact_of(&at, place_m_q30, radius_m_q30, &here)) {
@@ -363,33 +362,33 @@ bool seld_struts_contact(const seld_strut_state *struts, const seld_vec3 *place_
     return is_near_one;
 }
 
-static void carry(const seld_motion *motion, seld_motion_pose *pose, seld_lumen_sample *sample)
+static void carry(const crn_motion *motion, crn_motion_pose *pose, crn_lumen_sample *sample)
 {
     if (motion != NULL) {
-        *sample = seld_motion_carry(motion, pose, *sample);
+        *sample = crn_motion_carry(motion, pose, *sample);
     }
 }
 
-bool seld_struts_here(const seld_model *model, seld_state *state, const seld_vec3 *world_m_q30,
-                      int32_t radius_m_q30, seld_lumen_sample *sample)
+bool crn_struts_here(const crn_model *model, crn_state *state, const crn_vec3 *world_m_q30,
+                     int32_t radius_m_q30, crn_lumen_sample *sample)
 {
-    const seld_motion *motion = model->lumen->motion;
-    seld_motion_pose *pose = &state->scratch.pose;
-    const seld_vec3 *reference = motion == NULL ? world_m_q30 : &pose->reference_m_q30;
+    const crn_motion *motion = model->lumen->motion;
+    crn_motion_pose *pose = &state->scratch.pose;
+    const crn_vec3 *reference = motion == NULL ? world_m_q30 : &pose->reference_m_q30;
     if (!is_in_box(&state->scratch, reference) ||
-        !seld_struts_contact(&state->words.struts, reference, radius_m_q30, sample)) {
+        !crn_struts_contact(&state->words.struts, reference, radius_m_q30, sample)) {
         return false;
     }
     carry(motion, pose, sample);
     return true;
 }
 
-bool seld_struts_wall(const seld_model *model, const seld_state_words *words, seld_motion_pose *pose,
-                      const seld_vec3 *world_m_q30, int32_t radius_m_q30, seld_lumen_sample *sample)
+bool crn_struts_wall(const crn_model *model, const crn_state_words *words, crn_motion_pose *pose,
+                     const crn_vec3 *world_m_q30, int32_t radius_m_q30, crn_lumen_sample *sample)
 {
-    const seld_motion *motion = model->lumen->motion;
-    const seld_vec3 reference = motion == NULL ? *world_m_q30 : seld_motion_pull(motion, pose, world_m_q30);
-    if (!seld_struts_contact(&words->struts, &reference, radius_m_q30, sample)) {
+    const crn_motion *motion = model->lumen->motion;
+    const crn_vec3 reference = motion == NULL ? *world_m_q30 : crn_motion_pull(motion, pose, world_m_q30);
+    if (!crn_struts_contact(&words->struts, &reference, radius_m_q30, sample)) {
         return false;
     }
     carry(motion, pose, sample);
@@ -398,7 +397,7 @@ bool seld_struts_wall(const seld_model *model, const seld_state_words *words, se
 
 /* --- a restored state ---------------------------------------------------------------------------------------- */
 
-static bool ring_is_valid(const seld_strut_ring *ring)
+static bool ring_is_valid(const crn_strut_ring *ring)
 {
     const int32_t most = from_um(CENTRE_MAX_um);
     for (int k = 0; k < 3; k++) {
@@ -412,21 +411,21 @@ static bool ring_is_valid(const seld_strut_ring *ring)
            is_within(ring->thickness_m_q30, from_um(THICKNESS_MIN_um), from_um(THICKNESS_MAX_um));
 }
 
-static bool ring_is_none(const seld_strut_ring *ring)
+static bool ring_is_none(const crn_strut_ring *ring)
 {
     const int32_t *c = ring->centre_m_q30.v, *w = ring->wanted_m_q30.v;
     return (c[0] | c[1] | c[2] | w[0] | w[1] | w[2] | ring->inside_m_q30 | ring->wanted_inside_m_q30 |
             ring->thickness_m_q30) == 0;
 }
 
-bool seld_struts_are_valid(const seld_strut_state *struts)
+bool crn_struts_are_valid(const crn_strut_state *struts)
 {
-    if (struts->used > SELD_STRUT_RING_MAX ||
+    if (struts->used > CRN_STRUT_RING_MAX ||
         (struts->used > 0 && struts->rings[struts->used - 1].thickness_m_q30 == 0)) {
         return false;
     }
-    for (uint32_t i = 0; i < SELD_STRUT_RING_MAX; i++) {
-        const seld_strut_ring *ring = &struts->rings[i];
+    for (uint32_t i = 0; i < CRN_STRUT_RING_MAX; i++) {
+        const crn_strut_ring *ring = &struts->rings[i];
         const bool is_none = i >= struts->used || ring->thickness_m_q30 == 0;
         if (is_none ? !ring_is_none(ring) : !ring_is_valid(ring)) {
             return false;

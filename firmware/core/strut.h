@@ -12,27 +12,27 @@
  * The side is the one on which the node's centre lies. An end of the chain is a round edge; its normal leads at least by 45 degrees to one
  * side, so that no friction holds a tip there. Orders move a ring that is there by 5 um a tick. Where there is no ring it costs a
  * comparison for each node. docs/lesions.md. May include: core_state.h. Called by: rod_contact.c, core_state.c, core_step.c. */
-#ifndef SELD_STRUT_H
-#define SELD_STRUT_H
+#ifndef CRN_STRUT_H
+#define CRN_STRUT_H
 
 #include "firmware/core/core_state.h"
 
 /* A tick begins: rings go on to where they were ordered to, and a box is put about all of them. */
-void seld_struts_step(seld_state *state);
+void crn_struts_step(crn_state *state);
 
 /* The deepest of the shells around or beside a node of this radius: distance below 0 on its own side, normal away from the struts.
  * false: none within half a millimetre of it. In the reference pose. */
-bool seld_struts_contact(const seld_strut_state *struts, const seld_vec3 *place_m_q30, int32_t radius_m_q30,
-                         seld_lumen_sample *sample);
+bool crn_struts_contact(const crn_strut_state *struts, const crn_vec3 *place_m_q30, int32_t radius_m_q30,
+                        crn_lumen_sample *sample);
 
 /* The same at a place in the world, where the vessel may have moved. */
-bool seld_struts_wall(const seld_model *model, const seld_state_words *words, seld_motion_pose *pose,
-                      const seld_vec3 *world_m_q30, int32_t radius_m_q30, seld_lumen_sample *sample);
+bool crn_struts_wall(const crn_model *model, const crn_state_words *words, crn_motion_pose *pose,
+                     const crn_vec3 *world_m_q30, int32_t radius_m_q30, crn_lumen_sample *sample);
 
 /* The same in a tick, right after the wall was looked at there; most places are ruled out by the tick's box. */
-bool seld_struts_here(const seld_model *model, seld_state *state, const seld_vec3 *world_m_q30,
-                      int32_t radius_m_q30, seld_lumen_sample *sample);
+bool crn_struts_here(const crn_model *model, crn_state *state, const crn_vec3 *world_m_q30,
+                     int32_t radius_m_q30, crn_lumen_sample *sample);
 
-bool seld_struts_are_valid(const seld_strut_state *struts);
+bool crn_struts_are_valid(const crn_strut_state *struts);
 
 #endif

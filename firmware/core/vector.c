@@ -7,17 +7,17 @@
 static int32_t minor_2x2(int32_t a, int32_t b, int32_t c, int32_t d, unsigned n)
 {
     int64_t difference = (int64_t)a * b - (int64_t)c * d;
-    return seld_sat32(seld_asr64(difference, n) + (seld_asr64(difference, n - 1) & 1));
+    return crn_sat32(crn_asr64(difference, n) + (crn_asr64(difference, n - 1) & 1));
 }
 
-seld_vec3 seld_vec3_cross(seld_vec3 a, seld_vec3 b, unsigned n)
+crn_vec3 crn_vec3_cross(crn_vec3 a, crn_vec3 b, unsigned n)
 {
-    return seld_vec3_make(minor_2x2(a.v[1], b.v[2], a.v[2], b.v[1], n),
-                          minor_2x2(a.v[2], b.v[0], a.v[0], b.v[2], n),
-                          minor_2x2(a.v[0], b.v[1], a.v[1], b.v[0], n));
+    return crn_vec3_make(minor_2x2(a.v[1], b.v[2], a.v[2], b.v[1], n),
+                         minor_2x2(a.v[2], b.v[0], a.v[0], b.v[2], n),
+                         minor_2x2(a.v[0], b.v[1], a.v[1], b.v[0], n));
 }
 
-seld_vec3 seld_vec3_normalise(seld_vec3 a, seld_vec3 fallback, int32_t *length)
+crn_vec3 crn_vec3_normalise(crn_vec3 a, crn_vec3 fallback, int32_t *length)
 {
     /* Each square is at most 2^62, so the sum fits 64 bits unsigned. */
     uint64_t square = (uint64_t)((int64_t)a.v[0] * a.v[0]) + (uint64_t)((int64_t)a.v[1] * a.v[1]) +
@@ -29,9 +29,9 @@ seld_vec3 seld_vec3_normalise(seld_vec3 a, seld_vec3 fallback, int32_t *length)
         return fallback;
     }
     /* square = m 2^(32 - shift) with m in [2^30, 2^32); y = 1/sqrt(m) and |a| = 2^(32 - shift/2) / y. */
-    unsigned shift = seld_clz64(square) & ~1u;
+    unsigned shift = crn_clz64(square) & ~1u;
     uint32_t m_q32 = (uint32_t)((square << shift) >> 32);
-    int32_t y_q30 = seld_rsqrt_q30(m_q32);
+    int32_t y_q30 = crn_rsqrt_q30(m_q32);
     unsigned drop = 32 - shift / 2;
     if (length != NULL) {
         uint64_t root = (uint64_t)m_q32 * (uint64_t)y_q30;
@@ -39,6 +39,6 @@ seld_vec3 seld_vec3_normalise(seld_vec3 a, seld_vec3 fallback, int32_t *length)
         uint64_t rounded = (root + ((uint64_t)1 << (root_drop - 1))) >> root_drop;
         *length = rounded > INT32_MAX ? INT32_MAX : (int32_t)rounded;
     }
-    return seld_vec3_make(seld_mul(a.v[0], y_q30, drop), seld_mul(a.v[1], y_q30, drop),
-                          seld_mul(a.v[2], y_q30, drop));
+    return crn_vec3_make(crn_mul(a.v[0], y_q30, drop), crn_mul(a.v[1], y_q30, drop),
+                         crn_mul(a.v[2], y_q30, drop));
 }

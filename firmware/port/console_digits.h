@@ -1,6 +1,6 @@
 /* Decimal digits for a board's console. Freestanding. May include: stdint.h. Called by: the ports, firmware/bench. */
-#ifndef SELD_PORT_CONSOLE_DIGITS_H
-#define SELD_PORT_CONSOLE_DIGITS_H
+#ifndef CRN_PORT_CONSOLE_DIGITS_H
+#define CRN_PORT_CONSOLE_DIGITS_H
 
 #include <stdint.h>
 

@@ -1,6 +1,6 @@
 /* The USB device controller as the device stack sees it: what a port gives, what firmware/app/usb asks for.
  *
- * The port powers its controller up itself and hands the stack a filled seld_udc. From then on the stack calls, always
+ * The port powers its controller up itself and hands the stack a filled crn_udc. From then on the stack calls, always
  * from the main loop and never from an interrupt. Nothing here waits, and no call takes longer than handling a packet.
  *
  * Buffers belong to the stack; the controller reads and writes them in place (no copy). Buffers of OUT transfers are
@@ -11,44 +11,44 @@
  *
  * May include: nothing. Called by: firmware/app/usb, firmware/port/<port>.
  */
-#ifndef SELD_UDC_H
-#define SELD_UDC_H
+#ifndef CRN_UDC_H
+#define CRN_UDC_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-enum { SELD_UDC_IN = 0x80, SELD_UDC_SETUP_BYTES = 8, SELD_UDC_CONTROL_PACKET_BYTES = 64 };
+enum { CRN_UDC_IN = 0x80, CRN_UDC_SETUP_BYTES = 8, CRN_UDC_CONTROL_PACKET_BYTES = 64 };
 
-typedef enum seld_udc_type { /* transfer types as descriptors number them */
-                             SELD_UDC_BULK = 2,
-                             SELD_UDC_INTERRUPT = 3,
-} seld_udc_type;
+typedef enum crn_udc_type { /* transfer types as descriptors number them */
+                            CRN_UDC_BULK = 2,
+                            CRN_UDC_INTERRUPT = 3,
+} crn_udc_type;
 
-typedef enum seld_udc_speed {
-    SELD_UDC_FULL_SPEED = 0, /* 12 Mbit/s */
-    SELD_UDC_HIGH_SPEED = 1, /* 480 Mbit/s */
-} seld_udc_speed;
+typedef enum crn_udc_speed {
+    CRN_UDC_FULL_SPEED = 0, /* 12 Mbit/s */
+    CRN_UDC_HIGH_SPEED = 1, /* 480 Mbit/s */
+} crn_udc_speed;
 
-typedef enum seld_udc_event_kind {
-    SELD_UDC_NOTHING = 0,
-    SELD_UDC_RESET, /* the bus was reset, `speed` is known. Address 0, only endpoint 0 open, nothing armed */
-    SELD_UDC_SUSPEND, /* no traffic for 3 ms */
-    SELD_UDC_RESUME,
-    SELD_UDC_UNPLUG, /* the cable is out; everything as after a reset */
-    SELD_UDC_SETUP, /* a setup packet came: what was armed on endpoint 0 is void and gives no SELD_UDC_DONE */
-    SELD_UDC_DONE,  /* the transfer armed on `endpoint` is over after `bytes` */
-} seld_udc_event_kind;
+typedef enum crn_udc_event_kind {
+    CRN_UDC_NOTHING = 0,
+    CRN_UDC_RESET,   /* the bus was reset, `speed` is known. Address 0, only endpoint 0 open, nothing armed */
+    CRN_UDC_SUSPEND, /* no traffic for 3 ms */
+    CRN_UDC_RESUME,
+    CRN_UDC_UNPLUG, /* the cable is out; everything as after a reset */
+    CRN_UDC_SETUP,  /* a setup packet came: what was armed on endpoint 0 is void and gives no CRN_UDC_DONE */
+    CRN_UDC_DONE,   /* the transfer armed on `endpoint` is over after `bytes` */
+} crn_udc_event_kind;
 
-typedef struct seld_udc_event {
-    uint8_t kind;     /* seld_udc_event_kind */
-    uint8_t speed;    /* seld_udc_speed, of SELD_UDC_RESET */
-    uint8_t endpoint; /* of SELD_UDC_DONE */
-    uint32_t bytes;   /* of SELD_UDC_DONE */
-    uint8_t setup[SELD_UDC_SETUP_BYTES];
-} seld_udc_event;
+typedef struct crn_udc_event {
+    uint8_t kind;     /* crn_udc_event_kind */
+    uint8_t speed;    /* crn_udc_speed, of CRN_UDC_RESET */
+    uint8_t endpoint; /* of CRN_UDC_DONE */
+    uint32_t bytes;   /* of CRN_UDC_DONE */
+    uint8_t setup[CRN_UDC_SETUP_BYTES];
+} crn_udc_event;
 
-typedef struct seld_udc {
+typedef struct crn_udc {
     void *context; /* handed back in every call */
     bool can_high_speed;
 
@@ -60,7 +60,7 @@ typedef struct seld_udc {
 
     /* Start an endpoint afresh: next packet DATA0, not stalled, nothing armed. Opening an open one does the same.
      * False: the controller cannot have such an endpoint. */
-    bool (*open)(void *context, uint8_t endpoint, seld_udc_type type, uint16_t packet_bytes);
+    bool (*open)(void *context, uint8_t endpoint, crn_udc_type type, uint16_t packet_bytes);
     void (*close)(void *context, uint8_t endpoint);
 
     /* Begin one transfer; the stack never begins a second one on an endpoint before the first is done or void.
@@ -76,7 +76,7 @@ typedef struct seld_udc {
     void (*test)(void *context, uint8_t selector);
 
     /* The next event. False: nothing new. */
-    bool (*poll)(void *context, seld_udc_event *event);
-} seld_udc;
+    bool (*poll)(void *context, crn_udc_event *event);
+} crn_udc;
 
 #endif

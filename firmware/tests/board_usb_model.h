@@ -2,8 +2,8 @@
  * 42): heads, transfer descriptors, prime, flush, bits that are cleared by writing ones, the trip wire of setup packets; and the host on
  * its bus. Every register is reached through the macros LOAD and STORE of imxrt1062_registers.h, which are the model's here.
  * May include: cmocka, the port's file. Called by: test_board_usb.c. */
-#ifndef SELD_BOARD_USB_MODEL_H
-#define SELD_BOARD_USB_MODEL_H
+#ifndef CRN_BOARD_USB_MODEL_H
+#define CRN_BOARD_USB_MODEL_H
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +20,7 @@ static void model_store(volatile uint32_t *where, uint32_t value);
 #define R32(base, offset) (*model_place(base, offset))
 #define LOAD(REGISTER) model_load(&(REGISTER))
 #define STORE(REGISTER, value) model_store(&(REGISTER), value)
-#define SELD_CORTEX_M7_H /* no such processor here */
+#define CRN_CORTEX_M7_H /* no such processor here */
 static inline void core_data_barrier(void) {}
 #include "firmware/port/imxrt1062/usb_udc.c"
 

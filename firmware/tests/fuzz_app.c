@@ -29,14 +29,14 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity);
 
 enum { OPERATIONS_MAX = 48, SLOT_BYTES = 4096, ROOM_BYTES = 1 << 18, DEVICES = 7, SENT_MAX = 100000 };
 
-static seld_app app, devices[DEVICES];
-static uint8_t snapshots[SELD_TOOL_MAX]
-                        [SELD_APP_SNAPSHOT_BYTES]; /* of coupled devices with one, two and three tools */
+static crn_app app, devices[DEVICES];
+static uint8_t snapshots[CRN_TOOL_MAX]
+                        [CRN_APP_SNAPSHOT_BYTES]; /* of coupled devices with one, two and three tools */
 static uint8_t slots[2][SLOT_BYTES];
 static struct rig {
-    seld_port_inputs inputs;
+    crn_port_inputs inputs;
     bool is_attached, last_drive;
-    seld_port_motor last[SELD_PORT_TOOL_MAX];
+    crn_port_motor last[CRN_PORT_TOOL_MAX];
     uint32_t now_us, work_us;
     size_t room, sent;
 } rig;
@@ -72,7 +72,7 @@ static bool transmit(void *context, const uint8_t *frame, size_t frame_bytes)
     return true;
 }
 
-static bool inputs(void *context, seld_port_inputs *sample)
+static bool inputs(void *context, crn_port_inputs *sample)
 {
     (void)context;
     rig.now_us += rig.work_us;
@@ -92,20 +92,20 @@ static void check_motor(int32_t value, int32_t last, int32_t limit, int32_t slew
     promise(size_of(value) <= slew || (size_of(value) <= size_of(last) + slew && (value > 0) == (last > 0)));
 }
 
-static void outputs(void *context, const seld_port_outputs *out)
+static void outputs(void *context, const crn_port_outputs *out)
 {
     (void)context;
-    promise(!out->enable || (app.state == SELD_WIRE_STATE_RUNNING && app.mode == SELD_WIRE_MODE_FREE_RUN &&
+    promise(!out->enable || (app.state == CRN_WIRE_STATE_RUNNING && app.mode == CRN_WIRE_MODE_FREE_RUN &&
                              rig.is_attached && app.is_greeted));
     promise(out->enable || out->drive == rig.last_drive);
-    promise(out->lamp <= SELD_PORT_LAMP_FAULT);
-    for (int k = 0; k < SELD_PORT_TOOL_MAX; k++) {
-        const seld_port_motor *motor = &out->motors[k];
+    promise(out->lamp <= CRN_PORT_LAMP_FAULT);
+    for (int k = 0; k < CRN_PORT_TOOL_MAX; k++) {
+        const crn_port_motor *motor = &out->motors[k];
         promise(out->enable || (motor->axial_mN == 0 && motor->torque_uN_m == 0));
-        check_motor(motor->axial_mN, rig.last[k].axial_mN, SELD_APP_FORCE_LIMIT_mN,
-                    SELD_APP_FORCE_SLEW_mN_per_tick);
-        check_motor(motor->torque_uN_m, rig.last[k].torque_uN_m, SELD_APP_TORQUE_LIMIT_uN_m,
-                    SELD_APP_TORQUE_SLEW_uN_m_per_tick);
+        check_motor(motor->axial_mN, rig.last[k].axial_mN, CRN_APP_FORCE_LIMIT_mN,
+                    CRN_APP_FORCE_SLEW_mN_per_tick);
+        check_motor(motor->torque_uN_m, rig.last[k].torque_uN_m, CRN_APP_TORQUE_LIMIT_uN_m,
+                    CRN_APP_TORQUE_SLEW_uN_m_per_tick);
         promise(size_of(motor->axial_mN) <= app.tracks[k].force_limit_mN &&
                 size_of(motor->torque_uN_m) <= app.tracks[k].torque_limit_uN_m);
         rig.last[k] = *motor;
@@ -119,7 +119,7 @@ static uint32_t now_us(void *context)
     return rig.now_us;
 }
 
-static const seld_port port = {
+static const crn_port port = {
     .transmit = transmit,
     .transmit_room = transmit_room,
     .inputs = inputs,
@@ -132,38 +132,38 @@ static const seld_port port = {
 
 static void millisecond(void)
 {
-    rig.now_us += SELD_TICK_us;
-    seld_app_timer(&app);
+    rig.now_us += CRN_TICK_us;
+    crn_app_timer(&app);
 }
 
 /* --- messages --- */
 
 static void send(uint16_t type, const uint8_t *payload, size_t length)
 {
-    static uint8_t frame[SELD_WIRE_FRAME_MAX];
-    const seld_wire_header header = {(uint16_t)(app.sequence_in + 1), 0, type};
-    seld_app_receive(&app, frame, seld_wire_frame_encode(&header, payload, length, frame, sizeof frame));
+    static uint8_t frame[CRN_WIRE_FRAME_MAX];
+    const crn_wire_header header = {(uint16_t)(app.sequence_in + 1), 0, type};
+    crn_app_receive(&app, frame, crn_wire_frame_encode(&header, payload, length, frame, sizeof frame));
 }
 
 static void command(uint8_t action, uint32_t code)
 {
-    uint8_t payload[SELD_WIRE_BYTES_command];
-    const seld_wire_command message = {action, code, 0};
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    seld_wire_put_command(&writer, &message);
-    send(SELD_WIRE_TYPE_command, payload, writer.length);
+    uint8_t payload[CRN_WIRE_BYTES_command];
+    const crn_wire_command message = {action, code, 0};
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    crn_wire_put_command(&writer, &message);
+    send(CRN_WIRE_TYPE_command, payload, writer.length);
 }
 
 static void power(void)
 {
-    command(SELD_WIRE_ACTION_STOP, 0);
-    command(SELD_WIRE_ACTION_FREE_RUN, 0);
+    command(CRN_WIRE_ACTION_STOP, 0);
+    command(CRN_WIRE_ACTION_FREE_RUN, 0);
     rig.is_attached = true;
-    rig.inputs = (seld_port_inputs){.supply_good = true, .stage_on = true};
+    rig.inputs = (crn_port_inputs){.supply_good = true, .stage_on = true};
     millisecond();
-    command(SELD_WIRE_ACTION_ARM_MOTORS, 0);
-    command(SELD_WIRE_ACTION_CONFIRM, app.arm_code);
-    command(SELD_WIRE_ACTION_START, 0);
+    command(CRN_WIRE_ACTION_ARM_MOTORS, 0);
+    command(CRN_WIRE_ACTION_CONFIRM, app.arm_code);
+    command(CRN_WIRE_ACTION_START, 0);
 }
 
 /* --- devices: fresh; one, two and three tools; with couplings; powered; waiting for a scene --- */
@@ -171,7 +171,7 @@ static void power(void)
 static void write_pipe(void *context, const uint8_t *bytes, size_t count)
 {
     (void)context;
-    seld_app_receive(&app, bytes, count);
+    crn_app_receive(&app, bytes, count);
 }
 
 static size_t read_pipe(void *context, uint8_t *bytes, size_t capacity)
@@ -184,11 +184,11 @@ static size_t read_pipe(void *context, uint8_t *bytes, size_t capacity)
 }
 
 /* Short tools of few elements: a tick of them costs a tenth of a real one. */
-static void short_tools(seld_wire_tools *tools, uint16_t count)
+static void short_tools(crn_wire_tools *tools, uint16_t count)
 {
     client_plain_tools(tools, count);
     for (uint16_t k = 0; k < count; k++) {
-        seld_wire_instrument *tool = &tools->tools[k];
+        crn_wire_instrument *tool = &tools->tools[k];
         tool->element_tip_um = tool->element_shaft_um = 8000;
         tool->element_fine_um = 0;
         tool->knots[1].arc_um = 60000;
@@ -197,15 +197,15 @@ static void short_tools(seld_wire_tools *tools, uint16_t count)
 
 static void build_device(client *c, uint16_t tools_count, bool is_coupled)
 {
-    static seld_wire_tools tools;
-    seld_wire_status status;
-    client_hello(c, seld_wire_schema_hash());
-    promise(client_receive(c) == SELD_WIRE_TYPE_hello_reply);
+    static crn_wire_tools tools;
+    crn_wire_status status;
+    client_hello(c, crn_wire_schema_hash());
+    promise(client_receive(c) == CRN_WIRE_TYPE_hello_reply);
     if (is_coupled) {
-        seld_wire_track track = client_plain_track();
+        crn_wire_track track = client_plain_track();
         track.seal_mN = 2000; /* the sheath holds the tool, so that a push is felt at once */
-        const seld_wire_track tracks[] = {track, track, track};
-        client_rig(c, tracks, SELD_WIRE_TOOL_MAX);
+        const crn_wire_track tracks[] = {track, track, track};
+        client_rig(c, tracks, CRN_WIRE_TOOL_MAX);
         promise(client_expect_status(c, &status));
     }
     short_tools(&tools, tools_count);
@@ -213,10 +213,10 @@ static void build_device(client *c, uint16_t tools_count, bool is_coupled)
     promise(client_expect_status(c, &status));
     client_entry(c, 20000);
     promise(client_expect_status(c, &status));
-    client_command(c, SELD_WIRE_ACTION_ARM);
+    client_command(c, CRN_WIRE_ACTION_ARM);
     promise(client_expect_status(c, &status));
-    client_command(c, SELD_WIRE_ACTION_START);
-    promise(client_expect_status(c, &status) && status.state == SELD_WIRE_STATE_RUNNING);
+    client_command(c, CRN_WIRE_ACTION_START);
+    promise(client_expect_status(c, &status) && status.state == CRN_WIRE_STATE_RUNNING);
 }
 
 static void forget(void)
@@ -227,10 +227,10 @@ static void forget(void)
 
 static void take_snapshot(uint8_t *snapshot)
 {
-    const uint8_t what = SELD_WIRE_GET_SNAPSHOT;
+    const uint8_t what = CRN_WIRE_GET_SNAPSHOT;
     heard_begin = heard_end = 0;
-    send(SELD_WIRE_TYPE_get, &what, 1);
-    memcpy(snapshot, app.snapshot, SELD_APP_SNAPSHOT_BYTES);
+    send(CRN_WIRE_TYPE_get, &what, 1);
+    memcpy(snapshot, app.snapshot, CRN_APP_SNAPSHOT_BYTES);
 }
 
 static void build_devices(void)
@@ -241,15 +241,15 @@ static void build_devices(void)
     for (int i = 0; i < DEVICES; i++) {
         client_open_pipe(&c, &pipe);
         forget();
-        seld_app_init(&app, &port);
-        if (i > 0) build_device(&c, (uint16_t)(1 + (i - 1) % SELD_WIRE_TOOL_MAX), i > 3);
+        crn_app_init(&app, &port);
+        if (i > 0) build_device(&c, (uint16_t)(1 + (i - 1) % CRN_WIRE_TOOL_MAX), i > 3);
         if (i == 4) power(); /* one coupled tool, powered, a hand that pushes */
         for (int ms = 0; i == 4 && ms < 20; ms++) {
             rig.inputs.hands[0].translation_counts += 200;
             rig.inputs.tracks[0].force_raw = app.motors[0].axial_mN;
             millisecond();
         }
-        if (i == 6) command(SELD_WIRE_ACTION_STOP, 0);
+        if (i == 6) command(CRN_WIRE_ACTION_STOP, 0);
         devices[i] = app;
         if (i > 3) take_snapshot(snapshots[i - 4]);
     }
@@ -259,12 +259,12 @@ static void build_devices(void)
 
 static void choose_device(uint8_t which)
 {
-    const seld_app *device = &devices[which % DEVICES];
+    const crn_app *device = &devices[which % DEVICES];
     forget();
     app = *device;
     rig.last_drive = app.drive_level;
-    for (int k = 0; k < SELD_PORT_TOOL_MAX && app.is_driving; k++)
-        rig.last[k] = (seld_port_motor){app.motors[k].axial_mN, app.motors[k].torque_uN_m};
+    for (int k = 0; k < CRN_PORT_TOOL_MAX && app.is_driving; k++)
+        rig.last[k] = (crn_port_motor){app.motors[k].axial_mN, app.motors[k].torque_uN_m};
     rig.is_attached = app.has_rig;
     rig.inputs = app.rig;
     rig.now_us = app.edge_us;
@@ -306,46 +306,46 @@ static const uint8_t *take_block(input *in, size_t *length)
 
 static void step(input *in, uint8_t count)
 {
-    static seld_wire_step message;
-    static uint8_t payload[SELD_WIRE_BYTES_step];
-    int32_t per_tick[SELD_WIRE_TOOL_MAX];
+    static crn_wire_step message;
+    static uint8_t payload[CRN_WIRE_BYTES_step];
+    int32_t per_tick[CRN_WIRE_TOOL_MAX];
     for (uint32_t k = 0; k < app.tool_count; k++) per_tick[k] = take_signed(in, 64);
     message =
-        (seld_wire_step){.tick = app.core.words.tick, .want_nodes = count & 0x80, .inputs_count = count % 6};
+        (crn_wire_step){.tick = app.core.words.tick, .want_nodes = count & 0x80, .inputs_count = count % 6};
     for (uint16_t i = 0; i < message.inputs_count; i++) {
         message.inputs[i].hands_count = (uint16_t)app.tool_count;
         for (uint32_t k = 0; k < app.tool_count; k++)
             message.inputs[i].hands[k].translation_counts = (i + 1) * per_tick[k];
     }
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    promise(seld_wire_put_step(&writer, &message));
-    send(SELD_WIRE_TYPE_step, payload, writer.length);
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    promise(crn_wire_put_step(&writer, &message));
+    send(CRN_WIRE_TYPE_step, payload, writer.length);
 }
 
 /* As if the chunks had come: behind the CRC the checks of head and core decide. */
 static void restore_damaged(input *in, uint8_t count)
 {
-    command(SELD_WIRE_ACTION_STOP, 0);
-    if (app.state != SELD_WIRE_STATE_ARMED || app.tool_count == 0) return;
+    command(CRN_WIRE_ACTION_STOP, 0);
+    if (app.state != CRN_WIRE_STATE_ARMED || app.tool_count == 0) return;
     memcpy(app.snapshot, snapshots[app.tool_count - 1], sizeof app.snapshot);
     for (uint8_t i = 0; i < count % 4; i++) {
         const uint8_t mask = take(in);
-        app.snapshot[take16(in) % SELD_APP_SNAPSHOT_BYTES] ^= mask;
+        app.snapshot[take16(in) % CRN_APP_SNAPSHOT_BYTES] ^= mask;
     }
-    const uint32_t bytes = SELD_APP_SNAPSHOT_BYTES;
-    app.snapshot_upload = (seld_upload){bytes, bytes, seld_wire_crc32(0, app.snapshot, bytes), true};
+    const uint32_t bytes = CRN_APP_SNAPSHOT_BYTES;
+    app.snapshot_upload = (crn_upload){bytes, bytes, crn_wire_crc32(0, app.snapshot, bytes), true};
     const uint8_t end[] = {bytes & 0xff, bytes >> 8 & 0xff, bytes >> 16 & 0xff, 0};
-    send(SELD_WIRE_TYPE_snapshot_end, end, sizeof end);
-    command(SELD_WIRE_ACTION_START, 0);
+    send(CRN_WIRE_TYPE_snapshot_end, end, sizeof end);
+    command(CRN_WIRE_ACTION_START, 0);
 }
 
 static void set_rig(input *in, uint8_t attached)
 {
     rig.is_attached = attached != 0;
     if (attached == 0) return;
-    for (int k = 0; k < SELD_PORT_TOOL_MAX; k++) {
-        seld_port_hand *hand = &rig.inputs.hands[k];
-        seld_port_track *track = &rig.inputs.tracks[k];
+    for (int k = 0; k < CRN_PORT_TOOL_MAX; k++) {
+        crn_port_hand *hand = &rig.inputs.hands[k];
+        crn_port_track *track = &rig.inputs.tracks[k];
         hand->translation_counts =
             (int32_t)((uint32_t)hand->translation_counts + (uint32_t)take_signed(in, 64));
         hand->rotation_counts = (int32_t)((uint32_t)hand->rotation_counts + (uint32_t)take_signed(in, 16));
@@ -372,7 +372,7 @@ static void operate(input *in)
         send(op, payload, length);
     } else if (op == 0x80) {
         const uint8_t *raw = take_block(in, &length);
-        seld_app_receive(&app, raw, length);
+        crn_app_receive(&app, raw, length);
     } else if (op == 0x81) {
         for (int ms = 0; ms < argument % 24; ms++) millisecond();
     } else if (op == 0x82) {
@@ -390,9 +390,9 @@ static void operate(input *in)
     } else if (op == 0x88) {
         length = take16(in);
         const uint8_t *payload = take_block(in, &length);
-        send(argument, payload, length < SELD_WIRE_PAYLOAD_MAX ? length : SELD_WIRE_PAYLOAD_MAX);
+        send(argument, payload, length < CRN_WIRE_PAYLOAD_MAX ? length : CRN_WIRE_PAYLOAD_MAX);
     } else if (op == 0x89) {
-        seld_app_order(&app, argument);
+        crn_app_order(&app, argument);
     } else if (op == 0x8a) {
         rig.work_us = argument * 50u;
     }
@@ -400,13 +400,13 @@ static void operate(input *in)
 
 static void check_books(void)
 {
-    promise(app.state <= SELD_WIRE_STATE_FAULT && app.mode <= SELD_WIRE_MODE_FREE_RUN);
-    promise(app.tool_count <= SELD_TOOL_MAX && app.fault_count <= SELD_APP_FAULT_MAX);
-    promise(app.queue.count <= SELD_APP_LIVE_QUEUE_ticks && app.queue.event_count <= SELD_APP_EVENT_QUEUE);
+    promise(app.state <= CRN_WIRE_STATE_FAULT && app.mode <= CRN_WIRE_MODE_FREE_RUN);
+    promise(app.tool_count <= CRN_TOOL_MAX && app.fault_count <= CRN_APP_FAULT_MAX);
+    promise(app.queue.count <= CRN_APP_LIVE_QUEUE_ticks && app.queue.event_count <= CRN_APP_EVENT_QUEUE);
     promise(app.scene_upload.received_bytes <= app.scene_upload.expected_bytes);
     promise(app.snapshot_upload.received_bytes <= app.snapshot_upload.expected_bytes);
-    promise(!app.is_driving || app.state == SELD_WIRE_STATE_RUNNING);
-    for (uint16_t i = 0; i < app.fault_count; i++) promise(app.faults[i].code != SELD_FAULT_CODE_INTERNAL);
+    promise(!app.is_driving || app.state == CRN_WIRE_STATE_RUNNING);
+    for (uint16_t i = 0; i < app.fault_count; i++) promise(app.faults[i].code != CRN_FAULT_CODE_INTERNAL);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count)
@@ -424,17 +424,17 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count)
 /* --- seeds --- */
 
 enum {
-    STOP = SELD_WIRE_ACTION_STOP,
-    START = SELD_WIRE_ACTION_START,
-    RESET = SELD_WIRE_ACTION_RESET,
-    FREE = SELD_WIRE_ACTION_FREE_RUN
+    STOP = CRN_WIRE_ACTION_STOP,
+    START = CRN_WIRE_ACTION_START,
+    RESET = CRN_WIRE_ACTION_RESET,
+    FREE = CRN_WIRE_ACTION_FREE_RUN
 };
 
 /* A command as an operation: code and tick are 0. */
-#define COMMAND(action) 0x16, SELD_WIRE_BYTES_command, action, 0, 0, 0, 0, 0, 0, 0, 0
+#define COMMAND(action) 0x16, CRN_WIRE_BYTES_command, action, 0, 0, 0, 0, 0, 0, 0, 0
 
 /* A device back in READY, then one long message as an operation: what a mutation of set-up begins with. */
-static size_t message_seed(uint8_t type, const seld_wire_writer *writer, uint8_t *bytes)
+static size_t message_seed(uint8_t type, const crn_wire_writer *writer, uint8_t *bytes)
 {
     const uint8_t begin[] = {0x82, 1,    COMMAND(STOP),           COMMAND(RESET),
                              0x88, type, (uint8_t)writer->length, (uint8_t)(writer->length >> 8)};
@@ -444,14 +444,14 @@ static size_t message_seed(uint8_t type, const seld_wire_writer *writer, uint8_t
 }
 
 /* A wire as they are sold: a shaped tip, a taper and a shaft, with 2 + `knots` knots. */
-static void shaped_wire(seld_wire_tools *tools, uint16_t knots)
+static void shaped_wire(crn_wire_tools *tools, uint16_t knots)
 {
     short_tools(tools, 1);
-    seld_wire_instrument *wire = &tools->tools[0];
-    const seld_wire_knot shaft = wire->knots[0];
+    crn_wire_instrument *wire = &tools->tools[0];
+    const crn_wire_knot shaft = wire->knots[0];
     wire->knots_count = (uint16_t)(2 + knots);
     for (uint16_t i = 0; i < wire->knots_count; i++) {
-        seld_wire_knot *knot = &wire->knots[i];
+        crn_wire_knot *knot = &wire->knots[i];
         *knot = shaft;
         knot->arc_um = 80000u * i / (knots + 1u);
         knot->bend_stiffness_nN_m2 = 20000u + 90000u * i;
@@ -465,23 +465,23 @@ static void shaped_wire(seld_wire_tools *tools, uint16_t knots)
 /* `tools`: plain ones of two knots, then one with a shape. */
 static size_t tools_seed(uint16_t which, uint8_t *bytes)
 {
-    static seld_wire_tools tools;
-    static uint8_t payload[SELD_WIRE_BYTES_tools];
-    if (which <= SELD_WIRE_TOOL_MAX)
+    static crn_wire_tools tools;
+    static uint8_t payload[CRN_WIRE_BYTES_tools];
+    if (which <= CRN_WIRE_TOOL_MAX)
         short_tools(&tools, which);
     else
         shaped_wire(&tools, which);
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    return seld_wire_put_tools(&writer, &tools) ? message_seed(SELD_WIRE_TYPE_tools, &writer, bytes) : 0;
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    return crn_wire_put_tools(&writer, &tools) ? message_seed(CRN_WIRE_TYPE_tools, &writer, bytes) : 0;
 }
 
 static size_t rig_seed(uint16_t count, uint8_t *bytes)
 {
-    uint8_t payload[SELD_WIRE_BYTES_rig];
-    seld_wire_rig message = {.tracks_count = count};
+    uint8_t payload[CRN_WIRE_BYTES_rig];
+    crn_wire_rig message = {.tracks_count = count};
     for (uint16_t k = 0; k < count; k++) message.tracks[k] = client_plain_track();
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    return seld_wire_put_rig(&writer, &message) ? message_seed(SELD_WIRE_TYPE_rig, &writer, bytes) : 0;
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    return crn_wire_put_rig(&writer, &message) ? message_seed(CRN_WIRE_TYPE_rig, &writer, bytes) : 0;
 }
 
 static size_t seed_of(const uint8_t *seed, size_t count, uint8_t *bytes)

@@ -11,12 +11,12 @@
 #include "firmware/app/app.h"
 #include "firmware/tests/reference/bench_session.h"
 
-static seld_wire_reject reject;
+static crn_wire_reject reject;
 
 /* One wire with a balloon of 3 x 18 mm at 8 bar, of 0.89 mm folded. */
-static void balloon_tools(seld_wire_tools *tools)
+static void balloon_tools(crn_wire_tools *tools)
 {
-    static const seld_wire_balloon_point table[] = {{600, 2920}, {800, 3000}, {1200, 3120}};
+    static const crn_wire_balloon_point table[] = {{600, 2920}, {800, 3000}, {1200, 3120}};
     client_plain_tools(tools, 1);
     tools->tools[0].balloon_distal_um = 4000;
     tools->tools[0].balloon_proximal_um = 22000;
@@ -27,7 +27,7 @@ static void balloon_tools(seld_wire_tools *tools)
 
 static void send_balloon(void)
 {
-    static seld_wire_tools tools;
+    static crn_wire_tools tools;
     balloon_tools(&tools);
     bench_drain(&b);
     client_tools(&b.host, &tools);
@@ -38,9 +38,9 @@ static void send_balloon(void)
 
 static void step_at(uint32_t tick, int32_t inflator_raw)
 {
-    static seld_wire_step step;
-    step = (seld_wire_step){.tick = tick, .inputs_count = 1};
-    step.inputs[0] = (seld_wire_encoders){.hands_count = 1, .inflator_raw = inflator_raw};
+    static crn_wire_step step;
+    step = (crn_wire_step){.tick = tick, .inputs_count = 1};
+    step.inputs[0] = (crn_wire_encoders){.hands_count = 1, .inflator_raw = inflator_raw};
     send_step(&step);
     assert_true(client_expect_ticks(&b.host, &ticks));
 }
@@ -54,7 +54,7 @@ static void a_count_of_the_inflator_is_a_kilopascal(void **state)
     start_lockstep();
     uint32_t tick = 0;
     while (tick < 400) step_at(tick++, 800);
-    const seld_wire_tick_state *last = &ticks.states[0];
+    const crn_wire_tick_state *last = &ticks.states[0];
     assert_int_equal(last->balloon_kPa, 800);
     assert_in_range(last->balloon_diameter_max_um, 2999, 3001);
     assert_in_range(last->balloon_diameter_min_um, 2999, 3001);
@@ -71,7 +71,7 @@ static void a_count_of_the_inflator_is_a_kilopascal(void **state)
 static void tools_with_a_table_that_is_none_are_refused(void **state)
 {
     (void)state;
-    static seld_wire_tools tools;
+    static crn_wire_tools tools;
     bench_drain(&b);
     for (int fault = 0; fault < 3; fault++) {
         balloon_tools(&tools);
@@ -80,17 +80,17 @@ static void tools_with_a_table_that_is_none_are_refused(void **state)
         if (fault == 2) tools.tools[0].balloon_proximal_um = UINT32_MAX;
         client_tools(&b.host, &tools);
         assert_true(client_expect_reject(&b.host, &reject));
-        assert_int_equal(reject.code, SELD_REJECT_TOOL_BALLOON);
+        assert_int_equal(reject.code, CRN_REJECT_TOOL_BALLOON);
         assert_int_equal(reject.detail1, 0);
     }
 }
 
 /* Two inputs, the second of which asks. */
-static void ask_for_strut(seld_wire_step *step, const seld_wire_strut *strut)
+static void ask_for_strut(crn_wire_step *step, const crn_wire_strut *strut)
 {
-    *step = (seld_wire_step){.tick = 0, .inputs_count = 2};
+    *step = (crn_wire_step){.tick = 0, .inputs_count = 2};
     for (int k = 0; k < 2; k++) step->inputs[k].hands_count = 1;
-    seld_wire_encoders *input = &step->inputs[1];
+    crn_wire_encoders *input = &step->inputs[1];
     input->strut_number = strut->number;
     input->strut_joined = strut->joined;
     input->strut_x_um = strut->x_um;
@@ -110,8 +110,8 @@ static void a_stent_where_no_lesion_is_is_refused_whole(void **state)
         uint16_t open;
     } bad[] = {{1, 0, 0, 1}, {0, 0, 0, 1}, {0, 1, 0, 0}, {255, 0, 255, 65535}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        static seld_wire_step step;
-        step = (seld_wire_step){.tick = 0, .inputs_count = 2};
+        static crn_wire_step step;
+        step = (crn_wire_step){.tick = 0, .inputs_count = 2};
         for (int k = 0; k < 2; k++) step.inputs[k].hands_count = 1;
         step.inputs[1].scaffold_lesion = bad[i].lesion;
         step.inputs[1].scaffold_first = bad[i].first;
@@ -119,7 +119,7 @@ static void a_stent_where_no_lesion_is_is_refused_whole(void **state)
         step.inputs[1].scaffold_open_q15 = bad[i].open;
         send_step(&step);
         assert_true(client_expect_reject(&b.host, &reject));
-        assert_int_equal(reject.code, SELD_REJECT_SCAFFOLD_RANGE);
+        assert_int_equal(reject.code, CRN_REJECT_SCAFFOLD_RANGE);
         assert_int_equal(bench_status(&b).tick, 0);
     }
 }
@@ -129,30 +129,30 @@ static void struts_that_are_none_are_refused_whole(void **state)
 {
     (void)state;
     start_lockstep();
-    static const seld_wire_strut bad[] = {{65, 0, 0, 0, 0, 1500, 80}, {1, 0, 0, 0, 0, 199, 80},
-                                          {1, 2, 0, 0, 0, 1500, 80},  {1, 0, 1900001, 0, 0, 1500, 80},
-                                          {1, 0, 0, 0, 0, 0, 80},     {0, 0, 0, 1, 0, 0, 0}};
-    static seld_wire_step step;
+    static const crn_wire_strut bad[] = {{65, 0, 0, 0, 0, 1500, 80}, {1, 0, 0, 0, 0, 199, 80},
+                                         {1, 2, 0, 0, 0, 1500, 80},  {1, 0, 1900001, 0, 0, 1500, 80},
+                                         {1, 0, 0, 0, 0, 0, 80},     {0, 0, 0, 1, 0, 0, 0}};
+    static crn_wire_step step;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         ask_for_strut(&step, &bad[i]);
         assert_true(client_expect_reject(&b.host, &reject));
-        assert_int_equal(reject.code, SELD_REJECT_STRUT_RANGE);
+        assert_int_equal(reject.code, CRN_REJECT_STRUT_RANGE);
         assert_int_equal(reject.detail1, bad[i].number);
         assert_int_equal(reject.detail2, bad[i].inside_um);
         assert_int_equal(bench_status(&b).tick, 0);
     }
-    ask_for_strut(&step, &(seld_wire_strut){64, 0, 0, -1900000, 0, 1500, 80});
+    ask_for_strut(&step, &(crn_wire_strut){64, 0, 0, -1900000, 0, 1500, 80});
     assert_true(client_expect_ticks(&b.host, &ticks));
     assert_int_equal(ticks.states_count, 2);
 }
 
 static void place_ring(uint8_t number, uint16_t inside_um)
 {
-    static uint8_t payload[SELD_WIRE_BYTES_strut];
-    const seld_wire_strut strut = {number, number < 3, 0, 20000 + 2000 * number, 0, inside_um, 80};
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    assert_true(seld_wire_put_strut(&writer, &strut));
-    client_send(&b.host, SELD_WIRE_TYPE_strut, payload, writer.length);
+    static uint8_t payload[CRN_WIRE_BYTES_strut];
+    const crn_wire_strut strut = {number, number < 3, 0, 20000 + 2000 * number, 0, inside_um, 80};
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    assert_true(crn_wire_put_strut(&writer, &strut));
+    client_send(&b.host, CRN_WIRE_TYPE_strut, payload, writer.length);
 }
 
 static void place_rings(int ms)
@@ -174,7 +174,7 @@ static void struts_of_free_run_replay_in_lockstep_bit_for_bit(void **state)
     assert_int_equal(rings, 4);
     place_ring(64, 199);
     assert_true(client_expect_reject(&b.host, &reject));
-    assert_int_equal(reject.code, SELD_REJECT_STRUT_RANGE);
+    assert_int_equal(reject.code, CRN_REJECT_STRUT_RANGE);
     replays(count);
 }
 

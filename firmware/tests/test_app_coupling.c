@@ -15,36 +15,36 @@
 #include "firmware/tests/reference/bench_fixture.h"
 
 static client *const host = &b.host;
-static seld_wire_ticks ticks;
+static crn_wire_ticks ticks;
 
 static uint32_t tick_now;
-static void start_lockstep(const seld_wire_track *track)
+static void start_lockstep(const crn_wire_track *track)
 {
     bench_drain(&b);
     client_rig(host, track, 1);
     assert_true(client_expect_status(host, &status));
-    command(SELD_WIRE_ACTION_LOCKSTEP);
-    command(SELD_WIRE_ACTION_ARM);
-    command(SELD_WIRE_ACTION_START);
+    command(CRN_WIRE_ACTION_LOCKSTEP);
+    command(CRN_WIRE_ACTION_ARM);
+    command(CRN_WIRE_ACTION_START);
     tick_now = 0;
 }
 
 /* One tick with the hand at (um, 2^-16 turn); the result of the tool. */
-static const seld_wire_tool_state *step_to(int32_t translation, int32_t rotation)
+static const crn_wire_tool_state *step_to(int32_t translation, int32_t rotation)
 {
     uint8_t payload[64];
-    static seld_wire_step step;
-    step = (seld_wire_step){.tick = tick_now++, .inputs_count = 1};
-    step.inputs[0] = (seld_wire_encoders){.hands_count = 1, .hands = {{translation, rotation}}};
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    assert_true(seld_wire_put_step(&writer, &step));
-    client_send(host, SELD_WIRE_TYPE_step, payload, writer.length);
+    static crn_wire_step step;
+    step = (crn_wire_step){.tick = tick_now++, .inputs_count = 1};
+    step.inputs[0] = (crn_wire_encoders){.hands_count = 1, .hands = {{translation, rotation}}};
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    assert_true(crn_wire_put_step(&writer, &step));
+    client_send(host, CRN_WIRE_TYPE_step, payload, writer.length);
     assert_true(client_expect_ticks(host, &ticks));
     assert_int_equal(ticks.states_count, 1);
     return &ticks.states[0].tools[0];
 }
 
-static double inserted_um(const seld_wire_tool_state *tool)
+static double inserted_um(const crn_wire_tool_state *tool)
 {
     return tool->inserted_m_q30 / 1073741824.0 * 1e6;
 }
@@ -53,13 +53,13 @@ static double inserted_um(const seld_wire_tool_state *tool)
 static void a_free_tool_follows_without_lag_or_drag(void **state)
 {
     (void)state;
-    const seld_wire_track track = client_plain_track();
+    const crn_wire_track track = client_plain_track();
     start_lockstep(&track);
     double begin = 50000, worst_um = 0;
     int32_t worst_mN = 0;
     for (int32_t i = 0; i < 1000; i++) {
         const int32_t hand = i < 500 ? 100 * i : 100 * (1000 - i);
-        const seld_wire_tool_state *tool = step_to(hand, 0);
+        const crn_wire_tool_state *tool = step_to(hand, 0);
         if (i < 50) continue;
         double lag = inserted_um(tool) - begin - hand;
         if (lag < 0) lag = -lag;
@@ -74,10 +74,10 @@ static void a_free_tool_follows_without_lag_or_drag(void **state)
 static void a_seal_is_felt_as_its_friction_and_does_not_chatter(void **state)
 {
     (void)state;
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     track.seal_mN = 300;
     start_lockstep(&track);
-    const seld_wire_tool_state *tool = NULL;
+    const crn_wire_tool_state *tool = NULL;
     for (int32_t i = 0; i < 400; i++) tool = step_to(20 * i, 0);
     print_message("# seal of 300 mN: %d mN forth", tool->motor_axial_mN);
     assert_in_range(tool->motor_axial_mN, 250, 350);
@@ -95,10 +95,10 @@ static void a_seal_is_felt_as_its_friction_and_does_not_chatter(void **state)
 static void a_seal_resists_turning_too(void **state)
 {
     (void)state;
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     track.seal_uN_m = 400;
     start_lockstep(&track);
-    const seld_wire_tool_state *tool = NULL;
+    const crn_wire_tool_state *tool = NULL;
     for (int32_t i = 0; i < 500; i++) tool = step_to(0, 100 * i);
     print_message("# seal of 400 uN m: %d uN m\n", tool->motor_torque_uN_m);
     assert_in_range(tool->motor_torque_uN_m, 350, 450);
@@ -108,10 +108,10 @@ static void a_seal_resists_turning_too(void **state)
 static void a_held_tool_is_felt_as_the_coupling_s_spring(void **state)
 {
     (void)state;
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     track.seal_mN = 2000;
     start_lockstep(&track);
-    const seld_wire_tool_state *tool = NULL;
+    const crn_wire_tool_state *tool = NULL;
     for (int32_t i = 0; i <= 100; i++) tool = step_to(10 * i, 0);
     for (int32_t i = 0; i < 50; i++) tool = step_to(1000, 0);
     print_message("# 1 mm at 1 N/mm: %d mN\n", tool->motor_axial_mN);
@@ -124,9 +124,9 @@ static void a_held_tool_is_felt_as_the_coupling_s_spring(void **state)
 static void the_hand_slips_at_the_force_limit(void **state)
 {
     (void)state;
-    const seld_wire_track track = client_plain_track();
+    const crn_wire_track track = client_plain_track();
     start_lockstep(&track);
-    const seld_wire_tool_state *tool = NULL;
+    const crn_wire_tool_state *tool = NULL;
     for (int32_t i = 0; i < 1000; i++) tool = step_to(-200 * i, 0);
     const double end_um = inserted_um(tool);
     print_message("# withdrawn to %.0f um: %d mN\n", end_um, tool->motor_axial_mN);
@@ -141,8 +141,8 @@ static void the_hand_slips_at_the_force_limit(void **state)
 static void the_coupling_is_part_of_the_snapshot(void **state)
 {
     (void)state;
-    static seld_wire_tick_state expected[200];
-    seld_wire_track track = client_plain_track();
+    static crn_wire_tick_state expected[200];
+    crn_wire_track track = client_plain_track();
     track.seal_mN = 500;
     track.seal_uN_m = 100;
     start_lockstep(&track);
@@ -153,10 +153,10 @@ static void the_coupling_is_part_of_the_snapshot(void **state)
         expected[i] = ticks.states[0];
     }
     assert_true(abs(expected[0].tools[0].motor_axial_mN) > 300);
-    command(SELD_WIRE_ACTION_STOP);
+    command(CRN_WIRE_ACTION_STOP);
     client_write_snapshot(host);
     assert_true(client_expect_status(host, &status));
-    command(SELD_WIRE_ACTION_START);
+    command(CRN_WIRE_ACTION_START);
     tick_now = status.tick;
     for (int32_t i = 0; i < 200; i++) {
         step_to(13 * 149 - 9 * i, 40 * 149 + 7 * i);
@@ -166,7 +166,7 @@ static void the_coupling_is_part_of_the_snapshot(void **state)
 
 static int32_t shake_begin(void)
 {
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     track.seal_mN = 2000;
     bench_drain(&b);
     client_rig(host, &track, 1);
@@ -176,7 +176,7 @@ static int32_t shake_begin(void)
         b.rig.hands[0].translation_counts += 10;
         bench_tick(&b);
     }
-    const int32_t begin_mN = seld_sim_read_motors(host->sim).axial_mN[0];
+    const int32_t begin_mN = crn_sim_read_motors(host->sim).axial_mN[0];
     assert_in_range(begin_mN, 900, 1100);
     return begin_mN;
 }
@@ -192,17 +192,17 @@ static void shake(int tick)
 static void forces_that_give_energy_are_reduced(void **state)
 {
     (void)state;
-    seld_wire_fault_entry entry;
+    crn_wire_fault_entry entry;
     const int32_t begin_mN = shake_begin();
     int32_t least_mN = begin_mN;
     int ms = 0;
-    while (bench_fault(&b, SELD_FAULT_CODE_PASSIVITY, &entry) < 80 && ms < 6000) {
+    while (bench_fault(&b, CRN_FAULT_CODE_PASSIVITY, &entry) < 80 && ms < 6000) {
         shake(ms++);
-        int32_t now = abs(seld_sim_read_motors(host->sim).axial_mN[0]);
+        int32_t now = abs(crn_sim_read_motors(host->sim).axial_mN[0]);
         least_mN = now < least_mN ? now : least_mN;
     }
     status = bench_status(&b);
-    assert_int_equal(status.state, SELD_WIRE_STATE_RUNNING);
+    assert_int_equal(status.state, CRN_WIRE_STATE_RUNNING);
     assert_int_equal(status.passivity_ticks, 80);
     print_message("# shaking: from %d to %d mN, %d uJ given\n", begin_mN, least_mN, -entry.value2);
     assert_in_range(-entry.value2, 9999, 21000);
@@ -213,22 +213,22 @@ static void forces_that_give_energy_are_reduced(void **state)
 static void energy_that_a_track_gives_for_100_ms_takes_the_power(void **state)
 {
     (void)state;
-    seld_wire_fault_entry entry;
+    crn_wire_fault_entry entry;
     shake_begin();
-    for (int ms = 0; ms < 6000 && seld_sim_read_motors(host->sim).drive; ms++) shake(ms);
+    for (int ms = 0; ms < 6000 && crn_sim_read_motors(host->sim).drive; ms++) shake(ms);
     status = bench_status(&b);
-    assert_int_equal(status.state, SELD_WIRE_STATE_FAULT);
-    assert_int_equal(status.fault_code, SELD_FAULT_CODE_PASSIVITY_LASTS);
+    assert_int_equal(status.state, CRN_WIRE_STATE_FAULT);
+    assert_int_equal(status.fault_code, CRN_FAULT_CODE_PASSIVITY_LASTS);
     assert_in_range(status.passivity_ticks, 100, 150); /* some came one by one before */
-    assert_int_equal(seld_sim_read_motors(host->sim).axial_mN[0], 0);
-    assert_false(seld_sim_read_outputs(host->sim).enable);
-    assert_int_equal(bench_fault(&b, SELD_FAULT_CODE_PASSIVITY_LASTS, &entry), 1);
+    assert_int_equal(crn_sim_read_motors(host->sim).axial_mN[0], 0);
+    assert_false(crn_sim_read_outputs(host->sim).enable);
+    assert_int_equal(bench_fault(&b, CRN_FAULT_CODE_PASSIVITY_LASTS, &entry), 1);
     assert_in_range(-entry.value2, 9999, 21000);
 }
 
 static void expect_quotient(int64_t value, uint32_t divisor)
 {
-    int64_t got = seld_app_quotient(value, divisor), expected = value / (int64_t)divisor;
+    int64_t got = crn_app_quotient(value, divisor), expected = value / (int64_t)divisor;
     if (got != expected)
         fail_msg("%lld / %u = %lld, expected %lld", (long long)value, (unsigned)divisor, (long long)got,
                  (long long)expected);
@@ -237,7 +237,7 @@ static void expect_quotient(int64_t value, uint32_t divisor)
 static void the_quotient_without_a_64_bit_division_is_that_of_c(void **state)
 {
     (void)state;
-    static const uint32_t divisors[] = {1, 2, 3, SELD_APP_FADE_ticks, 999, 1000, 4096, 65535};
+    static const uint32_t divisors[] = {1, 2, 3, CRN_APP_FADE_ticks, 999, 1000, 4096, 65535};
     uint64_t mixed = 1;
     for (size_t i = 0; i < sizeof divisors / sizeof divisors[0]; i++) {
         expect_quotient(INT64_MAX, divisors[i]);

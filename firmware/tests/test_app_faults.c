@@ -16,7 +16,7 @@
 
 enum { FORCE_mN = 1500, PUSH_um = 1000 };
 
-static seld_wire_fault_entry entry;
+static crn_wire_fault_entry entry;
 
 static void power_and_push(void)
 {
@@ -29,42 +29,42 @@ static void expect_state(uint8_t expected)
 {
     status = bench_status(&b);
     if (status.state != expected) {
-        fail_msg("state %s (%s), expected %s", seld_wire_state_name(status.state),
-                 seld_wire_fault_name(status.fault_code), seld_wire_state_name(expected));
+        fail_msg("state %s (%s), expected %s", crn_wire_state_name(status.state),
+                 crn_wire_fault_name(status.fault_code), crn_wire_state_name(expected));
     }
 }
 
 /* Neither time nor START nor a healthy rig brings the power back; RESET and both steps of arming do. */
-static void expect_latched(seld_fault_code code)
+static void expect_latched(crn_fault_code code)
 {
-    const seld_port_inputs healthy = seld_sim_healthy_inputs();
-    seld_wire_reject reject;
-    expect_state(SELD_WIRE_STATE_FAULT);
+    const crn_port_inputs healthy = crn_sim_healthy_inputs();
+    crn_wire_reject reject;
+    expect_state(CRN_WIRE_STATE_FAULT);
     assert_int_equal(status.fault_code, code);
     b.rig = healthy;
-    seld_sim_set_tick_us(b.host.sim, 0);
+    crn_sim_set_tick_us(b.host.sim, 0);
     for (int i = 0; i < 50; i++) bench_tick(&b);
     bench_drain(&b);
-    client_command(&b.host, SELD_WIRE_ACTION_START);
+    client_command(&b.host, CRN_WIRE_ACTION_START);
     assert_true(client_expect_reject(&b.host, &reject));
-    assert_int_equal(reject.code, SELD_REJECT_WRONG_STATE);
+    assert_int_equal(reject.code, CRN_REJECT_WRONG_STATE);
     bench_tick(&b);
-    assert_true(bench_is_safe(&b) && seld_sim_read_motors(b.host.sim).drive == 0);
-    client_command(&b.host, SELD_WIRE_ACTION_RESET);
+    assert_true(bench_is_safe(&b) && crn_sim_read_motors(b.host.sim).drive == 0);
+    client_command(&b.host, CRN_WIRE_ACTION_RESET);
     bench_drain(&b);
     assert_true(bench_power(&b));
-    expect_state(SELD_WIRE_STATE_RUNNING);
+    expect_state(CRN_WIRE_STATE_RUNNING);
 }
 
-static void expect_safe(seld_fault_code code)
+static void expect_safe(crn_fault_code code)
 {
     int took_ms = bench_time_to_safe(&b, code);
-    int allowed_ms = (int)seld_wire_fault_safe_ms(code);
-    print_message("# %s: safe after %d ms, allowed %d\n", seld_wire_fault_name(code), took_ms, allowed_ms);
+    int allowed_ms = (int)crn_wire_fault_safe_ms(code);
+    print_message("# %s: safe after %d ms, allowed %d\n", crn_wire_fault_name(code), took_ms, allowed_ms);
     if (took_ms < 1 || took_ms > allowed_ms) {
         status = bench_status(&b);
-        fail_msg("%s: safe after %d ms, allowed %d; state %s, %s", seld_wire_fault_name(code), took_ms,
-                 allowed_ms, seld_wire_state_name(status.state), seld_wire_fault_name(status.fault_code));
+        fail_msg("%s: safe after %d ms, allowed %d; state %s, %s", crn_wire_fault_name(code), took_ms,
+                 allowed_ms, crn_wire_state_name(status.state), crn_wire_fault_name(status.fault_code));
     }
 }
 
@@ -75,9 +75,9 @@ static void the_emergency_stop_takes_the_power(void **state)
     (void)state;
     power_and_push();
     b.rig.emergency_stop = true;
-    expect_safe(SELD_FAULT_CODE_EMERGENCY_STOP);
-    assert_false(seld_sim_read_outputs(b.host.sim).enable);
-    expect_latched(SELD_FAULT_CODE_EMERGENCY_STOP);
+    expect_safe(CRN_FAULT_CODE_EMERGENCY_STOP);
+    assert_false(crn_sim_read_outputs(b.host.sim).enable);
+    expect_latched(CRN_FAULT_CODE_EMERGENCY_STOP);
 }
 
 static void a_lost_supply_takes_the_power(void **state)
@@ -85,8 +85,8 @@ static void a_lost_supply_takes_the_power(void **state)
     (void)state;
     power_and_push();
     b.rig.supply_good = false;
-    expect_safe(SELD_FAULT_CODE_SUPPLY_LOST);
-    expect_latched(SELD_FAULT_CODE_SUPPLY_LOST);
+    expect_safe(CRN_FAULT_CODE_SUPPLY_LOST);
+    expect_latched(CRN_FAULT_CODE_SUPPLY_LOST);
 }
 
 static void a_power_stage_that_went_off_stays_off(void **state)
@@ -94,43 +94,43 @@ static void a_power_stage_that_went_off_stays_off(void **state)
     (void)state;
     power_and_push();
     b.rig.stage_on = false;
-    expect_safe(SELD_FAULT_CODE_STAGE_LOST);
-    expect_latched(SELD_FAULT_CODE_STAGE_LOST);
+    expect_safe(CRN_FAULT_CODE_STAGE_LOST);
+    expect_latched(CRN_FAULT_CODE_STAGE_LOST);
 }
 
 static void a_power_stage_that_never_comes_on_is_a_fault_too(void **state)
 {
     (void)state;
     b.rig.stage_on = false;
-    client_command(&b.host, SELD_WIRE_ACTION_ARM);
+    client_command(&b.host, CRN_WIRE_ACTION_ARM);
     bench_drain(&b);
     assert_true(client_arm_motors(&b.host));
-    client_command(&b.host, SELD_WIRE_ACTION_START);
+    client_command(&b.host, CRN_WIRE_ACTION_START);
     for (int i = 0; i < 8; i++) bench_tick(&b);
-    expect_state(SELD_WIRE_STATE_RUNNING);
+    expect_state(CRN_WIRE_STATE_RUNNING);
     bench_tick(&b);
-    expect_state(SELD_WIRE_STATE_FAULT);
-    assert_int_equal(status.fault_code, SELD_FAULT_CODE_STAGE_LOST);
+    expect_state(CRN_WIRE_STATE_FAULT);
+    assert_int_equal(status.fault_code, CRN_FAULT_CODE_STAGE_LOST);
 }
 
 static void a_power_stage_that_does_not_go_off_is_told(void **state)
 {
     (void)state;
     power_and_push();
-    seld_sim_weld_stage(b.host.sim, true);
-    client_command(&b.host, SELD_WIRE_ACTION_STOP);
+    crn_sim_weld_stage(b.host.sim, true);
+    client_command(&b.host, CRN_WIRE_ACTION_STOP);
     int edges = 0;
-    while (edges < 50 && bench_fault(&b, SELD_FAULT_CODE_STAGE_STUCK, NULL) == 0) {
+    while (edges < 50 && bench_fault(&b, CRN_FAULT_CODE_STAGE_STUCK, NULL) == 0) {
         bench_tick(&b);
         edges++;
-        for (int k = 0; k < SELD_PORT_TOOL_MAX; k++) {
-            assert_int_equal(seld_sim_read_outputs(b.host.sim).motors[k].axial_mN, 0);
+        for (int k = 0; k < CRN_PORT_TOOL_MAX; k++) {
+            assert_int_equal(crn_sim_read_outputs(b.host.sim).motors[k].axial_mN, 0);
         }
     }
-    assert_in_range(edges, 1, seld_wire_fault_safe_ms(SELD_FAULT_CODE_STAGE_STUCK));
-    expect_state(SELD_WIRE_STATE_FAULT);
-    seld_sim_weld_stage(b.host.sim, false);
-    expect_latched(SELD_FAULT_CODE_STAGE_STUCK);
+    assert_in_range(edges, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_STAGE_STUCK));
+    expect_state(CRN_WIRE_STATE_FAULT);
+    crn_sim_weld_stage(b.host.sim, false);
+    expect_latched(CRN_FAULT_CODE_STAGE_STUCK);
 }
 
 /* The cause of FAULT is another one, and stays; that somebody must cut the supply by hand is in the log all the same, once. */
@@ -138,13 +138,13 @@ static void a_stage_that_does_not_go_off_in_a_fault_is_told_too(void **state)
 {
     (void)state;
     power_and_push();
-    seld_sim_weld_stage(b.host.sim, true);
+    crn_sim_weld_stage(b.host.sim, true);
     b.rig.tracks[0].over_current = true;
-    for (uint32_t i = 0; i < 2 + seld_wire_fault_safe_ms(SELD_FAULT_CODE_STAGE_STUCK); i++) bench_tick(&b);
-    expect_state(SELD_WIRE_STATE_FAULT);
-    assert_int_equal(status.fault_code, SELD_FAULT_CODE_OVER_CURRENT);
+    for (uint32_t i = 0; i < 2 + crn_wire_fault_safe_ms(CRN_FAULT_CODE_STAGE_STUCK); i++) bench_tick(&b);
+    expect_state(CRN_WIRE_STATE_FAULT);
+    assert_int_equal(status.fault_code, CRN_FAULT_CODE_OVER_CURRENT);
     for (int i = 0; i < 20; i++) bench_tick(&b);
-    assert_true(bench_fault(&b, SELD_FAULT_CODE_STAGE_STUCK, &entry) != 0);
+    assert_true(bench_fault(&b, CRN_FAULT_CODE_STAGE_STUCK, &entry) != 0);
     assert_int_equal(entry.count, 1);
 }
 
@@ -152,11 +152,11 @@ static void a_rig_that_goes_away_takes_the_power(void **state)
 {
     (void)state;
     power_and_push();
-    seld_sim_set_inputs(b.host.sim, NULL);
-    seld_sim_timer(b.host.sim, 1);
+    crn_sim_set_inputs(b.host.sim, NULL);
+    crn_sim_timer(b.host.sim, 1);
     assert_true(bench_is_safe(&b));
-    assert_int_equal(bench_fault(&b, SELD_FAULT_CODE_RIG_LOST, NULL), 1);
-    expect_latched(SELD_FAULT_CODE_RIG_LOST);
+    assert_int_equal(bench_fault(&b, CRN_FAULT_CODE_RIG_LOST, NULL), 1);
+    expect_latched(CRN_FAULT_CODE_RIG_LOST);
 }
 
 /* --- sensors --- */
@@ -165,15 +165,15 @@ static void a_lost_encoder_takes_the_power(void **state)
 {
     (void)state;
     for (int about = 0; about < 2; about++) {
-        for (int sensor = SELD_PORT_SENSOR_ABSENT; sensor <= SELD_PORT_SENSOR_ERROR; sensor++) {
+        for (int sensor = CRN_PORT_SENSOR_ABSENT; sensor <= CRN_PORT_SENSOR_ERROR; sensor++) {
             power_and_push();
             *(about ? &b.rig.tracks[0].rotation_sensor : &b.rig.tracks[0].translation_sensor) =
                 (uint8_t)sensor;
-            expect_safe(SELD_FAULT_CODE_ENCODER_LOST);
-            assert_true(bench_fault(&b, SELD_FAULT_CODE_ENCODER_LOST, &entry) > 0);
+            expect_safe(CRN_FAULT_CODE_ENCODER_LOST);
+            assert_true(bench_fault(&b, CRN_FAULT_CODE_ENCODER_LOST, &entry) > 0);
             assert_int_equal(entry.value1, 0);
             assert_int_equal(entry.value2, about);
-            expect_latched(SELD_FAULT_CODE_ENCODER_LOST);
+            expect_latched(CRN_FAULT_CODE_ENCODER_LOST);
             bench_close(&b);
             assert_true(bench_open(&b));
         }
@@ -185,8 +185,8 @@ static void a_jump_of_the_translation_takes_the_power(void **state)
     (void)state;
     power_and_push();
     b.rig.hands[0].translation_counts += 5001;
-    expect_safe(SELD_FAULT_CODE_ENCODER_JUMP_TRANSLATION);
-    expect_latched(SELD_FAULT_CODE_ENCODER_JUMP_TRANSLATION);
+    expect_safe(CRN_FAULT_CODE_ENCODER_JUMP_TRANSLATION);
+    expect_latched(CRN_FAULT_CODE_ENCODER_JUMP_TRANSLATION);
 }
 
 static void a_jump_of_the_rotation_takes_the_power(void **state)
@@ -194,8 +194,8 @@ static void a_jump_of_the_rotation_takes_the_power(void **state)
     (void)state;
     power_and_push();
     b.rig.hands[0].rotation_counts -= 65536 / 4 + 1;
-    expect_safe(SELD_FAULT_CODE_ENCODER_JUMP_ROTATION);
-    expect_latched(SELD_FAULT_CODE_ENCODER_JUMP_ROTATION);
+    expect_safe(CRN_FAULT_CODE_ENCODER_JUMP_ROTATION);
+    expect_latched(CRN_FAULT_CODE_ENCODER_JUMP_ROTATION);
 }
 
 static void a_lost_force_sensor_takes_the_power(void **state)
@@ -205,13 +205,13 @@ static void a_lost_force_sensor_takes_the_power(void **state)
         uint8_t sensor;
         int32_t raw;
     } losses[] = {
-        {SELD_PORT_SENSOR_ABSENT, 0}, {SELD_PORT_SENSOR_RANGE, 0}, {SELD_PORT_SENSOR_ERROR, 0}, {0, 60000}};
+        {CRN_PORT_SENSOR_ABSENT, 0}, {CRN_PORT_SENSOR_RANGE, 0}, {CRN_PORT_SENSOR_ERROR, 0}, {0, 60000}};
     for (size_t i = 0; i < sizeof losses / sizeof losses[0]; i++) {
         power_and_push();
         b.rig.tracks[0].force_sensor = losses[i].sensor;
         b.rig.tracks[0].force_raw = losses[i].raw;
-        expect_safe(SELD_FAULT_CODE_FORCE_SENSOR_LOST);
-        expect_latched(SELD_FAULT_CODE_FORCE_SENSOR_LOST);
+        expect_safe(CRN_FAULT_CODE_FORCE_SENSOR_LOST);
+        expect_latched(CRN_FAULT_CODE_FORCE_SENSOR_LOST);
         bench_close(&b);
         assert_true(bench_open(&b));
     }
@@ -229,8 +229,8 @@ static void a_force_that_was_not_asked_takes_the_power(void **state)
         if (bench_is_safe(&b)) break;
     }
     assert_true(bench_is_safe(&b));
-    assert_int_equal(bench_fault(&b, SELD_FAULT_CODE_FORCE_MISMATCH, NULL), 1);
-    expect_latched(SELD_FAULT_CODE_FORCE_MISMATCH);
+    assert_int_equal(bench_fault(&b, CRN_FAULT_CODE_FORCE_MISMATCH, NULL), 1);
+    expect_latched(CRN_FAULT_CODE_FORCE_MISMATCH);
 }
 
 /* In READY, ARMED and RUNNING with no force asked for. */
@@ -238,18 +238,18 @@ static void a_force_while_none_is_asked_takes_the_power(void **state)
 {
     (void)state;
     for (int where = 0; where < 3; where++) {
-        if (where == 1) client_command(&b.host, SELD_WIRE_ACTION_ARM);
+        if (where == 1) client_command(&b.host, CRN_WIRE_ACTION_ARM);
         if (where == 2) assert_true(bench_power(&b));
         for (int i = 0; i < 30; i++) bench_tick(&b);
         b.rig.tracks[0].force_raw = 1400;
         int edges = 0;
-        while (edges < 20 && bench_fault(&b, SELD_FAULT_CODE_ACTUATOR_STUCK_ON, NULL) == 0) {
+        while (edges < 20 && bench_fault(&b, CRN_FAULT_CODE_ACTUATOR_STUCK_ON, NULL) == 0) {
             bench_tick(&b);
             edges++;
         }
-        assert_in_range(edges, 1, seld_wire_fault_safe_ms(SELD_FAULT_CODE_ACTUATOR_STUCK_ON));
-        assert_int_equal(seld_sim_read_motors(b.host.sim).drive, 0);
-        expect_latched(SELD_FAULT_CODE_ACTUATOR_STUCK_ON);
+        assert_in_range(edges, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_ACTUATOR_STUCK_ON));
+        assert_int_equal(crn_sim_read_motors(b.host.sim).drive, 0);
+        expect_latched(CRN_FAULT_CODE_ACTUATOR_STUCK_ON);
         bench_close(&b);
         assert_true(bench_open(&b));
     }
@@ -259,7 +259,7 @@ static void a_force_while_none_is_asked_takes_the_power(void **state)
 static void a_force_beyond_the_limit_takes_the_power(void **state)
 {
     (void)state;
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     track.force_limit_mN = 1000;
     bench_drain(&b);
     client_rig(&b.host, &track, 1);
@@ -267,8 +267,8 @@ static void a_force_beyond_the_limit_takes_the_power(void **state)
     assert_true(bench_power(&b));
     assert_true(bench_push(&b, 900));
     b.rig.tracks[0].force_raw = 450;
-    expect_safe(SELD_FAULT_CODE_FORCE_OVER);
-    expect_state(SELD_WIRE_STATE_FAULT);
+    expect_safe(CRN_FAULT_CODE_FORCE_OVER);
+    expect_state(CRN_WIRE_STATE_FAULT);
 }
 
 static void an_over_current_takes_the_power(void **state)
@@ -276,8 +276,8 @@ static void an_over_current_takes_the_power(void **state)
     (void)state;
     power_and_push();
     b.rig.tracks[0].over_current = true;
-    expect_safe(SELD_FAULT_CODE_OVER_CURRENT);
-    expect_latched(SELD_FAULT_CODE_OVER_CURRENT);
+    expect_safe(CRN_FAULT_CODE_OVER_CURRENT);
+    expect_latched(CRN_FAULT_CODE_OVER_CURRENT);
 }
 
 static void one_spike_of_over_current_is_no_fault(void **state)
@@ -288,7 +288,7 @@ static void one_spike_of_over_current_is_no_fault(void **state)
     bench_tick(&b);
     b.rig.tracks[0].over_current = false;
     for (int i = 0; i < 20; i++) bench_tick(&b);
-    expect_state(SELD_WIRE_STATE_RUNNING);
+    expect_state(CRN_WIRE_STATE_RUNNING);
 }
 
 /* The hand lets go: the motor's 1.5 N are not held, and the carriage of 0.1 kg runs away. */
@@ -302,7 +302,7 @@ static void let_go(int encoder_sign)
     const int32_t begin = b.rig.hands[0].translation_counts;
     int edges = 0;
     while (edges < 8 && !bench_is_safe(&b)) {
-        int32_t motor_mN = seld_sim_read_motors(b.host.sim).axial_mN[0];
+        int32_t motor_mN = crn_sim_read_motors(b.host.sim).axial_mN[0];
         speed_um -= (motor_mN - 200) / 100.0;
         way_um += speed_um;
         b.rig.tracks[0].force_raw = -motor_mN;
@@ -318,25 +318,25 @@ static void a_hand_that_lets_go_is_no_fault(void **state)
 {
     (void)state;
     let_go(1);
-    expect_state(SELD_WIRE_STATE_RUNNING);
+    expect_state(CRN_WIRE_STATE_RUNNING);
 }
 
 static void a_stuck_encoder_takes_the_power(void **state)
 {
     (void)state;
     let_go(0);
-    expect_state(SELD_WIRE_STATE_FAULT);
-    assert_in_range(let_go_ms, 1, seld_wire_fault_safe_ms(SELD_FAULT_CODE_ENCODER_STUCK));
-    expect_latched(SELD_FAULT_CODE_ENCODER_STUCK);
+    expect_state(CRN_WIRE_STATE_FAULT);
+    assert_in_range(let_go_ms, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_ENCODER_STUCK));
+    expect_latched(CRN_FAULT_CODE_ENCODER_STUCK);
 }
 
 static void a_reversed_encoder_takes_the_power(void **state)
 {
     (void)state;
     let_go(-1);
-    expect_state(SELD_WIRE_STATE_FAULT);
-    assert_in_range(let_go_ms, 1, seld_wire_fault_safe_ms(SELD_FAULT_CODE_ENCODER_REVERSED));
-    expect_latched(SELD_FAULT_CODE_ENCODER_REVERSED);
+    expect_state(CRN_WIRE_STATE_FAULT);
+    assert_in_range(let_go_ms, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_ENCODER_REVERSED));
+    expect_latched(CRN_FAULT_CODE_ENCODER_REVERSED);
 }
 
 /* --- host and clock --- */
@@ -346,7 +346,7 @@ static void a_silent_host_takes_the_forces_within_its_time(void **state)
     (void)state;
     power_and_push();
     b.host_speaks = false;
-    client_get(&b.host, SELD_WIRE_GET_STATUS); /* the last word */
+    client_get(&b.host, CRN_WIRE_GET_STATUS); /* the last word */
     int edges = 0;
     int32_t before = INT32_MAX;
     while (edges < 200 && !bench_is_safe(&b)) {
@@ -354,41 +354,41 @@ static void a_silent_host_takes_the_forces_within_its_time(void **state)
             PUSH_um; /* the hand goes on pushing, so that there is a force to fade */
         bench_tick(&b);
         edges++;
-        int32_t now = abs(seld_sim_read_motors(b.host.sim).axial_mN[0]);
-        if (edges == SELD_APP_HOST_SILENT_ticks) assert_true(now >= FORCE_mN / 2);
-        if (edges > SELD_APP_HOST_SILENT_ticks) assert_true(now <= before);
+        int32_t now = abs(crn_sim_read_motors(b.host.sim).axial_mN[0]);
+        if (edges == CRN_APP_HOST_SILENT_ticks) assert_true(now >= FORCE_mN / 2);
+        if (edges > CRN_APP_HOST_SILENT_ticks) assert_true(now <= before);
         before = now;
     }
     print_message("# HOST_SILENT: no force after %d ms\n", edges);
     enum { MOTOR_LAG_ms = 8 }; /* of the slowest motor that docs/faults.md allows; the meter here has none */
-    assert_in_range(edges, 1, seld_wire_fault_safe_ms(SELD_FAULT_CODE_HOST_SILENT) - MOTOR_LAG_ms);
+    assert_in_range(edges, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_HOST_SILENT) - MOTOR_LAG_ms);
     const uint32_t tick = bench_status(&b).tick;
     for (int i = 0; i < 100; i++) bench_tick(&b);
-    expect_state(SELD_WIRE_STATE_RUNNING);
+    expect_state(CRN_WIRE_STATE_RUNNING);
     assert_int_equal(status.tick, tick + 100);
-    assert_true(bench_fault(&b, SELD_FAULT_CODE_HOST_SILENT, &entry) > 0);
+    assert_true(bench_fault(&b, CRN_FAULT_CODE_HOST_SILENT, &entry) > 0);
 }
 
 static void a_tick_that_takes_too_long_is_counted_and_changes_nothing(void **state)
 {
     (void)state;
-    seld_wire_hash64 hashes[2];
+    crn_wire_hash64 hashes[2];
     for (int run = 0; run < 2; run++) {
         assert_true(bench_power(&b));
         for (int i = 0; i < 300; i++) {
             b.rig.hands[0].translation_counts += 20;
-            seld_sim_set_tick_us(b.host.sim, run == 1 && i % 10 == 0 ? 1400 : 300);
+            crn_sim_set_tick_us(b.host.sim, run == 1 && i % 10 == 0 ? 1400 : 300);
             bench_tick(&b);
-            assert_int_equal(seld_sim_read_motors(b.host.sim).drive, 1);
+            assert_int_equal(crn_sim_read_motors(b.host.sim).drive, 1);
         }
         status = bench_status(&b);
         assert_int_equal(status.tick_overruns, run == 1 ? 30 : 0);
         assert_int_equal(status.tick_us_max, run == 1 ? 1400 : 300);
-        client_get(&b.host, SELD_WIRE_GET_HASH64);
-        assert_int_equal(client_receive(&b.host), SELD_WIRE_TYPE_hash64);
+        client_get(&b.host, CRN_WIRE_GET_HASH64);
+        assert_int_equal(client_receive(&b.host), CRN_WIRE_TYPE_hash64);
         assert_true(
-            seld_wire_decode_hash64(b.host.decoder.payload, b.host.decoder.payload_bytes, &hashes[run]));
-        assert_int_equal(bench_fault(&b, SELD_FAULT_CODE_TICK_OVERRUN, &entry), status.tick_overruns);
+            crn_wire_decode_hash64(b.host.decoder.payload, b.host.decoder.payload_bytes, &hashes[run]));
+        assert_int_equal(bench_fault(&b, CRN_FAULT_CODE_TICK_OVERRUN, &entry), status.tick_overruns);
         bench_close(&b);
         assert_true(bench_open(&b));
     }
@@ -400,10 +400,10 @@ static void a_device_that_cannot_keep_up_takes_the_power(void **state)
 {
     (void)state;
     power_and_push();
-    seld_sim_set_tick_us(b.host.sim, 2500);
-    int took_ms = bench_time_to_safe(&b, SELD_FAULT_CODE_TICK_STALLED) * 5 / 2; /* an edge takes 2.5 ms */
-    assert_in_range(took_ms, 1, seld_wire_fault_safe_ms(SELD_FAULT_CODE_TICK_STALLED));
-    expect_latched(SELD_FAULT_CODE_TICK_STALLED);
+    crn_sim_set_tick_us(b.host.sim, 2500);
+    int took_ms = bench_time_to_safe(&b, CRN_FAULT_CODE_TICK_STALLED) * 5 / 2; /* an edge takes 2.5 ms */
+    assert_in_range(took_ms, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_TICK_STALLED));
+    expect_latched(CRN_FAULT_CODE_TICK_STALLED);
 }
 
 /* The stage drops the power by itself, and the firmware says so as soon as it runs again. */
@@ -411,14 +411,14 @@ static void a_frozen_processor_has_no_power_and_says_so_afterwards(void **state)
 {
     (void)state;
     power_and_push();
-    seld_sim_freeze(b.host.sim, 4);
-    assert_int_equal(seld_sim_read_motors(b.host.sim).drive, 1);
-    seld_sim_freeze(b.host.sim, 1);
-    assert_int_equal(seld_sim_read_motors(b.host.sim).drive, 0);
-    seld_sim_freeze(b.host.sim, 10000);
+    crn_sim_freeze(b.host.sim, 4);
+    assert_int_equal(crn_sim_read_motors(b.host.sim).drive, 1);
+    crn_sim_freeze(b.host.sim, 1);
+    assert_int_equal(crn_sim_read_motors(b.host.sim).drive, 0);
+    crn_sim_freeze(b.host.sim, 10000);
     bench_tick(&b);
-    assert_int_equal(seld_sim_read_motors(b.host.sim).drive, 0);
-    expect_latched(SELD_FAULT_CODE_TICK_STALLED);
+    assert_int_equal(crn_sim_read_motors(b.host.sim).drive, 0);
+    expect_latched(CRN_FAULT_CODE_TICK_STALLED);
 }
 
 /* Without being asked: the host of a device that stood still hears of it as of every other end of RUNNING. */
@@ -426,18 +426,18 @@ static void a_device_that_stood_still_says_so_by_itself(void **state)
 {
     (void)state;
     power_and_push();
-    seld_sim_freeze(b.host.sim, 100);
+    crn_sim_freeze(b.host.sim, 100);
     bench_drain(&b);
     b.host_speaks = false;
     bench_tick(&b);
     bool is_told = false;
     for (uint16_t type = client_receive(&b.host); type != 0; type = client_receive(&b.host)) {
-        if (type != SELD_WIRE_TYPE_status) continue;
-        assert_true(seld_wire_decode_status(b.host.decoder.payload, b.host.decoder.payload_bytes, &status));
-        is_told = status.state == SELD_WIRE_STATE_FAULT && status.request_type == 0;
+        if (type != CRN_WIRE_TYPE_status) continue;
+        assert_true(crn_wire_decode_status(b.host.decoder.payload, b.host.decoder.payload_bytes, &status));
+        is_told = status.state == CRN_WIRE_STATE_FAULT && status.request_type == 0;
     }
     assert_true(is_told);
-    assert_int_equal(status.fault_code, SELD_FAULT_CODE_TICK_STALLED);
+    assert_int_equal(status.fault_code, CRN_FAULT_CODE_TICK_STALLED);
 }
 
 /* --- our own errors, and the core's --- */
@@ -455,16 +455,16 @@ static size_t room(void *context)
     return SIZE_MAX;
 }
 
-static bool no_inputs(void *context, seld_port_inputs *inputs)
+static bool no_inputs(void *context, crn_port_inputs *inputs)
 {
     (void)context;
     (void)inputs;
     return false;
 }
 
-static void keep_outputs(void *context, const seld_port_outputs *outputs)
+static void keep_outputs(void *context, const crn_port_outputs *outputs)
 {
-    *(seld_port_outputs *)context = *outputs;
+    *(crn_port_outputs *)context = *outputs;
 }
 
 static uint32_t no_time(void *context)
@@ -473,30 +473,30 @@ static uint32_t no_time(void *context)
     return 0;
 }
 
-static seld_app app;
-static seld_port_outputs outputs;
-static const seld_port port = {.context = &outputs,
-                               .transmit = transmit,
-                               .transmit_room = room,
-                               .inputs = no_inputs,
-                               .outputs = keep_outputs,
-                               .now_us = no_time,
-                               .serial = "x"};
+static crn_app app;
+static crn_port_outputs outputs;
+static const crn_port port = {.context = &outputs,
+                              .transmit = transmit,
+                              .transmit_room = room,
+                              .inputs = no_inputs,
+                              .outputs = keep_outputs,
+                              .now_us = no_time,
+                              .serial = "x"};
 
 static void an_error_of_our_own_takes_the_power_at_once(void **state)
 {
     (void)state;
-    seld_app_init(&app, &port);
+    crn_app_init(&app, &port);
     assert_false(outputs.enable);
-    app.state = SELD_WIRE_STATE_RUNNING;
+    app.state = CRN_WIRE_STATE_RUNNING;
     app.is_driving = true;
-    seld_app_outputs_write(&app);
+    crn_app_outputs_write(&app);
     assert_true(outputs.enable);
-    seld_app_internal_error(&app, 123, -5);
+    crn_app_internal_error(&app, 123, -5);
     assert_false(outputs.enable);
-    assert_int_equal(outputs.lamp, SELD_PORT_LAMP_FAULT);
-    assert_int_equal(app.state, SELD_WIRE_STATE_FAULT);
-    assert_int_equal(app.faults[0].code, SELD_FAULT_CODE_INTERNAL);
+    assert_int_equal(outputs.lamp, CRN_PORT_LAMP_FAULT);
+    assert_int_equal(app.state, CRN_WIRE_STATE_FAULT);
+    assert_int_equal(app.faults[0].code, CRN_FAULT_CODE_INTERNAL);
     assert_int_equal(app.faults[0].value1, 123);
 }
 
@@ -505,23 +505,23 @@ static void every_fault_of_the_core_is_logged_once(void **state)
     (void)state;
     const struct {
         uint32_t bit;
-        seld_fault_code code;
-    } faults[] = {{SELD_FAULT_SATURATED, SELD_FAULT_CODE_CORE_SATURATED},
-                  {SELD_FAULT_FEED_LIMIT, SELD_FAULT_CODE_CORE_FEED_LIMIT},
-                  {SELD_FAULT_STEP_CAPPED, SELD_FAULT_CODE_CORE_STEP_CAPPED},
-                  {SELD_FAULT_INSERT_END, SELD_FAULT_CODE_CORE_INSERT_END},
-                  {SELD_FAULT_OUTSIDE, SELD_FAULT_CODE_CORE_OUTSIDE}};
-    seld_app_init(&app, &port);
+        crn_fault_code code;
+    } faults[] = {{CRN_FAULT_SATURATED, CRN_FAULT_CODE_CORE_SATURATED},
+                  {CRN_FAULT_FEED_LIMIT, CRN_FAULT_CODE_CORE_FEED_LIMIT},
+                  {CRN_FAULT_STEP_CAPPED, CRN_FAULT_CODE_CORE_STEP_CAPPED},
+                  {CRN_FAULT_INSERT_END, CRN_FAULT_CODE_CORE_INSERT_END},
+                  {CRN_FAULT_OUTSIDE, CRN_FAULT_CODE_CORE_OUTSIDE}};
+    crn_app_init(&app, &port);
     uint32_t bits = 0;
     for (uint16_t i = 0; i < sizeof faults / sizeof faults[0]; i++) {
         bits |= faults[i].bit;
-        seld_app_log_core_faults(&app, bits);
-        seld_app_log_core_faults(&app, bits);
+        crn_app_log_core_faults(&app, bits);
+        crn_app_log_core_faults(&app, bits);
         assert_int_equal(app.fault_count, i + 1);
         assert_int_equal(app.faults[i].code, faults[i].code);
         assert_int_equal(app.faults[i].count, 1);
     }
-    assert_int_equal(app.state, SELD_WIRE_STATE_INIT);
+    assert_int_equal(app.state, CRN_WIRE_STATE_INIT);
 }
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)

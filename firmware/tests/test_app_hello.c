@@ -13,7 +13,7 @@
 
 enum { FORCE_mN = 1500 };
 
-static seld_wire_reject reject;
+static crn_wire_reject reject;
 
 static void power_and_push(void)
 {
@@ -28,15 +28,15 @@ static void a_second_program_is_refused_while_the_first_leads_with_power(void **
     power_and_push();
     for (int i = 0; i < 10; i++) {
         bench_drain(&b);
-        client_hello(&b.host, seld_wire_schema_hash());
+        client_hello(&b.host, crn_wire_schema_hash());
         assert_true(client_expect_reject(&b.host, &reject));
-        assert_int_equal(reject.request_type, SELD_WIRE_TYPE_hello);
-        assert_int_equal(reject.code, SELD_REJECT_BUSY);
+        assert_int_equal(reject.request_type, CRN_WIRE_TYPE_hello);
+        assert_int_equal(reject.code, CRN_REJECT_BUSY);
         bench_tick(&b);
     }
-    assert_int_equal(seld_sim_read_motors(b.host.sim).drive, 1);
-    assert_true(seld_sim_read_motors(b.host.sim).axial_mN[0] >= FORCE_mN / 2);
-    assert_int_equal(bench_status(&b).state, SELD_WIRE_STATE_RUNNING); /* and the first is still heard */
+    assert_int_equal(crn_sim_read_motors(b.host.sim).drive, 1);
+    assert_true(crn_sim_read_motors(b.host.sim).axial_mN[0] >= FORCE_mN / 2);
+    assert_int_equal(bench_status(&b).state, CRN_WIRE_STATE_RUNNING); /* and the first is still heard */
 }
 
 /* A refused HELLO is no sign of life of the program that leads: its silence ends the forces in their time. */
@@ -46,15 +46,15 @@ static void a_refused_hello_does_not_keep_the_forces_of_a_dead_host(void **state
     int edges = 0;
     power_and_push();
     b.host_speaks = false;
-    client_get(&b.host, SELD_WIRE_GET_STATUS); /* the last word */
+    client_get(&b.host, CRN_WIRE_GET_STATUS); /* the last word */
     bench_drain(&b);
     for (bool is_refused = true; is_refused && edges < 200; edges++) {
         bench_tick(&b);
         bench_drain(&b);
-        client_hello(&b.host, seld_wire_schema_hash());
-        is_refused = client_receive(&b.host) == SELD_WIRE_TYPE_reject;
+        client_hello(&b.host, crn_wire_schema_hash());
+        is_refused = client_receive(&b.host) == CRN_WIRE_TYPE_reject;
     }
-    assert_in_range(edges, SELD_APP_HOST_SILENT_ticks, SELD_APP_HOST_SILENT_ticks + SELD_APP_FADE_ticks + 1);
+    assert_in_range(edges, CRN_APP_HOST_SILENT_ticks, CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks + 1);
 }
 
 /* A program that crashed is forgotten when its silence has ended the forces; the next one says HELLO, RESET, and begins. */
@@ -63,14 +63,14 @@ static void after_a_host_that_is_gone_hello_works(void **state)
     (void)state;
     power_and_push();
     b.host_speaks = false;
-    for (int i = 0; i < SELD_APP_HOST_SILENT_ticks + SELD_APP_FADE_ticks; i++) bench_tick(&b);
+    for (int i = 0; i < CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks; i++) bench_tick(&b);
     assert_true(bench_is_safe(&b));
     bench_drain(&b);
-    client_hello(&b.host, seld_wire_schema_hash());
-    assert_int_equal(client_receive(&b.host), SELD_WIRE_TYPE_hello_reply);
+    client_hello(&b.host, crn_wire_schema_hash());
+    assert_int_equal(client_receive(&b.host), CRN_WIRE_TYPE_hello_reply);
     b.host_speaks = true;
-    command(SELD_WIRE_ACTION_RESET);
-    assert_int_equal(status.state, SELD_WIRE_STATE_READY);
+    command(CRN_WIRE_ACTION_RESET);
+    assert_int_equal(status.state, CRN_WIRE_STATE_READY);
     assert_true(bench_power(&b));
 }
 
@@ -79,25 +79,25 @@ static void after_stop_hello_works_at_once(void **state)
 {
     (void)state;
     power_and_push();
-    command(SELD_WIRE_ACTION_STOP);
-    client_hello(&b.host, seld_wire_schema_hash());
-    assert_int_equal(client_receive(&b.host), SELD_WIRE_TYPE_hello_reply);
+    command(CRN_WIRE_ACTION_STOP);
+    client_hello(&b.host, crn_wire_schema_hash());
+    assert_int_equal(client_receive(&b.host), CRN_WIRE_TYPE_hello_reply);
 }
 
 static void without_power_a_second_hello_is_answered(void **state)
 {
     (void)state;
-    command(SELD_WIRE_ACTION_LOCKSTEP);
-    command(SELD_WIRE_ACTION_ARM);
-    command(SELD_WIRE_ACTION_START);
-    client_hello(&b.host, seld_wire_schema_hash());
-    assert_int_equal(client_receive(&b.host), SELD_WIRE_TYPE_hello_reply);
-    assert_int_equal(bench_status(&b).state, SELD_WIRE_STATE_RUNNING);
+    command(CRN_WIRE_ACTION_LOCKSTEP);
+    command(CRN_WIRE_ACTION_ARM);
+    command(CRN_WIRE_ACTION_START);
+    client_hello(&b.host, crn_wire_schema_hash());
+    assert_int_equal(client_receive(&b.host), CRN_WIRE_TYPE_hello_reply);
+    assert_int_equal(bench_status(&b).state, CRN_WIRE_STATE_RUNNING);
 }
 
 /* --- the watchdog --- */
 
-static seld_app app;
+static crn_app app;
 static jmp_buf stuck;
 static bool hangs;
 
@@ -114,7 +114,7 @@ static size_t room(void *context)
     return SIZE_MAX / 2;
 }
 
-static bool no_rig(void *context, seld_port_inputs *inputs)
+static bool no_rig(void *context, crn_port_inputs *inputs)
 {
     (void)context;
     (void)inputs;
@@ -128,36 +128,36 @@ static uint32_t no_time(void *context)
 }
 
 /* In the middle of an edge's work: what never comes back from here is left by a jump, so that the test may go on. */
-static void outputs(void *context, const seld_port_outputs *wanted)
+static void outputs(void *context, const crn_port_outputs *wanted)
 {
     (void)context;
     (void)wanted;
     if (hangs) longjmp(stuck, 1);
 }
 
-static const seld_port port = {.transmit = swallow,
-                               .transmit_room = room,
-                               .inputs = no_rig,
-                               .outputs = outputs,
-                               .now_us = no_time,
-                               .serial = "stuck"};
+static const crn_port port = {.transmit = swallow,
+                              .transmit_room = room,
+                              .inputs = no_rig,
+                              .outputs = outputs,
+                              .now_us = no_time,
+                              .serial = "stuck"};
 
 static void only_an_edge_done_to_its_end_counts_for_the_watchdog(void **state)
 {
     (void)state;
     static const uint8_t bytes[600] = {1, 2, 3};
     hangs = false;
-    seld_app_init(&app, &port);
+    crn_app_init(&app, &port);
     assert_int_equal(app.edges_done, 0);
     for (uint32_t i = 1; i <= 5; i++) {
-        seld_app_timer(&app);
+        crn_app_timer(&app);
         assert_int_equal(app.edges_done, i);
     }
-    for (int i = 0; i < 100; i++) seld_app_receive(&app, bytes, sizeof bytes); /* a busy host is no tick */
+    for (int i = 0; i < 100; i++) crn_app_receive(&app, bytes, sizeof bytes); /* a busy host is no tick */
     assert_int_equal(app.edges_done, 5);
     hangs = true;
     if (setjmp(stuck) == 0) {
-        seld_app_timer(&app);
+        crn_app_timer(&app);
         fail_msg("the edge ended");
     }
     assert_int_equal(app.edges_done, 5);

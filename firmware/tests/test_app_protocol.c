@@ -13,14 +13,14 @@
 #include "firmware/tests/reference/bench_fixture.h"
 
 static client *const host = &b.host;
-static seld_wire_reject reject;
+static crn_wire_reject reject;
 
 static void expect_reject(uint16_t code)
 {
     assert_true(client_expect_reject(host, &reject));
     if (reject.code != code) {
-        fail_msg("refused with %s, expected %s", seld_wire_reject_name(reject.code),
-                 seld_wire_reject_name(code));
+        fail_msg("refused with %s, expected %s", crn_wire_reject_name(reject.code),
+                 crn_wire_reject_name(code));
     }
 }
 
@@ -33,8 +33,8 @@ static void refuse(uint8_t action, uint16_t code)
 
 #define TAKE(name, value)                                                                                    \
     do {                                                                                                     \
-        assert_int_equal(client_receive(host), SELD_WIRE_TYPE_##name);                                       \
-        assert_true(seld_wire_decode_##name(host->decoder.payload, host->decoder.payload_bytes, value));     \
+        assert_int_equal(client_receive(host), CRN_WIRE_TYPE_##name);                                        \
+        assert_true(crn_wire_decode_##name(host->decoder.payload, host->decoder.payload_bytes, value));      \
     } while (0)
 
 /* --- two steps --- */
@@ -42,31 +42,31 @@ static void refuse(uint8_t action, uint16_t code)
 static void motors_need_both_steps_in_their_order_and_time(void **state)
 {
     (void)state;
-    refuse(SELD_WIRE_ACTION_ARM_MOTORS, SELD_REJECT_WRONG_STATE);
-    command(SELD_WIRE_ACTION_ARM);
-    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_CONFIRMED);
+    refuse(CRN_WIRE_ACTION_ARM_MOTORS, CRN_REJECT_WRONG_STATE);
+    command(CRN_WIRE_ACTION_ARM);
+    refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_CONFIRMED);
     client_confirm(host, 0);
-    expect_reject(SELD_REJECT_CODE_WRONG);
-    command(SELD_WIRE_ACTION_ARM_MOTORS);
+    expect_reject(CRN_REJECT_CODE_WRONG);
+    command(CRN_WIRE_ACTION_ARM_MOTORS);
     const uint32_t first = status.arm_code;
     assert_true(first != 0);
-    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_CONFIRMED);
+    refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_CONFIRMED);
     client_confirm(host, first ^ 1);
-    expect_reject(SELD_REJECT_CODE_WRONG);
+    expect_reject(CRN_REJECT_CODE_WRONG);
     client_confirm(host, first); /* spent by the wrong answer */
-    expect_reject(SELD_REJECT_CODE_WRONG);
-    command(SELD_WIRE_ACTION_ARM_MOTORS);
+    expect_reject(CRN_REJECT_CODE_WRONG);
+    command(CRN_WIRE_ACTION_ARM_MOTORS);
     assert_true(status.arm_code != first);
     const uint32_t second = status.arm_code;
-    for (int i = 0; i < SELD_APP_CODE_ticks + 1; i++) bench_tick(&b);
+    for (int i = 0; i < CRN_APP_CODE_ticks + 1; i++) bench_tick(&b);
     bench_drain(&b);
     client_confirm(host, second); /* too late */
-    expect_reject(SELD_REJECT_CODE_WRONG);
-    assert_int_equal(seld_sim_read_motors(host->sim).drive, 0);
+    expect_reject(CRN_REJECT_CODE_WRONG);
+    assert_int_equal(crn_sim_read_motors(host->sim).drive, 0);
     assert_true(client_arm_motors(host));
-    command(SELD_WIRE_ACTION_START);
+    command(CRN_WIRE_ACTION_START);
     bench_tick(&b);
-    assert_int_equal(seld_sim_read_motors(host->sim).drive, 1);
+    assert_int_equal(crn_sim_read_motors(host->sim).drive, 1);
 }
 
 /* What powers is one START; STOP, RESET, another mode and a fault all ask for both steps again. */
@@ -74,17 +74,17 @@ static void a_permission_is_good_for_one_start(void **state)
 {
     (void)state;
     assert_true(bench_power(&b));
-    command(SELD_WIRE_ACTION_STOP);
+    command(CRN_WIRE_ACTION_STOP);
     assert_int_equal(status.motors_armed, 0);
-    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_CONFIRMED);
+    refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_CONFIRMED);
     assert_true(client_arm_motors(host));
-    command(SELD_WIRE_ACTION_LOCKSTEP);
-    command(SELD_WIRE_ACTION_FREE_RUN);
-    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_CONFIRMED);
+    command(CRN_WIRE_ACTION_LOCKSTEP);
+    command(CRN_WIRE_ACTION_FREE_RUN);
+    refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_CONFIRMED);
     assert_true(client_arm_motors(host));
-    command(SELD_WIRE_ACTION_RESET);
-    command(SELD_WIRE_ACTION_ARM);
-    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_CONFIRMED);
+    command(CRN_WIRE_ACTION_RESET);
+    command(CRN_WIRE_ACTION_ARM);
+    refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_CONFIRMED);
 }
 
 /* Somebody confirmed and did not press START: neither a host that comes an hour later nor one that says HELLO now has that
@@ -92,42 +92,42 @@ static void a_permission_is_good_for_one_start(void **state)
 static void a_permission_is_not_left_lying_about(void **state)
 {
     (void)state;
-    command(SELD_WIRE_ACTION_ARM);
+    command(CRN_WIRE_ACTION_ARM);
     assert_true(client_arm_motors(host));
-    for (int i = 0; i < SELD_APP_CODE_ticks; i++) bench_tick(&b);
+    for (int i = 0; i < CRN_APP_CODE_ticks; i++) bench_tick(&b);
     assert_int_equal(bench_status(&b).motors_armed, 1);
     bench_tick(&b);
     assert_int_equal(bench_status(&b).motors_armed, 0);
-    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_CONFIRMED);
+    refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_CONFIRMED);
     assert_true(client_arm_motors(host));
-    client_hello(host, seld_wire_schema_hash());
+    client_hello(host, crn_wire_schema_hash());
     bench_drain(&b);
-    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_CONFIRMED);
-    command(SELD_WIRE_ACTION_ARM_MOTORS);
+    refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_CONFIRMED);
+    command(CRN_WIRE_ACTION_ARM_MOTORS);
     const uint32_t code = status.arm_code;
-    client_hello(host, seld_wire_schema_hash());
+    client_hello(host, crn_wire_schema_hash());
     bench_drain(&b);
     client_confirm(host, code);
-    expect_reject(SELD_REJECT_CODE_WRONG);
+    expect_reject(CRN_REJECT_CODE_WRONG);
 }
 
 /* Every frame of a conversation that powers the motors, alone and twice, at a device that is armed: none of them does. */
 static void no_single_frame_powers_a_motor(void **state)
 {
     (void)state;
-    command(SELD_WIRE_ACTION_ARM);
+    command(CRN_WIRE_ACTION_ARM);
     for (uint32_t action = 0; action < 256; action++) {
         for (int twice = 0; twice < 2; twice++) {
             bench_drain(&b);
             client_command(host, (uint8_t)action);
             bench_tick(&b);
-            assert_int_equal(seld_sim_read_motors(host->sim).drive, 0);
+            assert_int_equal(crn_sim_read_motors(host->sim).drive, 0);
         }
-        if (bench_status(&b).state == SELD_WIRE_STATE_READY) command(SELD_WIRE_ACTION_ARM);
-        if (bench_status(&b).mode == SELD_WIRE_MODE_LOCKSTEP) {
-            if (status.state == SELD_WIRE_STATE_RUNNING) command(SELD_WIRE_ACTION_STOP);
+        if (bench_status(&b).state == CRN_WIRE_STATE_READY) command(CRN_WIRE_ACTION_ARM);
+        if (bench_status(&b).mode == CRN_WIRE_MODE_LOCKSTEP) {
+            if (status.state == CRN_WIRE_STATE_RUNNING) command(CRN_WIRE_ACTION_STOP);
             bench_drain(&b);
-            client_command(host, SELD_WIRE_ACTION_FREE_RUN);
+            client_command(host, CRN_WIRE_ACTION_FREE_RUN);
         }
     }
 }
@@ -135,21 +135,21 @@ static void no_single_frame_powers_a_motor(void **state)
 static void an_unsafe_rig_is_not_armed_and_the_cause_is_named(void **state)
 {
     (void)state;
-    const seld_port_inputs healthy = seld_sim_healthy_inputs();
-    command(SELD_WIRE_ACTION_ARM);
+    const crn_port_inputs healthy = crn_sim_healthy_inputs();
+    command(CRN_WIRE_ACTION_ARM);
     for (int i = 0; i < 6; i++) {
         b.rig = healthy;
         if (i == 0) b.rig.emergency_stop = true;
         if (i == 1) b.rig.supply_good = false;
-        if (i == 2) b.rig.tracks[0].translation_sensor = SELD_PORT_SENSOR_ERROR;
-        if (i == 3) b.rig.tracks[0].force_sensor = SELD_PORT_SENSOR_RANGE;
+        if (i == 2) b.rig.tracks[0].translation_sensor = CRN_PORT_SENSOR_ERROR;
+        if (i == 3) b.rig.tracks[0].force_sensor = CRN_PORT_SENSOR_RANGE;
         if (i == 4) b.rig.tracks[0].over_current = true;
         if (i == 5) b.rig.tracks[0].force_raw = 1001;
-        static const uint16_t causes[] = {SELD_FAULT_CODE_EMERGENCY_STOP, SELD_FAULT_CODE_SUPPLY_LOST,
-                                          SELD_FAULT_CODE_ENCODER_LOST,   SELD_FAULT_CODE_FORCE_SENSOR_LOST,
-                                          SELD_FAULT_CODE_OVER_CURRENT,   SELD_FAULT_CODE_ACTUATOR_STUCK_ON};
+        static const uint16_t causes[] = {CRN_FAULT_CODE_EMERGENCY_STOP, CRN_FAULT_CODE_SUPPLY_LOST,
+                                          CRN_FAULT_CODE_ENCODER_LOST,   CRN_FAULT_CODE_FORCE_SENSOR_LOST,
+                                          CRN_FAULT_CODE_OVER_CURRENT,   CRN_FAULT_CODE_ACTUATOR_STUCK_ON};
         bench_tick(&b);
-        refuse(SELD_WIRE_ACTION_ARM_MOTORS, SELD_REJECT_NOT_SAFE);
+        refuse(CRN_WIRE_ACTION_ARM_MOTORS, CRN_REJECT_NOT_SAFE);
         assert_int_equal(reject.detail1, causes[i]);
     }
     b.rig = healthy;
@@ -157,76 +157,76 @@ static void an_unsafe_rig_is_not_armed_and_the_cause_is_named(void **state)
     assert_true(client_arm_motors(host));
     b.rig.emergency_stop = true; /* between CONFIRM and START */
     bench_tick(&b);
-    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_SAFE);
-    seld_sim_set_inputs(host->sim, NULL);
-    seld_sim_timer(host->sim, 1);
-    refuse(SELD_WIRE_ACTION_ARM_MOTORS, SELD_REJECT_NO_RIG);
+    refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_SAFE);
+    crn_sim_set_inputs(host->sim, NULL);
+    crn_sim_timer(host->sim, 1);
+    refuse(CRN_WIRE_ACTION_ARM_MOTORS, CRN_REJECT_NO_RIG);
 }
 
 /* No sensor, no check of forces: only for somebody who stands at the rig and closes the switch inside. */
 static void a_rig_without_force_sensor_is_powered_only_by_the_local_unlock(void **state)
 {
     (void)state;
-    command(SELD_WIRE_ACTION_ARM);
-    b.rig.tracks[0].force_sensor = SELD_PORT_SENSOR_ABSENT;
+    command(CRN_WIRE_ACTION_ARM);
+    b.rig.tracks[0].force_sensor = CRN_PORT_SENSOR_ABSENT;
     bench_tick(&b);
-    refuse(SELD_WIRE_ACTION_ARM_MOTORS, SELD_REJECT_NOT_SAFE);
-    assert_int_equal(reject.detail1, SELD_FAULT_CODE_FORCE_SENSOR_LOST);
+    refuse(CRN_WIRE_ACTION_ARM_MOTORS, CRN_REJECT_NOT_SAFE);
+    assert_int_equal(reject.detail1, CRN_FAULT_CODE_FORCE_SENSOR_LOST);
     b.rig.local_unlock = true;
     bench_tick(&b);
     assert_true(client_arm_motors(host));
     b.rig.local_unlock = false; /* opened again before START */
     bench_tick(&b);
-    refuse(SELD_WIRE_ACTION_START, SELD_REJECT_NOT_SAFE);
+    refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_SAFE);
 }
 
 static void lockstep_holds_the_motors_off(void **state)
 {
     (void)state;
-    command(SELD_WIRE_ACTION_LOCKSTEP);
-    command(SELD_WIRE_ACTION_ARM);
-    refuse(SELD_WIRE_ACTION_ARM_MOTORS, SELD_REJECT_WRONG_MODE);
-    command(SELD_WIRE_ACTION_START);
+    command(CRN_WIRE_ACTION_LOCKSTEP);
+    command(CRN_WIRE_ACTION_ARM);
+    refuse(CRN_WIRE_ACTION_ARM_MOTORS, CRN_REJECT_WRONG_MODE);
+    command(CRN_WIRE_ACTION_START);
     for (uint32_t tick = 0; tick < 100; tick++) {
-        static seld_wire_ticks ticks;
+        static crn_wire_ticks ticks;
         client_step(host, tick, 1, (int32_t)tick * 900, 0);
         assert_true(client_expect_ticks(host, &ticks));
-        seld_sim_timer(host->sim, 1);
-        assert_int_equal(seld_sim_read_motors(host->sim).drive, 0);
-        assert_false(seld_sim_read_outputs(host->sim).enable);
+        crn_sim_timer(host->sim, 1);
+        assert_int_equal(crn_sim_read_motors(host->sim).drive, 0);
+        assert_false(crn_sim_read_outputs(host->sim).enable);
     }
 }
 
 /* --- set-up --- */
 
-static seld_wire_set_up read_set_up(void)
+static crn_wire_set_up read_set_up(void)
 {
-    seld_wire_set_up set_up;
+    crn_wire_set_up set_up;
     bench_drain(&b);
-    client_get(host, SELD_WIRE_GET_SET_UP);
+    client_get(host, CRN_WIRE_GET_SET_UP);
     TAKE(set_up, &set_up);
     return set_up;
 }
 
 static void send_chunk(const uint8_t *bytes, uint32_t offset, uint16_t count)
 {
-    static seld_wire_scene_chunk chunk;
-    static uint8_t payload[SELD_WIRE_BYTES_scene_chunk];
+    static crn_wire_scene_chunk chunk;
+    static uint8_t payload[CRN_WIRE_BYTES_scene_chunk];
     chunk.offset = offset;
     chunk.data_count = count;
     memcpy(chunk.data, bytes + offset, count);
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    assert_true(seld_wire_put_scene_chunk(&writer, &chunk));
-    client_send(host, SELD_WIRE_TYPE_scene_chunk, payload, writer.length);
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    assert_true(crn_wire_put_scene_chunk(&writer, &chunk));
+    client_send(host, CRN_WIRE_TYPE_scene_chunk, payload, writer.length);
 }
 
 static void begin_upload(uint32_t bytes, uint32_t crc32)
 {
-    uint8_t payload[SELD_WIRE_BYTES_scene_begin];
-    const seld_wire_scene_begin begin = {bytes, crc32};
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    seld_wire_put_scene_begin(&writer, &begin);
-    client_send(host, SELD_WIRE_TYPE_scene_begin, payload, writer.length);
+    uint8_t payload[CRN_WIRE_BYTES_scene_begin];
+    const crn_wire_scene_begin begin = {bytes, crc32};
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    crn_wire_put_scene_begin(&writer, &begin);
+    client_send(host, CRN_WIRE_TYPE_scene_begin, payload, writer.length);
     assert_true(client_expect_status(host, &status));
 }
 
@@ -237,13 +237,13 @@ static void an_upload_that_was_cut_goes_on_where_it_stopped(void **state)
     (void)state;
     static uint8_t scene[3000];
     for (size_t i = 0; i < sizeof scene; i++) scene[i] = (uint8_t)(i * 7);
-    const uint32_t crc = seld_wire_crc32(0, scene, sizeof scene);
+    const uint32_t crc = crn_wire_crc32(0, scene, sizeof scene);
     bench_drain(&b);
     begin_upload(sizeof scene, crc);
     send_chunk(scene, 0, 1000);
-    client_hello(host, seld_wire_schema_hash()); /* the host is back */
+    client_hello(host, crn_wire_schema_hash()); /* the host is back */
     bench_drain(&b);
-    seld_wire_set_up there = read_set_up();
+    crn_wire_set_up there = read_set_up();
     assert_int_equal(there.upload_bytes, sizeof scene);
     assert_int_equal(there.upload_crc32, crc);
     assert_int_equal(there.upload_received, 1000);
@@ -251,8 +251,8 @@ static void an_upload_that_was_cut_goes_on_where_it_stopped(void **state)
     assert_int_equal(read_set_up().upload_received, 1000);
     send_chunk(scene, 1000, 2000);
     const uint8_t end[4] = {sizeof scene & 255, sizeof scene >> 8};
-    client_send(host, SELD_WIRE_TYPE_scene_end, end, sizeof end);
-    expect_reject(SELD_REJECT_SCENE_INVALID);
+    client_send(host, CRN_WIRE_TYPE_scene_end, end, sizeof end);
+    expect_reject(CRN_REJECT_SCENE_INVALID);
     assert_int_equal(read_set_up().upload_bytes, 0);
     begin_upload(sizeof scene, crc);
     send_chunk(scene, 0, 1000);
@@ -263,14 +263,14 @@ static void an_upload_that_was_cut_goes_on_where_it_stopped(void **state)
 static void what_was_set_up_is_known_by_its_crc(void **state)
 {
     (void)state;
-    static seld_wire_tools tools;
-    static uint8_t payload[SELD_WIRE_BYTES_tools];
+    static crn_wire_tools tools;
+    static uint8_t payload[CRN_WIRE_BYTES_tools];
     client_plain_tools(&tools, 1);
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    seld_wire_put_tools(&writer, &tools);
-    seld_wire_set_up there = read_set_up();
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    crn_wire_put_tools(&writer, &tools);
+    crn_wire_set_up there = read_set_up();
     assert_int_equal(there.tool_count, 1);
-    assert_int_equal(there.tools_crc32, seld_wire_crc32(0, payload, writer.length));
+    assert_int_equal(there.tools_crc32, crn_wire_crc32(0, payload, writer.length));
     assert_int_equal(there.has_entry, 1);
     assert_int_equal(there.scene_bytes, 0);
 }
@@ -278,8 +278,8 @@ static void what_was_set_up_is_known_by_its_crc(void **state)
 static void the_rig_is_read_back_as_it_is_in_force(void **state)
 {
     (void)state;
-    seld_wire_rig rig;
-    seld_wire_track track = client_plain_track();
+    crn_wire_rig rig;
+    crn_wire_track track = client_plain_track();
     track.force_limit_mN = 700;
     track.force_slew_mN_per_tick = 7;
     track.force_zero_counts = -12;
@@ -288,22 +288,22 @@ static void the_rig_is_read_back_as_it_is_in_force(void **state)
     bench_drain(&b);
     client_rig(host, &track, 1);
     assert_true(client_expect_status(host, &status));
-    client_get(host, SELD_WIRE_GET_RIG);
+    client_get(host, CRN_WIRE_GET_RIG);
     TAKE(rig, &rig);
-    track.torque_slew_uN_m_per_tick = SELD_APP_TORQUE_SLEW_uN_m_per_tick; /* 0 kept it */
-    assert_int_equal(rig.tracks_count, SELD_WIRE_TOOL_MAX);
+    track.torque_slew_uN_m_per_tick = CRN_APP_TORQUE_SLEW_uN_m_per_tick; /* 0 kept it */
+    assert_int_equal(rig.tracks_count, CRN_WIRE_TOOL_MAX);
     assert_memory_equal(&rig.tracks[0], &track, sizeof track);
-    assert_int_equal(rig.tracks[2].force_limit_mN, SELD_APP_FORCE_LIMIT_mN);
+    assert_int_equal(rig.tracks[2].force_limit_mN, CRN_APP_FORCE_LIMIT_mN);
 }
 
 /* Each field out of its range, alone: refused with the field's number, and nothing changed. */
 static void a_rig_that_cannot_be_is_refused_by_field(void **state)
 {
     (void)state;
-    seld_wire_rig before, after;
+    crn_wire_rig before, after;
     for (uint32_t i = 0; i < 12; i++) {
         static const uint32_t fields[] = {0, 1, 2, 3, 4, 5, 6, 7, 9, 15, 16, 17};
-        seld_wire_track track = client_plain_track();
+        crn_wire_track track = client_plain_track();
         uint32_t *const places[] = {&track.translation_pm_per_count,  &track.rotation_counts_per_turn,
                                     &track.force_gain_milli,          &track.force_limit_mN,
                                     &track.torque_limit_uN_m,         &track.force_slew_mN_per_tick,
@@ -312,13 +312,13 @@ static void a_rig_that_cannot_be_is_refused_by_field(void **state)
                                     &track.coupling_uN_m_per_rad,     &track.seal_mN};
         static const uint32_t values[] = {999, 15, 4001, 8001, 20001, 51, 126, 4, 1251, 1601, 3201, 2001};
         bench_drain(&b);
-        client_get(host, SELD_WIRE_GET_RIG);
+        client_get(host, CRN_WIRE_GET_RIG);
         TAKE(rig, &before);
         *places[i] = values[i];
         client_rig(host, &track, 1);
-        expect_reject(SELD_REJECT_RIG_RANGE);
+        expect_reject(CRN_REJECT_RIG_RANGE);
         assert_int_equal(reject.detail2, fields[i]);
-        client_get(host, SELD_WIRE_GET_RIG);
+        client_get(host, CRN_WIRE_GET_RIG);
         TAKE(rig, &after);
         assert_memory_equal(before.tracks, after.tracks, sizeof before.tracks);
         *places[i] = i < 2 || i == 7 ? *places[i] : values[i] - 1;
@@ -329,13 +329,13 @@ static void a_rig_that_cannot_be_is_refused_by_field(void **state)
 static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
 {
     (void)state;
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     track.coupling_N_per_m = 1600;
     client_rig(host, &track, 1);
     bench_drain(&b);
     track.coupling_mN_s_per_m = 201;
     client_rig(host, &track, 1);
-    expect_reject(SELD_REJECT_RIG_RANGE);
+    expect_reject(CRN_REJECT_RIG_RANGE);
 }
 
 /* A host that says that a count is a thousandth of what it is would blind every check of forces. The bench's sensors have 1 mN per
@@ -349,7 +349,7 @@ static void the_force_sensors_scale_moves_by_a_quarter_without_the_local_unlock(
     } asks[] = {{1, false, false},    {749, false, false},  {750, false, true},  {1250, false, true},
                 {1251, false, false}, {4000, true, true},   {4000, false, true}, {3999, false, false},
                 {1000, false, true},  {4000, false, false}, {1, true, true},     {1000001, true, false}};
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     for (size_t i = 0; i < sizeof asks / sizeof *asks; i++) {
         b.rig.local_unlock = asks[i].unlocked;
         bench_tick(&b);
@@ -359,7 +359,7 @@ static void the_force_sensors_scale_moves_by_a_quarter_without_the_local_unlock(
         if (asks[i].taken) {
             assert_true(client_expect_status(host, &status));
         } else {
-            expect_reject(SELD_REJECT_RIG_RANGE);
+            expect_reject(CRN_REJECT_RIG_RANGE);
             assert_int_equal(reject.detail2, 9);
         }
     }
@@ -368,20 +368,20 @@ static void the_force_sensors_scale_moves_by_a_quarter_without_the_local_unlock(
 static void limits_rise_only_with_the_local_unlock(void **state)
 {
     (void)state;
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     bench_drain(&b);
     track.force_limit_mN = 500;
     client_rig(host, &track, 1);
     assert_true(client_expect_status(host, &status));
     track.force_limit_mN = 501;
     client_rig(host, &track, 1);
-    expect_reject(SELD_REJECT_RIG_RANGE);
+    expect_reject(CRN_REJECT_RIG_RANGE);
     b.rig.local_unlock = true;
     bench_tick(&b);
     bench_drain(&b);
     track.force_limit_mN = 8001; /* no unlock goes beyond what is built in */
     client_rig(host, &track, 1);
-    expect_reject(SELD_REJECT_RIG_RANGE);
+    expect_reject(CRN_REJECT_RIG_RANGE);
     track.force_limit_mN = 8000;
     client_rig(host, &track, 1);
     assert_true(client_expect_status(host, &status));
@@ -393,13 +393,13 @@ static void limits_rise_only_with_the_local_unlock(void **state)
     assert_true(client_expect_status(host, &status));
     track.force_limit_mN = 502;
     client_rig(host, &track, 1);
-    expect_reject(SELD_REJECT_RIG_RANGE);
+    expect_reject(CRN_REJECT_RIG_RANGE);
 }
 
 static void the_sensors_are_read_as_they_are(void **state)
 {
     (void)state;
-    seld_wire_sensors sensors;
+    crn_wire_sensors sensors;
     b.rig.hands[1].rotation_counts = -77;
     b.rig.tracks[2].force_raw = 123;
     b.rig.inflator_raw = 4567;
@@ -407,7 +407,7 @@ static void the_sensors_are_read_as_they_are(void **state)
     b.rig.buttons = 5;
     bench_tick(&b);
     bench_drain(&b);
-    client_get(host, SELD_WIRE_GET_SENSORS);
+    client_get(host, CRN_WIRE_GET_SENSORS);
     TAKE(sensors, &sensors);
     assert_int_equal(sensors.has_rig, 1);
     assert_int_equal(sensors.tracks[1].rotation_counts, -77);
@@ -415,11 +415,11 @@ static void the_sensors_are_read_as_they_are(void **state)
     assert_int_equal(sensors.inflator_raw, 4567);
     assert_int_equal(sensors.syringe_counts, -3);
     assert_int_equal(sensors.buttons, 5);
-    assert_int_equal(sensors.lines, SELD_WIRE_LINE_SUPPLY);
+    assert_int_equal(sensors.lines, CRN_WIRE_LINE_SUPPLY);
 }
 
 /* A device of its own, since a sim hides its app; what it says goes nowhere. */
-static seld_app alone;
+static crn_app alone;
 static uint32_t frames_sent;
 
 static bool count_frame(void *context, const uint8_t *frame, size_t frame_bytes)
@@ -435,7 +435,7 @@ static size_t much_room(void *context)
     return 1 << 20;
 }
 
-static void no_outputs(void *context, const seld_port_outputs *outputs)
+static void no_outputs(void *context, const crn_port_outputs *outputs)
 {
     (void)context;
     (void)outputs;
@@ -444,55 +444,54 @@ static void no_outputs(void *context, const seld_port_outputs *outputs)
 static void hear(uint16_t sequence, uint16_t type, size_t payload_bytes, const uint8_t *payload)
 {
     static uint8_t frame[256];
-    const seld_wire_header header = {sequence, 0, type};
-    size_t bytes = seld_wire_frame_encode(&header, payload, payload_bytes, frame, sizeof frame);
-    seld_app_receive(&alone, frame, bytes);
+    const crn_wire_header header = {sequence, 0, type};
+    size_t bytes = crn_wire_frame_encode(&header, payload, payload_bytes, frame, sizeof frame);
+    crn_app_receive(&alone, frame, bytes);
 }
 
 static void hear_hello(uint16_t sequence)
 {
-    const seld_wire_hello hello = {SELD_WIRE_PROTOCOL_MAJOR, SELD_WIRE_PROTOCOL_MINOR,
-                                   seld_wire_schema_hash()};
-    uint8_t payload[SELD_WIRE_BYTES_hello];
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    assert_true(seld_wire_put_hello(&writer, &hello));
-    hear(sequence, SELD_WIRE_TYPE_hello, writer.length, payload);
+    const crn_wire_hello hello = {CRN_WIRE_PROTOCOL_MAJOR, CRN_WIRE_PROTOCOL_MINOR, crn_wire_schema_hash()};
+    uint8_t payload[CRN_WIRE_BYTES_hello];
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    assert_true(crn_wire_put_hello(&writer, &hello));
+    hear(sequence, CRN_WIRE_TYPE_hello, writer.length, payload);
 }
 
 /* Between the frames of the stream, of which none is counted as missing. */
 static void orders_without_a_frame_take_power_away_and_do_nothing_else(void **state)
 {
     (void)state;
-    const seld_port port = {
+    const crn_port port = {
         .transmit = count_frame, .transmit_room = much_room, .outputs = no_outputs, .serial = "ALONE"};
-    const uint8_t get[] = {SELD_WIRE_GET_STATUS};
-    const seld_wire_rig rig = {.tracks_count = 1, .tracks = {client_plain_track()}};
-    seld_app_init(&alone, &port);
-    assert_false(seld_app_order(&alone, SELD_WIRE_ACTION_RESET)); /* nobody said HELLO */
-    seld_app_configure(&alone, &rig);
-    assert_int_equal(alone.state, SELD_WIRE_STATE_INIT);
+    const uint8_t get[] = {CRN_WIRE_GET_STATUS};
+    const crn_wire_rig rig = {.tracks_count = 1, .tracks = {client_plain_track()}};
+    crn_app_init(&alone, &port);
+    assert_false(crn_app_order(&alone, CRN_WIRE_ACTION_RESET)); /* nobody said HELLO */
+    crn_app_configure(&alone, &rig);
+    assert_int_equal(alone.state, CRN_WIRE_STATE_INIT);
     assert_int_equal(alone.tracks[0].wire.coupling_N_per_m, 0);
     assert_int_equal(frames_sent, 2); /* both refused */
     hear_hello(1);
-    alone.state = SELD_WIRE_STATE_RUNNING;
+    alone.state = CRN_WIRE_STATE_RUNNING;
     for (unsigned action = 0; action <= UINT8_MAX; action++) {
-        if (action == SELD_WIRE_ACTION_STOP || action == SELD_WIRE_ACTION_RESET) continue;
-        assert_false(seld_app_order(&alone, (uint8_t)action));
+        if (action == CRN_WIRE_ACTION_STOP || action == CRN_WIRE_ACTION_RESET) continue;
+        assert_false(crn_app_order(&alone, (uint8_t)action));
     }
     assert_int_equal(frames_sent, 3);
     alone.silent_ticks = 7;
-    assert_true(seld_app_order(&alone, SELD_WIRE_ACTION_STOP));
-    assert_int_equal(alone.state, SELD_WIRE_STATE_ARMED);
+    assert_true(crn_app_order(&alone, CRN_WIRE_ACTION_STOP));
+    assert_int_equal(alone.state, CRN_WIRE_STATE_ARMED);
     assert_int_equal(alone.silent_ticks, 0); /* the host lives */
-    hear(2, SELD_WIRE_TYPE_get, sizeof get, get);
-    assert_true(seld_app_order(&alone, SELD_WIRE_ACTION_RESET));
-    assert_int_equal(alone.state, SELD_WIRE_STATE_READY);
-    seld_app_configure(&alone, &rig);
+    hear(2, CRN_WIRE_TYPE_get, sizeof get, get);
+    assert_true(crn_app_order(&alone, CRN_WIRE_ACTION_RESET));
+    assert_int_equal(alone.state, CRN_WIRE_STATE_READY);
+    crn_app_configure(&alone, &rig);
     assert_int_equal(alone.tracks[0].wire.coupling_N_per_m, rig.tracks[0].coupling_N_per_m);
-    hear(3, SELD_WIRE_TYPE_get, sizeof get, get);
+    hear(3, CRN_WIRE_TYPE_get, sizeof get, get);
     assert_int_equal(frames_sent, 8);
     assert_int_equal(alone.sequence_gaps, 0);
-    for (int bad = SELD_WIRE_BAD_COBS; bad < SELD_WIRE_EVENT_COUNT; bad++)
+    for (int bad = CRN_WIRE_BAD_COBS; bad < CRN_WIRE_EVENT_COUNT; bad++)
         assert_int_equal(alone.decoder.event_counts[bad], 0);
 }
 

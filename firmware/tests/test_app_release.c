@@ -18,14 +18,14 @@ enum { LOOSE_mN = 50 };
 
 static int32_t motor_mN(void)
 {
-    return seld_sim_read_motors(b.host.sim).axial_mN[0];
+    return crn_sim_read_motors(b.host.sim).axial_mN[0];
 }
 
 static void expect_running(void)
 {
     status = bench_status(&b);
-    if (status.state != SELD_WIRE_STATE_RUNNING)
-        fail_msg("ended by %s", seld_wire_fault_name(status.fault_code));
+    if (status.state != CRN_WIRE_STATE_RUNNING)
+        fail_msg("ended by %s", crn_wire_fault_name(status.fault_code));
 }
 
 /* One edge at which the carriage moved by `um` and the hand holds `held_mN`; the bench adds what the motor gives to a sensor. */
@@ -39,7 +39,7 @@ static void edge(int32_t um, int32_t held_mN)
 /* A wire in a seal of 2 N, and a hand that has pushed in by `um` of the coupling's 1 N/mm and holds. */
 static void push_seal(int32_t um)
 {
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     track.seal_mN = 2000;
     track.coupling_uN_m_per_rad = track.coupling_nN_m_s_per_rad = 0;
     bench_drain(&b);
@@ -104,15 +104,15 @@ static void a_carriage_that_its_motor_drives_too_fast_takes_the_power(void **sta
     (void)state;
     int edges = 0, fast = 0;
     push_seal(1800);
-    for (int32_t speed = 20; seld_sim_read_motors(b.host.sim).drive && edges < 40; edges++, speed += 40) {
+    for (int32_t speed = 20; crn_sim_read_motors(b.host.sim).drive && edges < 40; edges++, speed += 40) {
         edge(-speed, 0);
         fast += speed > 250;
     }
     print_message("# %d edges, %d of them above 0.25 m/s\n", edges, fast);
     status = bench_status(&b);
-    assert_int_equal(status.state, SELD_WIRE_STATE_FAULT);
-    assert_int_equal(status.fault_code, SELD_FAULT_CODE_CARRIAGE_FAST);
-    assert_in_range(fast, 1, seld_wire_fault_safe_ms(SELD_FAULT_CODE_CARRIAGE_FAST) + 1);
+    assert_int_equal(status.state, CRN_WIRE_STATE_FAULT);
+    assert_int_equal(status.fault_code, CRN_FAULT_CODE_CARRIAGE_FAST);
+    assert_in_range(fast, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_CARRIAGE_FAST) + 1);
 }
 
 /* A hand that throws the carriage at 0.5 m/s against the coupling, and has let go: the speed is the hand's. */
@@ -129,7 +129,7 @@ static void a_carriage_that_was_thrown_is_no_fault(void **state)
 static void a_fast_hand_is_no_fault(void **state)
 {
     (void)state;
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     track.seal_mN = 300;
     bench_drain(&b);
     client_rig(&b.host, &track, 1);
@@ -155,13 +155,13 @@ static void a_cycle_that_the_loop_keeps_up_in_a_hand_takes_the_power(void **stat
     int32_t at = 0;
     int ms = 0;
     push_seal(1000);
-    for (; ms < 1000 && seld_sim_read_motors(b.host.sim).drive; ms++) {
+    for (; ms < 1000 && crn_sim_read_motors(b.host.sim).drive; ms++) {
         const int32_t to = (int32_t)lround(300 * sin(ms * 0.125));
         edge(to - at, motor_mN() - (int32_t)lround(100 * cos(ms * 0.125)));
         at = to;
     }
     status = bench_status(&b);
-    assert_int_equal(status.fault_code, SELD_FAULT_CODE_PASSIVITY_LASTS);
+    assert_int_equal(status.fault_code, CRN_FAULT_CODE_PASSIVITY_LASTS);
     print_message("# a cycle of 0.3 N at 20 Hz ends after %d ms\n", ms);
     assert_in_range(ms, 50, 200);
 }

@@ -11,23 +11,23 @@
 #include "firmware/app/app.h"
 #include "firmware/tests/reference/bench_session.h"
 
-static seld_wire_reject reject;
+static crn_wire_reject reject;
 
 static void ask(uint8_t action, uint16_t value)
 {
-    const seld_wire_rhythm order = {action, value};
-    uint8_t payload[SELD_WIRE_BYTES_rhythm];
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    assert_true(seld_wire_put_rhythm(&writer, &order));
-    client_send(&b.host, SELD_WIRE_TYPE_rhythm, payload, writer.length);
+    const crn_wire_rhythm order = {action, value};
+    uint8_t payload[CRN_WIRE_BYTES_rhythm];
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    assert_true(crn_wire_put_rhythm(&writer, &order));
+    client_send(&b.host, CRN_WIRE_TYPE_rhythm, payload, writer.length);
 }
 
 /* One tick in LOCKSTEP that asks something; its result in `ticks`. */
 static void step_asking(uint32_t tick, uint8_t action, uint16_t value)
 {
-    static seld_wire_step step;
-    step = (seld_wire_step){.tick = tick, .inputs_count = 1};
-    step.inputs[0] = (seld_wire_encoders){.hands_count = 1, .rhythm_action = action, .rhythm_value = value};
+    static crn_wire_step step;
+    step = (crn_wire_step){.tick = tick, .inputs_count = 1};
+    step.inputs[0] = (crn_wire_encoders){.hands_count = 1, .rhythm_action = action, .rhythm_value = value};
     send_step(&step);
 }
 
@@ -38,7 +38,7 @@ static void an_input_asks_at_its_own_tick(void **state)
     start_lockstep();
     uint32_t beats = 0;
     for (uint32_t tick = 0; tick < 1500; tick++) {
-        step_asking(tick, tick == 1 ? SELD_WIRE_RHYTHM_HEART_RATE : 0, tick == 1 ? 140 : 0);
+        step_asking(tick, tick == 1 ? CRN_WIRE_RHYTHM_HEART_RATE : 0, tick == 1 ? 140 : 0);
         assert_true(client_expect_ticks(&b.host, &ticks));
         if (ticks.states[0].beat_ms != 0) continue;
         assert_int_equal(tick + 1, beats == 0 ? 857 : 857 + 428);
@@ -52,17 +52,17 @@ static void an_input_asks_at_its_own_tick(void **state)
 static void a_batch_with_one_bad_request_is_refused_whole(void **state)
 {
     (void)state;
-    static const seld_wire_rhythm bad[] = {{SELD_WIRE_RHYTHM_HEART_RATE, 161}, {77, 1}, {0, 1}};
+    static const crn_wire_rhythm bad[] = {{CRN_WIRE_RHYTHM_HEART_RATE, 161}, {77, 1}, {0, 1}};
     start_lockstep();
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        static seld_wire_step step;
-        step = (seld_wire_step){.tick = 0, .inputs_count = 20};
+        static crn_wire_step step;
+        step = (crn_wire_step){.tick = 0, .inputs_count = 20};
         for (int k = 0; k < 20; k++) step.inputs[k].hands_count = 1;
         step.inputs[12].rhythm_action = bad[i].action;
         step.inputs[12].rhythm_value = bad[i].value;
         send_step(&step);
         assert_true(client_expect_reject(&b.host, &reject));
-        assert_int_equal(reject.code, SELD_REJECT_RHYTHM_RANGE);
+        assert_int_equal(reject.code, CRN_REJECT_RHYTHM_RANGE);
         assert_int_equal(reject.detail1, bad[i].action);
         assert_int_equal(reject.detail2, bad[i].value);
         assert_int_equal(bench_status(&b).tick, 0);
@@ -73,36 +73,36 @@ static void a_request_in_the_wrong_mode_state_or_range_is_refused(void **state)
 {
     (void)state;
     bench_drain(&b);
-    ask(SELD_WIRE_RHYTHM_HEART_RATE, 90);
+    ask(CRN_WIRE_RHYTHM_HEART_RATE, 90);
     assert_true(client_expect_reject(&b.host, &reject));
-    assert_int_equal(reject.code, SELD_REJECT_WRONG_STATE);
-    command(SELD_WIRE_ACTION_LOCKSTEP);
-    ask(SELD_WIRE_RHYTHM_HEART_RATE, 90);
+    assert_int_equal(reject.code, CRN_REJECT_WRONG_STATE);
+    command(CRN_WIRE_ACTION_LOCKSTEP);
+    ask(CRN_WIRE_RHYTHM_HEART_RATE, 90);
     assert_true(client_expect_reject(&b.host, &reject));
-    assert_int_equal(reject.code, SELD_REJECT_WRONG_MODE);
-    command(SELD_WIRE_ACTION_FREE_RUN);
+    assert_int_equal(reject.code, CRN_REJECT_WRONG_MODE);
+    command(CRN_WIRE_ACTION_FREE_RUN);
     assert_true(bench_power(&b));
     bench_drain(&b);
-    static const seld_wire_rhythm bad[] = {{0, 0}, {SELD_WIRE_RHYTHM_BREATH_RATE, 21}, {7, 0}, {255, 65535}};
+    static const crn_wire_rhythm bad[] = {{0, 0}, {CRN_WIRE_RHYTHM_BREATH_RATE, 21}, {7, 0}, {255, 65535}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         ask(bad[i].action, bad[i].value);
         assert_true(client_expect_reject(&b.host, &reject));
-        assert_int_equal(reject.code, SELD_REJECT_RHYTHM_RANGE);
+        assert_int_equal(reject.code, CRN_REJECT_RHYTHM_RANGE);
     }
-    for (int i = 0; i < SELD_APP_RHYTHM_QUEUE; i++) {
-        ask(SELD_WIRE_RHYTHM_HEART_RATE, (uint16_t)(80 + i));
+    for (int i = 0; i < CRN_APP_RHYTHM_QUEUE; i++) {
+        ask(CRN_WIRE_RHYTHM_HEART_RATE, (uint16_t)(80 + i));
         assert_true(client_expect_status(&b.host, &status));
     }
-    ask(SELD_WIRE_RHYTHM_HEART_RATE, 90);
+    ask(CRN_WIRE_RHYTHM_HEART_RATE, 90);
     assert_true(client_expect_reject(&b.host, &reject));
-    assert_int_equal(reject.code, SELD_REJECT_RHYTHM_FULL);
+    assert_int_equal(reject.code, CRN_REJECT_RHYTHM_FULL);
 }
 
 static void ask_now_and_then(int ms)
 {
-    if (ms == 100) ask(SELD_WIRE_RHYTHM_PREMATURE, 500);
-    if (ms == 100) ask(SELD_WIRE_RHYTHM_BREATH_HOLD, 1);
-    if (ms == 300) ask(SELD_WIRE_RHYTHM_BREATH_HOLD, 0);
+    if (ms == 100) ask(CRN_WIRE_RHYTHM_PREMATURE, 500);
+    if (ms == 100) ask(CRN_WIRE_RHYTHM_BREATH_HOLD, 1);
+    if (ms == 300) ask(CRN_WIRE_RHYTHM_BREATH_HOLD, 0);
 }
 
 /* Two requests in one millisecond take two ticks; the recorded inputs give the same beats, hashes and phases in LOCKSTEP. */

@@ -33,14 +33,14 @@ static bool swallow(void *context, const uint8_t *frame, size_t bytes)
     return bytes > 0;
 }
 
-static void ignore(void *context, const seld_port_outputs *outputs)
+static void ignore(void *context, const crn_port_outputs *outputs)
 {
     (void)context;
     (void)outputs;
 }
 
-static const seld_port quiet_port = {
-    .transmit = swallow, .outputs = ignore, .serial = "quiet", .capabilities = SELD_WIRE_CAPABILITY_MOTORS};
+static const crn_port quiet_port = {
+    .transmit = swallow, .outputs = ignore, .serial = "quiet", .capabilities = CRN_WIRE_CAPABILITY_MOTORS};
 
 static void lock(bool is_unlocked)
 {
@@ -48,7 +48,7 @@ static void lock(bool is_unlocked)
     bench_tick(&b);
 }
 
-static void expect_taken(const seld_wire_track *track)
+static void expect_taken(const crn_wire_track *track)
 {
     bench_drain(&b);
     client_rig(&b.host, track, 1);
@@ -59,9 +59,9 @@ static void expect_taken(const seld_wire_track *track)
     }
 }
 
-static void expect_refused(const seld_wire_track *track, uint32_t field)
+static void expect_refused(const crn_wire_track *track, uint32_t field)
 {
-    seld_wire_reject reject;
+    crn_wire_reject reject;
     bench_drain(&b);
     client_rig(&b.host, track, 1);
     if (!client_expect_reject(&b.host, &reject)) {
@@ -69,7 +69,7 @@ static void expect_refused(const seld_wire_track *track, uint32_t field)
                  track->coupling_N_per_m, track->damping_mN_s_per_m, track->actuator_lag_us,
                  track->translation_pm_per_count);
     }
-    assert_int_equal(reject.code, SELD_REJECT_RIG_RANGE);
+    assert_int_equal(reject.code, CRN_REJECT_RIG_RANGE);
     assert_int_equal(reject.detail2, field);
 }
 
@@ -80,7 +80,7 @@ static void expect_refused(const seld_wire_track *track, uint32_t field)
 static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
 {
     (void)state;
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     track.coupling_uN_m_per_rad = track.coupling_nN_m_s_per_rad = 0;
     track.actuator_lag_us = 500;
     track.coupling_N_per_m = 800;
@@ -102,7 +102,7 @@ static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
 static void a_gain_below_one_allows_nothing_stiffer(void **state)
 {
     (void)state;
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     track.coupling_N_per_m = 1600;
     expect_taken(&track);
     track.force_gain_milli = 500;
@@ -114,7 +114,7 @@ static void a_gain_below_one_allows_nothing_stiffer(void **state)
 static void a_gain_counts_about_the_line_too(void **state)
 {
     (void)state;
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     track.coupling_N_per_m = track.coupling_mN_s_per_m = track.coupling_nN_m_s_per_rad = 0;
     track.coupling_uN_m_per_rad = 1000;
     track.force_gain_milli = 4000;
@@ -132,7 +132,7 @@ typedef struct ask {
     bool is_unlocked, is_taken;
 } ask;
 
-static void ask_each(seld_wire_track *track, uint32_t *value, uint32_t field, const ask *asks, size_t count)
+static void ask_each(crn_wire_track *track, uint32_t *value, uint32_t field, const ask *asks, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         lock(asks[i].is_unlocked);
@@ -151,9 +151,9 @@ static void ask_each(seld_wire_track *track, uint32_t *value, uint32_t field, co
     } while (0)
 
 /* A coupling along the line that every damping and gain below bears. */
-static seld_wire_track soft_track(void)
+static crn_wire_track soft_track(void)
 {
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     track.coupling_N_per_m = 1;
     track.coupling_mN_s_per_m = track.coupling_uN_m_per_rad = track.coupling_nN_m_s_per_rad = 0;
     return track;
@@ -164,7 +164,7 @@ static seld_wire_track soft_track(void)
 static void a_gain_above_one_needs_the_local_unlock(void **state)
 {
     (void)state;
-    seld_wire_track track = soft_track();
+    crn_wire_track track = soft_track();
     ASK(force_gain_milli, FIELD_GAIN, {1000, false, true}, {1001, false, false}, {4000, false, false},
         {0, false, true}, {1000, false, true}, {4000, true, true}, {4000, false, true}, {3999, false, false},
         {1000, false, true}, {4000, false, false}, {4001, true, false});
@@ -174,7 +174,7 @@ static void a_gain_above_one_needs_the_local_unlock(void **state)
 static void more_damping_than_was_built_needs_the_local_unlock(void **state)
 {
     (void)state;
-    seld_wire_track track = soft_track();
+    crn_wire_track track = soft_track();
     ASK(damping_mN_s_per_m, FIELD_DAMPING_ALONG, {1000, false, true}, {1001, false, false},
         {100, false, true}, {1000, false, true}, {1000000, false, false}, {2000, true, true},
         {2000, false, true}, {1999, false, false}, {1000, false, true});
@@ -187,26 +187,26 @@ static void more_damping_than_was_built_needs_the_local_unlock(void **state)
 static void less_lag_than_was_built_needs_the_local_unlock(void **state)
 {
     (void)state;
-    seld_app_track track;
-    seld_port port = {.built = {.actuator_lag_us = 700, .damping_mN_s_per_m = 1000}};
-    seld_app_track_default(&track, &port);
+    crn_app_track track;
+    crn_port port = {.built = {.actuator_lag_us = 700, .damping_mN_s_per_m = 1000}};
+    crn_app_track_default(&track, &port);
     assert_int_equal(track.wire.actuator_lag_us, 700);
-    seld_wire_track asked = soft_track();
+    crn_wire_track asked = soft_track();
     asked.damping_nN_m_s_per_rad = 0;
     static const ask asks[] = {{700, false, true},   {699, false, false}, {0, false, false},
                                {20000, false, true}, {0, true, true},     {0, false, true}};
-    static seld_app app; /* the sim's own rig has no lag */
-    seld_app_init(&app, &quiet_port);
-    app.state = SELD_WIRE_STATE_READY;
+    static crn_app app; /* the sim's own rig has no lag */
+    crn_app_init(&app, &quiet_port);
+    app.state = CRN_WIRE_STATE_READY;
     app.has_rig = true;
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) app.tracks[k] = track;
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) app.tracks[k] = track;
     for (size_t i = 0; i < sizeof asks / sizeof asks[0]; i++) {
-        const seld_wire_rig rig = {.tracks_count = 1, .tracks = {asked}};
-        seld_wire_rig changed = rig;
+        const crn_wire_rig rig = {.tracks_count = 1, .tracks = {asked}};
+        crn_wire_rig changed = rig;
         changed.tracks[0].actuator_lag_us = asks[i].value;
         app.rig.local_unlock = asks[i].is_unlocked;
         const uint32_t before = app.tracks[0].wire.actuator_lag_us;
-        seld_app_rig_take(&app, &changed);
+        crn_app_rig_take(&app, &changed);
         assert_int_equal(app.tracks[0].wire.actuator_lag_us, asks[i].is_taken ? asks[i].value : before);
     }
 }
@@ -215,7 +215,7 @@ static void less_lag_than_was_built_needs_the_local_unlock(void **state)
 static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;
-    seld_wire_track track = soft_track();
+    crn_wire_track track = soft_track();
     ASK(translation_pm_per_count, FIELD_TRANSLATION, {749999, false, false}, {750000, false, true},
         {1250000, false, true}, {1250001, false, false}, {1000, false, false}, {500000000, false, false},
         {25000000, true, true}, {25000000, false, true}, {24000000, false, false}, {1000000, false, true},
@@ -230,7 +230,7 @@ static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void 
 static void a_larger_scale_counts_as_stiffness(void **state)
 {
     (void)state;
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     track.coupling_uN_m_per_rad = track.coupling_nN_m_s_per_rad = 0;
     track.coupling_mN_s_per_m = 0;
     track.coupling_N_per_m = 1600;
@@ -254,12 +254,11 @@ static void a_larger_scale_counts_as_stiffness(void **state)
 static void the_sense_of_an_encoder_changes_only_with_the_local_unlock(void **state)
 {
     (void)state;
-    seld_wire_track track = soft_track();
-    ASK(options, FIELD_OPTIONS, {0, false, true}, {SELD_WIRE_OPTION_TRANSLATION_REVERSED, false, false},
-        {SELD_WIRE_OPTION_ROTATION_REVERSED, false, false},
-        {SELD_WIRE_OPTION_TRANSLATION_REVERSED, true, true},
-        {SELD_WIRE_OPTION_TRANSLATION_REVERSED, false, true}, {0, false, true},
-        {SELD_WIRE_OPTION_TRANSLATION_REVERSED, false, false});
+    crn_wire_track track = soft_track();
+    ASK(options, FIELD_OPTIONS, {0, false, true}, {CRN_WIRE_OPTION_TRANSLATION_REVERSED, false, false},
+        {CRN_WIRE_OPTION_ROTATION_REVERSED, false, false}, {CRN_WIRE_OPTION_TRANSLATION_REVERSED, true, true},
+        {CRN_WIRE_OPTION_TRANSLATION_REVERSED, false, true}, {0, false, true},
+        {CRN_WIRE_OPTION_TRANSLATION_REVERSED, false, false});
 }
 
 /* A session in LOCKSTEP has its hands on the host, in counts of its own, and drives nothing. What somebody at the rig said is still good
@@ -267,9 +266,9 @@ static void the_sense_of_an_encoder_changes_only_with_the_local_unlock(void **st
 static void a_track_without_a_coupling_may_have_any_scale(void **state)
 {
     (void)state;
-    seld_wire_track rig = soft_track(), session = soft_track();
+    crn_wire_track rig = soft_track(), session = soft_track();
     rig.translation_pm_per_count = 25000000;
-    rig.options = SELD_WIRE_OPTION_TRANSLATION_REVERSED;
+    rig.options = CRN_WIRE_OPTION_TRANSLATION_REVERSED;
     session.coupling_N_per_m = 0;
     session.force_gain_milli = 4000;
     session.translation_pm_per_count = 4000000;
@@ -289,18 +288,18 @@ static void a_track_without_a_coupling_may_have_any_scale(void **state)
 static void settings_without_frames_obey_the_same_table(void **state)
 {
     (void)state;
-    static seld_app app;
-    seld_app_init(&app, &quiet_port);
-    app.state = SELD_WIRE_STATE_READY;
+    static crn_app app;
+    crn_app_init(&app, &quiet_port);
+    app.state = CRN_WIRE_STATE_READY;
     app.is_greeted = true;
     app.has_rig = true;
-    seld_wire_rig rig = {.tracks_count = 1, .tracks = {soft_track()}};
+    crn_wire_rig rig = {.tracks_count = 1, .tracks = {soft_track()}};
     rig.tracks[0].damping_nN_m_s_per_rad = 0;
     rig.tracks[0].force_gain_milli = 1001;
-    seld_app_configure(&app, &rig);
+    crn_app_configure(&app, &rig);
     assert_int_equal(app.tracks[0].wire.force_gain_milli, 1000);
     app.rig.local_unlock = true;
-    seld_app_configure(&app, &rig);
+    crn_app_configure(&app, &rig);
     assert_int_equal(app.tracks[0].wire.force_gain_milli, 1001);
 }
 

@@ -15,9 +15,9 @@
 enum { WIRE, CATHETER, GUIDE, TOOLS };
 
 static client host;
-static seld_wire_status status;
-static seld_wire_reject reject;
-static seld_wire_ticks ticks;
+static crn_wire_status status;
+static crn_wire_reject reject;
+static crn_wire_ticks ticks;
 
 static int set_up(void **state)
 {
@@ -37,17 +37,17 @@ static void expect_reject(uint16_t code, uint32_t detail1, uint32_t detail2)
 {
     assert_true(client_expect_reject(&host, &reject));
     if (reject.code != code || reject.detail1 != detail1 || reject.detail2 != detail2) {
-        fail_msg("refused with %s [%u, %u], expected %s [%u, %u]", seld_wire_reject_name(reject.code),
-                 reject.detail1, reject.detail2, seld_wire_reject_name(code), detail1, detail2);
+        fail_msg("refused with %s [%u, %u], expected %s [%u, %u]", crn_wire_reject_name(reject.code),
+                 reject.detail1, reject.detail2, crn_wire_reject_name(code), detail1, detail2);
     }
 }
 
 static void expect_state(uint8_t expected)
 {
-    client_get(&host, SELD_WIRE_GET_STATUS);
+    client_get(&host, CRN_WIRE_GET_STATUS);
     assert_true(client_expect_status(&host, &status));
     if (status.state != expected) {
-        fail_msg("state %s, expected %s", seld_wire_state_name(status.state), seld_wire_state_name(expected));
+        fail_msg("state %s, expected %s", crn_wire_state_name(status.state), crn_wire_state_name(expected));
     }
 }
 
@@ -59,8 +59,8 @@ static void command(uint8_t action)
 
 static void greet(void)
 {
-    client_hello(&host, seld_wire_schema_hash());
-    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_hello_reply);
+    client_hello(&host, crn_wire_schema_hash());
+    assert_int_equal(client_receive(&host), CRN_WIRE_TYPE_hello_reply);
 }
 
 static double inserted_mm(int tool)
@@ -101,7 +101,7 @@ static void start_three(void)
 static void a_jump_of_one_hand_stops_all_and_names_it(void **state)
 {
     (void)state;
-    static seld_wire_fault_log log;
+    static crn_wire_fault_log log;
     uint32_t tick = 0;
     start_three();
     move(&tick, 50, (const int32_t[]){10, 10, 10});
@@ -109,11 +109,11 @@ static void a_jump_of_one_hand_stops_all_and_names_it(void **state)
     client_step_each(&host, tick, 1, hands_at, (const int32_t[]){0, 0, 0});
     assert_true(client_expect_ticks(&host, &ticks));
     assert_int_equal(ticks.states_count, 0);
-    expect_state(SELD_WIRE_STATE_FAULT);
-    client_get(&host, SELD_WIRE_GET_FAULT_LOG);
-    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_fault_log);
-    assert_true(seld_wire_decode_fault_log(host.decoder.payload, host.decoder.payload_bytes, &log));
-    assert_int_equal(log.entries[0].code, SELD_FAULT_CODE_ENCODER_JUMP_TRANSLATION);
+    expect_state(CRN_WIRE_STATE_FAULT);
+    client_get(&host, CRN_WIRE_GET_FAULT_LOG);
+    assert_int_equal(client_receive(&host), CRN_WIRE_TYPE_fault_log);
+    assert_true(crn_wire_decode_fault_log(host.decoder.payload, host.decoder.payload_bytes, &log));
+    assert_int_equal(log.entries[0].code, CRN_FAULT_CODE_ENCODER_JUMP_TRANSLATION);
     assert_int_equal(log.entries[0].value1, CATHETER);
     assert_int_equal(log.entries[0].value2, 6010);
 }
@@ -121,7 +121,7 @@ static void a_jump_of_one_hand_stops_all_and_names_it(void **state)
 static bool is_coupled;
 static void send_rig(const uint32_t *limits_mN, uint16_t count)
 {
-    seld_wire_track tracks[TOOLS];
+    crn_wire_track tracks[TOOLS];
     for (uint16_t k = 0; k < count; k++) {
         tracks[k] = client_plain_track();
         tracks[k].force_gain_milli = 4000;
@@ -139,13 +139,13 @@ static void a_rig_is_taken_over_whole_or_not_at_all(void **state)
     (void)state;
     greet();
     send_rig((const uint32_t[]){500, 400, 9000}, 3);
-    expect_reject(SELD_REJECT_RIG_RANGE, GUIDE, 3);
+    expect_reject(CRN_REJECT_RIG_RANGE, GUIDE, 3);
     send_rig((const uint32_t[]){8000, 8000, 8000}, 3);
     assert_true(client_expect_status(&host, &status));
     send_rig((const uint32_t[]){60}, 1);
     assert_true(client_expect_status(&host, &status));
     send_rig((const uint32_t[]){61}, 1);
-    expect_reject(SELD_REJECT_RIG_RANGE, WIRE, 3);
+    expect_reject(CRN_REJECT_RIG_RANGE, WIRE, 3);
     send_rig((const uint32_t[]){60, 8000}, 2);
     assert_true(client_expect_status(&host, &status));
 }
@@ -191,7 +191,7 @@ static void motors_stay_within_their_own_limit_and_slew(void **state)
  * gain 4, and a motor that lost its slew state needs 20 ticks to come back. */
 static void start_upright(uint16_t count)
 {
-    static seld_wire_tools tools;
+    static crn_wire_tools tools;
     memset(hands_at, 0, sizeof hands_at);
     greet();
     send_rig((const uint32_t[]){8000, 8000, 8000}, TOOLS);
@@ -203,8 +203,8 @@ static void start_upright(uint16_t count)
     client_tools(&host, &tools);
     assert_true(client_expect_status(&host, &status));
     assert_true(client_entry_along(&host, 2, 250000));
-    command(SELD_WIRE_ACTION_ARM);
-    command(SELD_WIRE_ACTION_START);
+    command(CRN_WIRE_ACTION_ARM);
+    command(CRN_WIRE_ACTION_START);
 }
 
 static void expect_weight(int32_t axial_mN)
@@ -216,7 +216,7 @@ static void expect_weight(int32_t axial_mN)
 static void a_snapshot_of_three_tools_continues_bit_for_bit(void **state)
 {
     (void)state;
-    static seld_wire_ticks expected;
+    static crn_wire_ticks expected;
     uint32_t tick = 0;
     const int32_t moves[] = {60, -40, 25};
     start_upright(TOOLS);
@@ -227,11 +227,11 @@ static void a_snapshot_of_three_tools_continues_bit_for_bit(void **state)
     move(&tick, 50, moves);
     expected = ticks;
     assert_true(abs(expected.states[0].tools[WIRE].motor_axial_mN) > 100);
-    command(SELD_WIRE_ACTION_STOP);
+    command(CRN_WIRE_ACTION_STOP);
     client_write_snapshot(&host);
     assert_true(client_expect_status(&host, &status));
     assert_int_equal(status.tick, 150);
-    command(SELD_WIRE_ACTION_START);
+    command(CRN_WIRE_ACTION_START);
     memcpy(hands_at, at, sizeof at);
     tick = 150;
     move(&tick, 50, moves);
@@ -241,7 +241,7 @@ static void a_snapshot_of_three_tools_continues_bit_for_bit(void **state)
 static void a_lockstep_session_goes_on_after_stop_as_if_it_had_not_stopped(void **state)
 {
     (void)state;
-    seld_wire_tick_state last[2];
+    crn_wire_tick_state last[2];
     for (int run = 0; run < 2; run++) {
         uint32_t tick = 0;
         client_close(&host);
@@ -249,9 +249,9 @@ static void a_lockstep_session_goes_on_after_stop_as_if_it_had_not_stopped(void 
         start_upright(TOOLS);
         move(&tick, 100, (const int32_t[]){60, -40, 25});
         if (run == 1) {
-            command(SELD_WIRE_ACTION_STOP);
-            seld_sim_timer(host.sim, 20);
-            command(SELD_WIRE_ACTION_START);
+            command(CRN_WIRE_ACTION_STOP);
+            crn_sim_timer(host.sim, 20);
+            command(CRN_WIRE_ACTION_START);
         }
         move(&tick, 50, (const int32_t[]){60, -40, 25});
         last[run] = ticks.states[0];
@@ -267,7 +267,7 @@ static void a_damaged_or_foreign_snapshot_leaves_the_state(void **state)
     start_three();
     move(&tick, 50, (const int32_t[]){10, 10, 10});
     assert_true(client_read_snapshot(&host));
-    command(SELD_WIRE_ACTION_STOP);
+    command(CRN_WIRE_ACTION_STOP);
     for (int k = 0; k < TOOLS; k++) {
         const size_t known = 12 + 108 * (size_t)k, sum = known + 19, motor = known + 31;
         for (size_t i = 0; i < 3; i++) {
@@ -276,14 +276,14 @@ static void a_damaged_or_foreign_snapshot_leaves_the_state(void **state)
             host.snapshot[byte] = 0x7f;
             client_write_snapshot(&host);
             assert_true(client_expect_reject(&host, &reject));
-            assert_int_equal(reject.code, SELD_REJECT_SNAPSHOT_INVALID);
+            assert_int_equal(reject.code, CRN_REJECT_SNAPSHOT_INVALID);
             host.snapshot[byte] = kept;
         }
     }
     host.snapshot[8] = 2;
     client_write_snapshot(&host);
     assert_true(client_expect_reject(&host, &reject));
-    assert_int_equal(reject.code, SELD_REJECT_SNAPSHOT_INVALID);
+    assert_int_equal(reject.code, CRN_REJECT_SNAPSHOT_INVALID);
     host.snapshot[8] = TOOLS;
     client_write_snapshot(&host);
     assert_true(client_expect_status(&host, &status));
@@ -295,9 +295,9 @@ static void a_damaged_or_foreign_snapshot_leaves_the_state(void **state)
 static void start_free_run(uint16_t tool_count)
 {
     assert_true(client_start_tools(&host, tool_count));
-    command(SELD_WIRE_ACTION_STOP);
-    command(SELD_WIRE_ACTION_FREE_RUN);
-    command(SELD_WIRE_ACTION_START);
+    command(CRN_WIRE_ACTION_STOP);
+    command(CRN_WIRE_ACTION_FREE_RUN);
+    command(CRN_WIRE_ACTION_START);
 }
 
 static void take_ticks(void)
@@ -313,22 +313,22 @@ static void what_hands_do_while_stopped_is_no_motion(void **state)
     (void)state;
     const int32_t still[TOOLS] = {0};
     start_free_run(TOOLS);
-    seld_sim_timer(host.sim, 16);
+    crn_sim_timer(host.sim, 16);
     client_input(&host, (const int32_t[]){700000, -300000, 123456}, still);
-    seld_sim_timer(host.sim, 16);
+    crn_sim_timer(host.sim, 16);
     client_input(&host, (const int32_t[]){700100, -300000, 123456}, still);
-    seld_sim_timer(host.sim, 320);
+    crn_sim_timer(host.sim, 320);
     take_ticks();
-    expect_state(SELD_WIRE_STATE_RUNNING);
+    expect_state(CRN_WIRE_STATE_RUNNING);
     expect_inserted(WIRE, 50.1, 0.05);
-    command(SELD_WIRE_ACTION_STOP);
+    command(CRN_WIRE_ACTION_STOP);
     client_input(&host, (const int32_t[]){800000, 0, 0}, still);
-    command(SELD_WIRE_ACTION_START);
-    seld_sim_timer(host.sim, 16);
+    command(CRN_WIRE_ACTION_START);
+    crn_sim_timer(host.sim, 16);
     client_input(&host, (const int32_t[]){900000, 400000, 0}, (const int32_t[]){50000, 0, 0});
-    seld_sim_timer(host.sim, 160);
+    crn_sim_timer(host.sim, 160);
     take_ticks();
-    expect_state(SELD_WIRE_STATE_RUNNING);
+    expect_state(CRN_WIRE_STATE_RUNNING);
     expect_inserted(WIRE, 50.1, 0.05);
     expect_inserted(CATHETER, 50, 0.05);
 }
@@ -339,46 +339,46 @@ static void forces_fade_when_the_host_is_silent_and_come_back(void **state)
 {
     (void)state;
     const int32_t still[TOOLS] = {0};
-    seld_port_inputs rig = seld_sim_healthy_inputs();
+    crn_port_inputs rig = crn_sim_healthy_inputs();
     rig.local_unlock = true; /* for the gain of 4 */
-    seld_sim_set_inputs(host.sim, &rig);
-    seld_sim_timer(host.sim, 1);
+    crn_sim_set_inputs(host.sim, &rig);
+    crn_sim_timer(host.sim, 1);
     is_coupled = true;
     start_upright(1);
     is_coupled = false;
-    command(SELD_WIRE_ACTION_STOP);
-    command(SELD_WIRE_ACTION_FREE_RUN);
-    seld_sim_timer(host.sim, 1);
+    command(CRN_WIRE_ACTION_STOP);
+    command(CRN_WIRE_ACTION_FREE_RUN);
+    crn_sim_timer(host.sim, 1);
     assert_true(client_arm_motors(&host));
-    command(SELD_WIRE_ACTION_START);
+    command(CRN_WIRE_ACTION_START);
     for (int i = 0; i < 1000; i++) {
         client_input(&host, still, still);
-        seld_sim_timer(host.sim, 1);
+        crn_sim_timer(host.sim, 1);
     }
-    expect_weight(seld_sim_read_motors(host.sim).axial_mN[WIRE]);
-    seld_sim_timer(host.sim, 28);
-    expect_weight(seld_sim_read_motors(host.sim).axial_mN[WIRE]);
+    expect_weight(crn_sim_read_motors(host.sim).axial_mN[WIRE]);
+    crn_sim_timer(host.sim, 28);
+    expect_weight(crn_sim_read_motors(host.sim).axial_mN[WIRE]);
     for (int i = 0; i < 21; i++) {
-        int32_t last = seld_sim_read_motors(host.sim).axial_mN[WIRE];
-        seld_sim_timer(host.sim, 1);
-        assert_true(seld_sim_read_motors(host.sim).axial_mN[WIRE] <= last);
+        int32_t last = crn_sim_read_motors(host.sim).axial_mN[WIRE];
+        crn_sim_timer(host.sim, 1);
+        assert_true(crn_sim_read_motors(host.sim).axial_mN[WIRE] <= last);
     }
-    assert_int_equal(seld_sim_read_motors(host.sim).axial_mN[WIRE], 0);
-    seld_sim_timer(host.sim, 1000);
-    seld_sim_motors faded = seld_sim_read_motors(host.sim);
+    assert_int_equal(crn_sim_read_motors(host.sim).axial_mN[WIRE], 0);
+    crn_sim_timer(host.sim, 1000);
+    crn_sim_motors faded = crn_sim_read_motors(host.sim);
     assert_int_equal(faded.axial_mN[WIRE], 0);
     assert_int_equal(faded.torque_uN_m[WIRE], 0);
     assert_int_equal(faded.drive, 1);
     take_ticks();
     assert_true(ticks.states[0].tools[WIRE].handle_axial_N_q22 > 800000); /* the weight is still there */
-    expect_state(SELD_WIRE_STATE_RUNNING);
+    expect_state(CRN_WIRE_STATE_RUNNING);
     for (int i = 0; i < 60; i++) {
-        int32_t last = seld_sim_read_motors(host.sim).axial_mN[WIRE];
+        int32_t last = crn_sim_read_motors(host.sim).axial_mN[WIRE];
         client_input(&host, still, still);
-        seld_sim_timer(host.sim, 1);
-        assert_true(grows_within(last, seld_sim_read_motors(host.sim).axial_mN[WIRE], 50));
+        crn_sim_timer(host.sim, 1);
+        assert_true(grows_within(last, crn_sim_read_motors(host.sim).axial_mN[WIRE], 50));
     }
-    expect_weight(seld_sim_read_motors(host.sim).axial_mN[WIRE]);
+    expect_weight(crn_sim_read_motors(host.sim).axial_mN[WIRE]);
 }
 
 static void a_track_without_a_tool_is_not_driven(void **state)
@@ -387,9 +387,9 @@ static void a_track_without_a_tool_is_not_driven(void **state)
     start_free_run(2);
     for (int32_t i = 0; i < 200; i++) {
         client_input(&host, (const int32_t[]){400 * i, -200 * i, 0}, (const int32_t[]){0, 0, 0});
-        seld_sim_timer(host.sim, 1);
-        assert_int_equal(seld_sim_read_motors(host.sim).axial_mN[GUIDE], 0);
-        assert_int_equal(seld_sim_read_motors(host.sim).torque_uN_m[GUIDE], 0);
+        crn_sim_timer(host.sim, 1);
+        assert_int_equal(crn_sim_read_motors(host.sim).axial_mN[GUIDE], 0);
+        assert_int_equal(crn_sim_read_motors(host.sim).torque_uN_m[GUIDE], 0);
     }
 }
 

@@ -20,9 +20,9 @@ static client *const host = &b.host;
 static void a_slow_host_loses_pictures_and_no_tick(void **state)
 {
     (void)state;
-    static seld_wire_live live;
+    static crn_wire_live live;
     uint32_t tick = 0, pictures = 0;
-    seld_sim_set_pipe(host->sim, 10500);
+    crn_sim_set_pipe(host->sim, 10500);
     assert_true(bench_power(&b));
     bench_drain(&b);
     client_stream(host, 0, 10);
@@ -31,19 +31,19 @@ static void a_slow_host_loses_pictures_and_no_tick(void **state)
     const uint32_t begin = tick / 16 * 16; /* what waits in the queue is still to come */
     tick = begin;
     for (int i = 0; i < 2000; i++) {
-        seld_sim_timer(host->sim, 1);
+        crn_sim_timer(host->sim, 1);
         if (i % 60 != 59) continue;
         for (uint16_t type = client_receive(host); type != 0; type = client_receive(host)) {
-            pictures += type == SELD_WIRE_TYPE_nodes;
-            if (type != SELD_WIRE_TYPE_live) continue;
-            assert_true(seld_wire_decode_live(host->decoder.payload, host->decoder.payload_bytes, &live));
+            pictures += type == CRN_WIRE_TYPE_nodes;
+            if (type != CRN_WIRE_TYPE_live) continue;
+            assert_true(crn_wire_decode_live(host->decoder.payload, host->decoder.payload_bytes, &live));
             assert_int_equal(live.ticks_lost, 0);
             for (uint16_t k = 0; k < live.ticks_count; k++)
                 assert_int_equal(live.ticks[k].state.tick, ++tick);
         }
     }
-    seld_sim_set_pipe(host->sim, 1 << 20);
-    seld_sim_timer(host->sim, 40);
+    crn_sim_set_pipe(host->sim, 1 << 20);
+    crn_sim_timer(host->sim, 40);
     status = bench_status(&b);
     print_message("# %u ticks, %u pictures sent, %u dropped\n", tick - begin, pictures,
                   status.pictures_dropped);
@@ -55,15 +55,15 @@ static void a_slow_host_loses_pictures_and_no_tick(void **state)
 static void ticks_that_nobody_takes_are_counted_as_lost(void **state)
 {
     (void)state;
-    static seld_wire_live live;
-    seld_wire_fault_entry entry;
+    static crn_wire_live live;
+    crn_wire_fault_entry entry;
     assert_true(bench_power(&b));
-    seld_sim_timer(host->sim, 40);
+    crn_sim_timer(host->sim, 40);
     bench_drain(&b);
-    seld_sim_set_pipe(host->sim, 0);
-    seld_sim_timer(host->sim, 1000);
-    seld_sim_set_pipe(host->sim, 1 << 20);
-    seld_sim_timer(host->sim, 16);
+    crn_sim_set_pipe(host->sim, 0);
+    crn_sim_timer(host->sim, 1000);
+    crn_sim_set_pipe(host->sim, 1 << 20);
+    crn_sim_timer(host->sim, 16);
     uint32_t ticks = 0, last = 0;
     while (client_expect_live(host, &live)) {
         for (uint16_t k = 0; k < live.ticks_count; k++, ticks++) {
@@ -71,42 +71,42 @@ static void ticks_that_nobody_takes_are_counted_as_lost(void **state)
             last = live.ticks[k].state.tick;
         }
     }
-    assert_true(ticks >= SELD_APP_LIVE_QUEUE_ticks);
+    assert_true(ticks >= CRN_APP_LIVE_QUEUE_ticks);
     assert_int_equal(live.ticks_lost, bench_status(&b).ticks_lost);
     assert_true(live.ticks_lost > 700);
-    assert_int_equal(bench_fault(&b, SELD_FAULT_CODE_TICKS_LOST, &entry), live.ticks_lost);
+    assert_int_equal(bench_fault(&b, CRN_FAULT_CODE_TICKS_LOST, &entry), live.ticks_lost);
 }
 
 static void notices_tell_what_happened_at_which_tick(void **state)
 {
     (void)state;
-    seld_wire_notice notice;
+    crn_wire_notice notice;
     bench_drain(&b);
     client_stream(host, 1, 0);
     assert_true(client_expect_status(host, &status));
     assert_true(bench_power(&b));
     b.host_speaks = false; /* and does not read */
-    seld_sim_timer(host->sim, 100);
-    b.rig.buttons = SELD_WIRE_BUTTON_XRAY;
+    crn_sim_timer(host->sim, 100);
+    b.rig.buttons = CRN_WIRE_BUTTON_XRAY;
     bench_tick(&b);
     b.rig.emergency_stop = true;
     bench_tick(&b);
     bench_tick(&b);
     uint32_t kinds[8] = {0}, number = 0;
     bool saw_silence = false, saw_pedal = false, saw_stop = false;
-    seld_sim_timer(host->sim, 20);
+    crn_sim_timer(host->sim, 20);
     for (uint16_t type = client_receive(host); type != 0; type = client_receive(host)) {
-        if (type != SELD_WIRE_TYPE_notice) continue;
-        assert_true(seld_wire_decode_notice(host->decoder.payload, host->decoder.payload_bytes, &notice));
+        if (type != CRN_WIRE_TYPE_notice) continue;
+        assert_true(crn_wire_decode_notice(host->decoder.payload, host->decoder.payload_bytes, &notice));
         assert_true(notice.number > number);
         number = notice.number;
         kinds[notice.kind % 8]++;
-        saw_silence |= notice.kind == SELD_WIRE_EVENT_HOST && notice.code == 1;
-        saw_pedal |= notice.kind == SELD_WIRE_EVENT_BUTTONS && notice.value1 == SELD_WIRE_BUTTON_XRAY;
-        saw_stop |= notice.kind == SELD_WIRE_EVENT_FAULT && notice.code == SELD_FAULT_CODE_EMERGENCY_STOP;
+        saw_silence |= notice.kind == CRN_WIRE_EVENT_HOST && notice.code == 1;
+        saw_pedal |= notice.kind == CRN_WIRE_EVENT_BUTTONS && notice.value1 == CRN_WIRE_BUTTON_XRAY;
+        saw_stop |= notice.kind == CRN_WIRE_EVENT_FAULT && notice.code == CRN_FAULT_CODE_EMERGENCY_STOP;
     }
     assert_true(saw_silence && saw_pedal && saw_stop);
-    assert_true(kinds[SELD_WIRE_EVENT_STATE] >= 1);
+    assert_true(kinds[CRN_WIRE_EVENT_STATE] >= 1);
 }
 
 static void events_that_nobody_takes_are_counted_as_lost(void **state)
@@ -117,56 +117,56 @@ static void events_that_nobody_takes_are_counted_as_lost(void **state)
     assert_true(client_expect_status(host, &status));
     assert_true(bench_power(&b));
     bench_drain(&b);
-    seld_sim_set_pipe(host->sim, 0);
+    crn_sim_set_pipe(host->sim, 0);
     for (uint32_t i = 1; i < 60; i++) {
         b.rig.buttons = i;
-        seld_sim_set_inputs(host->sim, &b.rig);
-        seld_sim_timer(host->sim, 1);
+        crn_sim_set_inputs(host->sim, &b.rig);
+        crn_sim_timer(host->sim, 1);
     }
-    seld_sim_set_pipe(host->sim, 1 << 20);
+    crn_sim_set_pipe(host->sim, 1 << 20);
     status = bench_status(&b);
-    assert_true(status.events_lost >= 59 - SELD_APP_EVENT_QUEUE);
-    assert_int_equal(bench_fault(&b, SELD_FAULT_CODE_EVENTS_LOST, NULL), bench_status(&b).events_lost);
+    assert_true(status.events_lost >= 59 - CRN_APP_EVENT_QUEUE);
+    assert_int_equal(bench_fault(&b, CRN_FAULT_CODE_EVENTS_LOST, NULL), bench_status(&b).events_lost);
 }
 
 /* STOP at a tick to come, in FREE_RUN and in the midst of a batch of LOCKSTEP. */
 static void a_stop_is_carried_out_at_its_tick(void **state)
 {
     (void)state;
-    static seld_wire_ticks ticks;
+    static crn_wire_ticks ticks;
     assert_true(bench_power(&b));
     const uint32_t at = bench_status(&b).tick + 30;
     client_stop_at(host, at);
     assert_true(client_expect_status(host, &status));
-    assert_int_equal(status.state, SELD_WIRE_STATE_RUNNING);
+    assert_int_equal(status.state, CRN_WIRE_STATE_RUNNING);
     for (int i = 0; i < 60; i++) bench_tick(&b);
     status = bench_status(&b);
-    assert_int_equal(status.state, SELD_WIRE_STATE_ARMED);
+    assert_int_equal(status.state, CRN_WIRE_STATE_ARMED);
     assert_int_equal(status.tick, at);
-    assert_int_equal(seld_sim_read_motors(host->sim).drive, 0);
-    command(SELD_WIRE_ACTION_LOCKSTEP);
-    command(SELD_WIRE_ACTION_START);
+    assert_int_equal(crn_sim_read_motors(host->sim).drive, 0);
+    command(CRN_WIRE_ACTION_LOCKSTEP);
+    command(CRN_WIRE_ACTION_START);
     client_stop_at(host, at + 5);
     assert_true(client_expect_status(host, &status));
     client_step(host, at, 20, b.rig.hands[0].translation_counts, 0);
     assert_true(client_expect_ticks(host, &ticks));
     assert_int_equal(ticks.states_count, 5);
-    assert_int_equal(bench_status(&b).state, SELD_WIRE_STATE_ARMED);
+    assert_int_equal(bench_status(&b).state, CRN_WIRE_STATE_ARMED);
 }
 
 /* --- replay --- */
 
-static seld_wire_live_tick session[600];
+static crn_wire_live_tick session[600];
 
 /* A hand that pushes, turns and trembles, felt through the coupling with seal friction; the same inputs in LOCKSTEP give the
  * same hashes, forces and motor values in every tick. */
 static void free_run_replays_in_lockstep_bit_for_bit(void **state)
 {
     (void)state;
-    static seld_wire_live live;
-    static seld_wire_ticks ticks;
+    static crn_wire_live live;
+    static crn_wire_ticks ticks;
     uint32_t count = 0, random = 1;
-    seld_wire_track track = client_plain_track();
+    crn_wire_track track = client_plain_track();
     track.seal_mN = 40;
     track.seal_uN_m = 20;
     for (int run = 0; run < 2; run++) {
@@ -174,42 +174,42 @@ static void free_run_replays_in_lockstep_bit_for_bit(void **state)
         client_rig(host, &track, 1);
         assert_true(client_expect_status(host, &status));
         if (run == 1) break;
-        client_command(host, SELD_WIRE_ACTION_ARM);
+        client_command(host, CRN_WIRE_ACTION_ARM);
         assert_true(client_expect_status(host, &status));
         assert_true(client_arm_motors(host));
-        command(SELD_WIRE_ACTION_START);
+        command(CRN_WIRE_ACTION_START);
         for (int i = 0; i < 600; i++) {
             random = random * 1664525u + 1013904223u;
             b.rig.hands[0].translation_counts += (int32_t)(random >> 24) - (i < 300 ? 80 : 160);
             b.rig.hands[0].rotation_counts += (int32_t)(random >> 16 & 127) - 50;
-            client_get(host, SELD_WIRE_GET_STATUS);
-            seld_sim_set_inputs(host->sim, &b.rig);
-            seld_sim_timer(host->sim, 1);
+            client_get(host, CRN_WIRE_GET_STATUS);
+            crn_sim_set_inputs(host->sim, &b.rig);
+            crn_sim_timer(host->sim, 1);
         }
         for (uint16_t type = client_receive(host); type != 0; type = client_receive(host)) {
-            if (type != SELD_WIRE_TYPE_live) continue;
-            assert_true(seld_wire_decode_live(host->decoder.payload, host->decoder.payload_bytes, &live));
+            if (type != CRN_WIRE_TYPE_live) continue;
+            assert_true(crn_wire_decode_live(host->decoder.payload, host->decoder.payload_bytes, &live));
             for (uint16_t k = 0; k < live.ticks_count; k++) session[count++] = live.ticks[k];
         }
         assert_true(count >= 580);
         bench_close(&b);
         assert_true(bench_open(&b));
     }
-    command(SELD_WIRE_ACTION_LOCKSTEP);
-    command(SELD_WIRE_ACTION_ARM);
-    command(SELD_WIRE_ACTION_START);
+    command(CRN_WIRE_ACTION_LOCKSTEP);
+    command(CRN_WIRE_ACTION_ARM);
+    command(CRN_WIRE_ACTION_START);
     int32_t largest_mN = 0;
     for (uint32_t tick = 0; tick < count; tick++) {
-        const seld_wire_hand *hand = &session[tick].input.hands[0];
+        const crn_wire_hand *hand = &session[tick].input.hands[0];
         uint8_t payload[64];
-        static seld_wire_step step;
-        step = (seld_wire_step){.tick = tick, .inputs_count = 1};
+        static crn_wire_step step;
+        step = (crn_wire_step){.tick = tick, .inputs_count = 1};
         step.inputs[0] = session[tick].input;
         assert_int_equal(session[tick].state.tick, tick + 1);
         assert_true(hand->translation_counts != 0 || tick < 2);
-        seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-        assert_true(seld_wire_put_step(&writer, &step));
-        client_send(host, SELD_WIRE_TYPE_step, payload, writer.length);
+        crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+        assert_true(crn_wire_put_step(&writer, &step));
+        client_send(host, CRN_WIRE_TYPE_step, payload, writer.length);
         assert_true(client_expect_ticks(host, &ticks));
         assert_memory_equal(&ticks.states[0], &session[tick].state, sizeof ticks.states[0]);
         int32_t mN = abs(ticks.states[0].tools[0].motor_axial_mN);

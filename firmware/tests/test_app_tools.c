@@ -16,10 +16,10 @@
 enum { WIRE, CATHETER, GUIDE, TOOLS };
 
 static client host;
-static seld_wire_status status;
-static seld_wire_reject reject;
-static seld_wire_ticks ticks;
-static seld_wire_tools tools;
+static crn_wire_status status;
+static crn_wire_reject reject;
+static crn_wire_ticks ticks;
+static crn_wire_tools tools;
 
 static int set_up(void **state)
 {
@@ -39,17 +39,17 @@ static void expect_reject(uint16_t code, uint32_t detail1, uint32_t detail2)
 {
     assert_true(client_expect_reject(&host, &reject));
     if (reject.code != code || reject.detail1 != detail1 || reject.detail2 != detail2) {
-        fail_msg("refused with %s [%u, %u], expected %s [%u, %u]", seld_wire_reject_name(reject.code),
-                 reject.detail1, reject.detail2, seld_wire_reject_name(code), detail1, detail2);
+        fail_msg("refused with %s [%u, %u], expected %s [%u, %u]", crn_wire_reject_name(reject.code),
+                 reject.detail1, reject.detail2, crn_wire_reject_name(code), detail1, detail2);
     }
 }
 
 static void expect_state(uint8_t expected)
 {
-    client_get(&host, SELD_WIRE_GET_STATUS);
+    client_get(&host, CRN_WIRE_GET_STATUS);
     assert_true(client_expect_status(&host, &status));
     if (status.state != expected) {
-        fail_msg("state %s, expected %s", seld_wire_state_name(status.state), seld_wire_state_name(expected));
+        fail_msg("state %s, expected %s", crn_wire_state_name(status.state), crn_wire_state_name(expected));
     }
 }
 
@@ -61,8 +61,8 @@ static void command(uint8_t action)
 
 static void greet(void)
 {
-    client_hello(&host, seld_wire_schema_hash());
-    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_hello_reply);
+    client_hello(&host, crn_wire_schema_hash());
+    assert_int_equal(client_receive(&host), CRN_WIRE_TYPE_hello_reply);
 }
 
 static double inserted_mm(int tool)
@@ -132,7 +132,7 @@ static void the_tool_whose_tip_is_farthest_leads(void **state)
 static void a_session_with_three_tools_gives_the_same_hashes_every_time(void **state)
 {
     (void)state;
-    seld_wire_tick_state last[2];
+    crn_wire_tick_state last[2];
     for (int run = 0; run < 2; run++) {
         uint32_t tick = 0;
         client_close(&host);
@@ -151,13 +151,13 @@ static void tools_that_do_not_nest_are_refused_by_name_and_leave_the_old_ones(vo
 {
     (void)state;
     start_three();
-    command(SELD_WIRE_ACTION_RESET);
+    command(CRN_WIRE_ACTION_RESET);
     client_plain_tools(&tools, 2);
     tools.tools[WIRE].knots[1].radius_outer_um = 600;
     client_tools(&host, &tools);
-    expect_reject(SELD_REJECT_TOOL_NESTING, CATHETER, 0);
-    command(SELD_WIRE_ACTION_ARM);
-    command(SELD_WIRE_ACTION_START);
+    expect_reject(CRN_REJECT_TOOL_NESTING, CATHETER, 0);
+    command(CRN_WIRE_ACTION_ARM);
+    command(CRN_WIRE_ACTION_START);
     host.tool_count = TOOLS;
     client_step(&host, 0, 1, 0, 0);
     assert_true(client_expect_ticks(&host, &ticks));
@@ -173,24 +173,24 @@ static void a_wrong_value_names_its_tool_and_knot(void **state)
         client_plain_tools(&tools, TOOLS);
         tools.tools[k].knots[1].bend_stiffness_nN_m2 = 5;
         client_tools(&host, &tools);
-        expect_reject(SELD_REJECT_TOOL_RANGE, k, 1);
+        expect_reject(CRN_REJECT_TOOL_RANGE, k, 1);
         client_plain_tools(&tools, TOOLS);
         tools.tools[k].knots_count = 1;
         client_tools(&host, &tools);
-        expect_reject(SELD_REJECT_TOOL_KNOTS, k, 0);
+        expect_reject(CRN_REJECT_TOOL_KNOTS, k, 0);
         client_plain_tools(&tools, TOOLS);
         tools.tools[k].element_tip_um = 100;
         client_tools(&host, &tools);
-        expect_reject(SELD_REJECT_TOOL_ELEMENTS, k, 0);
+        expect_reject(CRN_REJECT_TOOL_ELEMENTS, k, 0);
         client_plain_tools(&tools, TOOLS);
         tools.tools[k].knots[1].arc_um = 19000;
         client_tools(&host, &tools);
         assert_true(client_expect_reject(&host, &reject));
-        assert_int_equal(reject.code, SELD_REJECT_TOOL_LENGTH);
+        assert_int_equal(reject.code, CRN_REJECT_TOOL_LENGTH);
         assert_int_equal(reject.detail1, k);
     }
-    client_command(&host, SELD_WIRE_ACTION_ARM);
-    expect_reject(SELD_REJECT_SET_UP_MISSING, 0, 0);
+    client_command(&host, CRN_WIRE_ACTION_ARM);
+    expect_reject(CRN_REJECT_SET_UP_MISSING, 0, 0);
 }
 
 static void none_and_four_tools_are_refused(void **state)
@@ -199,11 +199,11 @@ static void none_and_four_tools_are_refused(void **state)
     greet();
     memset(&tools, 0, sizeof tools);
     client_tools(&host, &tools);
-    expect_reject(SELD_REJECT_TOOL_COUNT, 0, TOOLS);
+    expect_reject(CRN_REJECT_TOOL_COUNT, 0, TOOLS);
     uint8_t four[2 + 4 * 22] = {4};
-    client_send(&host, SELD_WIRE_TYPE_tools, four, sizeof four);
+    client_send(&host, CRN_WIRE_TYPE_tools, four, sizeof four);
     assert_true(client_expect_reject(&host, &reject));
-    assert_int_equal(reject.code, SELD_REJECT_MALFORMED);
+    assert_int_equal(reject.code, CRN_REJECT_MALFORMED);
 }
 
 /* An entry gives one length per tool; after a change of their number it must come again. */
@@ -213,22 +213,22 @@ static void an_entry_belongs_to_its_number_of_tools(void **state)
     const uint32_t lengths_um[] = {50000, 40000};
     greet();
     client_entry_each(&host, lengths_um, 2);
-    expect_reject(SELD_REJECT_SET_UP_MISSING, 0, 0);
+    expect_reject(CRN_REJECT_SET_UP_MISSING, 0, 0);
     client_plain_tools(&tools, TOOLS);
     client_tools(&host, &tools);
     assert_true(client_expect_status(&host, &status));
     client_entry_each(&host, lengths_um, 2);
-    expect_reject(SELD_REJECT_TOOL_COUNT, 2, TOOLS);
+    expect_reject(CRN_REJECT_TOOL_COUNT, 2, TOOLS);
     client_entry(&host, 50000);
     assert_true(client_expect_status(&host, &status));
     client_plain_tools(&tools, 2);
     client_tools(&host, &tools);
     assert_true(client_expect_status(&host, &status));
-    client_command(&host, SELD_WIRE_ACTION_ARM);
-    expect_reject(SELD_REJECT_SET_UP_MISSING, 2, 0);
+    client_command(&host, CRN_WIRE_ACTION_ARM);
+    expect_reject(CRN_REJECT_SET_UP_MISSING, 2, 0);
     client_entry_each(&host, lengths_um, 2);
     assert_true(client_expect_status(&host, &status));
-    command(SELD_WIRE_ACTION_ARM);
+    command(CRN_WIRE_ACTION_ARM);
 }
 
 static void the_tool_that_is_too_short_for_its_start_is_named(void **state)
@@ -241,8 +241,8 @@ static void the_tool_that_is_too_short_for_its_start_is_named(void **state)
     assert_true(client_expect_status(&host, &status));
     client_entry_each(&host, lengths_um, TOOLS);
     assert_true(client_expect_status(&host, &status));
-    client_command(&host, SELD_WIRE_ACTION_ARM);
-    expect_reject(SELD_REJECT_LENGTH_INSERTED, CATHETER, 300000);
+    client_command(&host, CRN_WIRE_ACTION_ARM);
+    expect_reject(CRN_REJECT_LENGTH_INSERTED, CATHETER, 300000);
 }
 
 static void inputs_for_another_number_of_tools_are_refused_and_change_nothing(void **state)
@@ -252,20 +252,20 @@ static void inputs_for_another_number_of_tools_are_refused_and_change_nothing(vo
     start_three();
     host.tool_count = 2;
     client_step(&host, 0, 5, 0, 10);
-    expect_reject(SELD_REJECT_TOOL_COUNT, 2, TOOLS);
+    expect_reject(CRN_REJECT_TOOL_COUNT, 2, TOOLS);
     client_input(&host, none, none);
-    expect_reject(SELD_REJECT_TOOL_COUNT, 2, TOOLS);
-    expect_state(SELD_WIRE_STATE_RUNNING);
+    expect_reject(CRN_REJECT_TOOL_COUNT, 2, TOOLS);
+    expect_state(CRN_WIRE_STATE_RUNNING);
     assert_int_equal(status.tick, 0);
 }
 
 /* --- contacts --- */
 
-static void read_contacts(seld_wire_contacts *contacts)
+static void read_contacts(crn_wire_contacts *contacts)
 {
-    client_get(&host, SELD_WIRE_GET_CONTACTS);
-    assert_int_equal(client_receive(&host), SELD_WIRE_TYPE_contacts);
-    assert_true(seld_wire_decode_contacts(host.decoder.payload, host.decoder.payload_bytes, contacts));
+    client_get(&host, CRN_WIRE_GET_CONTACTS);
+    assert_int_equal(client_receive(&host), CRN_WIRE_TYPE_contacts);
+    assert_true(crn_wire_decode_contacts(host.decoder.payload, host.decoder.payload_bytes, contacts));
 }
 
 /* A tube of 2 mm around the x axis as a scene, and the entry at its beginning. */
@@ -274,24 +274,24 @@ static void send_tube(void)
     static uint8_t file[1 << 20], section[1 << 20];
     const reference_piece straight = {0.3, 0, 0};
     reference_tube *tube = reference_tube_make(&straight, 1, 0.002, 0);
-    const seld_lumen *lumen = &tube->lumen;
+    const crn_lumen *lumen = &tube->lumen;
     const uint32_t *n = lumen->brick_count_xyz;
     const size_t entries = (size_t)n[0] * n[1] * n[2],
-                 samples = (size_t)lumen->brick_count * SELD_LUMEN_BRICK_SAMPLES;
+                 samples = (size_t)lumen->brick_count * CRN_LUMEN_BRICK_SAMPLES;
     memset(section, 0, 32);
     for (int k = 0; k < 3; k++) {
-        seld_scene_put_u32(section + 4 * k, (uint32_t)lumen->origin_m_q30[k]);
-        seld_scene_put_u16(section + 12 + 2 * k, (uint16_t)n[k]);
+        crn_scene_put_u32(section + 4 * k, (uint32_t)lumen->origin_m_q30[k]);
+        crn_scene_put_u16(section + 12 + 2 * k, (uint16_t)n[k]);
     }
-    seld_scene_put_u32(section + 20, lumen->brick_count);
-    for (size_t i = 0; i < entries; i++) seld_scene_put_u16(section + 32 + 2 * i, lumen->index[i]);
+    crn_scene_put_u32(section + 20, lumen->brick_count);
+    for (size_t i = 0; i < entries; i++) crn_scene_put_u16(section + 32 + 2 * i, lumen->index[i]);
     memcpy(section + 32 + 2 * entries, lumen->samples, samples);
-    uint8_t meta[SELD_SCENE_META_BYTES] = "tube", entry[SELD_SCENE_ENTRY_BYTES] = {0};
-    seld_scene_put_u32(entry + 12, 1u << 30);
-    const seld_scene_part parts[3] = {{SELD_SCENE_META, meta, sizeof meta},
-                                      {SELD_SCENE_ENTRY, entry, sizeof entry},
-                                      {SELD_SCENE_LUMEN, section, 32 + 2 * entries + samples}};
-    size_t bytes = seld_scene_write(SELD_SCENE_KIND_SCENE, parts, 3, file, sizeof file);
+    uint8_t meta[CRN_SCENE_META_BYTES] = "tube", entry[CRN_SCENE_ENTRY_BYTES] = {0};
+    crn_scene_put_u32(entry + 12, 1u << 30);
+    const crn_scene_part parts[3] = {{CRN_SCENE_META, meta, sizeof meta},
+                                     {CRN_SCENE_ENTRY, entry, sizeof entry},
+                                     {CRN_SCENE_LUMEN, section, 32 + 2 * entries + samples}};
+    size_t bytes = crn_scene_write(CRN_SCENE_KIND_SCENE, parts, 3, file, sizeof file);
     assert_true(bytes > 0);
     reference_tube_free(tube);
     assert_true(client_load_scene(&host, file, (uint32_t)bytes));
@@ -302,20 +302,20 @@ static void send_tube(void)
 static void contact_forces_carry_the_weight(void **state)
 {
     (void)state;
-    static seld_wire_contacts contacts;
+    static crn_wire_contacts contacts;
     greet();
-    client_get(&host, SELD_WIRE_GET_CONTACTS);
-    expect_reject(SELD_REJECT_WRONG_STATE, SELD_WIRE_STATE_READY, 0);
+    client_get(&host, CRN_WIRE_GET_CONTACTS);
+    expect_reject(CRN_REJECT_WRONG_STATE, CRN_WIRE_STATE_READY, 0);
     send_tube();
     client_plain_tools(&tools, 1);
     tools.tools[0].knots[0].bend_stiffness_nN_m2 = tools.tools[0].knots[1].bend_stiffness_nN_m2 = 100000;
     client_tools(&host, &tools);
     assert_true(client_expect_status(&host, &status));
     assert_true(client_entry_along(&host, 0, 250000));
-    command(SELD_WIRE_ACTION_ARM);
+    command(CRN_WIRE_ACTION_ARM);
     read_contacts(&contacts);
     assert_int_equal(contacts.contacts_count, 0);
-    command(SELD_WIRE_ACTION_START);
+    command(CRN_WIRE_ACTION_START);
     for (uint32_t tick = 0; tick < 2000; tick += 50) {
         client_step(&host, tick, 50, 0, 0);
         assert_true(client_expect_ticks(&host, &ticks));

@@ -21,38 +21,38 @@ static const double Q30 = 1073741824.0, pi = 3.14159265358979;
 static const double friction = 0.1;
 
 typedef struct rig {
-    seld_model model;
-    seld_state state;
-    seld_input input;
-    seld_output output;
+    crn_model model;
+    crn_state state;
+    crn_input input;
+    crn_output output;
     reference_tube *tube;
 } rig;
 
 /* A balloon catheter of 0.9 mm, balloon 3.0 x 18 mm at 8 bar, 6 mm behind its tip. */
-static seld_instrument balloon_catheter(void)
+static crn_instrument balloon_catheter(void)
 {
-    seld_instrument tool = reference_wire(2e-5, 600000, 4000, friction);
+    crn_instrument tool = reference_wire(2e-5, 600000, 4000, friction);
     tool.element_tip_um = 1000;
     tool.element_fine_um = 40000;
     for (uint32_t i = 0; i < tool.knot_count; i++) tool.knots[i].radius_outer_um = 450;
-    tool.balloon = (seld_balloon){.point_count = 4,
-                                  .distal_um = 6000,
-                                  .proximal_um = 24000,
-                                  .burst_kPa = 2000,
-                                  .pressure_kPa = {600, 800, 1200, 1600},
-                                  .diameter_um = {2920, 3000, 3120, 3230}};
+    tool.balloon = (crn_balloon){.point_count = 4,
+                                 .distal_um = 6000,
+                                 .proximal_um = 24000,
+                                 .burst_kPa = 2000,
+                                 .pressure_kPa = {600, 800, 1200, 1600},
+                                 .diameter_um = {2920, 3000, 3120, 3230}};
     return tool;
 }
 
 static rig *rig_in_by(reference_tube *tube, uint32_t inserted_um)
 {
     rig *r = calloc(1, sizeof *r);
-    const seld_instrument tool = balloon_catheter();
-    const seld_entry entry = reference_entry();
-    seld_build_place place;
+    const crn_instrument tool = balloon_catheter();
+    const crn_entry entry = reference_entry();
+    crn_build_place place;
     r->tube = tube;
-    assert_int_equal(seld_model_build(&r->model, &tool, 1, &r->tube->lumen, &entry, &place), SELD_BUILD_OK);
-    seld_state_init(&r->model, &r->state, &inserted_um);
+    assert_int_equal(crn_model_build(&r->model, &tool, 1, &r->tube->lumen, &entry, &place), CRN_BUILD_OK);
+    crn_state_init(&r->model, &r->state, &inserted_um);
     return r;
 }
 
@@ -75,7 +75,7 @@ static void rig_free(rig *r)
 
 static void run(rig *r, int ticks)
 {
-    for (int t = 0; t < ticks; t++) seld_step(&r->model, &r->state, &r->input, &r->output);
+    for (int t = 0; t < ticks; t++) crn_step(&r->model, &r->state, &r->input, &r->output);
 }
 
 static void inflate(rig *r, double kPa, int ticks)
@@ -172,10 +172,10 @@ static void look(const rig *r, uint32_t tools, worst *w)
 }
 
 /* Where a patient's sheath is: not at the origin, and not on a line through it. */
-static seld_entry entry_of_a_patient(void)
+static crn_entry entry_of_a_patient(void)
 {
-    const seld_entry entry = {{{(int32_t)(-0.08 * Q30), (int32_t)(-0.3 * Q30), (int32_t)(0.04 * Q30)}},
-                              {{0, SELD_ONE_Q30, 0}}};
+    const crn_entry entry = {{{(int32_t)(-0.08 * Q30), (int32_t)(-0.3 * Q30), (int32_t)(0.04 * Q30)}},
+                             {{0, CRN_ONE_Q30, 0}}};
     return entry;
 }
 
@@ -183,9 +183,9 @@ static seld_entry entry_of_a_patient(void)
 static double aside_mm(const rig *r)
 {
     double most = 0;
-    const seld_entry entry = entry_of_a_patient();
+    const crn_entry entry = entry_of_a_patient();
     for (uint32_t i = 0; i < r->state.words.free_count; i++) {
-        const seld_vec3 *p = &r->state.words.nodes[i].position_m_q30;
+        const crn_vec3 *p = &r->state.words.nodes[i].position_m_q30;
         most =
             fmax(most,
                  1e3 / Q30 * hypot(p->v[0] - entry.position_m_q30.v[0], p->v[2] - entry.position_m_q30.v[2]));
@@ -199,22 +199,22 @@ static double aside_mm(const rig *r)
 static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(void **state)
 {
     (void)state;
-    seld_instrument tools[2] = {balloon_catheter(), reference_wire(2e-4, 600000, 4000, friction)};
+    crn_instrument tools[2] = {balloon_catheter(), reference_wire(2e-4, 600000, 4000, friction)};
     for (uint32_t i = 0; i < tools[1].knot_count; i++) {
         tools[1].knots[i].radius_outer_um = 1040;
         tools[1].knots[i].radius_inner_um = 900;
     }
     tools[1].element_tip_um = 1000;
     tools[1].element_fine_um = 40000;
-    const seld_entry entry = entry_of_a_patient();
+    const crn_entry entry = entry_of_a_patient();
     for (uint32_t count = 1; count <= 2; count++) { /* alone: out of the sheath; with a guide: out of that */
         rig *r = calloc(1, sizeof *r);
         worst w = {0, 0, 0};
-        seld_build_place place;
+        crn_build_place place;
         const uint32_t inserted_um[] = {7000, 14000};
-        assert_int_equal(seld_model_build(&r->model, tools, count, NULL, &entry, &place), SELD_BUILD_OK);
+        assert_int_equal(crn_model_build(&r->model, tools, count, NULL, &entry, &place), CRN_BUILD_OK);
         for (int k = 0; k < 3; k++) r->model.gravity_m_s2_q20[k] = 0;
-        seld_state_init(&r->model, &r->state, inserted_um);
+        crn_state_init(&r->model, &r->state, inserted_um);
         inflate(r, 800, 800);
         for (int t = 0; t < 5000; t++) { /* 40 mm out, and back */
             r->input.hands[0].feed_m_q30 += (int32_t)(t < 2000 ? 20e-6 * Q30 : (t < 4000 ? -18e-6 * Q30 : 0));
@@ -228,7 +228,7 @@ static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(voi
         print_message("# %u tools: %.4f N, %.5f %%, %.4f mm aside\n", count, w.hand_N, w.length_pct,
                       w.aside_mm);
         assert_true(w.hand_N < 0.01 && w.length_pct < 0.001 && w.aside_mm < 0.01);
-        assert_int_equal(r->output.fault_bits & SELD_FAULT_SATURATED, 0);
+        assert_int_equal(r->output.fault_bits & CRN_FAULT_SATURATED, 0);
         free(r);
     }
 }
@@ -251,7 +251,7 @@ static void a_balloon_that_holds_harder_than_a_hand_yields_in_the_hand(void **st
                   w.length_pct);
     assert_true(wall_N(r) * friction > 15);
     assert_true(w.hand_N < 30 && w.length_pct < 1);
-    assert_int_equal(r->output.fault_bits & SELD_FAULT_SATURATED, 0);
+    assert_int_equal(r->output.fault_bits & CRN_FAULT_SATURATED, 0);
     rig_free(r);
 }
 
@@ -263,7 +263,7 @@ static void two_hundred_inflations_leave_nothing_behind(void **state)
     const reference_piece straight = {0.1, 0, 0};
     rig *r = rig_in_by(reference_tube_make(&straight, 1, 1.25e-3, 1), 45000);
     inflate(r, 0, 2000);
-    seld_state_words *first = malloc(sizeof *first);
+    crn_state_words *first = malloc(sizeof *first);
     for (int cycle = -5; cycle < REFERENCE_RUN(200); cycle++) {
         inflate(r, 800, 250);
         inflate(r, 0, 250);
@@ -279,7 +279,7 @@ static void two_hundred_inflations_leave_nothing_behind(void **state)
     print_message("# farthest node %.3f um\n", farthest / Q30 * 1e6);
     assert_true(farthest < 1074);
     assert_int_equal(r->state.words.balloon.bits, 0);
-    for (int j = 0; j < SELD_BALLOON_BALL_MAX; j++)
+    for (int j = 0; j < CRN_BALLOON_BALL_MAX; j++)
         assert_int_equal(r->state.words.balloon.balls[j].radius_m_q30, first->balloon.balls[j].radius_m_q30);
     free(first);
     rig_free(r);
@@ -303,7 +303,7 @@ static void across_a_hard_stenosis_it_takes_the_shape_of_a_dog_bone(void **state
     (void)state;
     rig *r = rig_in_stenosis(120000);
     inflate(r, 800, 1500);
-    const seld_balloon_ball *balls = r->state.words.balloon.balls;
+    const crn_balloon_ball *balls = r->state.words.balloon.balls;
     double narrowest_m = 1, widest_m = 0;
     for (uint32_t j = 0; j < r->model.balloon.ball_count; j++) {
         const double radius_m = balls[j].radius_m_q30 / Q30;
@@ -341,7 +341,7 @@ static void above_its_limit_it_bursts_for_good(void **state)
     inflate(r, 2000, 800);
     assert_int_equal(r->output.balloon_bits, 0);
     inflate(r, 2001, 1000);
-    assert_int_equal(r->output.balloon_bits, SELD_BALLOON_BURST);
+    assert_int_equal(r->output.balloon_bits, CRN_BALLOON_BURST);
     assert_int_equal(r->output.balloon_wall_N_q22, 0);
     inflate(r, 800, 500);
     assert_true(fabs(diameter_mm(r->output.balloon_radius_max_m_q30) - 0.9) < 1e-3);
@@ -357,22 +357,22 @@ static void hostile_pressures_are_limited(void **state)
     assert_int_equal(r->state.words.balloon.pressure_Pa, 0);
     r->input.inflator_Pa = INT32_MAX;
     run(r, 100);
-    assert_int_equal(r->output.balloon_bits, SELD_BALLOON_BURST);
+    assert_int_equal(r->output.balloon_bits, CRN_BALLOON_BURST);
     rig_free(r);
 }
 
-static void refused(seld_instrument tool)
+static void refused(crn_instrument tool)
 {
-    static seld_model model;
-    const seld_entry entry = reference_entry();
-    seld_build_place place;
-    assert_int_equal(seld_model_build(&model, &tool, 1, NULL, &entry, &place), SELD_BUILD_BALLOON);
+    static crn_model model;
+    const crn_entry entry = reference_entry();
+    crn_build_place place;
+    assert_int_equal(crn_model_build(&model, &tool, 1, NULL, &entry, &place), CRN_BUILD_BALLOON);
 }
 
 static void a_table_that_is_none_is_refused(void **state)
 {
     (void)state;
-    seld_instrument tool = balloon_catheter();
+    crn_instrument tool = balloon_catheter();
     tool.balloon.point_count = 13;
     refused(tool);
     tool.balloon.point_count = 1;
@@ -402,16 +402,16 @@ static void a_damaged_balloon_is_not_restored(void **state)
     (void)state;
     rig *r = rig_make(1.25e-3);
     inflate(r, 800, 400);
-    const damaged_word bad[] = {{offsetof(seld_balloon_state, bits), 2},
-                                {offsetof(seld_balloon_state, pressure_Pa), 4000001},
-                                {offsetof(seld_balloon_state, pressure_Pa), 0x80000000u},
-                                {offsetof(seld_balloon_state, confined_bits), 1u << 20},
-                                {offsetof(seld_balloon_state, balls) + 12, (1u << 24) + 1},
-                                {offsetof(seld_balloon_state, balls) + 12, 0xffffffffu},
-                                {offsetof(seld_balloon_state, balls) + 16, 0x7fffffffu},
-                                {offsetof(seld_balloon_state, balls), 0x7fffffffu},
-                                {offsetof(seld_balloon_state, balls) + 23 * sizeof(seld_balloon_ball), 1}};
-    refuses_each(&r->model, &r->state, offsetof(seld_state_words, balloon), bad, sizeof bad / sizeof bad[0]);
+    const damaged_word bad[] = {{offsetof(crn_balloon_state, bits), 2},
+                                {offsetof(crn_balloon_state, pressure_Pa), 4000001},
+                                {offsetof(crn_balloon_state, pressure_Pa), 0x80000000u},
+                                {offsetof(crn_balloon_state, confined_bits), 1u << 20},
+                                {offsetof(crn_balloon_state, balls) + 12, (1u << 24) + 1},
+                                {offsetof(crn_balloon_state, balls) + 12, 0xffffffffu},
+                                {offsetof(crn_balloon_state, balls) + 16, 0x7fffffffu},
+                                {offsetof(crn_balloon_state, balls), 0x7fffffffu},
+                                {offsetof(crn_balloon_state, balls) + 23 * sizeof(crn_balloon_ball), 1}};
+    refuses_each(&r->model, &r->state, offsetof(crn_state_words, balloon), bad, sizeof bad / sizeof bad[0]);
     rig_free(r);
 }
 

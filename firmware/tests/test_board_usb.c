@@ -14,8 +14,8 @@
 #include "firmware/tests/board_usb_model.h"
 
 /* --- helpers ------------------------------------------------------------------------------------------------------------- */
-static const seld_udc *udc;
-static seld_udc_event event;
+static const crn_udc *udc;
+static crn_udc_event event;
 
 static bool poll(void)
 {
@@ -38,15 +38,15 @@ static void begin(void)
     assert_false(poll());
     host_reset_ends(SPEED_HIGH);
     assert_true(poll());
-    assert_int_equal(event.kind, SELD_UDC_RESET);
-    assert_int_equal(event.speed, SELD_UDC_HIGH_SPEED);
+    assert_int_equal(event.kind, CRN_UDC_RESET);
+    assert_int_equal(event.speed, CRN_UDC_HIGH_SPEED);
     assert_false(poll());
 }
 
 static void expect_done(uint8_t endpoint, uint32_t bytes)
 {
     assert_true(poll());
-    assert_int_equal(event.kind, SELD_UDC_DONE);
+    assert_int_equal(event.kind, CRN_UDC_DONE);
     assert_int_equal(event.endpoint, endpoint);
     assert_int_equal(event.bytes, bytes);
     assert_false(poll());
@@ -84,7 +84,7 @@ static void a_reset_voids_everything_and_tells_the_speed(void **state)
     (void)state;
     for (uint32_t speed = 0; speed <= SPEED_HIGH; speed += SPEED_HIGH) {
         begin();
-        assert_true(udc->open(udc->context, 0x82, SELD_UDC_BULK, 512));
+        assert_true(udc->open(udc->context, 0x82, CRN_UDC_BULK, 512));
         udc->arm(udc->context, 0x82, area, 100);
         udc->set_address(udc->context, 77);
         assert_int_equal(*cell(USB_DEVICEADDR), 77u << 25);
@@ -94,8 +94,8 @@ static void a_reset_voids_everything_and_tells_the_speed(void **state)
         assert_int_equal(host_in(2, packet, &count), HOST_SILENT);
         host_reset_ends(speed);
         assert_true(poll());
-        assert_int_equal(event.kind, SELD_UDC_RESET);
-        assert_int_equal(event.speed, speed == SPEED_HIGH ? SELD_UDC_HIGH_SPEED : SELD_UDC_FULL_SPEED);
+        assert_int_equal(event.kind, CRN_UDC_RESET);
+        assert_int_equal(event.speed, speed == SPEED_HIGH ? CRN_UDC_HIGH_SPEED : CRN_UDC_FULL_SPEED);
         assert_false(poll());
     }
 }
@@ -108,7 +108,7 @@ static void a_reset_that_is_seen_late_is_one_reset(void **state)
     host_reset_begins();
     host_reset_ends(SPEED_HIGH);
     assert_true(poll());
-    assert_int_equal(event.kind, SELD_UDC_RESET);
+    assert_int_equal(event.kind, CRN_UDC_RESET);
     assert_false(poll());
 }
 
@@ -119,17 +119,17 @@ static void sleep_waking_and_the_cable_are_told_once(void **state)
     *cell(USB_PORTSC1) |= MASK(USB_PORTSC1_SUSP);
     *cell(USB_USBSTS) |= MASK(USB_USBSTS_SLI);
     assert_true(poll());
-    assert_int_equal(event.kind, SELD_UDC_SUSPEND);
+    assert_int_equal(event.kind, CRN_UDC_SUSPEND);
     assert_false(poll());
     *cell(USB_PORTSC1) &= ~MASK(USB_PORTSC1_SUSP);
     *cell(USB_USBSTS) |= MASK(USB_USBSTS_PCI);
     assert_true(poll());
-    assert_int_equal(event.kind, SELD_UDC_RESUME);
+    assert_int_equal(event.kind, CRN_UDC_RESUME);
     assert_false(poll());
     udc->arm(udc->context, 0, area, 64);
     *cell(USB_OTGSC) = 0;
     assert_true(poll());
-    assert_int_equal(event.kind, SELD_UDC_UNPLUG);
+    assert_int_equal(event.kind, CRN_UDC_UNPLUG);
     assert_int_equal(*cell(USB_ENDPTSTAT), 0);
     assert_false(poll());
     *cell(USB_OTGSC) = MASK(USB_OTGSC_BSV);
@@ -154,7 +154,7 @@ static void a_setup_packet_comes_whole_and_voids_endpoint_0(void **state)
     udc->arm(udc->context, 0, area, 0);
     host_setup(setup);
     assert_true(poll());
-    assert_int_equal(event.kind, SELD_UDC_SETUP);
+    assert_int_equal(event.kind, CRN_UDC_SETUP);
     assert_memory_equal(event.setup, setup, 8);
     assert_int_equal(*cell(USB_ENDPTSTAT), 0);
     assert_false(poll());
@@ -174,7 +174,7 @@ static void a_setup_packet_that_another_overtakes_is_not_mixed_with_it(void **st
     udc->arm(udc->context, 0x80, area, 18);
     assert_int_equal(host_in(0, packet, &count), HOST_NAKED);
     assert_true(poll());
-    assert_int_equal(event.kind, SELD_UDC_SETUP);
+    assert_int_equal(event.kind, CRN_UDC_SETUP);
     assert_memory_equal(event.setup, second, 8);
     udc->arm(udc->context, 0x80, area, 0);
     assert_int_equal(host_in(0, packet, &count), HOST_ACKED);
@@ -206,7 +206,7 @@ static void bytes_leave_as_they_lie_in_memory(void **state)
         {0, 1, 511, 512, 513, 4096, 16383, TRANSFER_BYTES_MAX, TRANSFER_BYTES_MAX + 1},
                           begins[] = {0, 1, 2048, 4095};
     begin();
-    assert_true(udc->open(udc->context, 0x82, SELD_UDC_BULK, 512));
+    assert_true(udc->open(udc->context, 0x82, CRN_UDC_BULK, 512));
     for (uint32_t i = 0; i < sizeof area; i++) area[i] = pattern(i);
     for (size_t l = 0; l < sizeof lengths / sizeof *lengths; l++) {
         for (size_t b = 0; b < sizeof begins / sizeof *begins; b++) {
@@ -231,7 +231,7 @@ static void bytes_come_until_the_buffer_is_full_or_a_packet_is_short(void **stat
     (void)state;
     static uint8_t bytes[512];
     begin();
-    assert_true(udc->open(udc->context, 2, SELD_UDC_BULK, 512));
+    assert_true(udc->open(udc->context, 2, CRN_UDC_BULK, 512));
     for (uint32_t i = 0; i < sizeof bytes; i++) bytes[i] = pattern(i);
     assert_int_equal(host_out(2, bytes, 512), HOST_NAKED);
     for (uint32_t last = 0; last <= 512; last += 256) {
@@ -252,9 +252,9 @@ static void endpoints_end_in_one_poll_each_and_none_is_lost(void **state)
 {
     (void)state;
     begin();
-    assert_true(udc->open(udc->context, 2, SELD_UDC_BULK, 512));
-    assert_true(udc->open(udc->context, 0x82, SELD_UDC_BULK, 512));
-    assert_true(udc->open(udc->context, 0x81, SELD_UDC_INTERRUPT, 64));
+    assert_true(udc->open(udc->context, 2, CRN_UDC_BULK, 512));
+    assert_true(udc->open(udc->context, 0x82, CRN_UDC_BULK, 512));
+    assert_true(udc->open(udc->context, 0x81, CRN_UDC_INTERRUPT, 64));
     udc->arm(udc->context, 2, area, 512);
     udc->arm(udc->context, 0x82, area + 512, 5);
     udc->arm(udc->context, 0x81, area + 1024, 64);
@@ -273,7 +273,7 @@ static void a_broken_transfer_is_repeated_and_a_longer_one_stalls(void **state)
     (void)state;
     static uint8_t bytes[512] = {9};
     begin();
-    assert_true(udc->open(udc->context, 2, SELD_UDC_BULK, 512));
+    assert_true(udc->open(udc->context, 2, CRN_UDC_BULK, 512));
     udc->arm(udc->context, 2, area, 64);
     for (uint32_t error = 1 << 3; error <= 1 << 5; error <<= 2) {
         retire(pipe_of(2), 64, error);
@@ -292,9 +292,9 @@ static void an_endpoint_that_is_opened_begins_afresh(void **state)
 {
     (void)state;
     begin();
-    assert_false(udc->open(udc->context, 0, SELD_UDC_BULK, 64));
-    assert_false(udc->open(udc->context, 8, SELD_UDC_BULK, 64));
-    assert_true(udc->open(udc->context, 0x82, SELD_UDC_BULK, 512));
+    assert_false(udc->open(udc->context, 0, CRN_UDC_BULK, 64));
+    assert_false(udc->open(udc->context, 8, CRN_UDC_BULK, 64));
+    assert_true(udc->open(udc->context, 0x82, CRN_UDC_BULK, 512));
     udc->arm(udc->context, 0x82, area, 10);
     assert_int_equal(host_in(2, packet, &count), HOST_ACKED);
     assert_int_equal(model.toggle[5], 1);
@@ -303,7 +303,7 @@ static void an_endpoint_that_is_opened_begins_afresh(void **state)
     udc->stall(udc->context, 0x82);
     assert_int_equal(host_in(2, packet, &count), HOST_STALLED);
     model.flushes_outlived = 2; /* a packet is still under way */
-    assert_true(udc->open(udc->context, 0x82, SELD_UDC_BULK, 512));
+    assert_true(udc->open(udc->context, 0x82, CRN_UDC_BULK, 512));
     assert_int_equal(model.toggle[5], 0);
     assert_int_equal(host_in(2, packet, &count), HOST_NAKED);
     assert_false(poll());
@@ -317,7 +317,7 @@ static void no_half_of_an_endpoint_is_left_a_control_one(void **state)
     (void)state;
     begin();
     for (int in = 0; in < 2; in++) {
-        assert_true(udc->open(udc->context, (uint8_t)(3 + in) | (in ? SELD_UDC_IN : 0), SELD_UDC_BULK, 512));
+        assert_true(udc->open(udc->context, (uint8_t)(3 + in) | (in ? CRN_UDC_IN : 0), CRN_UDC_BULK, 512));
         const uint32_t control = *cell(USB_ENDPTCTRL0 + 4 * (3 + (uint32_t)in));
         assert_int_not_equal(control & MASK(USB_ENDPTCTRL_0_TXT), 0);
         assert_int_not_equal(control & MASK(USB_ENDPTCTRL_0_RXT), 0);
@@ -326,19 +326,19 @@ static void no_half_of_an_endpoint_is_left_a_control_one(void **state)
 
 /* --- the stack on it ------------------------------------------------------------------------------------------------------- */
 static struct device {
-    seld_usb usb;
+    crn_usb usb;
     uint8_t queue[1 << 14];
-    seld_usb_link link;
+    crn_usb_link link;
 } device;
 
 static void send_back(void *context, const uint8_t *bytes, size_t length)
 {
     (void)context;
     if (length > 1)
-        seld_usb_transmit(&device.usb, bytes, length); /* a stream begins with a zero to the app, too */
+        crn_usb_transmit(&device.usb, bytes, length); /* a stream begins with a zero to the app, too */
 }
 
-static void note_link(void *context, seld_usb_link link)
+static void note_link(void *context, crn_usb_link link)
 {
     (void)context;
     device.link = link;
@@ -346,7 +346,7 @@ static void note_link(void *context, seld_usb_link link)
 
 static void settle(void)
 {
-    for (int i = 0; i < 100 && seld_usb_poll(&device.usb); i++) {
+    for (int i = 0; i < 100 && crn_usb_poll(&device.usb); i++) {
     }
 }
 
@@ -358,13 +358,13 @@ static uint32_t request(uint8_t type, uint8_t number, uint16_t value, uint16_t l
     uint32_t total = 0;
     host_setup(setup);
     settle();
-    while (type & SELD_UDC_IN) {
+    while (type & CRN_UDC_IN) {
         assert_int_equal(host_in(0, packet + total, &count), HOST_ACKED);
         settle();
         total += count;
-        if (count < SELD_UDC_CONTROL_PACKET_BYTES || total == length) break;
+        if (count < CRN_UDC_CONTROL_PACKET_BYTES || total == length) break;
     }
-    if (type & SELD_UDC_IN)
+    if (type & CRN_UDC_IN)
         assert_int_equal(host_out(0, NULL, 0), HOST_ACKED);
     else
         assert_int_equal(host_in(0, packet, &count), HOST_ACKED);
@@ -376,17 +376,17 @@ static uint32_t request(uint8_t type, uint8_t number, uint16_t value, uint16_t l
 static void the_stack_enumerates_and_talks_on_this_controller(void **state)
 {
     (void)state;
-    static const seld_usb_app app = {.receive = send_back, .link = note_link};
+    static const crn_usb_app app = {.receive = send_back, .link = note_link};
     uint8_t frame[700], back[1024] = {0};
     begin();
-    const seld_usb_config config = {.udc = udc,
-                                    .app = &app,
-                                    .serial = "BOARD-1",
-                                    .queue = device.queue,
-                                    .queue_bytes = sizeof device.queue,
-                                    .reply_bytes = SELD_WIRE_FRAME_MAX};
-    assert_true(seld_usb_init(&device.usb, &config));
-    seld_usb_connect(&device.usb, true);
+    const crn_usb_config config = {.udc = udc,
+                                   .app = &app,
+                                   .serial = "BOARD-1",
+                                   .queue = device.queue,
+                                   .queue_bytes = sizeof device.queue,
+                                   .reply_bytes = CRN_WIRE_FRAME_MAX};
+    assert_true(crn_usb_init(&device.usb, &config));
+    crn_usb_connect(&device.usb, true);
     host_reset_begins();
     settle();
     host_reset_ends(SPEED_HIGH);
@@ -394,12 +394,12 @@ static void the_stack_enumerates_and_talks_on_this_controller(void **state)
     assert_int_equal(request(0x00, 5, 11, 0), 0); /* SET_ADDRESS */
     assert_int_equal(*cell(USB_DEVICEADDR), 11u << 25);
     assert_int_equal(request(0x80, 6, 0x0100, 18), 18); /* the device */
-    assert_int_equal(packet[8] | packet[9] << 8, SELD_USB_VENDOR_ID);
+    assert_int_equal(packet[8] | packet[9] << 8, CRN_USB_VENDOR_ID);
     const uint32_t all = request(0x80, 6, 0x0200, 512); /* the configuration fills a packet */
-    assert_true(all >= SELD_UDC_CONTROL_PACKET_BYTES);
+    assert_true(all >= CRN_UDC_CONTROL_PACKET_BYTES);
     assert_int_equal(packet[2] | packet[3] << 8, all);
     assert_int_equal(request(0x00, 9, 1, 0), 0); /* SET_CONFIGURATION */
-    assert_int_equal(device.link, SELD_USB_CONFIGURED);
+    assert_int_equal(device.link, CRN_USB_CONFIGURED);
     memset(frame, 'x', sizeof frame);
     frame[sizeof frame - 1] = 0;
     for (uint32_t sent = 0; sent < sizeof frame; sent += 512) {

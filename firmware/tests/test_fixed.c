@@ -59,32 +59,32 @@ static void expect_near(const char *name, int64_t input, int64_t got, long doubl
     }
 }
 
-/* The range that seld_scale_q30 states: |a| < 2^31 (1 - 2^-9), |b| <= 1 + 2^-10. */
+/* The range that crn_scale_q30 states: |a| < 2^31 (1 - 2^-9), |b| <= 1 + 2^-10. */
 static const int32_t scale_limit = 2143289344;
 static const int32_t scale_factor_max = (1 << 30) + (1 << 20);
 
 static void check_pair(int32_t a, int32_t b, unsigned n)
 {
     reference_wide product = (reference_wide)a * b;
-    expect_equal("seld_mul", a, b, n, seld_mul(a, b, n),
+    expect_equal("crn_mul", a, b, n, crn_mul(a, b, n),
                  reference_saturated32(reference_round_shift(product, n)));
-    expect_equal("seld_mulh", a, b, 32, seld_mulh(a, b), (int64_t)reference_round_shift(product, 32));
-    expect_equal("seld_mul_q30", a, b, 30, seld_mul_q30(a, b),
+    expect_equal("crn_mulh", a, b, 32, crn_mulh(a, b), (int64_t)reference_round_shift(product, 32));
+    expect_equal("crn_mul_q30", a, b, 30, crn_mul_q30(a, b),
                  reference_saturated32(reference_round_shift(product, 30)));
     if (a > -scale_limit && a < scale_limit && b >= -scale_factor_max && b <= scale_factor_max) {
-        expect_equal("seld_scale_q30", a, b, 30, seld_scale_q30(a, b),
+        expect_equal("crn_scale_q30", a, b, 30, crn_scale_q30(a, b),
                      (int64_t)reference_round_shift(product, 32) * 4);
     }
     int64_t sum = (int64_t)reference_round_shift(product, 32) + n;
-    expect_equal("seld_mulh_add", a, b, n, seld_mulh_add((int32_t)n, a, b), sum);
+    expect_equal("crn_mulh_add", a, b, n, crn_mulh_add((int32_t)n, a, b), sum);
     int64_t wide = (int64_t)a * b;
-    expect_equal("seld_high64", a, b, 32, seld_high64(wide), (int64_t)reference_floor_shift(product, 32));
+    expect_equal("crn_high64", a, b, 32, crn_high64(wide), (int64_t)reference_floor_shift(product, 32));
     reference_wide floor = reference_floor_shift(product, n);
     if (n <= 31 && floor == reference_saturated32(floor)) {
-        expect_equal("seld_narrow64", a, b, n, seld_narrow64(wide, n), (int64_t)floor);
+        expect_equal("crn_narrow64", a, b, n, crn_narrow64(wide, n), (int64_t)floor);
     }
-    expect_equal("seld_add_sat", a, b, 0, seld_add_sat(a, b), reference_saturated32((reference_wide)a + b));
-    expect_equal("seld_sub_sat", a, b, 0, seld_sub_sat(a, b), reference_saturated32((reference_wide)a - b));
+    expect_equal("crn_add_sat", a, b, 0, crn_add_sat(a, b), reference_saturated32((reference_wide)a + b));
+    expect_equal("crn_sub_sat", a, b, 0, crn_sub_sat(a, b), reference_saturated32((reference_wide)a - b));
 }
 
 static void products_and_sums_are_exact_rounded_once_and_saturate(void **state)
@@ -106,30 +106,30 @@ static void products_and_sums_are_exact_rounded_once_and_saturate(void **state)
 static void ties_round_towards_plus_infinity(void **state)
 {
     (void)state;
-    assert_int_equal(seld_rshift_round64(3, 1), 2);
-    assert_int_equal(seld_rshift_round64(-3, 1), -1);
-    assert_int_equal(seld_rshift_round64(1, 1), 1);
-    assert_int_equal(seld_rshift_round64(-1, 1), 0);
-    assert_int_equal(seld_mulh(1 << 16, 1 << 15), 1);
-    assert_int_equal(seld_mulh(-(1 << 16), 1 << 15), 0);
-    assert_int_equal(seld_mulh(-(1 << 16), (1 << 15) + 1), -1);
+    assert_int_equal(crn_rshift_round64(3, 1), 2);
+    assert_int_equal(crn_rshift_round64(-3, 1), -1);
+    assert_int_equal(crn_rshift_round64(1, 1), 1);
+    assert_int_equal(crn_rshift_round64(-1, 1), 0);
+    assert_int_equal(crn_mulh(1 << 16, 1 << 15), 1);
+    assert_int_equal(crn_mulh(-(1 << 16), 1 << 15), 0);
+    assert_int_equal(crn_mulh(-(1 << 16), (1 << 15) + 1), -1);
 }
 
 static void shifts_are_floor_and_rounded_over_64_bits(void **state)
 {
     (void)state;
     reference_random random = reference_random_seed(2);
-    assert_int_equal(seld_asr64(INT64_MIN, 63), -1);
-    assert_int_equal(seld_asr64(-1, 63), -1);
-    assert_int_equal(seld_asr64(INT64_MAX, 0), INT64_MAX);
+    assert_int_equal(crn_asr64(INT64_MIN, 63), -1);
+    assert_int_equal(crn_asr64(-1, 63), -1);
+    assert_int_equal(crn_asr64(INT64_MAX, 0), INT64_MAX);
     for (int i = 0; i < RANDOM_INPUTS; i++) {
         int64_t a = (int64_t)reference_random_next(&random) >> reference_random_below(&random, 63);
         unsigned n = reference_random_below(&random, 64);
-        expect_equal("seld_asr64", a, 0, n, seld_asr64(a, n), (int64_t)reference_floor_shift(a, n));
+        expect_equal("crn_asr64", a, 0, n, crn_asr64(a, n), (int64_t)reference_floor_shift(a, n));
         n = 1 + n % 62;
         int64_t bound = INT64_MAX - ((int64_t)1 << (n - 1));
         if (a <= bound) {
-            expect_equal("seld_rshift_round64", a, 0, n, seld_rshift_round64(a, n),
+            expect_equal("crn_rshift_round64", a, 0, n, crn_rshift_round64(a, n),
                          (int64_t)reference_round_shift(a, n));
         }
     }
@@ -141,28 +141,27 @@ static void saturation_holds_on_both_sides_of_both_borders(void **state)
     const int64_t top = INT32_MAX;
     const int64_t bottom = INT32_MIN;
     for (int64_t step = -2; step <= 2; step++) {
-        expect_equal("seld_sat32", top + step, 0, 0, seld_sat32(top + step),
-                     reference_saturated32(top + step));
-        expect_equal("seld_sat32", bottom + step, 0, 0, seld_sat32(bottom + step),
+        expect_equal("crn_sat32", top + step, 0, 0, crn_sat32(top + step), reference_saturated32(top + step));
+        expect_equal("crn_sat32", bottom + step, 0, 0, crn_sat32(bottom + step),
                      reference_saturated32(bottom + step));
     }
-    assert_int_equal(seld_sat32(INT64_MAX), INT32_MAX);
-    assert_int_equal(seld_sat32(INT64_MIN), INT32_MIN);
+    assert_int_equal(crn_sat32(INT64_MAX), INT32_MAX);
+    assert_int_equal(crn_sat32(INT64_MIN), INT32_MIN);
 }
 
 static void leading_zeros_are_counted_for_every_bit_and_for_zero(void **state)
 {
     (void)state;
-    assert_int_equal(seld_clz32(0), 32);
-    assert_int_equal(seld_clz64(0), 64);
+    assert_int_equal(crn_clz32(0), 32);
+    assert_int_equal(crn_clz64(0), 64);
     for (unsigned bit = 0; bit < 64; bit++) {
         uint64_t lowest = (uint64_t)1 << bit;
         uint64_t filled = lowest | (lowest - 1);
-        assert_int_equal(seld_clz64(lowest), 63 - bit);
-        assert_int_equal(seld_clz64(filled), 63 - bit);
+        assert_int_equal(crn_clz64(lowest), 63 - bit);
+        assert_int_equal(crn_clz64(filled), 63 - bit);
         if (bit < 32) {
-            assert_int_equal(seld_clz32((uint32_t)lowest), 31 - bit);
-            assert_int_equal(seld_clz32((uint32_t)filled), 31 - bit);
+            assert_int_equal(crn_clz32((uint32_t)lowest), 31 - bit);
+            assert_int_equal(crn_clz32((uint32_t)filled), 31 - bit);
         }
     }
 }
@@ -186,14 +185,14 @@ static void report_worst(const char *name)
 
 static void check_reciprocal(uint32_t m)
 {
-    check_worst("seld_reciprocal_q30", m, seld_reciprocal_q30(m), 0x1p61L / m, 1.0L);
+    check_worst("crn_reciprocal_q30", m, crn_reciprocal_q30(m), 0x1p61L / m, 1.0L);
 }
 
 static void reciprocal_is_within_one_lsb(void **state)
 {
     (void)state;
     reference_random random = reference_random_seed(3);
-    assert_int_equal(seld_reciprocal_q30(1u << 30), INT32_MAX);
+    assert_int_equal(crn_reciprocal_q30(1u << 30), INT32_MAX);
     /* both sides of all 128 intervals of the table, their middles, and the largest input */
     for (uint32_t row = 128; row < 256; row++) {
         for (int32_t step = -64; step < 64; step++) {
@@ -206,19 +205,19 @@ static void reciprocal_is_within_one_lsb(void **state)
     for (int i = 0; i < 2 * RANDOM_INPUTS; i++) {
         check_reciprocal((1u << 30) | (uint32_t)(reference_random_next(&random) >> 34));
     }
-    report_worst("seld_reciprocal_q30");
+    report_worst("crn_reciprocal_q30");
 }
 
 static void check_rsqrt(uint32_t m)
 {
-    check_worst("seld_rsqrt_q30", m, seld_rsqrt_q30(m), 0x1p46L / sqrtl(m), 1.5L);
+    check_worst("crn_rsqrt_q30", m, crn_rsqrt_q30(m), 0x1p46L / sqrtl(m), 1.5L);
 }
 
 static void reciprocal_square_root_is_within_one_and_a_half_lsb(void **state)
 {
     (void)state;
     reference_random random = reference_random_seed(4);
-    assert_int_equal(seld_rsqrt_q30(1u << 30), INT32_MAX);
+    assert_int_equal(crn_rsqrt_q30(1u << 30), INT32_MAX);
     for (uint32_t row = 64; row < 256; row++) {
         for (int32_t step = -64; step < 64; step++) {
             uint32_t m = (row << 24) + (uint32_t)step;
@@ -231,16 +230,16 @@ static void reciprocal_square_root_is_within_one_and_a_half_lsb(void **state)
         uint32_t m = (uint32_t)(reference_random_next(&random) >> 32);
         check_rsqrt(m < 1u << 30 ? m | 1u << 30 : m);
     }
-    report_worst("seld_rsqrt_q30");
+    report_worst("crn_rsqrt_q30");
 }
 
 static void check_sqrt(uint64_t a)
 {
     long double root = sqrtl((long double)a);
-    int32_t got = seld_sqrt64(a);
+    int32_t got = crn_sqrt64(a);
     long double clipped = root > INT32_MAX ? INT32_MAX : root;
     if (!(fabsl((long double)got - clipped) <= 0.5L + root * 0x1p-29L)) {
-        fail_msg("seld_sqrt64(%llu) = %d, expected %.3Lf", (unsigned long long)a, got, root);
+        fail_msg("crn_sqrt64(%llu) = %d, expected %.3Lf", (unsigned long long)a, got, root);
     }
 }
 
@@ -248,9 +247,9 @@ static void square_root_is_right_from_zero_to_saturation(void **state)
 {
     (void)state;
     reference_random random = reference_random_seed(5);
-    assert_int_equal(seld_sqrt64(0), 0);
-    assert_int_equal(seld_sqrt64(1), 1);
-    assert_int_equal(seld_sqrt64(UINT64_MAX), INT32_MAX);
+    assert_int_equal(crn_sqrt64(0), 0);
+    assert_int_equal(crn_sqrt64(1), 1);
+    assert_int_equal(crn_sqrt64(UINT64_MAX), INT32_MAX);
     for (uint64_t a = 0; a < 200000; a++) check_sqrt(a);
     for (unsigned bit = 0; bit < 64; bit++) {
         check_sqrt((uint64_t)1 << bit);
@@ -264,10 +263,10 @@ static void square_root_is_right_from_zero_to_saturation(void **state)
 
 static void check_divide(uint64_t a, uint64_t b)
 {
-    uint64_t got = seld_divide_u64(a, b);
+    uint64_t got = crn_divide_u64(a, b);
     uint64_t expected = b == 0 ? UINT64_MAX : a / b;
     if (got != expected) {
-        fail_msg("seld_divide_u64(%llu, %llu) = %llu, expected %llu", (unsigned long long)a,
+        fail_msg("crn_divide_u64(%llu, %llu) = %llu, expected %llu", (unsigned long long)a,
                  (unsigned long long)b, (unsigned long long)got, (unsigned long long)expected);
     }
 }
@@ -293,10 +292,10 @@ static void check_sincos(uint32_t angle)
     int32_t sine = 0;
     int32_t cosine = 0;
     long double radians = (long double)angle * 0x1p-31L * acosl(-1.0L);
-    seld_sincos_turn32(angle, &sine, &cosine);
-    check_worst("sin of seld_sincos_turn32", angle, sine, sinl(radians) * 0x1p30L, 1.5L);
-    check_worst("cos of seld_sincos_turn32", angle, cosine, cosl(radians) * 0x1p30L, 1.5L);
-    if (sine > SELD_ONE_Q30 || sine < -SELD_ONE_Q30 || cosine > SELD_ONE_Q30 || cosine < -SELD_ONE_Q30) {
+    crn_sincos_turn32(angle, &sine, &cosine);
+    check_worst("sin of crn_sincos_turn32", angle, sine, sinl(radians) * 0x1p30L, 1.5L);
+    check_worst("cos of crn_sincos_turn32", angle, cosine, cosl(radians) * 0x1p30L, 1.5L);
+    if (sine > CRN_ONE_Q30 || sine < -CRN_ONE_Q30 || cosine > CRN_ONE_Q30 || cosine < -CRN_ONE_Q30) {
         fail_msg("sin, cos of %u = %d, %d: beyond +-2^30", angle, sine, cosine);
     }
 }
@@ -310,13 +309,13 @@ static void sine_and_cosine_are_within_one_and_a_half_lsb_all_around(void **stat
     }
     for (int i = 0; i < RANDOM_INPUTS / 2; i++)
         check_sincos((uint32_t)(reference_random_next(&random) >> 32));
-    report_worst("seld_sincos_turn32");
+    report_worst("crn_sincos_turn32");
 }
 
 static void check_asin(int32_t a)
 {
-    long double clipped = a > SELD_ONE_Q30 ? 1.0L : a < -SELD_ONE_Q30 ? -1.0L : (long double)a * 0x1p-30L;
-    check_worst("seld_asin_q29", a, seld_asin_q29(a), asinl(clipped) * 0x1p29L, 1.5L);
+    long double clipped = a > CRN_ONE_Q30 ? 1.0L : a < -CRN_ONE_Q30 ? -1.0L : (long double)a * 0x1p-30L;
+    check_worst("crn_asin_q29", a, crn_asin_q29(a), asinl(clipped) * 0x1p29L, 1.5L);
 }
 
 static void arc_sine_is_within_one_and_a_half_lsb_and_clamps_beyond_one(void **state)
@@ -326,14 +325,14 @@ static void arc_sine_is_within_one_and_a_half_lsb_and_clamps_beyond_one(void **s
     for (unsigned i = 0; i < BORDERS; i++) check_asin(border32[i]);
     for (int32_t step = -4096; step <= 4096; step++) {
         check_asin(step);
-        check_asin((SELD_ONE_Q30 >> 1) + step); /* where the half-angle identity takes over */
-        check_asin(-(SELD_ONE_Q30 >> 1) + step);
-        check_asin(SELD_ONE_Q30 + step);
-        check_asin(-SELD_ONE_Q30 + step);
+        check_asin((CRN_ONE_Q30 >> 1) + step); /* where the half-angle identity takes over */
+        check_asin(-(CRN_ONE_Q30 >> 1) + step);
+        check_asin(CRN_ONE_Q30 + step);
+        check_asin(-CRN_ONE_Q30 + step);
     }
     for (int i = 0; i < RANDOM_INPUTS / 2; i++)
         check_asin((int32_t)(reference_random_next(&random) >> 33) - (1 << 30));
-    report_worst("seld_asin_q29");
+    report_worst("crn_asin_q29");
 }
 
 int main(void)

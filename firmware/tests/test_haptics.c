@@ -46,38 +46,38 @@ static const situation situations[] = {
 
 static const haptic_hand loose = {200, 1}, firm = {800, 5};
 
-static seld_wire_instrument wire_of(double bend_N_m2)
+static crn_wire_instrument wire_of(double bend_N_m2)
 {
-    seld_wire_instrument wire = {.axial_stiffness_max_N = 3000,
-                                 .element_tip_um = 2000,
-                                 .element_shaft_um = 4000,
-                                 .element_fine_um = 20000,
-                                 .knots_count = 2};
+    crn_wire_instrument wire = {.axial_stiffness_max_N = 3000,
+                                .element_tip_um = 2000,
+                                .element_shaft_um = 4000,
+                                .element_fine_um = 20000,
+                                .knots_count = 2};
     for (uint32_t i = 0; i < 2; i++) {
-        wire.knots[i] = (seld_wire_knot){.arc_um = i * 350000,
-                                         .bend_stiffness_nN_m2 = (uint32_t)lround(bend_N_m2 * 1e9),
-                                         .twist_stiffness_nN_m2 = (uint32_t)lround(bend_N_m2 / 1.3 * 1e9),
-                                         .mass_mg_per_m = 5000,
-                                         .radius_outer_um = 445,
-                                         .friction_kinetic_milli = 100,
-                                         .friction_static_milli = 120};
+        wire.knots[i] = (crn_wire_knot){.arc_um = i * 350000,
+                                        .bend_stiffness_nN_m2 = (uint32_t)lround(bend_N_m2 * 1e9),
+                                        .twist_stiffness_nN_m2 = (uint32_t)lround(bend_N_m2 / 1.3 * 1e9),
+                                        .mass_mg_per_m = 5000,
+                                        .radius_outer_um = 445,
+                                        .friction_kinetic_milli = 100,
+                                        .friction_static_milli = 120};
     }
     return wire;
 }
 
 /* The stiffest that the device takes for this rig. */
-static seld_wire_track track_of(uint32_t seal_mN)
+static crn_wire_track track_of(uint32_t seal_mN)
 {
-    return (seld_wire_track){.translation_pm_per_count = 1000000,
-                             .rotation_counts_per_turn = 65536,
-                             .force_gain_milli = 1000,
-                             .force_limit_mN = 8000,
-                             .torque_limit_uN_m = 20000,
-                             .damping_mN_s_per_m = HAPTIC_DAMPING_mN_s_m,
-                             .actuator_lag_us = HAPTIC_MOTOR_LAG_us,
-                             .coupling_N_per_m = 800,
-                             .coupling_mN_s_per_m = 200,
-                             .seal_mN = seal_mN};
+    return (crn_wire_track){.translation_pm_per_count = 1000000,
+                            .rotation_counts_per_turn = 65536,
+                            .force_gain_milli = 1000,
+                            .force_limit_mN = 8000,
+                            .torque_limit_uN_m = 20000,
+                            .damping_mN_s_per_m = HAPTIC_DAMPING_mN_s_m,
+                            .actuator_lag_us = HAPTIC_MOTOR_LAG_us,
+                            .coupling_N_per_m = 800,
+                            .coupling_mN_s_per_m = 200,
+                            .seal_mN = seal_mN};
 }
 
 static haptic_rig rig;
@@ -110,8 +110,8 @@ static void check(const situation *s, const haptic_hand *hand, const char *grip)
 {
     reference_tube *tube =
         s->piece_count > 0 ? reference_tube_make(s->pieces, s->piece_count, s->radius_m, 1) : NULL;
-    const seld_wire_instrument wire = wire_of(s->bend_N_m2);
-    const seld_wire_track track = track_of(s->seal_mN);
+    const crn_wire_instrument wire = wire_of(s->bend_N_m2);
+    const crn_wire_track track = track_of(s->seal_mN);
     double largest_N = 0, forth_N, back_N;
     assert_true(haptic_begin(&rig, tube ? &tube->lumen : NULL, &wire, s->inserted_um, &track, hand));
     go(0, s->way_m, &largest_N);
@@ -121,8 +121,8 @@ static void check(const situation *s, const haptic_hand *hand, const char *grip)
     print_message("# %-24s %-5s  cycle %.3f / %.3f N, held %.2f / %.2f N, largest %.2f N, energy %.1f mJ\n",
                   s->name, grip, cycle_forth_N, cycle_back_N, forth_N, back_N, largest_N,
                   rig.app.energies[0].taken_pJ * 1e-9);
-    if (rig.app.state != SELD_WIRE_STATE_RUNNING) {
-        fail_msg("%s, %s: %s", s->name, grip, seld_wire_fault_name(rig.app.fault_code));
+    if (rig.app.state != CRN_WIRE_STATE_RUNNING) {
+        fail_msg("%s, %s: %s", s->name, grip, crn_wire_fault_name(rig.app.fault_code));
     }
     assert_true(fmax(cycle_forth_N, cycle_back_N) <= 0.05);
     assert_true(largest_N >= s->force_N);
@@ -173,8 +173,8 @@ static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
     (void)state;
     const situation *s = &situations[3];
     reference_tube *tube = reference_tube_make(s->pieces, s->piece_count, s->radius_m, 1);
-    const seld_wire_instrument wire = wire_of(s->bend_N_m2);
-    seld_wire_track track = track_of(0);
+    const crn_wire_instrument wire = wire_of(s->bend_N_m2);
+    crn_wire_track track = track_of(0);
     track.coupling_N_per_m *= 2;
     assert_false(haptic_begin(&rig, &tube->lumen, &wire, s->inserted_um, &track,
                               &loose)); /* refused as it should be */
@@ -183,8 +183,8 @@ static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
     assert_true(haptic_begin(&rig, &tube->lumen, &wire, s->inserted_um, &track, &loose));
     go(0, s->way_m, &largest_N);
     hold(s->way_m, 200, &mean_N);
-    print_message("# shaking ended by %s\n", seld_wire_fault_name(rig.app.fault_code));
-    assert_int_equal(rig.app.state, SELD_WIRE_STATE_FAULT);
+    print_message("# shaking ended by %s\n", crn_wire_fault_name(rig.app.fault_code));
+    assert_int_equal(rig.app.state, CRN_WIRE_STATE_FAULT);
     assert_false(rig.outputs.enable);
     assert_int_equal(rig.outputs.motors[0].axial_mN, 0);
     reference_tube_free(tube);
@@ -196,8 +196,8 @@ static void a_hand_that_lets_go_leaves_a_rig_at_rest(void **state)
     (void)state;
     const situation *s = &situations[3];
     reference_tube *tube = reference_tube_make(s->pieces, s->piece_count, s->radius_m, 1);
-    const seld_wire_instrument wire = wire_of(s->bend_N_m2);
-    const seld_wire_track track = track_of(0);
+    const crn_wire_instrument wire = wire_of(s->bend_N_m2);
+    const crn_wire_track track = track_of(0);
     double largest_N = 0, mean_N;
     assert_true(haptic_begin(&rig, &tube->lumen, &wire, s->inserted_um, &track, &firm));
     go(0, s->way_m, &largest_N);
@@ -213,8 +213,8 @@ static void a_hand_that_lets_go_leaves_a_rig_at_rest(void **state)
     }
     print_message("# let go at %.2f N: back by %.1f mm at up to %.2f m/s, then %.4f m/s\n", mean_N,
                   (begin_m - rig.carriage_m) * 1e3, fastest_m_s, end_m_s);
-    if (rig.app.state != SELD_WIRE_STATE_RUNNING)
-        fail_msg("ended by %s", seld_wire_fault_name(rig.app.fault_code));
+    if (rig.app.state != CRN_WIRE_STATE_RUNNING)
+        fail_msg("ended by %s", crn_wire_fault_name(rig.app.fault_code));
     assert_true(fastest_m_s < 0.25 && end_m_s < 0.001);
     reference_tube_free(tube);
 }

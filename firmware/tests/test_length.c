@@ -18,19 +18,19 @@ enum { FOLD_AT = 5 };
 /* A wire in elements of 1 mm in free space, straight along +x but for its first five, which point `angle_rad` away from it. */
 static rig *folded_rig(double angle_rad)
 {
-    seld_instrument wire = reference_wire(1e-5, 300000, 1000, 0);
+    crn_instrument wire = reference_wire(1e-5, 300000, 1000, 0);
     wire.element_shaft_um = 2000;
     wire.element_fine_um = 40000;
     rig *r = rig_make(&wire, NULL, 100000);
-    seld_model_set_gravity(&r->model, 0, 0, 0);
-    const seld_vec3 ahead = {{(int32_t)lround(-cos(angle_rad) * Q30 * 0.9999999),
-                              (int32_t)lround(-sin(angle_rad) * Q30 * 0.9999999), 0}};
+    crn_model_set_gravity(&r->model, 0, 0, 0);
+    const crn_vec3 ahead = {{(int32_t)lround(-cos(angle_rad) * Q30 * 0.9999999),
+                             (int32_t)lround(-sin(angle_rad) * Q30 * 0.9999999), 0}};
     for (int i = FOLD_AT - 1; i >= 0; i--) {
-        seld_node_state *node = &r->state.words.nodes[i];
+        crn_node_state *node = &r->state.words.nodes[i];
         node->tangent_q30 = ahead;
         for (int k = 0; k < 3; k++)
             node->position_m_q30.v[k] =
-                node[1].position_m_q30.v[k] - seld_mul_q30(r->model.mesh[i].length_m_q30, ahead.v[k]);
+                node[1].position_m_q30.v[k] - crn_mul_q30(r->model.mesh[i].length_m_q30, ahead.v[k]);
     }
     return r;
 }
@@ -39,7 +39,7 @@ static rig *folded_rig(double angle_rad)
 static double length_m(const rig *r, int i, bool has_solved)
 {
     double square = 0;
-    const seld_work *work = &r->state.scratch.nodes[i];
+    const crn_work *work = &r->state.scratch.nodes[i];
     for (int k = 0; k < 3; k++) {
         double way = (work[1].position_m_q30.v[k] - work[0].position_m_q30.v[k]) / Q30;
         if (has_solved) way += (work[1].solution_m_q33.v[k] - work[0].solution_m_q33.v[k]) / Q33;
@@ -67,7 +67,7 @@ static void a_fold_that_is_drawn_along_keeps_its_edges(void **context)
         for (double angle_deg = 30; angle_deg <= 90; angle_deg += 30) {
             rig *r = folded_rig(angle_deg * acos(-1) / 180);
             r->input.hands[0].feed_m_q30 = feed * (int32_t)(1e-3 * Q30);
-            seld_rod_feed(&r->model, &r->state, &r->input);
+            crn_rod_feed(&r->model, &r->state, &r->input);
             assert_int_equal(r->state.scratch.feed_m_q33 / 8, feed * (int32_t)(0.25e-3 * Q30));
             check_below("length error of the fold's edges", worst_length_error(r, 2 * FOLD_AT, false), 12e-6);
             free(r);
@@ -82,8 +82,8 @@ static void the_corner_of_a_fold_goes_as_far_along_both_edges(void **context)
     (void)context;
     rig *r = folded_rig(acos(-1) / 2);
     r->input.hands[0].feed_m_q30 = -(int32_t)(40e-6 * Q30);
-    seld_rod_feed(&r->model, &r->state, &r->input);
-    const seld_vec3 slide = r->state.scratch.nodes[FOLD_AT].slide_m_q33;
+    crn_rod_feed(&r->model, &r->state, &r->input);
+    const crn_vec3 slide = r->state.scratch.nodes[FOLD_AT].slide_m_q33;
     const double way_m[2] = {fabs(slide.v[0] / Q33), fabs(slide.v[1] / Q33)};
     check_below("off 10 um along the shaft, m", fabs(way_m[0] - 10e-6), 1e-7);
     check_below("off 10 um along the fold, m", fabs(way_m[1] - 10e-6), 1e-7);
@@ -96,14 +96,14 @@ static void edges_that_the_solve_swings_keep_their_length(void **context)
 {
     (void)context;
     rig *r = folded_rig(0);
-    seld_rod_feed(&r->model, &r->state, &r->input);
+    crn_rod_feed(&r->model, &r->state, &r->input);
     for (uint32_t i = 0; i < r->state.words.free_count; i++)
-        r->state.scratch.nodes[i].solution_m_q33 = (seld_vec3){{0, 0, 0}};
+        r->state.scratch.nodes[i].solution_m_q33 = (crn_vec3){{0, 0, 0}};
     const int32_t swing_m_q33 = (int32_t)(0.25e-3 * Q33);
     r->state.scratch.nodes[0].solution_m_q33.v[1] = 2 * swing_m_q33;
     r->state.scratch.nodes[1].solution_m_q33.v[1] = swing_m_q33;
     assert_true(worst_length_error(r, FOLD_AT, true) > 0.03);
-    seld_rod_keep_lengths(&r->model, &r->state, 2 * swing_m_q33);
+    crn_rod_keep_lengths(&r->model, &r->state, 2 * swing_m_q33);
     check_below("length error", worst_length_error(r, FOLD_AT, true), 0.004);
     for (int k = 0; k < 3; k++) assert_int_equal(r->state.scratch.nodes[2].solution_m_q33.v[k], 0);
     free(r);
@@ -113,11 +113,11 @@ static void edges_that_the_solve_swings_keep_their_length(void **context)
 static rig *shaken_rig(double way_m)
 {
     rig *r = folded_rig(0);
-    seld_rod_feed(&r->model, &r->state, &r->input);
+    crn_rod_feed(&r->model, &r->state, &r->input);
     for (uint32_t i = 0; i < r->state.words.free_count; i++)
-        r->state.scratch.nodes[i].solution_m_q33 = (seld_vec3){{0, i % 2 ? (int32_t)(way_m * Q33) : 0, 0}};
+        r->state.scratch.nodes[i].solution_m_q33 = (crn_vec3){{0, i % 2 ? (int32_t)(way_m * Q33) : 0, 0}};
     r->state.scratch.kept_m_q33 = 12345; /* of the tick before */
-    seld_rod_keep_lengths(&r->model, &r->state, (int32_t)(way_m * Q33));
+    crn_rod_keep_lengths(&r->model, &r->state, (int32_t)(way_m * Q33));
     return r;
 }
 
@@ -128,7 +128,7 @@ static void a_small_deviation_is_left_as_it_is(void **context)
     for (double way_m = 0.03e-3; way_m < 0.062e-3; way_m += 0.03e-3) {
         rig *r = shaken_rig(way_m);
         for (uint32_t i = 0; i < r->state.words.free_count; i++) {
-            const seld_vec3 expected = {{0, i % 2 ? (int32_t)(way_m * Q33) : 0, 0}};
+            const crn_vec3 expected = {{0, i % 2 ? (int32_t)(way_m * Q33) : 0, 0}};
             assert_memory_equal(&expected, &r->state.scratch.nodes[i].solution_m_q33, sizeof expected);
         }
         assert_int_equal(r->state.scratch.kept_m_q33, 0);
@@ -148,7 +148,7 @@ static void a_sharp_fold_keeps_its_edges_nearly(void **context)
     for (int k = 0; k < 2; k++) {
         rig *r = folded_rig((120 + 30 * k) * acos(-1) / 180);
         r->input.hands[0].feed_m_q30 = -(int32_t)(1e-3 * Q30);
-        seld_rod_feed(&r->model, &r->state, &r->input);
+        crn_rod_feed(&r->model, &r->state, &r->input);
         print_message("# %d degrees: %.4f\n", 120 + 30 * k, worst_length_error(r, 2 * FOLD_AT, false));
         check_below("length error of the fold's edges", worst_length_error(r, 2 * FOLD_AT, false), most[k]);
         free(r);

@@ -24,13 +24,13 @@ static const double Q30 = 1073741824.0, pi = 3.14159265358979;
 static const double healthy_m = 1.6e-3, throat_m = 0.8e-3, middle_m = 35e-3, length_m = 14e-3;
 
 typedef struct rig {
-    seld_model model;
-    seld_state state;
-    seld_input input;
-    seld_output output;
-    seld_lumen lumen;
-    seld_lesion lesion;
-    seld_lesion_station stations[STATIONS];
+    crn_model model;
+    crn_state state;
+    crn_input input;
+    crn_output output;
+    crn_lumen lumen;
+    crn_lesion lesion;
+    crn_lesion_station stations[STATIONS];
 } rig;
 
 static double spacing_m(void)
@@ -49,17 +49,17 @@ static void describe(rig *r, double yield_kPa, double recoil)
 {
     for (int i = 0; i < STATIONS; i++) {
         const double x_m = middle_m + (i - MIDDLE) * spacing_m();
-        r->stations[i] = (seld_lesion_station){.healthy_m_q30 = {(int32_t)lround(x_m * Q30), 0, 0},
-                                               .channel_m_q30 = {(int32_t)lround(x_m * Q30), 0, 0},
-                                               .healthy_radius_m_q30 = (int32_t)lround(healthy_m * Q30),
-                                               .channel_radius_m_q30 = (int32_t)lround(channel_m(x_m) * Q30),
-                                               .along_q30 = {SELD_ONE_Q30, 0, 0}};
+        r->stations[i] = (crn_lesion_station){.healthy_m_q30 = {(int32_t)lround(x_m * Q30), 0, 0},
+                                              .channel_m_q30 = {(int32_t)lround(x_m * Q30), 0, 0},
+                                              .healthy_radius_m_q30 = (int32_t)lround(healthy_m * Q30),
+                                              .channel_radius_m_q30 = (int32_t)lround(channel_m(x_m) * Q30),
+                                              .along_q30 = {CRN_ONE_Q30, 0, 0}};
     }
     const int32_t reach = (int32_t)(4e-3 * Q30);
-    r->lesion = (seld_lesion){
+    r->lesion = (crn_lesion){
         .low_m_q30 = {r->stations[0].healthy_m_q30[0] - reach, -reach, -reach},
         .high_m_q30 = {r->stations[STATIONS - 1].healthy_m_q30[0] + reach, reach, reach},
-        .chord_q30 = {SELD_ONE_Q30, 0, 0},
+        .chord_q30 = {CRN_ONE_Q30, 0, 0},
         .stretch_q28 = 1 << 28,
         .spacing_log2_q30 = SPACING_LOG2,
         .station_count = STATIONS,
@@ -72,18 +72,18 @@ static void describe(rig *r, double yield_kPa, double recoil)
 }
 
 /* A balloon of 3.2 x 18 mm on a catheter of 0.9 mm, its middle at the throat. */
-static seld_instrument balloon_catheter(void)
+static crn_instrument balloon_catheter(void)
 {
-    seld_instrument tool = reference_wire(2e-5, 600000, 4000, 0.1);
+    crn_instrument tool = reference_wire(2e-5, 600000, 4000, 0.1);
     tool.element_tip_um = 2000;
     tool.element_fine_um = 40000;
     for (uint32_t i = 0; i < tool.knot_count; i++) tool.knots[i].radius_outer_um = 450;
-    tool.balloon = (seld_balloon){.point_count = 3,
-                                  .distal_um = 6000,
-                                  .proximal_um = 24000,
-                                  .burst_kPa = 2000,
-                                  .pressure_kPa = {600, 800, 1600},
-                                  .diameter_um = {3150, 3200, 3400}};
+    tool.balloon = (crn_balloon){.point_count = 3,
+                                 .distal_um = 6000,
+                                 .proximal_um = 24000,
+                                 .burst_kPa = 2000,
+                                 .pressure_kPa = {600, 800, 1600},
+                                 .diameter_um = {3150, 3200, 3400}};
     return tool;
 }
 
@@ -97,48 +97,48 @@ static const reference_tube *tube(void)
 static rig *rig_make(double yield_kPa, double recoil)
 {
     rig *r = calloc(1, sizeof *r);
-    const seld_instrument tool = balloon_catheter();
-    const seld_entry entry = reference_entry();
+    const crn_instrument tool = balloon_catheter();
+    const crn_entry entry = reference_entry();
     const uint32_t inserted_um = TIP_um;
-    seld_build_place place;
+    crn_build_place place;
     describe(r, yield_kPa, recoil);
     r->lumen = tube()->lumen;
     r->lumen.lesion_count = 1;
     r->lumen.lesions = &r->lesion;
-    assert_int_equal(seld_model_build(&r->model, &tool, 1, &r->lumen, &entry, &place), SELD_BUILD_OK);
-    seld_state_init(&r->model, &r->state, &inserted_um);
+    assert_int_equal(crn_model_build(&r->model, &tool, 1, &r->lumen, &entry, &place), CRN_BUILD_OK);
+    crn_state_init(&r->model, &r->state, &inserted_um);
     return r;
 }
 
 static void inflate(rig *r, double kPa, int ticks)
 {
     r->input.inflator_Pa = (int32_t)lround(kPa * 1000);
-    for (int t = 0; t < ticks; t++) seld_step(&r->model, &r->state, &r->input, &r->output);
+    for (int t = 0; t < ticks; t++) crn_step(&r->model, &r->state, &r->input, &r->output);
 }
 
 static double open_at(const rig *r, uint32_t station)
 {
-    return seld_state_open(&r->state, 0, station) / Q30;
+    return crn_state_open(&r->state, 0, station) / Q30;
 }
 
 /* All of it, to the same share. */
-static seld_lesion_state opened(double share)
+static crn_lesion_state opened(double share)
 {
-    seld_lesion_state lesions = {.bits = 1};
+    crn_lesion_state lesions = {.bits = 1};
     for (int i = 0; i < STATIONS; i++) lesions.open_q30[0][i] = (int32_t)lround(share * Q30);
     return lesions;
 }
 
-static seld_vec3 at_mm(double x, double y, double z)
+static crn_vec3 at_mm(double x, double y, double z)
 {
-    return seld_vec3_make((int32_t)lround(x * 1e-3 * Q30), (int32_t)lround(y * 1e-3 * Q30),
-                          (int32_t)lround(z * 1e-3 * Q30));
+    return crn_vec3_make((int32_t)lround(x * 1e-3 * Q30), (int32_t)lround(y * 1e-3 * Q30),
+                         (int32_t)lround(z * 1e-3 * Q30));
 }
 
-static double distance_mm(const rig *r, const seld_lesion_state *lesions, seld_vec3 p, double normal[3])
+static double distance_mm(const rig *r, const crn_lesion_state *lesions, crn_vec3 p, double normal[3])
 {
-    seld_lumen_sample sample;
-    if (!seld_lesion_contact(&r->lumen, lesions, &p, &sample)) sample = seld_lumen_contact(&r->lumen, &p);
+    crn_lumen_sample sample;
+    if (!crn_lesion_contact(&r->lumen, lesions, &p, &sample)) sample = crn_lumen_contact(&r->lumen, &p);
     for (int k = 0; k < 3 && normal != NULL; k++) normal[k] = sample.normal_q30.v[k] / Q30;
     return sample.distance_m_q30 * 1e3 / Q30;
 }
@@ -151,12 +151,12 @@ static void open_by_a_share_its_radius_is_between_channel_and_vessel(void **stat
     const double shares[] = {0.1, 0.5, 0.9, 1.0};
     double worst_mm = 0;
     for (int s = 0; s < 4; s++) {
-        const seld_lesion_state lesions = opened(shares[s]);
+        const crn_lesion_state lesions = opened(shares[s]);
         for (double x_mm = 26; x_mm < 44; x_mm += 0.37) {
             const double narrow_mm = 1e3 * channel_m(x_mm * 1e-3);
             const double wall_mm = narrow_mm + shares[s] * (healthy_m * 1e3 - narrow_mm);
             for (double turn = 0; turn < 6; turn += 0.7) {
-                const seld_vec3 p = at_mm(x_mm, wall_mm * cos(turn), wall_mm * sin(turn));
+                const crn_vec3 p = at_mm(x_mm, wall_mm * cos(turn), wall_mm * sin(turn));
                 worst_mm = fmax(worst_mm, fabs(distance_mm(r, &lesions, p, NULL)));
             }
         }
@@ -172,7 +172,7 @@ static void normals_are_those_of_the_distance(void **state)
 {
     (void)state;
     rig *r = rig_make(200, 0.3);
-    seld_lesion_state lesions = opened(0.6);
+    crn_lesion_state lesions = opened(0.6);
     for (int i = 0; i < STATIONS; i++) /* more open in its middle */
         lesions.open_q30[0][i] = (int32_t)(Q30 * (0.9 - 0.08 * abs(i - MIDDLE)));
     const double h_mm = 0.02;
@@ -210,19 +210,19 @@ static void an_open_lesion_goes_with_a_beating_vessel(void **state)
     double worst_mm = 0, farthest_mm = 0;
     for (uint32_t beat = 0; beat < 12; beat++) {
         r->state.words.rhythm.heart_phase32 = beat * 357913941u;
-        seld_motion_pose pose;
-        seld_motion_pose_begin(&waves->motion, &pose, &r->state.words.rhythm, &r->state.words.rhythm);
+        crn_motion_pose pose;
+        crn_motion_pose_begin(&waves->motion, &pose, &r->state.words.rhythm, &r->state.words.rhythm);
         for (double x_mm = 31; x_mm < 39; x_mm += 0.9) {
             const double wall_mm =
                 1e3 * (channel_m(x_mm * 1e-3) + 0.7 * (healthy_m - channel_m(x_mm * 1e-3)));
-            const seld_vec3 reference = at_mm(x_mm, wall_mm * cos(x_mm), wall_mm * sin(x_mm));
-            seld_vec3 world = reference;
+            const crn_vec3 reference = at_mm(x_mm, wall_mm * cos(x_mm), wall_mm * sin(x_mm));
+            crn_vec3 world = reference;
             for (int round = 0; round < 30; round++) {
-                const seld_vec3 pulled = seld_motion_pull(&waves->motion, &pose, &world);
+                const crn_vec3 pulled = crn_motion_pull(&waves->motion, &pose, &world);
                 for (int k = 0; k < 3; k++) world.v[k] += reference.v[k] - pulled.v[k];
             }
-            seld_lumen_sample sample;
-            assert_true(seld_lesion_wall(&r->model, &r->state.words, &pose, &world, &sample));
+            crn_lumen_sample sample;
+            assert_true(crn_lesion_wall(&r->model, &r->state.words, &pose, &world, &sample));
             worst_mm = fmax(worst_mm, fabs(sample.distance_m_q30 * 1e3 / Q30));
             farthest_mm = fmax(farthest_mm, abs(world.v[1] - reference.v[1]) * 1e3 / Q30);
         }
@@ -237,13 +237,13 @@ static void closed_it_is_the_lumen_as_described(void **state)
 {
     (void)state;
     rig *r = rig_make(200, 0.3);
-    const seld_lesion_state closed = {0}, all = opened(1);
-    seld_lumen_sample sample;
-    const seld_vec3 inside = at_mm(35, 1.2, 0), before = at_mm(20, 1.2, 0), beside = at_mm(35, 3.5, 0);
-    assert_false(seld_lesion_contact(&r->lumen, &closed, &inside, &sample));
-    assert_true(seld_lesion_contact(&r->lumen, &all, &inside, &sample));
-    assert_false(seld_lesion_contact(&r->lumen, &all, &before, &sample));
-    assert_false(seld_lesion_contact(&r->lumen, &all, &beside, &sample));
+    const crn_lesion_state closed = {0}, all = opened(1);
+    crn_lumen_sample sample;
+    const crn_vec3 inside = at_mm(35, 1.2, 0), before = at_mm(20, 1.2, 0), beside = at_mm(35, 3.5, 0);
+    assert_false(crn_lesion_contact(&r->lumen, &closed, &inside, &sample));
+    assert_true(crn_lesion_contact(&r->lumen, &all, &inside, &sample));
+    assert_false(crn_lesion_contact(&r->lumen, &all, &before, &sample));
+    assert_false(crn_lesion_contact(&r->lumen, &all, &beside, &sample));
     free(r);
 }
 
@@ -271,7 +271,7 @@ static void a_hard_lesion_leaves_a_waist_until_its_yield(void **state)
     (void)state;
     rig *r = rig_make(1000, 0.3);
     inflate(r, 800, 1500);
-    assert_int_equal(seld_state_open(&r->state, 0, MIDDLE), 0);
+    assert_int_equal(crn_state_open(&r->state, 0, MIDDLE), 0);
     assert_true(r->output.balloon_radius_min_m_q30 < (int32_t)(0.85e-3 * Q30));
     assert_true(r->output.balloon_radius_max_m_q30 > (int32_t)(1.5e-3 * Q30));
     inflate(r, 1400, 1500);
@@ -285,14 +285,14 @@ static void a_balloon_too_small_opens_no_farther_than_itself(void **state)
 {
     (void)state;
     rig *r = rig_make(200, 0.3);
-    seld_instrument tool = balloon_catheter();
+    crn_instrument tool = balloon_catheter();
     const uint32_t diameter_um[] = {1950, 2000, 2100};
     memcpy(tool.balloon.diameter_um, diameter_um, sizeof diameter_um);
-    const seld_entry entry = reference_entry();
+    const crn_entry entry = reference_entry();
     const uint32_t inserted_um = TIP_um;
-    seld_build_place place;
-    assert_int_equal(seld_model_build(&r->model, &tool, 1, &r->lumen, &entry, &place), SELD_BUILD_OK);
-    seld_state_init(&r->model, &r->state, &inserted_um);
+    crn_build_place place;
+    assert_int_equal(crn_model_build(&r->model, &tool, 1, &r->lumen, &entry, &place), CRN_BUILD_OK);
+    crn_state_init(&r->model, &r->state, &inserted_um);
     inflate(r, 800, 2000);
     const double wall_mm = 1e3 * (throat_m + open_at(r, MIDDLE) * (healthy_m - throat_m));
     print_message("# wall at %.3f mm from the axis\n", wall_mm);
@@ -304,7 +304,7 @@ static void a_balloon_too_small_opens_no_farther_than_itself(void **state)
 static void inflations(int count, double recoil, bool is_elastic)
 {
     rig *r = rig_make(200, recoil);
-    seld_state_words *first = malloc(sizeof *first);
+    crn_state_words *first = malloc(sizeof *first);
     double most = 0;
     for (int cycle = -3; cycle < count; cycle++) {
         inflate(r, 800, 320);
@@ -352,18 +352,18 @@ static void a_scaffold_holds_its_stations(void **state)
     (void)state;
     rig *r = rig_make(200, 1);
     inflate(r, 800, 1000);
-    r->input.scaffold = (seld_scaffold){0, 5, 11, (int32_t)(0.95 * Q30)};
+    r->input.scaffold = (crn_scaffold){0, 5, 11, (int32_t)(0.95 * Q30)};
     inflate(r, 800, 1);
-    r->input.scaffold = (seld_scaffold){0, 0, 0, 0};
+    r->input.scaffold = (crn_scaffold){0, 0, 0, 0};
     inflate(r, 0, 1500);
     for (uint32_t i = 5; i <= 11; i++)
-        assert_int_equal(seld_state_open(&r->state, 0, i), (int32_t)(0.95 * Q30));
-    assert_int_equal(seld_state_open(&r->state, 0, 3), 0);
-    const seld_state_words before = r->state.words;
-    const seld_scaffold none[] = {{1, 0, 0, 1 << 30},       {0, 3, 2, 1 << 30},    {0, 0, STATIONS, 1 << 30},
-                                  {0, 0, 0, (1 << 30) + 1}, {UINT32_MAX, 0, 0, 1}, {0, 0, 0, INT32_MIN}};
+        assert_int_equal(crn_state_open(&r->state, 0, i), (int32_t)(0.95 * Q30));
+    assert_int_equal(crn_state_open(&r->state, 0, 3), 0);
+    const crn_state_words before = r->state.words;
+    const crn_scaffold none[] = {{1, 0, 0, 1 << 30},       {0, 3, 2, 1 << 30},    {0, 0, STATIONS, 1 << 30},
+                                 {0, 0, 0, (1 << 30) + 1}, {UINT32_MAX, 0, 0, 1}, {0, 0, 0, INT32_MIN}};
     for (size_t i = 0; i < sizeof none / sizeof none[0]; i++)
-        assert_false(seld_state_scaffold(&r->model, &r->state, &none[i]));
+        assert_false(crn_state_scaffold(&r->model, &r->state, &none[i]));
     assert_memory_equal(&before, &r->state.words, sizeof before);
     free(r);
 }
@@ -373,14 +373,14 @@ static void a_damaged_opening_is_not_restored(void **state)
     (void)state;
     rig *r = rig_make(200, 0.3);
     inflate(r, 800, 400);
-    const damaged_word bad[] = {{offsetof(seld_lesion_state, bits), 0},
-                                {offsetof(seld_lesion_state, bits), 3},
-                                {offsetof(seld_lesion_state, open_q30), (1u << 30) + 1},
-                                {offsetof(seld_lesion_state, open_q30), 0xffffffffu},
-                                {offsetof(seld_lesion_state, open_q30) + 4 * STATIONS, 1},
-                                {offsetof(seld_lesion_state, kept_q30) + 4, (1u << 30) + 1},
-                                {offsetof(seld_lesion_state, kept_q30) + 4 * SELD_LESION_STATION_MAX, 1}};
-    refuses_each(&r->model, &r->state, offsetof(seld_state_words, lesions), bad, sizeof bad / sizeof bad[0]);
+    const damaged_word bad[] = {{offsetof(crn_lesion_state, bits), 0},
+                                {offsetof(crn_lesion_state, bits), 3},
+                                {offsetof(crn_lesion_state, open_q30), (1u << 30) + 1},
+                                {offsetof(crn_lesion_state, open_q30), 0xffffffffu},
+                                {offsetof(crn_lesion_state, open_q30) + 4 * STATIONS, 1},
+                                {offsetof(crn_lesion_state, kept_q30) + 4, (1u << 30) + 1},
+                                {offsetof(crn_lesion_state, kept_q30) + 4 * CRN_LESION_STATION_MAX, 1}};
+    refuses_each(&r->model, &r->state, offsetof(crn_state_words, lesions), bad, sizeof bad / sizeof bad[0]);
     free(r);
 }
 

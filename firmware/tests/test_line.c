@@ -18,14 +18,14 @@ static const double Q30 = 1073741824.0;
 static const double Q26 = 67108864.0;
 
 typedef struct rig {
-    seld_model model;
-    seld_state state;
+    crn_model model;
+    crn_state state;
 } rig;
 
-static seld_instrument make_tool(double bend_N_m2, uint32_t length_um, uint32_t element_um,
-                                 uint32_t radius_um, uint32_t bore_um)
+static crn_instrument make_tool(double bend_N_m2, uint32_t length_um, uint32_t element_um, uint32_t radius_um,
+                                uint32_t bore_um)
 {
-    seld_instrument tool = reference_wire(bend_N_m2, length_um, element_um, 0.1);
+    crn_instrument tool = reference_wire(bend_N_m2, length_um, element_um, 0.1);
     for (uint32_t i = 0; i < tool.knot_count; i++) {
         tool.knots[i].radius_outer_um = radius_um;
         tool.knots[i].radius_inner_um = bore_um;
@@ -33,10 +33,10 @@ static seld_instrument make_tool(double bend_N_m2, uint32_t length_um, uint32_t 
     return tool;
 }
 
-static seld_build_status build(rig *r, const seld_instrument *tools, uint32_t count, seld_build_place *place)
+static crn_build_status build(rig *r, const crn_instrument *tools, uint32_t count, crn_build_place *place)
 {
-    seld_entry entry = reference_entry();
-    return seld_model_build(&r->model, tools, count, NULL, &entry, place);
+    crn_entry entry = reference_entry();
+    return crn_model_build(&r->model, tools, count, NULL, &entry, place);
 }
 
 /* Two uniform tools; the tip of the outer one stands at 101 places of one cell.
@@ -44,12 +44,12 @@ static seld_build_status build(rig *r, const seld_instrument *tools, uint32_t co
 static void check_divided_cell(double inner_N_m2, double outer_N_m2, uint32_t element_um)
 {
     rig *r = calloc(1, sizeof *r);
-    seld_build_place place;
-    const seld_instrument tools[2] = {make_tool(inner_N_m2, element_um * 300, element_um, 445, 0),
-                                      make_tool(outer_N_m2, element_um * 300, element_um, 900, 500)};
-    assert_int_equal(build(r, tools, 2, &place), SELD_BUILD_OK);
+    crn_build_place place;
+    const crn_instrument tools[2] = {make_tool(inner_N_m2, element_um * 300, element_um, 445, 0),
+                                     make_tool(outer_N_m2, element_um * 300, element_um, 900, 500)};
+    assert_int_equal(build(r, tools, 2, &place), CRN_BUILD_OK);
     const uint32_t inserted_um[3] = {element_um * 100, element_um * 50, 0};
-    seld_state_init(&r->model, &r->state, inserted_um);
+    crn_state_init(&r->model, &r->state, inserted_um);
     const int32_t lead = r->state.words.tools[0].inserted_m_q30;
     const uint32_t node = 50;
     const int32_t begin = r->model.mesh[node - 1].cell_end_m_q30, end = r->model.mesh[node].cell_end_m_q30;
@@ -58,7 +58,7 @@ static void check_divided_cell(double inner_N_m2, double outer_N_m2, uint32_t el
         int32_t offset =
             step == 101 ? end - 1 : (step == 102 ? begin + 1 : end - (int32_t)(step * (end - begin) / 100.0));
         r->state.words.tools[1].inserted_m_q30 = lead - offset;
-        seld_line_update(&r->model, &r->state);
+        crn_line_update(&r->model, &r->state);
         const double part = (end - offset) / Q30;
         const double exact = 1 / ((cell - part) / inner_N_m2 + part / (inner_N_m2 + outer_N_m2));
         const double bend = r->state.line.nodes[node].joint.bend_N_m_q26 / Q26;
@@ -84,18 +84,18 @@ static void a_catheters_tip_leaves_the_wires_twist_stiffness(void **context)
 {
     (void)context;
     rig *r = calloc(1, sizeof *r);
-    seld_build_place place;
-    seld_instrument tools[2] = {make_tool(1e-3, 600000, 4000, 445, 0),
-                                make_tool(4e-4, 600000, 4000, 900, 500)};
+    crn_build_place place;
+    crn_instrument tools[2] = {make_tool(1e-3, 600000, 4000, 445, 0),
+                               make_tool(4e-4, 600000, 4000, 900, 500)};
     tools[0].knot_count = 3;
     tools[0].knots[2] = tools[0].knots[1];
     tools[0].knots[1].arc_um = 300000;
     tools[0].knots[0].twist_stiffness_nN_m2 = 2000;
     tools[0].knots[1].twist_stiffness_nN_m2 = tools[0].knots[2].twist_stiffness_nN_m2 = 1000000;
-    assert_int_equal(build(r, tools, 2, &place), SELD_BUILD_OK);
+    assert_int_equal(build(r, tools, 2, &place), CRN_BUILD_OK);
     for (uint32_t behind_um = 101000; behind_um < 400000; behind_um += 50000) {
         const uint32_t inserted_um[3] = {500000, 500000 - behind_um, 0};
-        seld_state_init(&r->model, &r->state, inserted_um);
+        crn_state_init(&r->model, &r->state, inserted_um);
         uint32_t node = 0;
         while (r->model.mesh[node].cell_end_m_q30 < r->state.line.offset_m_q30[1]) node++;
         const double arc = r->model.mesh[node].arc_m_q30 / Q30;
@@ -110,11 +110,11 @@ static void a_catheters_tip_leaves_the_wires_twist_stiffness(void **context)
 
 /* --- what does not fit is refused ------------------------------------------------------------------------------ */
 
-static void check_refused(const seld_instrument *tools, uint32_t count, seld_build_status status,
-                          uint32_t tool, uint32_t knot)
+static void check_refused(const crn_instrument *tools, uint32_t count, crn_build_status status, uint32_t tool,
+                          uint32_t knot)
 {
     rig *r = calloc(1, sizeof *r);
-    seld_build_place place;
+    crn_build_place place;
     assert_int_equal(build(r, tools, count, &place), status);
     assert_int_equal(place.tool, tool);
     assert_int_equal(place.knot, knot);
@@ -125,7 +125,7 @@ static void check_refused(const seld_instrument *tools, uint32_t count, seld_bui
 static void a_curve_tighter_than_the_elements_is_refused_at_its_knot(void **context)
 {
     (void)context;
-    seld_instrument tool = make_tool(1e-4, 600000, 4000, 445, 0);
+    crn_instrument tool = make_tool(1e-4, 600000, 4000, 445, 0);
     tool.knot_count = 4;
     tool.knots[3] = tool.knots[1];
     tool.knots[1] = tool.knots[2] = tool.knots[0];
@@ -134,30 +134,29 @@ static void a_curve_tighter_than_the_elements_is_refused_at_its_knot(void **cont
     tool.knots[1].rest_curvature1_per_m_milli = tool.knots[2].rest_curvature2_per_m_milli = 0;
     tool.knots[2].rest_curvature1_per_m_milli = 333000;
     tool.knots[3].rest_curvature1_per_m_milli = 333000;
-    check_refused(&tool, 1, SELD_BUILD_ELEMENTS, 0,
-                  1); /* between knots 1 and 2 the curve becomes too tight */
+    check_refused(&tool, 1, CRN_BUILD_ELEMENTS, 0, 1); /* between knots 1 and 2 the curve becomes too tight */
     tool.element_tip_um = tool.element_shaft_um = 3000;
     rig *r = calloc(1, sizeof *r);
-    seld_build_place place;
-    assert_int_equal(build(r, &tool, 1, &place), SELD_BUILD_OK);
+    crn_build_place place;
+    assert_int_equal(build(r, &tool, 1, &place), CRN_BUILD_OK);
     free(r);
 }
 
 static void a_tool_that_cannot_reach_the_shortest_line_is_refused(void **context)
 {
     (void)context;
-    const seld_instrument tools[2] = {make_tool(1e-4, 20000, 8000, 445, 0),
-                                      make_tool(4e-4, 600000, 8000, 900, 500)};
-    check_refused(tools, 2, SELD_BUILD_LENGTH, 0, 0);
+    const crn_instrument tools[2] = {make_tool(1e-4, 20000, 8000, 445, 0),
+                                     make_tool(4e-4, 600000, 8000, 900, 500)};
+    check_refused(tools, 2, CRN_BUILD_LENGTH, 0, 0);
 }
 
 /* 3e-2 N m^2 in 1 mm are 30 N m a joint, beyond 16. */
 static void a_twist_beyond_the_joints_format_is_refused(void **context)
 {
     (void)context;
-    seld_instrument tool = make_tool(1e-3, 200000, 1000, 445, 0);
+    crn_instrument tool = make_tool(1e-3, 200000, 1000, 445, 0);
     for (uint32_t i = 0; i < tool.knot_count; i++) tool.knots[i].twist_stiffness_nN_m2 = 30000000;
-    check_refused(&tool, 1, SELD_BUILD_OVERFLOW, 0, 0);
+    check_refused(&tool, 1, CRN_BUILD_OVERFLOW, 0, 0);
 }
 
 /* 1e-7 N m^2 for 100 mm and 3e-2 behind, each in range, in elements of 8 mm: no one exponent has room for both, and the tip would be
@@ -165,25 +164,24 @@ static void a_twist_beyond_the_joints_format_is_refused(void **context)
 static void a_tip_too_soft_beside_its_shaft_is_refused(void **context)
 {
     (void)context;
-    seld_instrument tool = make_tool(3e-2, 600000, 8000, 445, 0);
+    crn_instrument tool = make_tool(3e-2, 600000, 8000, 445, 0);
     tool.knot_count = 4;
     tool.knots[3] = tool.knots[2] = tool.knots[1];
     tool.knots[1] = tool.knots[0];
     tool.knots[1].arc_um = 100000;
     tool.knots[2].arc_um = 101000;
     tool.knots[0].bend_stiffness_nN_m2 = tool.knots[1].bend_stiffness_nN_m2 = 100;
-    check_refused(&tool, 1, SELD_BUILD_OVERFLOW, 0, 0);
+    check_refused(&tool, 1, CRN_BUILD_OVERFLOW, 0, 0);
 }
 
 static void a_mass_beyond_the_nodes_format_is_refused(void **context)
 {
     (void)context;
-    seld_instrument tools[3] = {make_tool(1e-3, 600000, 8000, 445, 0),
-                                make_tool(1e-3, 600000, 8000, 900, 500),
-                                make_tool(1e-3, 600000, 8000, 1300, 950)};
+    crn_instrument tools[3] = {make_tool(1e-3, 600000, 8000, 445, 0), make_tool(1e-3, 600000, 8000, 900, 500),
+                               make_tool(1e-3, 600000, 8000, 1300, 950)};
     for (int k = 0; k < 3; k++)
         for (uint32_t i = 0; i < tools[k].knot_count; i++) tools[k].knots[i].mass_mg_per_m = 100000;
-    check_refused(tools, 3, SELD_BUILD_OVERFLOW, 0, 0); /* 3 x 0.1 kg/m x 8 mm = 2.4 g */
+    check_refused(tools, 3, CRN_BUILD_OVERFLOW, 0, 0); /* 3 x 0.1 kg/m x 8 mm = 2.4 g */
 }
 
 int main(void)

@@ -20,16 +20,16 @@ enum { BRICKS = 32, RANDOM_POINTS = 200000, VOXEL_Q30 = 1 << 20, BRICK_Q30 = 1 <
 static int8_t samples[BRICKS][10][10][10];
 static uint16_t entries[12];
 static uint16_t children[4 * 8];
-static const seld_lumen lumen = {{-BRICK_Q30, 5 * VOXEL_Q30, -3},
-                                 {3, 2, 2},
-                                 4,
-                                 BRICKS,
-                                 entries,
-                                 children,
-                                 &samples[0][0][0][0],
-                                 NULL,
-                                 0,
-                                 NULL};
+static const crn_lumen lumen = {{-BRICK_Q30, 5 * VOXEL_Q30, -3},
+                                {3, 2, 2},
+                                4,
+                                BRICKS,
+                                entries,
+                                children,
+                                &samples[0][0][0][0],
+                                NULL,
+                                0,
+                                NULL};
 
 static double voxel_m(int level)
 {
@@ -82,8 +82,8 @@ static void random_bricks(reference_random *random)
 /* Coarse brick (1,1,0) holds level 0, (2,1,0) level 1 and, in its octant 5, level 2; (0,0,0) is inside. */
 static void mixed_levels(void)
 {
-    for (int i = 0; i < 12; i++) entries[i] = SELD_LUMEN_ENTRY_OUTSIDE;
-    entries[0] = SELD_LUMEN_ENTRY_INSIDE;
+    for (int i = 0; i < 12; i++) entries[i] = CRN_LUMEN_ENTRY_OUTSIDE;
+    entries[0] = CRN_LUMEN_ENTRY_INSIDE;
     entries[4] = 2;
     entries[5] = 0x8000;
     for (int i = 0; i < 8; i++) {
@@ -96,7 +96,7 @@ static void mixed_levels(void)
 typedef struct where {
     int brick, level;
     double x[3];
-    seld_vec3 position;
+    crn_vec3 position;
 } where;
 
 /* A random point in a brick of a level of the scene above. */
@@ -129,7 +129,7 @@ static void contact_is_the_quadratic_b_spline(void **state)
         if (i % 500 == 0) random_bricks(&random);
         where w = random_point(&random, i % 3);
         double g[3], expected = reference_spline(w.brick, w.level, w.x, g);
-        seld_lumen_sample got = seld_lumen_contact(&lumen, &w.position);
+        crn_lumen_sample got = crn_lumen_contact(&lumen, &w.position);
         worst_m = fmax(worst_m, fabs(ldexp(got.distance_m_q30, -30) - expected));
         double length = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
         for (int k = 0; length > 0.05 && k < 3; k++) {
@@ -150,8 +150,8 @@ static void distance_is_that_of_contact_bit_for_bit(void **state)
     for (int i = 0; i < RANDOM_POINTS; i++) {
         if (i % 5000 == 0) random_bricks(&random);
         const where w = random_point(&random, i % 3);
-        assert_int_equal(seld_lumen_distance(&lumen, &w.position),
-                         seld_lumen_contact(&lumen, &w.position).distance_m_q30);
+        assert_int_equal(crn_lumen_distance(&lumen, &w.position),
+                         crn_lumen_contact(&lumen, &w.position).distance_m_q30);
     }
 }
 
@@ -188,11 +188,11 @@ static double sphere(double x, double y, double z)
     return sqrt((x - 11.6) * (x - 11.6) + (y - 8.3) * (y - 8.3) + (z - 7.9) * (z - 7.9)) - 3;
 }
 
-static seld_vec3 at_voxels(double x, double y, double z)
+static crn_vec3 at_voxels(double x, double y, double z)
 {
-    return seld_vec3_make((int32_t)(lumen.origin_m_q30[0] + ldexp(x, 20)),
-                          (int32_t)(lumen.origin_m_q30[1] + ldexp(y, 20)),
-                          (int32_t)(lumen.origin_m_q30[2] + ldexp(z, 20)));
+    return crn_vec3_make((int32_t)(lumen.origin_m_q30[0] + ldexp(x, 20)),
+                         (int32_t)(lumen.origin_m_q30[1] + ldexp(y, 20)),
+                         (int32_t)(lumen.origin_m_q30[2] + ldexp(z, 20)));
 }
 
 static double uniform(reference_random *random, double from, double to)
@@ -207,8 +207,8 @@ static double worst_distance(field f, reference_random *random)
     for (int i = 0; i < RANDOM_POINTS; i++) {
         double x = uniform(random, 0, 24), y = uniform(random, 0, 16), z = uniform(random, 0, 16);
         if (fabs(f(x, y, z)) > 1.5) continue;
-        seld_vec3 p = at_voxels(x, y, z);
-        double got = ldexp(seld_lumen_contact(&lumen, &p).distance_m_q30, -20);
+        crn_vec3 p = at_voxels(x, y, z);
+        double got = ldexp(crn_lumen_contact(&lumen, &p).distance_m_q30, -20);
         worst = fmax(worst, fabs(got - f(x, y, z)));
     }
     return worst;
@@ -239,15 +239,15 @@ static void field_is_smooth_across_bricks_and_voxels(void **state)
     fill(tube);
     for (int n = 0; n < RANDOM_POINTS; n++) {
         int axis = n % 3;
-        seld_vec3 p = at_voxels(uniform(&random, 0, 24), uniform(&random, 4, 12), uniform(&random, 4, 12));
+        crn_vec3 p = at_voxels(uniform(&random, 0, 24), uniform(&random, 4, 12), uniform(&random, 4, 12));
         p.v[axis] =
             lumen.origin_m_q30[axis] + (int32_t)reference_random_below(&random, axis ? 16 : 24) * VOXEL_Q30;
-        seld_vec3 q = p;
+        crn_vec3 q = p;
         q.v[axis] -= 1;
         if (q.v[axis] < lumen.origin_m_q30[axis]) continue;
-        if (labs(seld_lumen_contact(&lumen, &p).distance_m_q30) > 3 * VOXEL_Q30 / 2)
+        if (labs(crn_lumen_contact(&lumen, &p).distance_m_q30) > 3 * VOXEL_Q30 / 2)
             continue; /* away from the axis */
-        seld_lumen_sample a = seld_lumen_contact(&lumen, &p), b = seld_lumen_contact(&lumen, &q);
+        crn_lumen_sample a = crn_lumen_contact(&lumen, &p), b = crn_lumen_contact(&lumen, &q);
         assert_in_range(a.distance_m_q30 - b.distance_m_q30 + 64, 0, 128); /* 60 nm */
         for (int k = 0; k < 3; k++) {
             assert_in_range(a.normal_q30.v[k] - b.normal_q30.v[k] + (1 << 16), 0, 1 << 17); /* 6e-5 */
@@ -263,8 +263,8 @@ static void normals_have_unit_length_and_point_inward(void **state)
     for (int n = 0; n < RANDOM_POINTS; n++) {
         double x = uniform(&random, 0, 24), y = uniform(&random, 0, 16), z = uniform(&random, 0, 16);
         if (fabs(tube(x, y, z)) > 1.5) continue;
-        seld_vec3 p = at_voxels(x, y, z);
-        seld_lumen_sample s = seld_lumen_contact(&lumen, &p);
+        crn_vec3 p = at_voxels(x, y, z);
+        crn_lumen_sample s = crn_lumen_contact(&lumen, &p);
         double nx = ldexp(s.normal_q30.v[0], -30), ny = ldexp(s.normal_q30.v[1], -30),
                nz = ldexp(s.normal_q30.v[2], -30);
         assert_true(fabs(sqrt(nx * nx + ny * ny + nz * nz) - 1) < 1e-8);
@@ -281,13 +281,13 @@ static void far_places_say_far_and_have_no_normal(void **state)
     mixed_levels();
     const int32_t ends[] = {INT32_MIN, INT32_MIN + 1, -BRICK_Q30 - 1, 3 * BRICK_Q30, INT32_MAX};
     for (int i = 0; i < 125; i++) {
-        seld_vec3 p = seld_vec3_make(ends[i % 5], ends[i / 5 % 5], ends[i / 25]);
-        assert_int_equal(seld_lumen_distance(&lumen, &p), 1 << 24);
-        assert_int_equal(seld_lumen_contact(&lumen, &p).distance_m_q30, 1 << 24);
+        crn_vec3 p = crn_vec3_make(ends[i % 5], ends[i / 5 % 5], ends[i / 25]);
+        assert_int_equal(crn_lumen_distance(&lumen, &p), 1 << 24);
+        assert_int_equal(crn_lumen_contact(&lumen, &p).distance_m_q30, 1 << 24);
     }
-    seld_vec3 inside = at_voxels(1, 2, 3);
-    assert_int_equal(seld_lumen_distance(&lumen, &inside), -(1 << 24));
-    seld_lumen_sample s = seld_lumen_contact(&lumen, &inside);
+    crn_vec3 inside = at_voxels(1, 2, 3);
+    assert_int_equal(crn_lumen_distance(&lumen, &inside), -(1 << 24));
+    crn_lumen_sample s = crn_lumen_contact(&lumen, &inside);
     assert_int_equal(s.distance_m_q30, -(1 << 24));
     assert_int_equal(s.normal_q30.v[0] | s.normal_q30.v[1] | s.normal_q30.v[2], 0);
 }
@@ -297,8 +297,8 @@ static void saturated_field_has_no_normal(void **state)
     (void)state;
     mixed_levels();
     for (int i = 0; i < BRICKS * 1000; i++) (&samples[0][0][0][0])[i] = 127;
-    seld_vec3 p = at_voxels(12.3, 12.1, 4.7);
-    seld_lumen_sample s = seld_lumen_contact(&lumen, &p);
+    crn_vec3 p = at_voxels(12.3, 12.1, 4.7);
+    crn_lumen_sample s = crn_lumen_contact(&lumen, &p);
     assert_int_equal(s.normal_q30.v[0] | s.normal_q30.v[1] | s.normal_q30.v[2], 0);
     assert_int_equal(s.distance_m_q30, 127 << 15);
 }

@@ -35,10 +35,10 @@ static int tear_down(void **state)
     return 0;
 }
 
-static seld_vec3 to_q30(const double *m)
+static crn_vec3 to_q30(const double *m)
 {
-    return seld_vec3_make((int32_t)lround(m[0] * q30_per_m), (int32_t)lround(m[1] * q30_per_m),
-                          (int32_t)lround(m[2] * q30_per_m));
+    return crn_vec3_make((int32_t)lround(m[0] * q30_per_m), (int32_t)lround(m[1] * q30_per_m),
+                         (int32_t)lround(m[2] * q30_per_m));
 }
 
 static uint32_t phase32(double phase)
@@ -47,17 +47,17 @@ static uint32_t phase32(double phase)
 }
 
 /* Pose of a tick that leads to `phase` from `step` before, with the chest at rest or, at `breath` 1, full. */
-static seld_motion_pose pose_of(const seld_motion *motion, double phase, double step, double breath)
+static crn_motion_pose pose_of(const crn_motion *motion, double phase, double step, double breath)
 {
-    seld_rhythm now = {.heart_phase32 = phase32(phase), .breath_phase32 = breath > 0 ? 1u << 31 : 0},
-                before = now;
+    crn_rhythm now = {.heart_phase32 = phase32(phase), .breath_phase32 = breath > 0 ? 1u << 31 : 0},
+               before = now;
     before.heart_phase32 = phase32(phase - step);
-    seld_motion_pose pose;
-    seld_motion_pose_begin(motion, &pose, &before, &now);
+    crn_motion_pose pose;
+    crn_motion_pose_begin(motion, &pose, &before, &now);
     return pose;
 }
 
-static seld_motion_pose pose_at(double phase, double step, double breath)
+static crn_motion_pose pose_at(double phase, double step, double breath)
 {
     return pose_of(&beating->motion, phase, step, breath);
 }
@@ -86,10 +86,10 @@ static void the_lattice_passes_through_its_keyframes(void **state)
     (void)state;
     double worst = 0;
     for (uint32_t i = 0; i < 24; i++) {
-        seld_motion_pose pose = pose_at(i / 24.0 + 1e-9, 0, 0);
+        crn_motion_pose pose = pose_at(i / 24.0 + 1e-9, 0, 0);
         const double x[3] = {-0.008 + 12 / 128.0, -0.04 + 5 / 128.0, -0.024 + 5 / 128.0};
         double X[3], got[3];
-        seld_vec3 world = to_q30(x), reference = seld_motion_pull(&beating->motion, &pose, &world);
+        crn_vec3 world = to_q30(x), reference = crn_motion_pull(&beating->motion, &pose, &world);
         reference_pull(reference_beating_sphere, x, i / 24.0, 0, X);
         for (int k = 0; k < 3; k++) got[k] = reference.v[k] / q30_per_m;
         worst = fmax(worst, distance_m(got, X));
@@ -109,8 +109,8 @@ static void the_lattice_represents_the_map(void **state)
         double X[3], x[3], got[3];
         const double phase = uniform(&random, 0, 1);
         draw_place(&random, phase, i % 2, X, x);
-        seld_motion_pose pose = pose_at(phase, 0, i % 2);
-        seld_vec3 world = to_q30(x), reference = seld_motion_pull(&beating->motion, &pose, &world);
+        crn_motion_pose pose = pose_at(phase, 0, i % 2);
+        crn_vec3 world = to_q30(x), reference = crn_motion_pull(&beating->motion, &pose, &world);
         for (int k = 0; k < 3; k++) got[k] = reference.v[k] / q30_per_m;
         const double error = distance_m(got, X);
         if (i % 2 == 1) deepest = fmax(deepest, error);
@@ -127,13 +127,13 @@ static void the_lattice_represents_the_map(void **state)
 static void the_map_is_continuous_in_place_and_time(void **state)
 {
     (void)state;
-    seld_motion_pose last = pose_at(1 - 1e-9, 0, 0), first = pose_at(0, 0, 0);
+    crn_motion_pose last = pose_at(1 - 1e-9, 0, 0), first = pose_at(0, 0, 0);
     double before[3] = {0};
     for (int i = 0; i <= 4000; i++) {
         const double x[3] = {0.02 + 0.1 * i / 4000, 0.011, 0.02 + 0.05 * i / 4000};
         double got[3];
-        seld_vec3 world = to_q30(x), a = seld_motion_pull(&beating->motion, &last, &world),
-                  b = seld_motion_pull(&beating->motion, &first, &world);
+        crn_vec3 world = to_q30(x), a = crn_motion_pull(&beating->motion, &last, &world),
+                 b = crn_motion_pull(&beating->motion, &first, &world);
         for (int k = 0; k < 3; k++) {
             assert_true(abs(a.v[k] - b.v[k]) < 2000); /* 2 um */
             got[k] = b.v[k] / q30_per_m;
@@ -146,22 +146,22 @@ static void the_map_is_continuous_in_place_and_time(void **state)
 static void outside_the_lattice_nothing_moves(void **state)
 {
     (void)state;
-    seld_motion_pose pose = pose_at(0.4, 0.001, 1);
+    crn_motion_pose pose = pose_at(0.4, 0.001, 1);
     const double places[4][3] = {{-0.01, 0, 0}, {0.2, 0, 0}, {0.05, 1.9, 0}, {0.05, 0, -1.9}};
     for (int i = 0; i < 4; i++) {
-        seld_vec3 world = to_q30(places[i]), reference = seld_motion_pull(&beating->motion, &pose, &world);
+        crn_vec3 world = to_q30(places[i]), reference = crn_motion_pull(&beating->motion, &pose, &world);
         assert_memory_equal(&world, &reference, sizeof world);
-        seld_vec3 step = seld_motion_wall_step(&beating->motion, &pose);
+        crn_vec3 step = crn_motion_wall_step(&beating->motion, &pose);
         assert_true(step.v[0] == 0 && step.v[1] == 0 && step.v[2] == 0);
     }
 }
 
 /* Depth as the core sees it at a place, metres. */
-static double depth_at(seld_motion_pose *pose, const double *x)
+static double depth_at(crn_motion_pose *pose, const double *x)
 {
-    seld_vec3 world = to_q30(x);
-    seld_vec3 reference = seld_motion_pull(&beating->motion, pose, &world);
-    return seld_lumen_contact(&tube->lumen, &reference).distance_m_q30 / q30_per_m;
+    crn_vec3 world = to_q30(x);
+    crn_vec3 reference = crn_motion_pull(&beating->motion, pose, &world);
+    return crn_lumen_contact(&tube->lumen, &reference).distance_m_q30 / q30_per_m;
 }
 
 /* Central differences over 20 um of the pulled-back distance: direction within 1 degree, and the distance is phi over the length of
@@ -176,7 +176,7 @@ static void the_normal_is_the_gradient_of_the_moved_distance(void **state)
         double X[3], x[3], g[3], length = 0, dot = 0;
         const double phase = uniform(&random, 0, 1), h = 2e-5;
         draw_place(&random, phase, i % 2, X, x);
-        seld_motion_pose pose = pose_at(phase, 0, i % 2);
+        crn_motion_pose pose = pose_at(phase, 0, i % 2);
         for (int k = 0; k < 3; k++) {
             double up[3], down[3];
             memcpy(up, x, sizeof up);
@@ -188,8 +188,8 @@ static void the_normal_is_the_gradient_of_the_moved_distance(void **state)
         }
         length = sqrt(length);
         const double phi = depth_at(&pose, x);
-        seld_vec3 world = to_q30(x);
-        seld_lumen_sample wall = seld_motion_contact(&tube->lumen, &beating->motion, &pose, &world);
+        crn_vec3 world = to_q30(x);
+        crn_lumen_sample wall = crn_motion_contact(&tube->lumen, &beating->motion, &pose, &world);
         if (phi < -0.0005 || length < 0.5) continue; /* farther in phi itself is no exact distance */
         for (int k = 0; k < 3; k++) dot -= g[k] / length * (wall.normal_q30.v[k] / q30_per_m);
         wide += dot < cos(acos(-1.0) / 180);
@@ -212,9 +212,9 @@ static void the_cheap_distance_never_hides_a_contact(void **state)
 {
     (void)state;
     reference_random random = reference_random_seed(6);
-    enum { PLACES = 20000, STEEP = 8, NODES = STEEP * STEEP * STEEP, NODE = 3 * SELD_MOTION_ROW };
+    enum { PLACES = 20000, STEEP = 8, NODES = STEEP * STEEP * STEEP, NODE = 3 * CRN_MOTION_ROW };
     static int16_t rows[NODES * NODE], inhaled[NODES * 3];
-    const int32_t spacing = 1 << (23 - SELD_MOTION_UNIT_LOG2_Q30);
+    const int32_t spacing = 1 << (23 - CRN_MOTION_UNIT_LOG2_Q30);
     for (int i = 0; i < NODES * NODE; i++) {
         const int at = i / NODE;
         const bool edge = at % STEEP % (STEEP - 1) == 0 || at / STEEP % STEEP % (STEEP - 1) == 0 ||
@@ -222,26 +222,26 @@ static void the_cheap_distance_never_hides_a_contact(void **state)
         rows[i] = edge ? 0 : up_to(&random, spacing * 5 / 16);
         if (i % NODE < 3) inhaled[3 * at + i % NODE] = edge ? 0 : up_to(&random, spacing * 3 / 16);
     }
-    const seld_lattice lattice = {{64 * 1048576, -28 * 1048576, -20 * 1048576}, {STEEP, STEEP, STEEP}, 23};
-    const seld_motion steep = {lattice, rows, lattice, inhaled};
-    const seld_motion *motions[] = {&beating->motion, &steep};
+    const crn_lattice lattice = {{64 * 1048576, -28 * 1048576, -20 * 1048576}, {STEEP, STEEP, STEEP}, 23};
+    const crn_motion steep = {lattice, rows, lattice, inhaled};
+    const crn_motion *motions[] = {&beating->motion, &steep};
     for (int m = 0; m < 2; m++) {
-        seld_motion_steepness steepness;
-        seld_motion_steepness_make(motions[m], &steepness);
+        crn_motion_steepness steepness;
+        crn_motion_steepness_make(motions[m], &steepness);
         double ratio = 1, least = 1;
         int near = 0, spared = 0;
         for (int i = 0; i < PLACES; i++) {
             double X[3], x[3];
             const double phase = uniform(&random, 0, 1);
             draw_place(&random, phase, i % 2, X, x);
-            const seld_vec3 world = to_q30(x);
-            seld_motion_pose pose = pose_of(motions[m], phase, 0.001, i % 2);
+            const crn_vec3 world = to_q30(x);
+            crn_motion_pose pose = pose_of(motions[m], phase, 0.001, i % 2);
             const int32_t far = -(int32_t)reference_random_below(&random, 1000000); /* to 0.93 mm */
-            const int32_t shrink_q30 = seld_motion_shrink_q30(&steepness, &pose.now);
+            const int32_t shrink_q30 = crn_motion_shrink_q30(&steepness, &pose.now);
             least = fmin(least, shrink_q30 / q30_per_m);
             const int32_t cheap =
-                seld_motion_distance(&tube->lumen, motions[m], &pose, &world, shrink_q30, far);
-            const int32_t exact = seld_motion_contact(&tube->lumen, motions[m], &pose, &world).distance_m_q30;
+                crn_motion_distance(&tube->lumen, motions[m], &pose, &world, shrink_q30, far);
+            const int32_t exact = crn_motion_contact(&tube->lumen, motions[m], &pose, &world).distance_m_q30;
             assert_true(cheap >= exact || cheap >= 0);
             near += exact < far;
             spared += cheap < far;
@@ -267,14 +267,14 @@ static void the_wall_step_is_that_of_the_map(void **state)
                      breath = i % 2 * uniform(&random, 0, 1), breath_tick = i % 2 / 3000.0;
         draw_place(&random, phase, pow(sin(acos(-1.0) * breath), 4), X, now);
         reference_beating_sphere(X, phase - tick, pow(sin(acos(-1.0) * (breath - breath_tick)), 4), before);
-        const seld_rhythm rhythm = {.heart_phase32 = phase32(phase), .breath_phase32 = phase32(breath)},
-                          last = {.heart_phase32 = phase32(phase - tick),
-                                  .breath_phase32 = phase32(breath - breath_tick)};
-        seld_motion_pose pose;
-        seld_motion_pose_begin(&beating->motion, &pose, &last, &rhythm);
-        seld_vec3 world = to_q30(now);
-        seld_motion_contact(&tube->lumen, &beating->motion, &pose, &world);
-        seld_vec3 step = seld_motion_wall_step(&beating->motion, &pose);
+        const crn_rhythm rhythm = {.heart_phase32 = phase32(phase), .breath_phase32 = phase32(breath)},
+                         last = {.heart_phase32 = phase32(phase - tick),
+                                 .breath_phase32 = phase32(breath - breath_tick)};
+        crn_motion_pose pose;
+        crn_motion_pose_begin(&beating->motion, &pose, &last, &rhythm);
+        crn_vec3 world = to_q30(now);
+        crn_motion_contact(&tube->lumen, &beating->motion, &pose, &world);
+        crn_vec3 step = crn_motion_wall_step(&beating->motion, &pose);
         for (int k = 0; k < 3; k++) {
             got[k] = step.v[k] / (8 * q30_per_m);
             way[k] = now[k] - before[k];
@@ -290,33 +290,33 @@ static void the_wall_step_is_that_of_the_map(void **state)
 
 /* --- the rod in it --------------------------------------------------------------------------------------------------- */
 
-static seld_model model;
-static seld_state core;
+static crn_model model;
+static crn_state core;
 
 /* 0.014 in wire with a soft tip, pushed 130 mm into the vessel at rest (asystole from the first tick on). */
-static void insert_coronary_wire(const seld_motion *motion)
+static void insert_coronary_wire(const crn_motion *motion)
 {
-    const seld_instrument wire = reference_coronary_wire();
+    const crn_instrument wire = reference_coronary_wire();
     const uint32_t inserted_um = 30000;
-    const seld_entry entry = reference_entry();
-    seld_build_place place;
+    const crn_entry entry = reference_entry();
+    crn_build_place place;
     tube->lumen.motion = motion;
-    assert_int_equal(seld_model_build(&model, &wire, 1, &tube->lumen, &entry, &place), SELD_BUILD_OK);
-    seld_state_init(&model, &core, &inserted_um);
-    core.words.rhythm.bits = SELD_RHYTHM_WANTS_ASYSTOLE | SELD_RHYTHM_IS_RESTING;
+    assert_int_equal(crn_model_build(&model, &wire, 1, &tube->lumen, &entry, &place), CRN_BUILD_OK);
+    crn_state_init(&model, &core, &inserted_um);
+    core.words.rhythm.bits = CRN_RHYTHM_WANTS_ASYSTOLE | CRN_RHYTHM_IS_RESTING;
     core.words.rhythm.breath_per_min = 14;
-    core.words.rhythm.bits |= SELD_RHYTHM_HOLDS_BREATH;
+    core.words.rhythm.bits |= CRN_RHYTHM_HOLDS_BREATH;
 }
 
-static seld_output tick_with(seld_input *input, uint32_t action, uint32_t value)
+static crn_output tick_with(crn_input *input, uint32_t action, uint32_t value)
 {
-    seld_output output = {0};
-    input->rhythm = (seld_rhythm_order){action, value};
-    seld_step(&model, &core, input, &output);
+    crn_output output = {0};
+    input->rhythm = (crn_rhythm_order){action, value};
+    crn_step(&model, &core, input, &output);
     return output;
 }
 
-static void push_in(seld_input *input)
+static void push_in(crn_input *input)
 {
     for (int ms = 0; ms < 2500; ms++) {
         input->hands[0].feed_m_q30 += ms < 2000 ? 53687 : 0; /* 0.05 m/s */
@@ -330,16 +330,16 @@ typedef struct beat_figures {
 } beat_figures;
 
 /* Four seconds at 90 /min with breath. `miss`: how far a node of the wire ever is from the moved vessel's axis. */
-static beat_figures beat_on(seld_input *input)
+static beat_figures beat_on(crn_input *input)
 {
     beat_figures f = {0};
     const uint32_t node = 30;
-    seld_vec3 low = core.words.nodes[node].position_m_q30, high = low;
-    tick_with(input, SELD_RHYTHM_HEART_RATE, 90);
-    tick_with(input, SELD_RHYTHM_BREATH_HOLD, 0);
-    tick_with(input, SELD_RHYTHM_ASYSTOLE, 0);
+    crn_vec3 low = core.words.nodes[node].position_m_q30, high = low;
+    tick_with(input, CRN_RHYTHM_HEART_RATE, 90);
+    tick_with(input, CRN_RHYTHM_BREATH_HOLD, 0);
+    tick_with(input, CRN_RHYTHM_ASYSTOLE, 0);
     for (int ms = 0; ms < 4000; ms++) {
-        seld_output output = tick_with(input, 0, 0);
+        crn_output output = tick_with(input, 0, 0);
         f.penetration_m = fmax(f.penetration_m, output.penetration_max_m_q30 / q30_per_m);
         f.solved_twice += output.solve_count > 1;
         f.faults |= output.fault_bits;
@@ -348,7 +348,7 @@ static beat_figures beat_on(seld_input *input)
             low.v[k] = at < low.v[k] ? at : low.v[k];
             high.v[k] = at > high.v[k] ? at : high.v[k];
         }
-        f.miss_m = fmax(f.miss_m, seld_state_depth(&model, &core) / q30_per_m);
+        f.miss_m = fmax(f.miss_m, crn_state_depth(&model, &core) / q30_per_m);
     }
     const double span[3] = {(high.v[0] - low.v[0]) / q30_per_m, (high.v[1] - low.v[1]) / q30_per_m,
                             (high.v[2] - low.v[2]) / q30_per_m};
@@ -361,10 +361,10 @@ static beat_figures beat_on(seld_input *input)
 static void a_wire_in_a_beating_vessel_is_carried(void **state)
 {
     (void)state;
-    seld_input input = {0};
+    crn_input input = {0};
     insert_coronary_wire(&beating->motion);
     push_in(&input);
-    assert_true(seld_state_inserted(&core, 0) > 0.125 * q30_per_m);
+    assert_true(crn_state_inserted(&core, 0) > 0.125 * q30_per_m);
     core.words.fault_bits = 0; /* of the insertion */
     const beat_figures f = beat_on(&input);
     print_message(
@@ -372,27 +372,26 @@ static void a_wire_in_a_beating_vessel_is_carried(void **state)
         f.miss_m * 1e3, f.penetration_m * 1e3, f.excursion_m * 1e3, f.solved_twice, f.faults);
     assert_true(f.excursion_m > 8e-3);
     assert_true(f.penetration_m < 0.15e-3 && f.miss_m < 0.15e-3);
-    assert_int_equal(f.faults & ~(uint32_t)SELD_FAULT_STEP_CAPPED,
-                     0); /* it may snap when the vessel widens */
+    assert_int_equal(f.faults & ~(uint32_t)CRN_FAULT_STEP_CAPPED, 0); /* it may snap when the vessel widens */
 }
 
 /* A snapshot in mid-beat goes on with the same hashes: nothing of the motion is kept outside the state. */
 static void a_beating_state_can_be_saved_and_goes_on_the_same(void **state)
 {
     (void)state;
-    static uint8_t bytes[sizeof(seld_state_words)];
-    static seld_state other;
-    seld_input input = {0};
+    static uint8_t bytes[sizeof(crn_state_words)];
+    static crn_state other;
+    crn_input input = {0};
     insert_coronary_wire(&beating->motion);
     push_in(&input);
-    tick_with(&input, SELD_RHYTHM_ASYSTOLE, 0);
+    tick_with(&input, CRN_RHYTHM_ASYSTOLE, 0);
     for (int ms = 0; ms < 333; ms++) tick_with(&input, 0, 0);
-    seld_state_save(&core, bytes);
-    assert_true(seld_state_restore(&model, &other, bytes));
+    crn_state_save(&core, bytes);
+    assert_true(crn_state_restore(&model, &other, bytes));
     for (int ms = 0; ms < 200; ms++) {
-        seld_output a = {0}, b = {0};
-        seld_step(&model, &core, &input, &a);
-        seld_step(&model, &other, &input, &b);
+        crn_output a = {0}, b = {0};
+        crn_step(&model, &core, &input, &a);
+        crn_step(&model, &other, &input, &b);
         assert_memory_equal(a.hash_lane, b.hash_lane, sizeof a.hash_lane);
     }
 }
@@ -408,9 +407,9 @@ static void slide_along(const double *X, double phase, double breath, double *x)
 static double normal_sum_N(void)
 {
     double sum = 0;
-    for (uint32_t i = 0; i < seld_state_free_count(&core); i++) {
-        seld_vec3 force;
-        if (seld_state_contact_force(&model, &core, i, &force)) sum += force.v[2] / 4194304.0;
+    for (uint32_t i = 0; i < crn_state_free_count(&core); i++) {
+        crn_vec3 force;
+        if (crn_state_contact_force(&model, &core, i, &force)) sum += force.v[2] / 4194304.0;
     }
     return sum;
 }
@@ -424,18 +423,18 @@ static void a_wall_that_slides_drags_at_mu_N(void **state)
     const double low[3] = {0.004, -0.02, -0.02}, high[3] = {0.31, 0.02, 0.02}, friction = 0.25;
     reference_tube *floor_tube = reference_tube_make(&straight, 1, 0.0008, 1);
     reference_motion *sliding = reference_motion_make(slide_along, low, high, 23);
-    seld_instrument wire = reference_wire(2e-6, 400000, 3000, friction);
+    crn_instrument wire = reference_wire(2e-6, 400000, 3000, friction);
     const uint32_t inserted_um = 250000;
-    const seld_entry entry = reference_entry();
-    seld_build_place place;
+    const crn_entry entry = reference_entry();
+    crn_build_place place;
     floor_tube->lumen.motion = &sliding->motion;
-    assert_int_equal(seld_model_build(&model, &wire, 1, &floor_tube->lumen, &entry, &place), SELD_BUILD_OK);
-    seld_state_init(&model, &core, &inserted_um);
-    seld_input input = {0};
+    assert_int_equal(crn_model_build(&model, &wire, 1, &floor_tube->lumen, &entry, &place), CRN_BUILD_OK);
+    crn_state_init(&model, &core, &inserted_um);
+    crn_input input = {0};
     double systole = 0, diastole = 0, borne_N = 0;
     uint32_t systole_ticks = 0, diastole_ticks = 0;
     for (int ms = 0; ms < 3 * 857; ms++) {
-        const seld_output output = tick_with(&input, 0, 0);
+        const crn_output output = tick_with(&input, 0, 0);
         const double phase = output.heart_phase32 / 4294967296.0,
                      force_N = output.tools[0].axial_N_q22 / 4194304.0;
         if (ms < 857) continue; /* it settles */

@@ -12,23 +12,23 @@
 #include "firmware/core/rhythm.h"
 #include "firmware/tests/reference/random.h"
 
-static const seld_rhythm_order nothing = {SELD_RHYTHM_KEEP, 0};
+static const crn_rhythm_order nothing = {CRN_RHYTHM_KEEP, 0};
 
-static void ask(seld_rhythm *rhythm, uint32_t action, uint32_t value)
+static void ask(crn_rhythm *rhythm, uint32_t action, uint32_t value)
 {
-    const seld_rhythm_order order = {action, value};
-    assert_true(seld_rhythm_order_is_valid(&order));
-    seld_rhythm_step(rhythm, &order);
+    const crn_rhythm_order order = {action, value};
+    assert_true(crn_rhythm_order_is_valid(&order));
+    crn_rhythm_step(rhythm, &order);
 }
 
 /* Ticks until the next beat begins; the phase must rise all the way. */
-static uint32_t to_next_beat(seld_rhythm *rhythm)
+static uint32_t to_next_beat(crn_rhythm *rhythm)
 {
     uint32_t ticks = 0, count = rhythm->beat_count, phase = rhythm->heart_phase32;
     while (rhythm->beat_count == count) {
-        seld_rhythm_step(rhythm, &nothing);
+        crn_rhythm_step(rhythm, &nothing);
         ticks++;
-        assert_true(ticks < 10000 && seld_rhythm_is_valid(rhythm));
+        assert_true(ticks < 10000 && crn_rhythm_is_valid(rhythm));
         if (rhythm->beat_count == count) assert_true(rhythm->heart_phase32 > phase);
         phase = rhythm->heart_phase32;
     }
@@ -41,14 +41,14 @@ static uint32_t to_next_beat(seld_rhythm *rhythm)
 static void systole_follows_its_formula_and_not_the_interval(void **state)
 {
     (void)state;
-    for (uint32_t rate = SELD_HEART_RATE_MIN_per_min; rate <= SELD_HEART_RATE_MAX_per_min; rate += 10) {
-        seld_rhythm rhythm;
-        seld_rhythm_init(&rhythm);
-        ask(&rhythm, SELD_RHYTHM_HEART_RATE, rate);
+    for (uint32_t rate = CRN_HEART_RATE_MIN_per_min; rate <= CRN_HEART_RATE_MAX_per_min; rate += 10) {
+        crn_rhythm rhythm;
+        crn_rhythm_init(&rhythm);
+        ask(&rhythm, CRN_RHYTHM_HEART_RATE, rate);
         to_next_beat(&rhythm);
         uint32_t systole = 0;
-        while (rhythm.heart_phase32 < SELD_PHASE_SYSTOLE_END) {
-            seld_rhythm_step(&rhythm, &nothing);
+        while (rhythm.heart_phase32 < CRN_PHASE_SYSTOLE_END) {
+            crn_rhythm_step(&rhythm, &nothing);
             systole++;
         }
         const uint32_t interval = systole + to_next_beat(&rhythm);
@@ -61,13 +61,13 @@ static void systole_follows_its_formula_and_not_the_interval(void **state)
 static void the_phase_is_linear_in_systole_and_in_diastole(void **state)
 {
     (void)state;
-    seld_rhythm rhythm;
-    seld_rhythm_init(&rhythm);
-    const double systole_step = SELD_PHASE_SYSTOLE_END / 393.0;
-    const double diastole_step = (4294967296.0 - SELD_PHASE_SYSTOLE_END) / (857 - 393);
+    crn_rhythm rhythm;
+    crn_rhythm_init(&rhythm);
+    const double systole_step = CRN_PHASE_SYSTOLE_END / 393.0;
+    const double diastole_step = (4294967296.0 - CRN_PHASE_SYSTOLE_END) / (857 - 393);
     for (uint32_t ms = 1; ms < 857; ms++) {
         const uint32_t before = rhythm.heart_phase32;
-        seld_rhythm_step(&rhythm, &nothing);
+        crn_rhythm_step(&rhythm, &nothing);
         const double wanted = ms <= 393 ? systole_step : diastole_step;
         assert_true(fabs(rhythm.heart_phase32 - before - wanted) < 4096);
     }
@@ -80,10 +80,10 @@ static void intervals_vary_as_stated_and_the_same_on_every_run(void **state)
     (void)state;
     enum { BEATS = 4000 };
     double sum = 0, squares = 0;
-    seld_rhythm rhythm, again;
-    seld_rhythm_init(&rhythm);
-    ask(&rhythm, SELD_RHYTHM_HEART_RATE, 75);
-    ask(&rhythm, SELD_RHYTHM_VARIABILITY, 50);
+    crn_rhythm rhythm, again;
+    crn_rhythm_init(&rhythm);
+    ask(&rhythm, CRN_RHYTHM_HEART_RATE, 75);
+    ask(&rhythm, CRN_RHYTHM_VARIABILITY, 50);
     again = rhythm;
     to_next_beat(&rhythm);
     to_next_beat(&again);
@@ -104,17 +104,17 @@ static void intervals_vary_as_stated_and_the_same_on_every_run(void **state)
 static void a_premature_beat_is_followed_by_its_pause(void **state)
 {
     (void)state;
-    seld_rhythm rhythm;
-    seld_rhythm_init(&rhythm);
-    for (int ms = 1; ms < 100; ms++) seld_rhythm_step(&rhythm, &nothing);
-    ask(&rhythm, SELD_RHYTHM_PREMATURE, 600);
-    assert_true((rhythm.bits & SELD_RHYTHM_NEXT_PREMATURE) != 0);
+    crn_rhythm rhythm;
+    crn_rhythm_init(&rhythm);
+    for (int ms = 1; ms < 100; ms++) crn_rhythm_step(&rhythm, &nothing);
+    ask(&rhythm, CRN_RHYTHM_PREMATURE, 600);
+    assert_true((rhythm.bits & CRN_RHYTHM_NEXT_PREMATURE) != 0);
     const uint32_t coupling = 100 + to_next_beat(&rhythm);
     assert_int_equal(coupling, 514);
-    assert_true((rhythm.bits & SELD_RHYTHM_IS_PREMATURE) != 0);
-    assert_int_equal(rhythm.systole_ms, seld_systole_ms(60000 / 514));
+    assert_true((rhythm.bits & CRN_RHYTHM_IS_PREMATURE) != 0);
+    assert_int_equal(rhythm.systole_ms, crn_systole_ms(60000 / 514));
     assert_int_equal(coupling + to_next_beat(&rhythm), 2 * 857);
-    assert_false((rhythm.bits & SELD_RHYTHM_IS_PREMATURE) != 0);
+    assert_false((rhythm.bits & CRN_RHYTHM_IS_PREMATURE) != 0);
     assert_int_equal(to_next_beat(&rhythm), 857);
 }
 
@@ -122,29 +122,29 @@ static void a_premature_beat_is_followed_by_its_pause(void **state)
 static void a_premature_beat_that_is_asked_for_too_late_comes_in_the_next_cycle(void **state)
 {
     (void)state;
-    seld_rhythm rhythm;
-    seld_rhythm_init(&rhythm);
-    for (int ms = 1; ms < 600; ms++) seld_rhythm_step(&rhythm, &nothing);
-    ask(&rhythm, SELD_RHYTHM_PREMATURE, 600);
+    crn_rhythm rhythm;
+    crn_rhythm_init(&rhythm);
+    for (int ms = 1; ms < 600; ms++) crn_rhythm_step(&rhythm, &nothing);
+    ask(&rhythm, CRN_RHYTHM_PREMATURE, 600);
     assert_int_equal(600 + to_next_beat(&rhythm), 857);
     assert_int_equal(to_next_beat(&rhythm), 514);
-    assert_true((rhythm.bits & SELD_RHYTHM_IS_PREMATURE) != 0);
+    assert_true((rhythm.bits & CRN_RHYTHM_IS_PREMATURE) != 0);
 }
 
 /* The present beat ends; then the heart stands still at the end of filling until it is asked to beat. */
 static void asystole_stands_at_the_end_of_filling(void **state)
 {
     (void)state;
-    seld_rhythm rhythm;
-    seld_rhythm_init(&rhythm);
-    ask(&rhythm, SELD_RHYTHM_ASYSTOLE, 1);
+    crn_rhythm rhythm;
+    crn_rhythm_init(&rhythm);
+    ask(&rhythm, CRN_RHYTHM_ASYSTOLE, 1);
     for (int ms = 1; ms < 5000; ms++) {
-        seld_rhythm_step(&rhythm, &nothing);
-        if (ms > 857) assert_true(rhythm.heart_phase32 == 0 && (rhythm.bits & SELD_RHYTHM_IS_RESTING) != 0);
-        assert_true(seld_rhythm_is_valid(&rhythm));
+        crn_rhythm_step(&rhythm, &nothing);
+        if (ms > 857) assert_true(rhythm.heart_phase32 == 0 && (rhythm.bits & CRN_RHYTHM_IS_RESTING) != 0);
+        assert_true(crn_rhythm_is_valid(&rhythm));
     }
     assert_int_equal(rhythm.beat_ms, 5000);
-    ask(&rhythm, SELD_RHYTHM_ASYSTOLE, 0);
+    ask(&rhythm, CRN_RHYTHM_ASYSTOLE, 0);
     assert_true(rhythm.beat_count == 2 && rhythm.beat_ms == 0);
     assert_int_equal(to_next_beat(&rhythm), 857);
 }
@@ -153,22 +153,22 @@ static void asystole_stands_at_the_end_of_filling(void **state)
 static void breath_has_its_rate_and_can_be_held(void **state)
 {
     (void)state;
-    seld_rhythm rhythm;
-    seld_rhythm_init(&rhythm);
-    ask(&rhythm, SELD_RHYTHM_BREATH_RATE, 15);
+    crn_rhythm rhythm;
+    crn_rhythm_init(&rhythm);
+    ask(&rhythm, CRN_RHYTHM_BREATH_RATE, 15);
     uint32_t turns = 0, before = rhythm.breath_phase32;
     for (int ms = 1; ms < 60000; ms++) {
-        seld_rhythm_step(&rhythm, &nothing);
+        crn_rhythm_step(&rhythm, &nothing);
         turns += rhythm.breath_phase32 < before;
         before = rhythm.breath_phase32;
     }
     assert_true(turns == 15 && rhythm.breath_phase32 < 2 * 15 * 71583);
-    for (int ms = 0; ms < 1234; ms++) seld_rhythm_step(&rhythm, &nothing);
+    for (int ms = 0; ms < 1234; ms++) crn_rhythm_step(&rhythm, &nothing);
     const uint32_t held = rhythm.breath_phase32;
-    ask(&rhythm, SELD_RHYTHM_BREATH_HOLD, 1);
-    for (int ms = 0; ms < 3000; ms++) seld_rhythm_step(&rhythm, &nothing);
+    ask(&rhythm, CRN_RHYTHM_BREATH_HOLD, 1);
+    for (int ms = 0; ms < 3000; ms++) crn_rhythm_step(&rhythm, &nothing);
     assert_int_equal(rhythm.breath_phase32, held);
-    ask(&rhythm, SELD_RHYTHM_BREATH_HOLD, 0);
+    ask(&rhythm, CRN_RHYTHM_BREATH_HOLD, 0);
     assert_int_equal(rhythm.breath_phase32, held + 15 * 71583);
 }
 
@@ -178,7 +178,7 @@ static void the_depth_of_breath_is_the_fourth_power_of_a_sine(void **state)
     double worst = 0;
     for (uint64_t phase = 0; phase < (uint64_t)1 << 32; phase += 1000003) {
         const double s = sin(acos(-1.0) * (double)phase / 4294967296.0);
-        worst = fmax(worst, fabs(seld_breath_depth_q15((uint32_t)phase) - 32768 * s * s * s * s));
+        worst = fmax(worst, fabs(crn_breath_depth_q15((uint32_t)phase) - 32768 * s * s * s * s));
     }
     print_message("# off by %.3f LSB at most, allowed 1\n", worst);
     assert_true(worst <= 1);
@@ -187,19 +187,19 @@ static void the_depth_of_breath_is_the_fourth_power_of_a_sine(void **state)
 static void what_is_out_of_range_is_no_order(void **state)
 {
     (void)state;
-    static const seld_rhythm_order wrong[] = {
-        {SELD_RHYTHM_KEEP, 1},          {SELD_RHYTHM_HEART_RATE, 39},  {SELD_RHYTHM_HEART_RATE, 161},
-        {SELD_RHYTHM_VARIABILITY, 101}, {SELD_RHYTHM_PREMATURE, 399},  {SELD_RHYTHM_PREMATURE, 901},
-        {SELD_RHYTHM_ASYSTOLE, 2},      {SELD_RHYTHM_BREATH_RATE, 9},  {SELD_RHYTHM_BREATH_RATE, 21},
-        {SELD_RHYTHM_BREATH_HOLD, 2},   {SELD_RHYTHM_ACTION_COUNT, 0}, {UINT32_MAX, UINT32_MAX},
+    static const crn_rhythm_order wrong[] = {
+        {CRN_RHYTHM_KEEP, 1},          {CRN_RHYTHM_HEART_RATE, 39},  {CRN_RHYTHM_HEART_RATE, 161},
+        {CRN_RHYTHM_VARIABILITY, 101}, {CRN_RHYTHM_PREMATURE, 399},  {CRN_RHYTHM_PREMATURE, 901},
+        {CRN_RHYTHM_ASYSTOLE, 2},      {CRN_RHYTHM_BREATH_RATE, 9},  {CRN_RHYTHM_BREATH_RATE, 21},
+        {CRN_RHYTHM_BREATH_HOLD, 2},   {CRN_RHYTHM_ACTION_COUNT, 0}, {UINT32_MAX, UINT32_MAX},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
-        seld_rhythm with, without;
-        seld_rhythm_init(&with);
+        crn_rhythm with, without;
+        crn_rhythm_init(&with);
         without = with;
-        assert_false(seld_rhythm_order_is_valid(&wrong[i]));
-        seld_rhythm_step(&with, &wrong[i]);
-        seld_rhythm_step(&without, &nothing);
+        assert_false(crn_rhythm_order_is_valid(&wrong[i]));
+        crn_rhythm_step(&with, &wrong[i]);
+        crn_rhythm_step(&without, &nothing);
         assert_memory_equal(&with, &without, sizeof with);
     }
 }
@@ -209,24 +209,24 @@ static void what_is_out_of_range_is_no_order(void **state)
 static void whatever_is_asked_for_the_phase_has_no_jumps(void **state)
 {
     (void)state;
-    static const uint32_t values[SELD_RHYTHM_ACTION_COUNT][2] = {{0, 0}, {40, 160}, {0, 100}, {400, 900},
-                                                                 {0, 1}, {10, 20},  {0, 1}};
+    static const uint32_t values[CRN_RHYTHM_ACTION_COUNT][2] = {{0, 0}, {40, 160}, {0, 100}, {400, 900},
+                                                                {0, 1}, {10, 20},  {0, 1}};
     reference_random random = reference_random_seed(11);
-    seld_rhythm rhythm;
+    crn_rhythm rhythm;
     uint32_t fastest = 0;
-    seld_rhythm_init(&rhythm);
+    crn_rhythm_init(&rhythm);
     for (int ms = 0; ms < 200000; ms++) {
-        seld_rhythm_order order = nothing;
+        crn_rhythm_order order = nothing;
         if (reference_random_next(&random) % 50 == 0) {
-            order.action = reference_random_next(&random) % SELD_RHYTHM_ACTION_COUNT;
+            order.action = reference_random_next(&random) % CRN_RHYTHM_ACTION_COUNT;
             const uint32_t *range = values[order.action];
             order.value = range[0] + reference_random_next(&random) % (range[1] - range[0] + 1);
         }
         const uint32_t before = rhythm.heart_phase32;
-        seld_rhythm_step(&rhythm, &order);
+        crn_rhythm_step(&rhythm, &order);
         const uint32_t step = rhythm.heart_phase32 - before;
         fastest = step > fastest ? step : fastest;
-        assert_true(seld_rhythm_is_valid(&rhythm));
+        assert_true(crn_rhythm_is_valid(&rhythm));
     }
     print_message("# fastest %.2f ms per keyframe, %u beats\n", 4294967296.0 / 24 / fastest,
                   rhythm.beat_count);

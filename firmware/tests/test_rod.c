@@ -52,12 +52,12 @@ static void graded_elements_hang_like_equal_ones(void **context)
     (void)context;
     double tip[2][3];
     for (int graded = 0; graded < 2; graded++) {
-        seld_instrument wire = reference_wire(2e-4, 300000, graded ? 1000 : 2000, 0);
+        crn_instrument wire = reference_wire(2e-4, 300000, graded ? 1000 : 2000, 0);
         wire.element_shaft_um = graded ? 4000 : 2000;
         wire.element_fine_um = graded ? 40000 : 0;
         rig *r = rig_make(&wire, NULL, 201000);
         for (int t = 0; t < 4000; t++) rig_step(r);
-        seld_vec3 p = seld_state_position(&r->state, 0);
+        crn_vec3 p = crn_state_position(&r->state, 0);
         for (int k = 0; k < 3; k++) tip[graded][k] = p.v[k] / Q30;
         free(r);
     }
@@ -75,7 +75,7 @@ typedef struct insertion {
 /* Worst of a whole insertion at 0.1 m/s and one second of rest. */
 static insertion insert(const reference_tube *tube, double bend_N_m2, double to_m)
 {
-    seld_instrument wire = reference_wire(bend_N_m2, 900000, 3000, 0.2);
+    crn_instrument wire = reference_wire(bend_N_m2, 900000, 3000, 0.2);
     rig *r = rig_make(&wire, &tube->lumen, 50000);
     insertion worst = {0, 0, 0, 0};
     int moving = (int)(to_m / 1e-4);
@@ -84,13 +84,13 @@ static insertion insert(const reference_tube *tube, double bend_N_m2, double to_
         rig_step(r);
         worst.strain_pct = fmax(worst.strain_pct, 100 * fabs(r->output.strain_max_q30 / Q30));
         worst.force_N = fmax(worst.force_N, fabs(r->output.tools[0].axial_N_q22 / 4194304.0));
-        for (uint32_t i = 0; t % 20 == 0 && i < seld_state_free_count(&r->state); i++) {
-            seld_vec3 p = seld_state_position(&r->state, i);
+        for (uint32_t i = 0; t % 20 == 0 && i < crn_state_free_count(&r->state); i++) {
+            crn_vec3 p = crn_state_position(&r->state, i);
             double x[3] = {p.v[0] / Q30, p.v[1] / Q30, p.v[2] / Q30};
             worst.depth_mm = fmax(worst.depth_mm, 1e3 * (reference_tube_distance(tube, x) + 445e-6));
         }
     }
-    for (uint32_t i = 0; i < seld_state_free_count(&r->state); i++) {
+    for (uint32_t i = 0; i < crn_state_free_count(&r->state); i++) {
         for (int k = 0; k < 3; k++) {
             worst.resting_um =
                 fmax(worst.resting_um, fabs(r->state.words.nodes[i].step_m_q33.v[k] / (Q30 * 8) * 1e6));
@@ -133,7 +133,7 @@ static void blocked_tip_stalls_the_feed(void **context)
     (void)context;
     const reference_piece straight = {0.3, 0, 0};
     reference_tube *tube = reference_tube_make(&straight, 1, 0.003, 0);
-    seld_instrument wire = reference_wire(1.85e-3, 600000, 3000, 0.2);
+    crn_instrument wire = reference_wire(1.85e-3, 600000, 3000, 0.2);
     rig *r = rig_make(&wire, &tube->lumen, 60000);
     double force_N = 0;
     for (int t = 0; t < 6000; t++) {
@@ -160,7 +160,7 @@ static void sliding_on_the_floor_costs_mu_times_weight(void **context)
     (void)context;
     const reference_piece straight = {0.4, 0, 0};
     reference_tube *tube = reference_tube_make(&straight, 1, 0.0015, 1);
-    seld_instrument wire = reference_wire(2e-5, 600000, 3000, 0.3);
+    crn_instrument wire = reference_wire(2e-5, 600000, 3000, 0.3);
     rig *r = rig_make(&wire, &tube->lumen, 300000);
     double average[2] = {0, 0};
     for (int way = 0; way < 2; way++) {
@@ -184,12 +184,12 @@ static double push_when_shaken_N(double share)
 {
     const reference_piece straight = {0.4, 0, 0};
     reference_tube *tube = reference_tube_make(&straight, 1, 0.0015, 1);
-    const seld_instrument wire = reference_wire(2e-5, 600000, 3000, 0.3);
+    const crn_instrument wire = reference_wire(2e-5, 600000, 3000, 0.3);
     rig *r = rig_make(&wire, &tube->lumen, 200000);
     double sum_N = 0;
     for (int t = 0; t < 2000; t++) {
         const double more = t / 3 % 2 ? share : -share;
-        seld_model_set_gravity(&r->model, 0, 0, (int32_t)lround(-9810 * (1 + more)));
+        crn_model_set_gravity(&r->model, 0, 0, (int32_t)lround(-9810 * (1 + more)));
         r->input.hands[0].feed_m_q30 += (int32_t)(2e-5 * Q30);
         rig_step(r);
         if (t >= 1000) sum_N += r->output.tools[0].axial_N_q22 / 4194304.0;
@@ -219,7 +219,7 @@ static void random_hand_does_not_blow_the_rod_up(void **context)
     print_message("# random_hand: seed %llu\n", (unsigned long long)seed);
     reference_random random = reference_random_seed(seed);
     reference_tube *tube = reference_three_bends(0.004, 0);
-    seld_instrument wire = reference_wire(5e-4, 900000, 3000, 0.2);
+    crn_instrument wire = reference_wire(5e-4, 900000, 3000, 0.2);
     rig *r = rig_make(&wire, &tube->lumen, 100000);
     int32_t speed = 0, turn = 0, deep = 0;
     double strain_pct = 0;
@@ -228,7 +228,7 @@ static void random_hand_does_not_blow_the_rod_up(void **context)
             speed = (int32_t)reference_random_below(&random, 1073742) - 400000; /* -0.37 .. 0.63 m/s */
             turn = (int32_t)reference_random_below(&random, 16400000) - 8200000;
         }
-        r->input.hands[0].feed_m_q30 = seld_sat32((int64_t)r->input.hands[0].feed_m_q30 + speed);
+        r->input.hands[0].feed_m_q30 = crn_sat32((int64_t)r->input.hands[0].feed_m_q30 + speed);
         r->input.hands[0].turn32 += (uint32_t)turn;
         rig_step(r);
         deep += r->output.penetration_max_m_q30 > 1073742;
@@ -236,7 +236,7 @@ static void random_hand_does_not_blow_the_rod_up(void **context)
     }
     check_below("ticks deeper than 1 mm", deep, 20);
     check_below("length error (%)", strain_pct, 0.6);
-    assert_true((r->output.fault_bits & SELD_FAULT_SATURATED) == 0);
+    assert_true((r->output.fault_bits & CRN_FAULT_SATURATED) == 0);
     free(r);
     reference_tube_free(tube);
 }
@@ -249,7 +249,7 @@ static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
     (void)context;
     reference_random random = reference_random_seed(20);
     reference_tube *tube = reference_three_bends(0.004, 0);
-    const seld_instrument wire = reference_floppy_j(1e-5);
+    const crn_instrument wire = reference_floppy_j(1e-5);
     rig *r = rig_make(&wire, &tube->lumen, 100000);
     int32_t speed = 0, turn = 0, missed = 0, has_missed = 0;
     double deepest_mm = 0;
@@ -258,18 +258,18 @@ static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
             speed = (int32_t)reference_random_below(&random, 858993) - 350000; /* -0.33 .. 0.47 m/s */
             turn = (int32_t)reference_random_below(&random, 16406000) - 8203000;
         }
-        r->input.hands[0].feed_m_q30 = seld_sat32((int64_t)r->input.hands[0].feed_m_q30 + speed);
+        r->input.hands[0].feed_m_q30 = crn_sat32((int64_t)r->input.hands[0].feed_m_q30 + speed);
         r->input.hands[0].turn32 += (uint32_t)turn;
         rig_step(r);
         const bool is_first = has_missed == 0;
         has_missed = r->output.solve_count > 1;
         if (!has_missed || !is_first) continue;
         missed++;
-        for (uint32_t i = 0; i < seld_state_free_count(&r->state); i++) {
-            const seld_node_state *node = &r->state.words.nodes[i];
-            if (node->contact != SELD_CONTACT_NONE) continue;
-            const seld_lumen_sample wall = seld_lumen_contact(&tube->lumen, &node->position_m_q30);
-            const int32_t depth = seld_add_sat(wall.distance_m_q30, r->state.line.nodes[i].radius_m_q30);
+        for (uint32_t i = 0; i < crn_state_free_count(&r->state); i++) {
+            const crn_node_state *node = &r->state.words.nodes[i];
+            if (node->contact != CRN_CONTACT_NONE) continue;
+            const crn_lumen_sample wall = crn_lumen_contact(&tube->lumen, &node->position_m_q30);
+            const int32_t depth = crn_add_sat(wall.distance_m_q30, r->state.line.nodes[i].radius_m_q30);
             deepest_mm = fmax(deepest_mm, depth / Q30 * 1e3);
         }
     }
@@ -286,20 +286,20 @@ static void a_node_beyond_the_field_is_the_deepest(void **context)
 {
     (void)context;
     reference_tube *tube = reference_three_bends(0.004, 0);
-    seld_instrument wire = reference_wire(5e-4, 600000, 3000, 0.2);
+    crn_instrument wire = reference_wire(5e-4, 600000, 3000, 0.2);
     rig *r = calloc(1, sizeof *r);
-    seld_entry entry = reference_entry();
-    seld_build_place place;
+    crn_entry entry = reference_entry();
+    crn_build_place place;
     const uint32_t inserted_um = 60000;
     for (int beside = 0; beside < 2; beside++) {
         entry.position_m_q30.v[1] += beside * (1 << 30) / 10;
-        assert_int_equal(seld_model_build(&r->model, &wire, 1, &tube->lumen, &entry, &place), SELD_BUILD_OK);
-        seld_state_init(&r->model, &r->state, &inserted_um);
+        assert_int_equal(crn_model_build(&r->model, &wire, 1, &tube->lumen, &entry, &place), CRN_BUILD_OK);
+        crn_state_init(&r->model, &r->state, &inserted_um);
         rig_step(r);
         const double depth_mm = r->output.penetration_max_m_q30 / Q30 * 1e3;
         if (beside ? depth_mm < 15.6 : depth_mm > 1)
             fail_msg("%s the field: depth %.3f mm", beside ? "beyond" : "in", depth_mm);
-        assert_int_equal((r->output.fault_bits & SELD_FAULT_OUTSIDE) != 0, beside);
+        assert_int_equal((r->output.fault_bits & CRN_FAULT_OUTSIDE) != 0, beside);
     }
     free(r);
     reference_tube_free(tube);
@@ -309,7 +309,7 @@ static void a_node_beyond_the_field_is_the_deepest(void **context)
 
 static rig *busy_rig(const reference_tube *tube)
 {
-    seld_instrument wire = reference_wire(5e-4, 600000, 3000, 0.2);
+    crn_instrument wire = reference_wire(5e-4, 600000, 3000, 0.2);
     rig *r = rig_make(&wire, &tube->lumen, 100000);
     for (int t = 0; t < 1500; t++) {
         r->input.hands[0].feed_m_q30 += 107374;
@@ -324,23 +324,23 @@ static void restored_state_goes_on_bit_for_bit(void **context)
     (void)context;
     reference_tube *tube = reference_three_bends(0.004, 0);
     rig *r = busy_rig(tube);
-    uint8_t *saved = malloc(seld_state_bytes());
-    seld_state_save(&r->state, saved);
-    seld_input input = r->input;
+    uint8_t *saved = malloc(crn_state_bytes());
+    crn_state_save(&r->state, saved);
+    crn_input input = r->input;
     uint64_t expected[2], got[2];
     for (int run = 0; run < 2; run++) {
         uint64_t *hash = run ? got : expected;
         r->input = input;
         if (run) {
-            seld_state_init(&r->model, &r->state, &(uint32_t){50000}); /* nothing of the first run survives */
-            assert_true(seld_state_restore(&r->model, &r->state, saved));
+            crn_state_init(&r->model, &r->state, &(uint32_t){50000}); /* nothing of the first run survives */
+            assert_true(crn_state_restore(&r->model, &r->state, saved));
         }
-        hash[0] = seld_state_hash64(&r->state);
+        hash[0] = crn_state_hash64(&r->state);
         for (int t = 0; t < 300; t++) {
             r->input.hands[0].feed_m_q30 -= 90000;
             rig_step(r);
         }
-        hash[1] = seld_state_hash64(&r->state);
+        hash[1] = crn_state_hash64(&r->state);
     }
     assert_true(expected[0] == got[0] && expected[1] == got[1] && expected[0] != expected[1]);
     free(saved);
@@ -354,24 +354,24 @@ static void restore_refuses_impossible_words(void **context)
     (void)context;
     reference_tube *tube = reference_three_bends(0.004, 0);
     rig *r = busy_rig(tube);
-    uint8_t *saved = malloc(seld_state_bytes());
-    seld_state_save(&r->state, saved);
-    uint64_t before = seld_state_hash64(&r->state);
-    const size_t node = offsetof(seld_state_words, nodes);
+    uint8_t *saved = malloc(crn_state_bytes());
+    crn_state_save(&r->state, saved);
+    uint64_t before = crn_state_hash64(&r->state);
+    const size_t node = offsetof(crn_state_words, nodes);
     const size_t guarded[] = {
-        offsetof(seld_state_words, free_count),           offsetof(seld_state_words, tools),
-        offsetof(seld_state_words, has_missed),           offsetof(seld_state_words, release_q30),
-        node + offsetof(seld_node_state, position_m_q30), node + offsetof(seld_node_state, step_m_q33),
-        node + offsetof(seld_node_state, tangent_q30),    node + offsetof(seld_node_state, bristle_m_q33),
-        node + offsetof(seld_node_state, contact)};
+        offsetof(crn_state_words, free_count),           offsetof(crn_state_words, tools),
+        offsetof(crn_state_words, has_missed),           offsetof(crn_state_words, release_q30),
+        node + offsetof(crn_node_state, position_m_q30), node + offsetof(crn_node_state, step_m_q33),
+        node + offsetof(crn_node_state, tangent_q30),    node + offsetof(crn_node_state, bristle_m_q33),
+        node + offsetof(crn_node_state, contact)};
     for (size_t i = 0; i < sizeof guarded / sizeof guarded[0]; i++) {
         uint8_t kept[4];
         memcpy(kept, saved + guarded[i], 4);
         memcpy(saved + guarded[i], "\xff\xff\xff\x7f", 4);
-        if (seld_state_restore(&r->model, &r->state, saved))
+        if (crn_state_restore(&r->model, &r->state, saved))
             fail_msg("word at byte %zu was accepted", guarded[i]);
         memcpy(saved + guarded[i], kept, 4);
-        assert_true(seld_state_hash64(&r->state) == before);
+        assert_true(crn_state_hash64(&r->state) == before);
     }
     free(saved);
     free(r);
@@ -381,7 +381,7 @@ static void restore_refuses_impossible_words(void **context)
 static void one_more_count_of_the_hand_gives_another_hash(void **context)
 {
     (void)context;
-    seld_instrument wire = reference_wire(5e-4, 600000, 3000, 0.2);
+    crn_instrument wire = reference_wire(5e-4, 600000, 3000, 0.2);
     uint32_t lanes[2][2];
     for (int run = 0; run < 2; run++) {
         rig *r = rig_make(&wire, NULL, 100000);
@@ -395,10 +395,10 @@ static void one_more_count_of_the_hand_gives_another_hash(void **context)
 
 /* --- set-up ---------------------------------------------------------------------------------------------------- */
 
-static seld_build_status build(const seld_instrument *wire, const seld_entry *entry, seld_build_place *place)
+static crn_build_status build(const crn_instrument *wire, const crn_entry *entry, crn_build_place *place)
 {
-    seld_model *model = malloc(sizeof *model);
-    seld_build_status status = seld_model_build(model, wire, 1, NULL, entry, place);
+    crn_model *model = malloc(sizeof *model);
+    crn_build_status status = crn_model_build(model, wire, 1, NULL, entry, place);
     free(model);
     return status;
 }
@@ -406,34 +406,34 @@ static seld_build_status build(const seld_instrument *wire, const seld_entry *en
 static void bad_instruments_are_refused_with_their_knot(void **context)
 {
     (void)context;
-    const seld_instrument good = reference_wire(5e-4, 600000, 3000, 0.2);
-    seld_entry entry = reference_entry();
-    seld_build_place place;
-    seld_instrument bad = good;
-    assert_int_equal(build(&good, &entry, &place), SELD_BUILD_OK);
+    const crn_instrument good = reference_wire(5e-4, 600000, 3000, 0.2);
+    crn_entry entry = reference_entry();
+    crn_build_place place;
+    crn_instrument bad = good;
+    assert_int_equal(build(&good, &entry, &place), CRN_BUILD_OK);
     bad.knot_count = 1;
-    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_KNOTS);
-    bad.knot_count = SELD_KNOT_MAX + 1;
-    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_KNOTS);
+    assert_int_equal(build(&bad, &entry, &place), CRN_BUILD_KNOTS);
+    bad.knot_count = CRN_KNOT_MAX + 1;
+    assert_int_equal(build(&bad, &entry, &place), CRN_BUILD_KNOTS);
     bad = good;
     bad.knots[1].bend_stiffness_nN_m2 = 99;
-    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_RANGE);
+    assert_int_equal(build(&bad, &entry, &place), CRN_BUILD_RANGE);
     assert_int_equal(place.knot, 1);
     bad = good;
     bad.knots[1].friction_kinetic_milli = 300; /* above the static 200 */
-    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_RANGE);
+    assert_int_equal(build(&bad, &entry, &place), CRN_BUILD_RANGE);
     bad = good;
     bad.knots[1].arc_um = 19999;
-    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_LENGTH);
+    assert_int_equal(build(&bad, &entry, &place), CRN_BUILD_LENGTH);
     bad.knots[1].arc_um = 1600000;
-    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_LENGTH); /* 534 nodes of 3 mm */
+    assert_int_equal(build(&bad, &entry, &place), CRN_BUILD_LENGTH); /* 534 nodes of 3 mm */
     bad = good;
     bad.element_tip_um = 199;
-    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_ELEMENTS);
+    assert_int_equal(build(&bad, &entry, &place), CRN_BUILD_ELEMENTS);
     bad = reference_wire(3e-2, 60000, 200, 0);
-    assert_int_equal(build(&bad, &entry, &place), SELD_BUILD_OVERFLOW);
-    entry.direction_q30.v[0] = SELD_ONE_Q30 / 2;
-    assert_int_equal(build(&good, &entry, &place), SELD_BUILD_ENTRY);
+    assert_int_equal(build(&bad, &entry, &place), CRN_BUILD_OVERFLOW);
+    entry.direction_q30.v[0] = CRN_ONE_Q30 / 2;
+    assert_int_equal(build(&good, &entry, &place), CRN_BUILD_ENTRY);
 }
 
 /* Inserting past the end or pulling out entirely stops at the end, says so, and does not wind the hand up: turning
@@ -441,7 +441,7 @@ static void bad_instruments_are_refused_with_their_knot(void **context)
 static void feed_stops_at_both_ends(void **context)
 {
     (void)context;
-    seld_instrument wire = reference_wire(5e-4, 100000, 2000, 0);
+    crn_instrument wire = reference_wire(5e-4, 100000, 2000, 0);
     rig *r = rig_make(&wire, NULL, 50000);
     for (int way = 0; way < 2; way++) {
         int32_t step = way ? -214748 : 214748;
@@ -449,7 +449,7 @@ static void feed_stops_at_both_ends(void **context)
             r->input.hands[0].feed_m_q30 += step;
             rig_step(r);
         }
-        assert_true(r->output.fault_bits & SELD_FAULT_INSERT_END);
+        assert_true(r->output.fault_bits & CRN_FAULT_INSERT_END);
         int32_t stopped = r->output.tools[0].inserted_m_q30;
         for (int t = 0; t < 30; t++) { /* 6 mm back */
             r->input.hands[0].feed_m_q30 -= step;

@@ -16,17 +16,17 @@
 enum { TICKS = 4 };
 
 typedef struct rig {
-    seld_model model;
-    seld_state start, state;
-    seld_input input;
+    crn_model model;
+    crn_state start, state;
+    crn_input input;
     reference_tube *tube;
-    uint8_t good[sizeof(seld_state_words)], bytes[sizeof(seld_state_words)];
+    uint8_t good[sizeof(crn_state_words)], bytes[sizeof(crn_state_words)];
     size_t live_words;
     reference_random random;
 } rig;
 
-static const double stiffness_N_m2[SELD_TOOL_MAX] = {1.85e-3, 4e-4, 1e-3};
-static const uint32_t radius_um[SELD_TOOL_MAX] = {445, 900, 1300}, bore_um[SELD_TOOL_MAX] = {0, 500, 950};
+static const double stiffness_N_m2[CRN_TOOL_MAX] = {1.85e-3, 4e-4, 1e-3};
+static const uint32_t radius_um[CRN_TOOL_MAX] = {445, 900, 1300}, bore_um[CRN_TOOL_MAX] = {0, 500, 950};
 
 /* Three curved, heavy tools that have pushed and turned for 200 ticks. */
 static rig *rig_make(void)
@@ -34,8 +34,8 @@ static rig *rig_make(void)
     rig *r = calloc(1, sizeof *r);
     r->tube = reference_three_bends(0.004, 0);
     r->random = reference_random_seed(5);
-    seld_instrument tools[SELD_TOOL_MAX];
-    for (int k = 0; k < SELD_TOOL_MAX; k++) {
+    crn_instrument tools[CRN_TOOL_MAX];
+    for (int k = 0; k < CRN_TOOL_MAX; k++) {
         tools[k] = reference_wire(stiffness_N_m2[k], 500000, 4000, 0.1);
         for (uint32_t i = 0; i < 2; i++) {
             tools[k].knots[i].radius_outer_um = radius_um[k];
@@ -44,23 +44,23 @@ static rig *rig_make(void)
         tools[k].knots[0].rest_curvature1_per_m_milli = 30000;
         tools[k].knots[1].mass_mg_per_m = 60000;
     }
-    seld_entry entry = reference_entry();
-    seld_build_place place;
-    assert_int_equal(seld_model_build(&r->model, tools, SELD_TOOL_MAX, &r->tube->lumen, &entry, &place),
-                     SELD_BUILD_OK);
-    const uint32_t inserted_um[SELD_TOOL_MAX] = {150000, 100000, 60000};
-    seld_state_init(&r->model, &r->start, inserted_um);
+    crn_entry entry = reference_entry();
+    crn_build_place place;
+    assert_int_equal(crn_model_build(&r->model, tools, CRN_TOOL_MAX, &r->tube->lumen, &entry, &place),
+                     CRN_BUILD_OK);
+    const uint32_t inserted_um[CRN_TOOL_MAX] = {150000, 100000, 60000};
+    crn_state_init(&r->model, &r->start, inserted_um);
     for (int t = 0; t < 200; t++) {
-        seld_output output;
-        for (int k = 0; k < SELD_TOOL_MAX; k++) {
+        crn_output output;
+        for (int k = 0; k < CRN_TOOL_MAX; k++) {
             r->input.hands[k].feed_m_q30 += k == t / 50 % 3 ? 200000 : -50000;
             r->input.hands[k].turn32 += 4000000;
         }
-        seld_step(&r->model, &r->start, &r->input, &output);
+        crn_step(&r->model, &r->start, &r->input, &output);
     }
-    seld_state_save(&r->start, r->good);
+    crn_state_save(&r->start, r->good);
     r->live_words =
-        offsetof(seld_state_words, nodes) / 4 + sizeof(seld_node_state) / 4 * (r->start.words.free_count + 3);
+        offsetof(crn_state_words, nodes) / 4 + sizeof(crn_node_state) / 4 * (r->start.words.free_count + 3);
     return r;
 }
 
@@ -83,33 +83,33 @@ static void set_word(rig *r, size_t i, uint32_t value)
 
 static uint64_t run(rig *r)
 {
-    seld_input input = r->input;
-    seld_output output;
+    crn_input input = r->input;
+    crn_output output;
     for (int t = 0; t < TICKS; t++) {
-        for (int k = 0; k < SELD_TOOL_MAX; k++) {
+        for (int k = 0; k < CRN_TOOL_MAX; k++) {
             input.hands[k].feed_m_q30 += t & 1 ? 536871 : -300000;
             input.hands[k].turn32 += 13000000;
         }
-        seld_step(&r->model, &r->state, &input, &output);
+        crn_step(&r->model, &r->state, &input, &output);
     }
-    return seld_state_hash64(&r->state);
+    return crn_state_hash64(&r->state);
 }
 
 /* Restores the altered bytes; an accepted state runs twice. True when it was accepted. */
 static bool check_altered(rig *r)
 {
     memcpy(&r->state, &r->start, sizeof r->state);
-    if (!seld_state_restore(&r->model, &r->state, r->bytes)) {
+    if (!crn_state_restore(&r->model, &r->state, r->bytes)) {
         assert_memory_equal(&r->state.words, &r->start.words, sizeof r->state.words);
         return false;
     }
     uint64_t first = run(r);
     for (uint32_t i = 0; i < r->state.words.free_count; i++)
         for (int k = 0; k < 3; k++)
-            assert_in_range(r->state.words.nodes[i].position_m_q30.v[k] + (int64_t)SELD_POSITION_MAX_M_Q30, 0,
-                            2 * (int64_t)SELD_POSITION_MAX_M_Q30);
+            assert_in_range(r->state.words.nodes[i].position_m_q30.v[k] + (int64_t)CRN_POSITION_MAX_M_Q30, 0,
+                            2 * (int64_t)CRN_POSITION_MAX_M_Q30);
     memcpy(&r->state, &r->start, sizeof r->state);
-    assert_true(seld_state_restore(&r->model, &r->state, r->bytes));
+    assert_true(crn_state_restore(&r->model, &r->state, r->bytes));
     assert_true(run(r) == first);
     return true;
 }
@@ -134,7 +134,7 @@ static void a_folded_line_with_wild_velocities_stays_defined(void **context)
 {
     (void)context;
     rig *r = rig_make();
-    const size_t head = offsetof(seld_state_words, nodes) / 4, words = sizeof(seld_node_state) / 4;
+    const size_t head = offsetof(crn_state_words, nodes) / 4, words = sizeof(crn_node_state) / 4;
     const uint32_t na = r->start.words.free_count;
     int accepted = 0;
     for (int trial = 0; trial < 60; trial++) {
@@ -165,14 +165,14 @@ static void a_start_beyond_the_border_of_space_is_cut_off_there(void **context)
 {
     (void)context;
     rig *r = calloc(1, sizeof *r);
-    seld_instrument wire = reference_wire(1e-3, 900000, 4000, 0.1);
-    seld_entry entry = reference_entry();
+    crn_instrument wire = reference_wire(1e-3, 900000, 4000, 0.1);
+    crn_entry entry = reference_entry();
     entry.position_m_q30.v[0] = 2040109465; /* 1.9 m, entering along +x */
-    seld_build_place place;
-    assert_int_equal(seld_model_build(&r->model, &wire, 1, NULL, &entry, &place), SELD_BUILD_OK);
-    const uint32_t inserted_um[SELD_TOOL_MAX] = {600000, 0, 0};
-    seld_state_init(&r->model, &r->state, inserted_um);
-    assert_int_equal(r->state.words.nodes[0].position_m_q30.v[0], SELD_POSITION_MAX_M_Q30);
+    crn_build_place place;
+    assert_int_equal(crn_model_build(&r->model, &wire, 1, NULL, &entry, &place), CRN_BUILD_OK);
+    const uint32_t inserted_um[CRN_TOOL_MAX] = {600000, 0, 0};
+    crn_state_init(&r->model, &r->state, inserted_um);
+    assert_int_equal(r->state.words.nodes[0].position_m_q30.v[0], CRN_POSITION_MAX_M_Q30);
     free(r);
 }
 

@@ -24,11 +24,11 @@ static const double wire_m = 0.25e-3, thickness_m = 0.08e-3;
 enum { RINGS = 10, RING_um = 2000, FIRST_um = 30000, LAST_um = FIRST_um + (RINGS - 1) * RING_um };
 
 typedef struct rig {
-    seld_model model;
-    seld_state state;
-    seld_input input;
-    seld_output output;
-    seld_lumen lumen;
+    crn_model model;
+    crn_state state;
+    crn_input input;
+    crn_output output;
+    crn_lumen lumen;
 } rig;
 
 static const reference_tube *tube(double radius_m)
@@ -40,38 +40,38 @@ static const reference_tube *tube(double radius_m)
     return *made;
 }
 
-static seld_instrument wire(double bend_N_m2, double friction)
+static crn_instrument wire(double bend_N_m2, double friction)
 {
-    seld_instrument tool = reference_wire(bend_N_m2, 200000, 1000, friction);
+    crn_instrument tool = reference_wire(bend_N_m2, 200000, 1000, friction);
     for (uint32_t i = 0; i < tool.knot_count; i++)
         tool.knots[i].radius_outer_um = (uint32_t)lround(wire_m * 1e6);
     return tool;
 }
 
-static rig *rig_make(const seld_instrument *tool, double tube_m, uint32_t inserted_um)
+static rig *rig_make(const crn_instrument *tool, double tube_m, uint32_t inserted_um)
 {
     rig *r = calloc(1, sizeof *r);
-    const seld_entry entry = reference_entry();
-    seld_build_place place;
+    const crn_entry entry = reference_entry();
+    crn_build_place place;
     r->lumen = tube(tube_m)->lumen;
-    assert_int_equal(seld_model_build(&r->model, tool, 1, &r->lumen, &entry, &place), SELD_BUILD_OK);
-    seld_state_init(&r->model, &r->state, &inserted_um);
+    assert_int_equal(crn_model_build(&r->model, tool, 1, &r->lumen, &entry, &place), CRN_BUILD_OK);
+    crn_state_init(&r->model, &r->state, &inserted_um);
     return r;
 }
 
 static void run(rig *r, int ticks)
 {
-    for (int t = 0; t < ticks; t++) seld_step(&r->model, &r->state, &r->input, &r->output);
+    for (int t = 0; t < ticks; t++) crn_step(&r->model, &r->state, &r->input, &r->output);
 }
 
 /* A straight stent along x, its middle line at this height; one order a tick. */
-static seld_strut_order ring(uint32_t i, int32_t z_um, uint32_t inside_um)
+static crn_strut_order ring(uint32_t i, int32_t z_um, uint32_t inside_um)
 {
-    return (seld_strut_order){i + 1,
-                              {FIRST_um + (int32_t)i * RING_um, 0, z_um},
-                              inside_um,
-                              (uint32_t)lround(thickness_m * 1e6),
-                              i + 1 < RINGS};
+    return (crn_strut_order){i + 1,
+                             {FIRST_um + (int32_t)i * RING_um, 0, z_um},
+                             inside_um,
+                             (uint32_t)lround(thickness_m * 1e6),
+                             i + 1 < RINGS};
 }
 
 static void order_stent(rig *r, int32_t z_um, uint32_t inside_um)
@@ -80,12 +80,12 @@ static void order_stent(rig *r, int32_t z_um, uint32_t inside_um)
         r->input.strut = ring(i, z_um, inside_um);
         run(r, 1);
     }
-    r->input.strut = (seld_strut_order){0};
+    r->input.strut = (crn_strut_order){0};
 }
 
 static double place_m(const rig *r, uint32_t node, int axis)
 {
-    return seld_state_position(&r->state, node).v[axis] / Q30;
+    return crn_state_position(&r->state, node).v[axis] / Q30;
 }
 
 /* Nodes between the rings, a millimetre from either end. */
@@ -95,9 +95,9 @@ static bool is_in_stent(const rig *r, uint32_t node)
     return x_m > FIRST_um * 1e-6 + 1e-3 && x_m < LAST_um * 1e-6 - 1e-3;
 }
 
-static seld_vec3 at_m(double x, double y, double z)
+static crn_vec3 at_m(double x, double y, double z)
 {
-    return seld_vec3_make((int32_t)lround(x * Q30), (int32_t)lround(y * Q30), (int32_t)lround(z * Q30));
+    return crn_vec3_make((int32_t)lround(x * Q30), (int32_t)lround(y * Q30), (int32_t)lround(z * Q30));
 }
 
 /* --- the shell ---------------------------------------------------------------------------------------------------- */
@@ -107,11 +107,11 @@ typedef struct felt {
     double distance_m, normal[3];
 } felt;
 
-static felt feel(const seld_strut_state *struts, double x, double y, double z)
+static felt feel(const crn_strut_state *struts, double x, double y, double z)
 {
-    const seld_vec3 place = at_m(x, y, z);
-    seld_lumen_sample sample;
-    felt f = {seld_struts_contact(struts, &place, (int32_t)lround(wire_m * Q30), &sample), 0, {0}};
+    const crn_vec3 place = at_m(x, y, z);
+    crn_lumen_sample sample;
+    felt f = {crn_struts_contact(struts, &place, (int32_t)lround(wire_m * Q30), &sample), 0, {0}};
     f.distance_m = f.is_near ? sample.distance_m_q30 / Q30 : 0;
     for (int k = 0; k < 3 && f.is_near; k++) f.normal[k] = sample.normal_q30.v[k] / Q30;
     return f;
@@ -121,12 +121,12 @@ static felt feel(const seld_strut_state *struts, double x, double y, double z)
 static void a_straight_shell_is_a_tube_with_a_round_edge(void **state)
 {
     (void)state;
-    static seld_state s;
+    static crn_state s;
     for (uint32_t i = 0; i < RINGS; i++) {
-        const seld_strut_order order = ring(i, -700, 1500);
-        assert_true(seld_state_strut(&s, &order));
+        const crn_strut_order order = ring(i, -700, 1500);
+        assert_true(crn_state_strut(&s, &order));
     }
-    const seld_strut_state *struts = &s.words.struts;
+    const crn_strut_state *struts = &s.words.struts;
     double worst_m = 0;
     for (double x = 30.1e-3; x < 48e-3; x += 1.7e-3) {
         for (double rho = 1.0e-3; rho < 2.1e-3; rho += 0.07e-3) {
@@ -163,17 +163,17 @@ static void a_straight_shell_is_a_tube_with_a_round_edge(void **state)
 static void a_bent_shell_follows_its_rings(void **state)
 {
     (void)state;
-    static seld_state s;
+    static crn_state s;
     const double bend_m = 20e-3;
     for (uint32_t i = 0; i < RINGS; i++) {
         const double turn = i * 0.1;
-        const seld_strut_order order = {
+        const crn_strut_order order = {
             i + 1,
             {(int32_t)lround(1e6 * bend_m * sin(turn)), 0, (int32_t)lround(1e6 * bend_m * (1 - cos(turn)))},
             1500 + 15 * i,
             80,
             1};
-        assert_true(seld_state_strut(&s, &order));
+        assert_true(crn_state_strut(&s, &order));
     }
     double worst_m = 0, least = 1;
     for (double turn = 0.02; turn < 0.88; turn += 0.013) {
@@ -197,29 +197,29 @@ static void a_bent_shell_follows_its_rings(void **state)
 static void struts_go_with_a_beating_vessel(void **state)
 {
     (void)state;
-    const seld_instrument tool = wire(2e-5, 0.1);
+    const crn_instrument tool = wire(2e-5, 0.1);
     rig *r = rig_make(&tool, 4e-3, 20000);
     const double low_m[3] = {-0.05, -0.06, -0.06}, high_m[3] = {0.12, 0.06, 0.06};
     reference_motion *waves = reference_waves_make(low_m, high_m, 23);
     r->lumen.motion = &waves->motion;
     for (uint32_t i = 0; i < RINGS; i++) {
-        const seld_strut_order order = ring(i, 0, 1500);
-        assert_true(seld_state_strut(&r->state, &order));
+        const crn_strut_order order = ring(i, 0, 1500);
+        assert_true(crn_state_strut(&r->state, &order));
     }
     double worst_m = 0, farthest_m = 0;
     for (uint32_t beat = 0; beat < 12; beat++) {
         r->state.words.rhythm.heart_phase32 = beat * 357913941u;
-        seld_motion_pose pose;
-        seld_motion_pose_begin(&waves->motion, &pose, &r->state.words.rhythm, &r->state.words.rhythm);
+        crn_motion_pose pose;
+        crn_motion_pose_begin(&waves->motion, &pose, &r->state.words.rhythm, &r->state.words.rhythm);
         for (double x = 31e-3; x < 47e-3; x += 0.9e-3) {
-            const seld_vec3 reference = at_m(x, 1.5e-3 * cos(1e3 * x), 1.5e-3 * sin(1e3 * x));
-            seld_vec3 world = reference;
+            const crn_vec3 reference = at_m(x, 1.5e-3 * cos(1e3 * x), 1.5e-3 * sin(1e3 * x));
+            crn_vec3 world = reference;
             for (int round = 0; round < 30; round++) {
-                const seld_vec3 back = seld_motion_pull(&waves->motion, &pose, &world);
+                const crn_vec3 back = crn_motion_pull(&waves->motion, &pose, &world);
                 for (int k = 0; k < 3; k++) world.v[k] += reference.v[k] - back.v[k];
             }
-            seld_lumen_sample sample;
-            assert_true(seld_struts_wall(&r->model, &r->state.words, &pose, &world, 1000, &sample));
+            crn_lumen_sample sample;
+            assert_true(crn_struts_wall(&r->model, &r->state.words, &pose, &world, 1000, &sample));
             worst_m = fmax(worst_m, fabs(sample.distance_m_q30 / Q30));
             farthest_m = fmax(farthest_m, abs(world.v[1] - reference.v[1]) / Q30);
         }
@@ -236,14 +236,14 @@ static void struts_go_with_a_beating_vessel(void **state)
 static void from_inside_a_wire_rests_on_the_struts_inside(void **state)
 {
     (void)state;
-    const seld_instrument tool = wire(2e-7, 0.1);
+    const crn_instrument tool = wire(2e-7, 0.1);
     rig *r = rig_make(&tool, 4e-3, 46000);
     order_stent(r, 0, 1500);
-    seld_model_set_gravity(&r->model, 0, 0, -98100);
+    crn_model_set_gravity(&r->model, 0, 0, -98100);
     run(r, 1500);
     double worst_m = 0;
     uint32_t count = 0;
-    for (uint32_t i = 0; i < seld_state_free_count(&r->state); i++) {
+    for (uint32_t i = 0; i < crn_state_free_count(&r->state); i++) {
         if (!is_in_stent(r, i)) continue;
         const double rho = hypot(place_m(r, i, 1), place_m(r, i, 2));
         worst_m = fmax(worst_m, rho - (1.5e-3 - wire_m));
@@ -258,14 +258,14 @@ static void from_inside_a_wire_rests_on_the_struts_inside(void **state)
 static void from_outside_a_wire_rests_on_the_struts_outside(void **state)
 {
     (void)state;
-    const seld_instrument tool = wire(2e-6, 0.1);
+    const crn_instrument tool = wire(2e-6, 0.1);
     rig *r = rig_make(&tool, 4e-3, 46000);
     order_stent(r, -2200, 1500);
-    seld_model_set_gravity(&r->model, 0, 0, -98100);
+    crn_model_set_gravity(&r->model, 0, 0, -98100);
     run(r, 1500);
     double worst_m = 0;
     uint32_t count = 0;
-    for (uint32_t i = 0; i < seld_state_free_count(&r->state); i++) {
+    for (uint32_t i = 0; i < crn_state_free_count(&r->state); i++) {
         if (!is_in_stent(r, i)) continue;
         const double rho = hypot(place_m(r, i, 1), place_m(r, i, 2) + 2.2e-3);
         worst_m = fmax(worst_m, 1.5e-3 + thickness_m + wire_m - rho);
@@ -283,12 +283,12 @@ static void below_the_force_of_a_cell_it_does_not_go_through(void **state)
     const double middle_m = wire_m + thickness_m / 2, bears_N = 5e3 * middle_m + 2e4 * (middle_m - 0.2e-3);
     const double loads_N[2] = {0.85 * bears_N, 1.3 * bears_N};
     for (int i = 0; i < 2; i++) {
-        const seld_instrument tool = wire(1e-6, 0.1);
+        const crn_instrument tool = wire(1e-6, 0.1);
         rig *r = rig_make(&tool, 4e-3, 40000);
         order_stent(r, 0, 1500);
         for (int t = 1; t <= 200; t++) { /* gently: 17 mN a tick */
             const double load = loads_N[i] * t / 200;
-            seld_model_set_tip_load(&r->model, (seld_vec3){{0, (int32_t)lround(load * 4194304), 0}});
+            crn_model_set_tip_load(&r->model, (crn_vec3){{0, (int32_t)lround(load * 4194304), 0}});
             run(r, 1);
         }
         run(r, 800);
@@ -305,9 +305,9 @@ static void an_end_sends_a_tip_to_one_side(void **state)
     (void)state;
     const double offs_m[] = {-0.2e-3, -0.05e-3, -1e-6, 0, 1e-6, 0.05e-3, 0.2e-3};
     for (size_t i = 0; i < sizeof offs_m / sizeof offs_m[0]; i++) {
-        const seld_instrument tool = wire(2e-5, 0.3);
+        const crn_instrument tool = wire(2e-5, 0.3);
         rig *r = rig_make(&tool, 4e-3, 25000);
-        seld_model_set_gravity(&r->model, 0, 0, 0);
+        crn_model_set_gravity(&r->model, 0, 0, 0);
         order_stent(r, -(int32_t)lround((1.54e-3 + offs_m[i]) * 1e6), 1500);
         double most_N = 0;
         for (int t = 0; t < 900; t++) { /* 18 mm at 20 mm/s */
@@ -331,7 +331,7 @@ static void an_end_sends_a_tip_to_one_side(void **state)
 /* The wire lies on the wall of a tube of 2 mm; struts that grow from 1.2 to 1.66 mm leave it 0.26 mm of its 0.5. */
 static rig *jailed(double friction)
 {
-    const seld_instrument tool = wire(1e-6, friction);
+    const crn_instrument tool = wire(1e-6, friction);
     rig *r = rig_make(&tool, 2e-3, 70000);
     run(r, 1500);
     order_stent(r, 0, 1200);
@@ -345,7 +345,7 @@ static const double squeezed_m = (0.5e-3 - (2e-3 - 1.66e-3 - 0.08e-3)) / 2;
 static uint32_t held_nodes(const rig *r, double *worst_m)
 {
     uint32_t count = 0;
-    for (uint32_t i = 0; i < seld_state_free_count(&r->state); i++) {
+    for (uint32_t i = 0; i < crn_state_free_count(&r->state); i++) {
         if (!is_in_stent(r, i)) continue;
         const double rho = hypot(place_m(r, i, 1), place_m(r, i, 2));
         *worst_m = fmax(*worst_m, fabs(rho - (1.74e-3 + wire_m - squeezed_m)));
@@ -364,7 +364,7 @@ static void between_struts_and_wall_it_rests_without_chatter(void **state)
     double fastest_m = 0;
     for (int t = 0; t < REFERENCE_RUN(10000); t++) {
         run(r, 1);
-        for (uint32_t i = 0; i < seld_state_free_count(&r->state); i++)
+        for (uint32_t i = 0; i < crn_state_free_count(&r->state); i++)
             for (int k = 0; k < 3 && is_in_stent(r, i); k++)
                 fastest_m = fmax(fastest_m, abs(r->state.words.nodes[i].step_m_q33.v[k]) / (8 * Q30));
     }
@@ -387,7 +387,7 @@ static void pulling_it_out_needs_friction_on_both_sides(void **state)
         run(r, 1);
         mean_N += t >= 400 ? -r->output.tools[0].axial_N_q22 / 4194304.0 / 100 : 0;
     }
-    for (uint32_t i = 0; i < seld_state_free_count(&r->state); i++) {
+    for (uint32_t i = 0; i < crn_state_free_count(&r->state); i++) {
         const double x = place_m(r, i, 0), rho = hypot(place_m(r, i, 1), place_m(r, i, 2));
         const bool is_between = x > FIRST_um * 1e-6 && x < LAST_um * 1e-6;
         expected_N += is_between ? 0.1 * 2 * one_N : 0;
@@ -406,14 +406,14 @@ static void a_balloon_presses_through(void **state)
     (void)state;
     double widest_m[2];
     for (int i = 0; i < 2; i++) {
-        seld_instrument tool = reference_wire(2e-5, 200000, 1000, 0.1);
+        crn_instrument tool = reference_wire(2e-5, 200000, 1000, 0.1);
         for (uint32_t k = 0; k < tool.knot_count; k++) tool.knots[k].radius_outer_um = 450;
-        tool.balloon = (seld_balloon){.point_count = 2,
-                                      .distal_um = 6000,
-                                      .proximal_um = 20000,
-                                      .burst_kPa = 2000,
-                                      .pressure_kPa = {600, 800},
-                                      .diameter_um = {3000, 3200}};
+        tool.balloon = (crn_balloon){.point_count = 2,
+                                     .distal_um = 6000,
+                                     .proximal_um = 20000,
+                                     .burst_kPa = 2000,
+                                     .pressure_kPa = {600, 800},
+                                     .diameter_um = {3000, 3200}};
         rig *r = rig_make(&tool, 4e-3, 50000);
         if (i == 1) order_stent(r, 0, 1200);
         r->input.inflator_Pa = 800000;
@@ -432,14 +432,14 @@ static void a_balloon_presses_through(void **state)
 static void a_ring_goes_where_it_is_ordered(void **state)
 {
     (void)state;
-    const seld_instrument tool = wire(1e-6, 0.1);
+    const crn_instrument tool = wire(1e-6, 0.1);
     rig *r = rig_make(&tool, 4e-3, 20000);
     order_stent(r, 0, 1200);
-    const seld_strut_ring *first = &r->state.words.struts.rings[0];
+    const crn_strut_ring *first = &r->state.words.struts.rings[0];
     assert_int_equal(first->inside_m_q30, lround(1.2e-3 * Q30));
     r->input.strut = ring(0, 100, 1300);
     run(r, 1);
-    r->input.strut = (seld_strut_order){0};
+    r->input.strut = (crn_strut_order){0};
     assert_int_equal(first->centre_m_q30.v[2], 5369);
     run(r, 18);
     assert_true(first->centre_m_q30.v[2] < first->wanted_m_q30.v[2]);
@@ -448,10 +448,10 @@ static void a_ring_goes_where_it_is_ordered(void **state)
     assert_int_equal(first->inside_m_q30, lround(1.3e-3 * Q30));
     assert_int_equal(r->state.words.struts.moving_bits[0], 0);
     for (uint32_t i = 0; i < RINGS; i++) {
-        const seld_strut_order gone = {.number = RINGS - i};
-        assert_true(seld_state_strut(&r->state, &gone));
+        const crn_strut_order gone = {.number = RINGS - i};
+        assert_true(crn_state_strut(&r->state, &gone));
     }
-    const seld_strut_state none = {0};
+    const crn_strut_state none = {0};
     assert_memory_equal(&r->state.words.struts, &none, sizeof none);
     free(r);
 }
@@ -459,26 +459,25 @@ static void a_ring_goes_where_it_is_ordered(void **state)
 static void what_is_no_order_changes_nothing(void **state)
 {
     (void)state;
-    const seld_instrument tool = wire(1e-6, 0.1);
+    const crn_instrument tool = wire(1e-6, 0.1);
     rig *r = rig_make(&tool, 4e-3, 20000);
     order_stent(r, 0, 1200);
-    const seld_state_words before = r->state.words;
-    const seld_strut_order bad[] = {{0, {0, 0, 0}, 0, 0, 0},
-                                    {0, {0, 0, 0}, 1500, 80, 0},
-                                    {65, {0, 0, 0}, 1500, 80, 0},
-                                    {1, {1900001, 0, 0}, 1500, 80, 0},
-                                    {1, {0, 0, INT32_MIN}, 1500, 80, 0},
-                                    {1, {0, 0, 0}, 199, 80, 0},
-                                    {1, {0, 0, 0}, 20001, 80, 0},
-                                    {1, {0, 0, 0}, 1500, 9, 0},
-                                    {1, {0, 0, 0}, 1500, 1001, 0},
-                                    {1, {0, 0, 0}, 1500, 80, 2},
-                                    {1, {1, 0, 0}, 0, 0, 0},
-                                    {1, {0, 0, 0}, 0, 80, 0},
-                                    {65, {0, 0, 0}, 0, 0, 0},
-                                    {1, {0, 0, 0}, 0, 0, 1}};
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
-        assert_false(seld_state_strut(&r->state, &bad[i]));
+    const crn_state_words before = r->state.words;
+    const crn_strut_order bad[] = {{0, {0, 0, 0}, 0, 0, 0},
+                                   {0, {0, 0, 0}, 1500, 80, 0},
+                                   {65, {0, 0, 0}, 1500, 80, 0},
+                                   {1, {1900001, 0, 0}, 1500, 80, 0},
+                                   {1, {0, 0, INT32_MIN}, 1500, 80, 0},
+                                   {1, {0, 0, 0}, 199, 80, 0},
+                                   {1, {0, 0, 0}, 20001, 80, 0},
+                                   {1, {0, 0, 0}, 1500, 9, 0},
+                                   {1, {0, 0, 0}, 1500, 1001, 0},
+                                   {1, {0, 0, 0}, 1500, 80, 2},
+                                   {1, {1, 0, 0}, 0, 0, 0},
+                                   {1, {0, 0, 0}, 0, 80, 0},
+                                   {65, {0, 0, 0}, 0, 0, 0},
+                                   {1, {0, 0, 0}, 0, 0, 1}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) assert_false(crn_state_strut(&r->state, &bad[i]));
     assert_memory_equal(&before, &r->state.words, sizeof before);
     free(r);
 }
@@ -487,14 +486,14 @@ static void what_is_no_order_changes_nothing(void **state)
 static void a_restored_state_goes_on_alike(void **state)
 {
     (void)state;
-    const seld_instrument tool = wire(1e-6, 0.1);
+    const crn_instrument tool = wire(1e-6, 0.1);
     rig *a = jailed(0.1), *b = rig_make(&tool, 2e-3, 70000);
     order_stent(a, 0, 1640);
-    uint8_t *bytes = malloc(seld_state_bytes());
-    seld_state_save(&a->state, bytes);
+    uint8_t *bytes = malloc(crn_state_bytes());
+    crn_state_save(&a->state, bytes);
     assert_true(a->state.words.struts.moving_bits[0] != 0);
-    assert_true(seld_state_restore(&b->model, &b->state, bytes));
-    assert_true(seld_state_hash64(&a->state) == seld_state_hash64(&b->state));
+    assert_true(crn_state_restore(&b->model, &b->state, bytes));
+    assert_true(crn_state_hash64(&a->state) == crn_state_hash64(&b->state));
     for (int t = 0; t < 300; t++) {
         a->input.hands[0].feed_m_q30 = b->input.hands[0].feed_m_q30 = -t * 5000;
         run(a, 1);
@@ -502,9 +501,9 @@ static void a_restored_state_goes_on_alike(void **state)
         assert_memory_equal(a->output.hash_lane, b->output.hash_lane, sizeof a->output.hash_lane);
     }
     assert_memory_equal(&a->state.words, &b->state.words, sizeof a->state.words);
-    const uint64_t hash = seld_state_hash64(&a->state);
+    const uint64_t hash = crn_state_hash64(&a->state);
     a->state.words.struts.rings[RINGS - 1].thickness_m_q30++;
-    assert_true(seld_state_hash64(&a->state) != hash);
+    assert_true(crn_state_hash64(&a->state) != hash);
     free(bytes);
     free(a);
     free(b);
@@ -513,26 +512,26 @@ static void a_restored_state_goes_on_alike(void **state)
 static void damaged_rings_are_not_restored(void **state)
 {
     (void)state;
-    const seld_instrument tool = wire(1e-6, 0.1);
+    const crn_instrument tool = wire(1e-6, 0.1);
     rig *r = rig_make(&tool, 4e-3, 20000);
     order_stent(r, 0, 1200);
-    const size_t second = offsetof(seld_strut_state, rings) + sizeof(seld_strut_ring),
-                 beyond = offsetof(seld_strut_state, rings) + RINGS * sizeof(seld_strut_ring);
+    const size_t second = offsetof(crn_strut_state, rings) + sizeof(crn_strut_ring),
+                 beyond = offsetof(crn_strut_state, rings) + RINGS * sizeof(crn_strut_ring);
     const damaged_word bad[] = {
-        {offsetof(seld_strut_state, used), RINGS + 1},
-        {offsetof(seld_strut_state, used), RINGS - 1},
-        {offsetof(seld_strut_state, used), 65},
-        {offsetof(seld_strut_state, joined_bits), 1u << RINGS},
-        {offsetof(seld_strut_state, joined_bits) + 4, 1},
-        {offsetof(seld_strut_state, moving_bits), 1},
-        {second + offsetof(seld_strut_ring, centre_m_q30), 0x80000000u},
-        {second + offsetof(seld_strut_ring, inside_m_q30), 1},
-        {second + offsetof(seld_strut_ring, inside_m_q30), 0x7fffffffu},
-        {second + offsetof(seld_strut_ring, thickness_m_q30), 0},
-        {second + offsetof(seld_strut_ring, thickness_m_q30), 0x00ffffffu},
-        {beyond + offsetof(seld_strut_ring, thickness_m_q30), 85899},
+        {offsetof(crn_strut_state, used), RINGS + 1},
+        {offsetof(crn_strut_state, used), RINGS - 1},
+        {offsetof(crn_strut_state, used), 65},
+        {offsetof(crn_strut_state, joined_bits), 1u << RINGS},
+        {offsetof(crn_strut_state, joined_bits) + 4, 1},
+        {offsetof(crn_strut_state, moving_bits), 1},
+        {second + offsetof(crn_strut_ring, centre_m_q30), 0x80000000u},
+        {second + offsetof(crn_strut_ring, inside_m_q30), 1},
+        {second + offsetof(crn_strut_ring, inside_m_q30), 0x7fffffffu},
+        {second + offsetof(crn_strut_ring, thickness_m_q30), 0},
+        {second + offsetof(crn_strut_ring, thickness_m_q30), 0x00ffffffu},
+        {beyond + offsetof(crn_strut_ring, thickness_m_q30), 85899},
     };
-    refuses_each(&r->model, &r->state, offsetof(seld_state_words, struts), bad, sizeof bad / sizeof bad[0]);
+    refuses_each(&r->model, &r->state, offsetof(crn_state_words, struts), bad, sizeof bad / sizeof bad[0]);
     free(r);
 }
 

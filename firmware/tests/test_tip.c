@@ -13,17 +13,17 @@
 
 static const double Q30 = 1073741824.0;
 
-static rig *rig_in_air(const seld_instrument *wire, uint32_t inserted_um)
+static rig *rig_in_air(const crn_instrument *wire, uint32_t inserted_um)
 {
     rig *r = rig_make(wire, NULL, inserted_um);
-    seld_model_set_gravity(&r->model, 0, 0, 0);
+    crn_model_set_gravity(&r->model, 0, 0, 0);
     return r;
 }
 
 /* A wire of the softest tip with a half circle of this radius at its end; EI goes from 80 to 200 mm to that of the shaft. */
-static seld_instrument make_j(double radius_m, double shaft_N_m2)
+static crn_instrument make_j(double radius_m, double shaft_N_m2)
 {
-    seld_instrument wire = reference_wire(2e-6, 600000, 500, 0.1);
+    crn_instrument wire = reference_wire(2e-6, 600000, 500, 0.1);
     wire.element_shaft_um = 2000;
     wire.element_fine_um = 40000;
     wire.knot_count = 6;
@@ -44,7 +44,7 @@ static seld_instrument make_j(double radius_m, double shaft_N_m2)
 /* Angle of the tip about the axis of the inserter, degrees. */
 static double tip_angle_deg(const rig *r)
 {
-    seld_vec3 p = seld_state_position(&r->state, 0);
+    crn_vec3 p = crn_state_position(&r->state, 0);
     return atan2(p.v[2], p.v[1]) * 180 / acos(-1);
 }
 
@@ -53,7 +53,7 @@ static double tip_angle_deg(const rig *r)
 static void curved_tip_follows_the_hand_in_free_space(void **context)
 {
     (void)context;
-    seld_instrument wire = reference_wire(1e-4, 300000, 1000, 0);
+    crn_instrument wire = reference_wire(1e-4, 300000, 1000, 0);
     wire.element_shaft_um = 4000;
     wire.element_fine_um = 40000;
     wire.knot_count = 4;
@@ -69,7 +69,7 @@ static void curved_tip_follows_the_hand_in_free_space(void **context)
             if (turned && t < 750) r->input.hands[0].turn32 += 4294967; /* one turn per second */
             rig_step(r);
         }
-        seld_vec3 p = seld_state_position(&r->state, 0);
+        crn_vec3 p = crn_state_position(&r->state, 0);
         angle[turned] = tip_angle_deg(r);
         assert_true(hypot(p.v[1], p.v[2]) / Q30 > 0.005); /* the tip does stand off the axis */
     }
@@ -85,7 +85,7 @@ static void a_tight_j_keeps_up_with_a_turning_hand(void **context)
 {
     (void)context;
     const double turn_deg = 0.18; /* per tick */
-    seld_instrument wire = make_j(0.0015, 3e-4);
+    crn_instrument wire = make_j(0.0015, 3e-4);
     rig *r = rig_in_air(&wire, 200000);
     for (int t = 0; t < 1500; t++) rig_step(r);
     const double from_deg = tip_angle_deg(r);
@@ -104,12 +104,12 @@ static void a_tight_j_keeps_up_with_a_turning_hand(void **context)
 static void curved_wire_without_load_takes_its_circle(void **context)
 {
     (void)context;
-    seld_instrument wire = reference_wire(1e-4, 150000, 1000, 0);
+    crn_instrument wire = reference_wire(1e-4, 150000, 1000, 0);
     wire.knots[0].rest_curvature1_per_m_milli = wire.knots[1].rest_curvature1_per_m_milli =
         20000; /* R 50 mm */
     rig *r = rig_in_air(&wire, 100000);
     for (int t = 0; t < 4000; t++) rig_step(r);
-    seld_vec3 p = seld_state_position(&r->state, 0);
+    crn_vec3 p = crn_state_position(&r->state, 0);
     double chord = sqrt(pow(p.v[0] / Q30, 2) + pow(p.v[1] / Q30, 2) + pow(p.v[2] / Q30, 2));
     double expected = 2 * 0.05 * sin(0.1 / 0.1);
     check_below("chord error in % of the arc", 100 * fabs(chord - expected) / 0.1, 0.2);
@@ -123,12 +123,12 @@ static void tight_tip_keeps_its_shape_while_it_is_fed(void **context)
 {
     (void)context;
     const double radius_m = 0.0015;
-    seld_instrument wire = make_j(radius_m, 2e-6);
+    crn_instrument wire = make_j(radius_m, 2e-6);
     rig *r = rig_in_air(&wire, 60000);
     for (int t = 0; t < 2000; t++) {
         if (t >= 1000) r->input.hands[0].feed_m_q30 += (t < 1500 ? 1 : -1) * (int32_t)(3e-5 * Q30);
         rig_step(r);
-        seld_vec3 p = seld_state_position(&r->state, 0);
+        crn_vec3 p = crn_state_position(&r->state, 0);
         if (t >= 1000)
             check_below("tip, mm off 2 R from the axis",
                         1e3 * fabs(hypot(p.v[1], p.v[2]) / Q30 - 2 * radius_m), 0.1);
@@ -142,14 +142,14 @@ static void a_tight_j_rests_on_the_wall(void **context)
 {
     (void)context;
     reference_tube *tube = reference_three_bends(0.004, 0);
-    seld_instrument wire = make_j(0.0015, 3e-4);
+    crn_instrument wire = make_j(0.0015, 3e-4);
     rig *r = rig_make(&wire, &tube->lumen, 30000);
     const int feeding = (int)(0.39 / 4e-5); /* ticks, at 40 mm/s */
     double most_um = 0;
     for (int t = 0; t < feeding + 3000; t++) {
         r->input.hands[0].feed_m_q30 = (int32_t)((t < feeding ? t : feeding) * 4e-5 * Q30);
         rig_step(r);
-        for (uint32_t i = 0; t >= feeding + 2980 && i < seld_state_free_count(&r->state); i++)
+        for (uint32_t i = 0; t >= feeding + 2980 && i < crn_state_free_count(&r->state); i++)
             for (int k = 0; k < 3; k++)
                 most_um = fmax(most_um, fabs(r->state.words.nodes[i].step_m_q33.v[k] / (8 * Q30) * 1e6));
     }

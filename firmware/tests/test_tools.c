@@ -29,9 +29,9 @@ typedef struct tool_plan {
     double wall_friction, lumen_friction;
 } tool_plan;
 
-static seld_instrument make_tool(const tool_plan *plan)
+static crn_instrument make_tool(const tool_plan *plan)
 {
-    seld_instrument tool = reference_wire(plan->shaft_N_m2, 900000, 4000, plan->wall_friction);
+    crn_instrument tool = reference_wire(plan->shaft_N_m2, 900000, 4000, plan->wall_friction);
     tool.element_tip_um = 1000;
     tool.element_fine_um = 40000;
     tool.lumen_friction_milli = (uint32_t)lround(1000 * plan->lumen_friction);
@@ -52,11 +52,11 @@ static seld_instrument make_tool(const tool_plan *plan)
 }
 
 /* From the tip: 6 mm straight, 90 degrees of R = 7 mm, 23 mm of arm, 180 degrees of R = 10 mm the other way. */
-static void judkins(seld_instrument *tool)
+static void judkins(crn_instrument *tool)
 {
     static const uint32_t arc_um[] = {0, 6000, 6000, 17000, 17000, 40000, 40000, 71400, 71400};
     static const int32_t curve_per_m[] = {0, 0, -143, -143, 0, 0, 100, 100, 0};
-    const seld_knot soft = tool->knots[0], shaft = tool->knots[3];
+    const crn_knot soft = tool->knots[0], shaft = tool->knots[3];
     for (int i = 0; i < 9; i++) {
         tool->knots[i] = soft;
         tool->knots[i].arc_um = arc_um[i];
@@ -67,10 +67,10 @@ static void judkins(seld_instrument *tool)
     tool->knot_count = 11;
 }
 
-static rig *rig_planned(const tool_plan *plans, uint32_t count, const seld_lumen *lumen,
+static rig *rig_planned(const tool_plan *plans, uint32_t count, const crn_lumen *lumen,
                         const uint32_t *inserted_um)
 {
-    seld_instrument tools[SELD_TOOL_MAX];
+    crn_instrument tools[CRN_TOOL_MAX];
     for (uint32_t k = 0; k < count; k++) tools[k] = make_tool(&plans[k]);
     return rig_of(tools, count, lumen, inserted_um);
 }
@@ -94,7 +94,7 @@ static double torque_N_m(const rig *r, int tool)
 static double largest_step_mm(const rig *r)
 {
     double largest = 0;
-    for (uint32_t i = 0; i < seld_state_free_count(&r->state); i++) {
+    for (uint32_t i = 0; i < crn_state_free_count(&r->state); i++) {
         double square = 0;
         for (int k = 0; k < 3; k++)
             square += pow(r->state.words.nodes[i].step_m_q33.v[k] / (Q30 * 8) * 1e3, 2);
@@ -113,13 +113,13 @@ static journey move_tool(rig *r, int tool, double way_m, double speed_m_s)
     journey j = {0, 0};
     int32_t from = r->input.hands[tool].feed_m_q30;
     int moving = (int)(fabs(way_m) / speed_m_s * 1000);
-    double inserted[SELD_TOOL_MAX];
-    for (int k = 0; k < SELD_TOOL_MAX; k++) inserted[k] = r->state.words.tools[k].inserted_m_q30 / Q30;
+    double inserted[CRN_TOOL_MAX];
+    for (int k = 0; k < CRN_TOOL_MAX; k++) inserted[k] = r->state.words.tools[k].inserted_m_q30 / Q30;
     for (int t = 1; t <= moving + 2000; t++) {
         double share = t < moving ? (double)t / moving : 1;
         r->input.hands[tool].feed_m_q30 = from + (int32_t)lround(share * way_m * Q30);
         rig_step(r);
-        for (int k = 0; k < SELD_TOOL_MAX; k++) {
+        for (int k = 0; k < CRN_TOOL_MAX; k++) {
             double now = r->output.tools[k].inserted_m_q30 / Q30;
             j.work_J += axial_N(r, k) * (now - inserted[k]);
             inserted[k] = now;
@@ -133,7 +133,7 @@ static journey move_tool(rig *r, int tool, double way_m, double speed_m_s)
 static double turning_deg(const rig *r, double arc_m)
 {
     uint32_t edge = 0;
-    while (seld_model_arc(&r->model, edge) < arc_m * Q30) edge++;
+    while (crn_model_arc(&r->model, edge) < arc_m * Q30) edge++;
     double dot = 0;
     for (int k = 0; k < 3; k++) {
         dot += r->state.words.nodes[0].tangent_q30.v[k] / Q30 *
@@ -159,7 +159,7 @@ static rig *rig_in_air(const tool_plan *wire, const tool_plan *catheter, uint32_
     const tool_plan plans[] = {*wire, *catheter};
     const uint32_t inserted_um[] = {wire_um, catheter_um};
     rig *r = rig_planned(plans, 2, NULL, inserted_um);
-    seld_model_set_gravity(&r->model, 0, 0, 0);
+    crn_model_set_gravity(&r->model, 0, 0, 0);
     return r;
 }
 
@@ -203,7 +203,7 @@ static void stiffness_and_weight_add_where_tools_overlap(void **context)
     rig *r = rig_planned(plans, 2, NULL, inserted_um);
     rest(r, 6000);
     double length_m = r->output.tools[0].inserted_m_q30 / Q30;
-    double sag_m = -seld_state_position(&r->state, 0).v[2] / Q30;
+    double sag_m = -crn_state_position(&r->state, 0).v[2] / Q30;
     double expected_m = 0.010 * 9.81 * pow(length_m, 4) / (8 * 1.6e-3);
     check_near("sag in % of the composite beam's", 100 * sag_m / expected_m, 100, 1);
     free(r);
@@ -306,7 +306,7 @@ static void a_catheter_tracks_over_the_wire_round_the_bends(void **context)
     const uint32_t inserted_um[] = {60000, 20000};
     rig *r = rig_planned(plans, 2, &tube->lumen, inserted_um);
     move_tool(r, WIRE, 0.44, 0.15);
-    seld_vec3 before = seld_state_position(&r->state, 0);
+    crn_vec3 before = crn_state_position(&r->state, 0);
     double deepest_mm = 0;
     for (int t = 0; t < 4500; t++) {
         r->input.hands[CATHETER].feed_m_q30 += (int32_t)(1e-4 * Q30);
@@ -314,7 +314,7 @@ static void a_catheter_tracks_over_the_wire_round_the_bends(void **context)
         deepest_mm = fmax(deepest_mm, r->output.penetration_max_m_q30 / Q30 * 1e3);
     }
     rest(r, 500);
-    seld_vec3 after = seld_state_position(&r->state, 0);
+    crn_vec3 after = crn_state_position(&r->state, 0);
     double moved = 0;
     for (int k = 0; k < 3; k++) moved += pow((after.v[k] - before.v[k]) / Q30 * 1e3, 2);
     check_near("inserted length of the catheter (mm)", r->output.tools[CATHETER].inserted_m_q30 / Q30 * 1e3,
@@ -400,9 +400,9 @@ static void contact_forces_of_the_nodes_carry_the_weight(void **context)
     rig *r = rig_planned(&plan, 1, &tube->lumen, &inserted_um);
     rest(r, 4000);
     double up_N = 0;
-    for (uint32_t i = 0; i < seld_state_free_count(&r->state); i++) {
-        seld_vec3 force;
-        bool touches = seld_state_contact_force(&r->model, &r->state, i, &force);
+    for (uint32_t i = 0; i < crn_state_free_count(&r->state); i++) {
+        crn_vec3 force;
+        bool touches = crn_state_contact_force(&r->model, &r->state, i, &force);
         assert_true(touches || force.v[2] == 0);
         up_N += force.v[2] / 4194304.0;
     }
@@ -440,22 +440,22 @@ static void three_tools_are_restored_bit_for_bit(void **context)
         r->input.hands[(t + 1) % 3].turn32 += 9000000;
         rig_step(r);
     }
-    uint8_t *saved = malloc(seld_state_bytes());
-    seld_state_save(&r->state, saved);
-    seld_input input = r->input;
+    uint8_t *saved = malloc(crn_state_bytes());
+    crn_state_save(&r->state, saved);
+    crn_input input = r->input;
     uint64_t hash[2];
     for (int run = 0; run < 2; run++) {
         if (run) {
             const uint32_t elsewhere_um[] = {50000, 60000, 70000};
-            seld_state_init(&r->model, &r->state, elsewhere_um);
-            assert_true(seld_state_restore(&r->model, &r->state, saved));
+            crn_state_init(&r->model, &r->state, elsewhere_um);
+            assert_true(crn_state_restore(&r->model, &r->state, saved));
         }
         r->input = input;
         for (int t = 0; t < 300; t++) {
             r->input.hands[CATHETER].feed_m_q30 += 200000;
             rig_step(r);
         }
-        hash[run] = seld_state_hash64(&r->state);
+        hash[run] = crn_state_hash64(&r->state);
     }
     assert_true(hash[0] == hash[1]);
     free(saved);
@@ -504,17 +504,17 @@ static void a_tight_guide_comes_out_of_the_sheath_without_saturating(void **cont
     const uint32_t inserted_um[3] = {5000, 5000, 5000};
     reference_tube *tube = reference_tube_make(pieces, 1, 3.6e-3, 1);
     rig *r = calloc(1, sizeof *r);
-    seld_instrument tools[3];
-    seld_entry entry = reference_entry();
-    seld_build_place place;
+    crn_instrument tools[3];
+    crn_entry entry = reference_entry();
+    crn_build_place place;
     for (int k = 0; k < 3; k++) tools[k] = make_tool(&plans[k]);
     judkins(&tools[GUIDE]);
-    assert_int_equal(seld_model_build(&r->model, tools, 3, &tube->lumen, &entry, &place), SELD_BUILD_OK);
-    seld_state_init(&r->model, &r->state, inserted_um);
+    assert_int_equal(crn_model_build(&r->model, tools, 3, &tube->lumen, &entry, &place), CRN_BUILD_OK);
+    crn_state_init(&r->model, &r->state, inserted_um);
     for (int t = 0; t < 1200; t++) {
         for (int k = 0; k < 3; k++) r->input.hands[k].feed_m_q30 += (int32_t)(0.06e-3 * Q30);
         rig_step(r);
-        if (r->output.fault_bits & SELD_FAULT_SATURATED) fail_msg("saturated in tick %u", r->output.tick);
+        if (r->output.fault_bits & CRN_FAULT_SATURATED) fail_msg("saturated in tick %u", r->output.tick);
     }
     free(r);
     reference_tube_free(tube);
@@ -523,21 +523,21 @@ static void a_tight_guide_comes_out_of_the_sheath_without_saturating(void **cont
 static void tools_that_do_not_fit_are_refused_by_name(void **context)
 {
     (void)context;
-    seld_instrument tools[4];
-    seld_entry entry = reference_entry();
-    seld_build_place place;
-    seld_model *model = malloc(sizeof *model);
+    crn_instrument tools[4];
+    crn_entry entry = reference_entry();
+    crn_build_place place;
+    crn_model *model = malloc(sizeof *model);
     for (int k = 0; k < 3; k++) tools[k] = make_tool(&three_shaped[k]);
     tools[3] = tools[2];
-    assert_int_equal(seld_model_build(model, tools, 3, NULL, &entry, &place), SELD_BUILD_OK);
-    assert_int_equal(seld_model_build(model, tools, 0, NULL, &entry, &place), SELD_BUILD_TOOLS);
-    assert_int_equal(seld_model_build(model, tools, 4, NULL, &entry, &place), SELD_BUILD_TOOLS);
+    assert_int_equal(crn_model_build(model, tools, 3, NULL, &entry, &place), CRN_BUILD_OK);
+    assert_int_equal(crn_model_build(model, tools, 0, NULL, &entry, &place), CRN_BUILD_TOOLS);
+    assert_int_equal(crn_model_build(model, tools, 4, NULL, &entry, &place), CRN_BUILD_TOOLS);
     tools[GUIDE].knots[2].radius_inner_um = 799; /* the catheter is 800 um thick */
-    assert_int_equal(seld_model_build(model, tools, 3, NULL, &entry, &place), SELD_BUILD_NESTING);
+    assert_int_equal(crn_model_build(model, tools, 3, NULL, &entry, &place), CRN_BUILD_NESTING);
     assert_int_equal(place.tool, GUIDE);
     assert_int_equal(place.knot, 2);
     tools[GUIDE].knots[2].radius_inner_um = 1150; /* no wall left */
-    assert_int_equal(seld_model_build(model, tools, 3, NULL, &entry, &place), SELD_BUILD_RANGE);
+    assert_int_equal(crn_model_build(model, tools, 3, NULL, &entry, &place), CRN_BUILD_RANGE);
     assert_int_equal(place.tool, GUIDE);
     free(model);
 }

@@ -17,24 +17,24 @@
 
 enum { RANDOM_INPUTS = 1000000 };
 
-static seld_vec3 random_vector(reference_random *random)
+static crn_vec3 random_vector(reference_random *random)
 {
     unsigned drop = reference_random_below(random, 31);
-    seld_vec3 a;
+    crn_vec3 a;
     for (int i = 0; i < 3; i++) a.v[i] = (int32_t)((int64_t)reference_random_next(random) >> 32) >> drop;
     return a;
 }
 
 /* The corners of the number range, one per value of `index` (27 in all). */
-static seld_vec3 extreme_vector(unsigned index)
+static crn_vec3 extreme_vector(unsigned index)
 {
     const int32_t ends[3] = {INT32_MIN, 0, INT32_MAX};
-    return seld_vec3_make(ends[index % 3], ends[index / 3 % 3], ends[index / 9 % 3]);
+    return crn_vec3_make(ends[index % 3], ends[index / 3 % 3], ends[index / 9 % 3]);
 }
 
-static void check_cross(seld_vec3 a, seld_vec3 b, unsigned n)
+static void check_cross(crn_vec3 a, crn_vec3 b, unsigned n)
 {
-    seld_vec3 got = seld_vec3_cross(a, b, n);
+    crn_vec3 got = crn_vec3_cross(a, b, n);
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3;
         int k = (i + 2) % 3;
@@ -57,8 +57,8 @@ static void cross_product_is_rounded_once_and_saturates(void **state)
         }
     }
     for (int i = 0; i < RANDOM_INPUTS; i++) {
-        seld_vec3 a = random_vector(&random);
-        seld_vec3 b = random_vector(&random);
+        crn_vec3 a = random_vector(&random);
+        crn_vec3 b = random_vector(&random);
         check_cross(a, b, 1 + reference_random_below(&random, 63));
     }
 }
@@ -68,12 +68,12 @@ static void sums_saturate_per_component(void **state)
     (void)state;
     for (unsigned i = 0; i < 27; i++) {
         for (unsigned j = 0; j < 27; j++) {
-            seld_vec3 a = extreme_vector(i);
-            seld_vec3 b = extreme_vector(j);
+            crn_vec3 a = extreme_vector(i);
+            crn_vec3 b = extreme_vector(j);
             for (int k = 0; k < 3; k++) {
-                assert_int_equal(seld_vec3_add(a, b).v[k],
+                assert_int_equal(crn_vec3_add(a, b).v[k],
                                  reference_saturated32((reference_wide)a.v[k] + b.v[k]));
-                assert_int_equal(seld_vec3_sub(a, b).v[k],
+                assert_int_equal(crn_vec3_sub(a, b).v[k],
                                  reference_saturated32((reference_wide)a.v[k] - b.v[k]));
             }
         }
@@ -85,25 +85,25 @@ static void dot_product_is_exact_up_to_its_stated_range(void **state)
     (void)state;
     reference_random random = reference_random_seed(12);
     const int32_t most = 1739461754; /* 2^31 * 0.81 */
-    seld_vec3 a = seld_vec3_make(most, -most, most);
-    assert_true(seld_vec3_dot64(a, a) == 3 * (int64_t)most * most);
+    crn_vec3 a = crn_vec3_make(most, -most, most);
+    assert_true(crn_vec3_dot64(a, a) == 3 * (int64_t)most * most);
     for (int i = 0; i < RANDOM_INPUTS; i++) {
         a = random_vector(&random);
-        seld_vec3 b = random_vector(&random);
+        crn_vec3 b = random_vector(&random);
         for (int k = 0; k < 3; k++) b.v[k] /= 2; /* within +-2^30: the other side of the stated range */
         reference_wide expected = 0;
         for (int k = 0; k < 3; k++) expected += (reference_wide)a.v[k] * b.v[k];
-        if (seld_vec3_dot64(a, b) != expected) {
+        if (crn_vec3_dot64(a, b) != expected) {
             fail_msg("(%d %d %d) . (%d %d %d) = %lld, expected %lld", a.v[0], a.v[1], a.v[2], b.v[0], b.v[1],
-                     b.v[2], (long long)seld_vec3_dot64(a, b), (long long)expected);
+                     b.v[2], (long long)crn_vec3_dot64(a, b), (long long)expected);
         }
     }
 }
 
-static void check_with_unit(seld_vec3 unit_q30, seld_vec3 a)
+static void check_with_unit(crn_vec3 unit_q30, crn_vec3 a)
 {
     reference_wide dot = 0;
-    seld_vec3 cross = seld_vec3_cross_unit(&unit_q30, &a);
+    crn_vec3 cross = crn_vec3_cross_unit(&unit_q30, &a);
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3;
         int k = (i + 2) % 3;
@@ -116,9 +116,9 @@ static void check_with_unit(seld_vec3 unit_q30, seld_vec3 a)
                      (long long)reference_round_shift(minor, 30));
         }
     }
-    if (llabs(seld_vec3_dot_unit(&a, &unit_q30) - (long long)reference_round_shift(dot, 30)) > 6) {
+    if (llabs(crn_vec3_dot_unit(&a, &unit_q30) - (long long)reference_round_shift(dot, 30)) > 6) {
         fail_msg("(%d %d %d) . (%d %d %d) = %d, expected %lld", a.v[0], a.v[1], a.v[2], unit_q30.v[0],
-                 unit_q30.v[1], unit_q30.v[2], seld_vec3_dot_unit(&a, &unit_q30),
+                 unit_q30.v[1], unit_q30.v[2], crn_vec3_dot_unit(&a, &unit_q30),
                  (long long)reference_round_shift(dot, 30));
     }
 }
@@ -129,20 +129,20 @@ static void products_with_unit_vectors_keep_their_bounds_up_to_the_stated_length
     reference_random random = reference_random_seed(14);
     const int32_t most = 2143289343; /* 2^31 (1 - 2^-9) - 1: along one axis, parallel and across */
     for (int i = 0; i < 3; i++) {
-        seld_vec3 a = {{0, 0, 0}};
+        crn_vec3 a = {{0, 0, 0}};
         a.v[i] = most;
         for (int j = 0; j < 3; j++) {
-            seld_vec3 unit_q30 = {{0, 0, 0}};
-            unit_q30.v[j] = SELD_ONE_Q30;
+            crn_vec3 unit_q30 = {{0, 0, 0}};
+            unit_q30.v[j] = CRN_ONE_Q30;
             check_with_unit(unit_q30, a);
-            unit_q30.v[j] = -SELD_ONE_Q30;
+            unit_q30.v[j] = -CRN_ONE_Q30;
             check_with_unit(unit_q30, a);
         }
     }
     for (int i = 0; i < RANDOM_INPUTS; i++) {
-        seld_vec3 unit_q30 =
-            seld_vec3_normalise(random_vector(&random), seld_vec3_make(SELD_ONE_Q30, 0, 0), NULL);
-        seld_vec3 a = random_vector(&random);
+        crn_vec3 unit_q30 =
+            crn_vec3_normalise(random_vector(&random), crn_vec3_make(CRN_ONE_Q30, 0, 0), NULL);
+        crn_vec3 a = random_vector(&random);
         for (int k = 0; k < 3; k++) a.v[k] /= 2; /* length at most 2^30 sqrt(3), inside the stated one */
         check_with_unit(unit_q30, a);
     }
@@ -150,10 +150,10 @@ static void products_with_unit_vectors_keep_their_bounds_up_to_the_stated_length
 
 static long double worst_lsb;
 
-static void check_normalise(seld_vec3 a)
+static void check_normalise(crn_vec3 a)
 {
     int32_t length = -1;
-    seld_vec3 got = seld_vec3_normalise(a, seld_vec3_make(0, 0, SELD_ONE_Q30), &length);
+    crn_vec3 got = crn_vec3_normalise(a, crn_vec3_make(0, 0, CRN_ONE_Q30), &length);
     long double square = 0;
     for (int i = 0; i < 3; i++) square += (long double)a.v[i] * a.v[i];
     long double exact = sqrtl(square);
@@ -177,32 +177,32 @@ static void directions_and_lengths_hold_for_vectors_of_any_length(void **state)
     (void)state;
     reference_random random = reference_random_seed(13);
     for (unsigned i = 0; i < 27; i++) {
-        seld_vec3 a = extreme_vector(i);
+        crn_vec3 a = extreme_vector(i);
         if (a.v[0] != 0 || a.v[1] != 0 || a.v[2] != 0) check_normalise(a);
     }
     for (int x = -8; x <= 8; x++) {
         for (int y = -8; y <= 8; y++) {
-            for (int z = 1; z <= 8; z++) check_normalise(seld_vec3_make(x, y, z));
+            for (int z = 1; z <= 8; z++) check_normalise(crn_vec3_make(x, y, z));
         }
     }
     for (int i = 0; i < RANDOM_INPUTS; i++) {
-        seld_vec3 a = random_vector(&random);
+        crn_vec3 a = random_vector(&random);
         if (a.v[0] != 0 || a.v[1] != 0 || a.v[2] != 0) check_normalise(a);
     }
-    print_message("# seld_vec3_normalise: worst error seen %.3Lf LSB\n", worst_lsb);
+    print_message("# crn_vec3_normalise: worst error seen %.3Lf LSB\n", worst_lsb);
 }
 
 static void zero_vector_gives_the_fallback_and_length_zero(void **state)
 {
     (void)state;
     int32_t length = -1;
-    seld_vec3 got = seld_vec3_normalise(seld_vec3_make(0, 0, 0), seld_vec3_make(1, 2, 3), &length);
+    crn_vec3 got = crn_vec3_normalise(crn_vec3_make(0, 0, 0), crn_vec3_make(1, 2, 3), &length);
     assert_int_equal(length, 0);
     assert_int_equal(got.v[0], 1);
     assert_int_equal(got.v[1], 2);
     assert_int_equal(got.v[2], 3);
-    got = seld_vec3_normalise(seld_vec3_make(0, -5, 0), got, NULL);
-    assert_int_equal(got.v[1], -SELD_ONE_Q30);
+    got = crn_vec3_normalise(crn_vec3_make(0, -5, 0), got, NULL);
+    assert_int_equal(got.v[1], -CRN_ONE_Q30);
 }
 
 int main(void)

@@ -15,17 +15,17 @@ namespace
 
 [[noreturn]] void gone()
 {
-    throw seld::LinkError("the device is gone: its cable was cut. Remedy: plug it in, then begin with HELLO");
+    throw crn::LinkError("the device is gone: its cable was cut. Remedy: plug it in, then begin with HELLO");
 }
 
 // A device that speaks of another scene than it has: all of ours, another of this size, or all of our upload.
 void claim_scene(std::uint32_t lie, std::vector<std::uint8_t> &payload)
 {
-    seld_wire_set_up there;
-    if (!seld_wire_decode_set_up(payload.data(), payload.size(), &there)) return;
+    crn_wire_set_up there;
+    if (!crn_wire_decode_set_up(payload.data(), payload.size(), &there)) return;
     const std::vector<std::uint8_t> &scene = tube_scene();
     const auto bytes = static_cast<std::uint32_t>(scene.size());
-    const std::uint32_t crc32 = seld_wire_crc32(0, scene.data(), scene.size());
+    const std::uint32_t crc32 = crn_wire_crc32(0, scene.data(), scene.size());
     if (lie == lie_upload_is_there) {
         there.upload_bytes = there.upload_received = bytes;
         there.upload_crc32 = crc32;
@@ -33,12 +33,12 @@ void claim_scene(std::uint32_t lie, std::vector<std::uint8_t> &payload)
         there.scene_bytes = bytes;
         there.scene_crc32 = lie == lie_scene_is_there ? crc32 : ~crc32;
     }
-    seld_wire_writer writer = seld_wire_writer_make(payload.data(), payload.size());
-    seld_wire_put_set_up(&writer, &there);
+    crn_wire_writer writer = crn_wire_writer_make(payload.data(), payload.size());
+    crn_wire_put_set_up(&writer, &there);
 }
 
 // Changes one thing in a message. Numbers that no device sends: far too large, negative, all ones.
-void change(std::uint32_t lie, Random &random, seld_wire_header &header, std::vector<std::uint8_t> &payload)
+void change(std::uint32_t lie, Random &random, crn_wire_header &header, std::vector<std::uint8_t> &payload)
 {
     const std::size_t size = payload.size(),
                       place = size > 0 ? random.below(static_cast<std::uint32_t>(size)) : 0;
@@ -56,7 +56,7 @@ void change(std::uint32_t lie, Random &random, seld_wire_header &header, std::ve
         payload.resize(size / 2);
         break;
     case 1:
-        payload.resize(std::min<std::size_t>(size + 1 + random.below(40), SELD_WIRE_PAYLOAD_MAX));
+        payload.resize(std::min<std::size_t>(size + 1 + random.below(40), CRN_WIRE_PAYLOAD_MAX));
         break;
     case 2:
         header.type = static_cast<std::uint16_t>(random.next());
@@ -87,17 +87,17 @@ void change(std::uint32_t lie, Random &random, seld_wire_header &header, std::ve
 std::vector<std::uint8_t> lie_of(const std::vector<std::uint8_t> &frame, std::uint32_t lie,
                                  std::uint64_t seed)
 {
-    const auto decoder = std::make_unique<seld_wire_decoder>();
-    seld_wire_decoder_init(decoder.get());
+    const auto decoder = std::make_unique<crn_wire_decoder>();
+    crn_wire_decoder_init(decoder.get());
     bool is_frame = false;
-    for (std::uint8_t byte : frame) is_frame = seld_wire_decoder_push(decoder.get(), byte) == SELD_WIRE_FRAME;
+    for (std::uint8_t byte : frame) is_frame = crn_wire_decoder_push(decoder.get(), byte) == CRN_WIRE_FRAME;
     if (!is_frame) return frame;
     Random random(seed * 1000 + lie);
-    seld_wire_header header = decoder->header;
+    crn_wire_header header = decoder->header;
     std::vector<std::uint8_t> payload(decoder->payload, decoder->payload + decoder->payload_bytes);
     change(lie, random, header, payload);
-    std::vector<std::uint8_t> lied(SELD_WIRE_FRAME_MAX);
-    lied.resize(seld_wire_frame_encode(&header, payload.data(), payload.size(), lied.data(), lied.size()));
+    std::vector<std::uint8_t> lied(CRN_WIRE_FRAME_MAX);
+    lied.resize(crn_wire_frame_encode(&header, payload.data(), payload.size(), lied.data(), lied.size()));
     return lied;
 }
 

@@ -9,10 +9,10 @@
 namespace hil
 {
 
-class FaultyPipe final : public seld::Transport
+class FaultyPipe final : public crn::Transport
 {
   public:
-    explicit FaultyPipe(seld::Transport &inner) : inner_(inner) {}
+    explicit FaultyPipe(crn::Transport &inner) : inner_(inner) {}
 
     void arm(const Fault &fault); // frames count from here on
     void plug();                  // a cut cable is whole again; what was on its way is lost
@@ -31,7 +31,7 @@ class FaultyPipe final : public seld::Transport
     std::vector<Bytes> struck(Bytes frame); // what is sent instead of it
     void take_from_device();
 
-    seld::Transport &inner_;
+    crn::Transport &inner_;
     Fault fault_{};
     bool is_armed_ = false, has_struck_ = false, is_cut_ = false;
     std::uint32_t written_ = 0, read_ = 0, delivered_ = 0, stall_ms_ = 0;

@@ -9,10 +9,10 @@ namespace hil
 namespace
 {
 
-seld_wire_instrument short_wire()
+crn_wire_instrument short_wire()
 {
-    seld_wire_instrument wire = seld::read_instrument("shared/examples/instruments/j_wire.toml").table;
-    seld_wire_knot shaft = wire.knots[wire.knots_count - 1];
+    crn_wire_instrument wire = crn::read_instrument("shared/examples/instruments/j_wire.toml").table;
+    crn_wire_knot shaft = wire.knots[wire.knots_count - 1];
     shaft.rest_curvature1_per_m_milli = shaft.rest_curvature2_per_m_milli = 0;
     wire.knots_count = 2;
     wire.knots[0] = wire.knots[1] = shaft;
@@ -24,33 +24,33 @@ seld_wire_instrument short_wire()
 }
 
 // Frames that no host of ours sends, in a good envelope.
-void send_raw(seld::Transport &pipe, std::uint16_t type, std::span<const std::uint8_t> payload)
+void send_raw(crn::Transport &pipe, std::uint16_t type, std::span<const std::uint8_t> payload)
 {
-    const seld_wire_header header = {1, 0, type};
-    std::vector<std::uint8_t> frame(SELD_WIRE_FRAME_MAX);
-    frame.resize(seld_wire_frame_encode(&header, payload.data(), payload.size(), frame.data(), frame.size()));
+    const crn_wire_header header = {1, 0, type};
+    std::vector<std::uint8_t> frame(CRN_WIRE_FRAME_MAX);
+    frame.resize(crn_wire_frame_encode(&header, payload.data(), payload.size(), frame.data(), frame.size()));
     pipe.write(frame);
 }
 
-void send_hello(seld::Transport &pipe, std::uint64_t schema)
+void send_hello(crn::Transport &pipe, std::uint64_t schema)
 {
-    const seld_wire_hello hello = {SELD_WIRE_PROTOCOL_MAJOR, SELD_WIRE_PROTOCOL_MINOR, schema};
-    std::uint8_t payload[SELD_WIRE_BYTES_hello];
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    seld_wire_put_hello(&writer, &hello);
-    send_raw(pipe, SELD_WIRE_TYPE_hello, {payload, writer.length});
+    const crn_wire_hello hello = {CRN_WIRE_PROTOCOL_MAJOR, CRN_WIRE_PROTOCOL_MINOR, schema};
+    std::uint8_t payload[CRN_WIRE_BYTES_hello];
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    crn_wire_put_hello(&writer, &hello);
+    send_raw(pipe, CRN_WIRE_TYPE_hello, {payload, writer.length});
 }
 
-void send_hostile(seld::Transport &pipe, std::uint32_t message, Random &random)
+void send_hostile(crn::Transport &pipe, std::uint32_t message, Random &random)
 {
     static constexpr std::uint16_t types[hostile_types] = {
-        SELD_WIRE_TYPE_scene_begin,    SELD_WIRE_TYPE_scene_chunk,
-        SELD_WIRE_TYPE_scene_end,      SELD_WIRE_TYPE_tools,
-        SELD_WIRE_TYPE_entry,          SELD_WIRE_TYPE_rig,
-        SELD_WIRE_TYPE_step,           SELD_WIRE_TYPE_input,
-        SELD_WIRE_TYPE_stream,         SELD_WIRE_TYPE_get,
-        SELD_WIRE_TYPE_snapshot_begin, SELD_WIRE_TYPE_snapshot_chunk,
-        SELD_WIRE_TYPE_snapshot_end,   0x7777};
+        CRN_WIRE_TYPE_scene_begin,    CRN_WIRE_TYPE_scene_chunk,
+        CRN_WIRE_TYPE_scene_end,      CRN_WIRE_TYPE_tools,
+        CRN_WIRE_TYPE_entry,          CRN_WIRE_TYPE_rig,
+        CRN_WIRE_TYPE_step,           CRN_WIRE_TYPE_input,
+        CRN_WIRE_TYPE_stream,         CRN_WIRE_TYPE_get,
+        CRN_WIRE_TYPE_snapshot_begin, CRN_WIRE_TYPE_snapshot_chunk,
+        CRN_WIRE_TYPE_snapshot_end,   0x7777};
     std::vector<std::uint8_t> payload(random.below(700));
     for (std::uint8_t &byte : payload) byte = static_cast<std::uint8_t>(random.next());
     send_raw(pipe, types[message % hostile_types], payload);
@@ -84,32 +84,32 @@ PlantSettings campaign_plant(bool has_stuck_motor)
     return settings;
 }
 
-void campaign_set_up(seld::Link &link)
+void campaign_set_up(crn::Link &link)
 {
-    static const seld_wire_instrument wire = short_wire();
+    static const crn_wire_instrument wire = short_wire();
     link.hello();
-    if (link.read_status().state != SELD_WIRE_STATE_READY) link.reset();
+    if (link.read_status().state != CRN_WIRE_STATE_READY) link.reset();
     link.load_scene(tube_scene());
     link.load_tools({&wire, 1});
-    seld_wire_entry entry{};
+    crn_wire_entry entry{};
     entry.direction_x_q30 = 1 << 30;
     entry.inserted_um_count = 1;
     entry.inserted_um[0] = 30000;
     link.set_entry(entry);
-    seld_wire_rig rig = plant_rig();
-    for (seld_wire_track &track : rig.tracks) {
+    crn_wire_rig rig = plant_rig();
+    for (crn_wire_track &track : rig.tracks) {
         track.seal_mN = 2000; // the sheath holds the wire, so that a push is felt at once
         track.seal_uN_m = 1000;
     }
     link.set_rig(rig);
 }
 
-bool same_state(const seld_wire_tick_state &a, const seld_wire_tick_state &b)
+bool same_state(const crn_wire_tick_state &a, const crn_wire_tick_state &b)
 {
     return a.tick == b.tick && a.hash_lane0 == b.hash_lane0 && a.hash_lane1 == b.hash_lane1;
 }
 
-void strange_host(const Fault &fault, seld::Transport &pipe)
+void strange_host(const Fault &fault, crn::Transport &pipe)
 {
     Random random(fault.seed * 1009u + fault.at * 31u + fault.value);
     if (fault.is("host.hostile")) {
@@ -120,24 +120,24 @@ void strange_host(const Fault &fault, seld::Transport &pipe)
         send_hello(pipe, random.next());
         return;
     }
-    send_hello(pipe, seld_wire_schema_hash());
+    send_hello(pipe, crn_wire_schema_hash());
     static constexpr std::uint8_t actions[second_actions] = {0,
-                                                             SELD_WIRE_ACTION_ARM,
-                                                             SELD_WIRE_ACTION_START,
-                                                             SELD_WIRE_ACTION_STOP,
-                                                             SELD_WIRE_ACTION_RESET,
-                                                             SELD_WIRE_ACTION_FREE_RUN,
-                                                             SELD_WIRE_ACTION_CONFIRM};
+                                                             CRN_WIRE_ACTION_ARM,
+                                                             CRN_WIRE_ACTION_START,
+                                                             CRN_WIRE_ACTION_STOP,
+                                                             CRN_WIRE_ACTION_RESET,
+                                                             CRN_WIRE_ACTION_FREE_RUN,
+                                                             CRN_WIRE_ACTION_CONFIRM};
     const std::uint8_t action = actions[fault.value % second_actions];
-    const std::uint8_t payload[SELD_WIRE_BYTES_command] = {action};
-    if (action != 0) send_raw(pipe, SELD_WIRE_TYPE_command, payload);
+    const std::uint8_t payload[CRN_WIRE_BYTES_command] = {action};
+    if (action != 0) send_raw(pipe, CRN_WIRE_TYPE_command, payload);
 }
 
 Undisturbed run_undisturbed(Level &level)
 {
     Undisturbed undisturbed;
     const auto bench = level.make(campaign_plant());
-    seld::Link link(bench->pipe());
+    crn::Link link(bench->pipe());
     campaign_set_up(link);
     const Ending ending = lockstep_session(link, lockstep_ticks, 1);
     undisturbed.lockstep = ending.states;

@@ -17,7 +17,7 @@ inline constexpr double force_none_N = 0.02, torque_none_N_m = 0.0002; // less t
 
 // What the same sessions are without a fault.
 struct Undisturbed {
-    std::vector<seld_wire_tick_state> lockstep, free_run;
+    std::vector<crn_wire_tick_state> lockstep, free_run;
     std::uint64_t lockstep_hash = 0;
     std::vector<double> motor_N; // of the hand's axis at the end of every millisecond of FREE_RUN
 };
@@ -37,9 +37,9 @@ struct Outcome {
 };
 
 // Set-up of the campaign: a short wire in the tube, a sheath that holds it, one track driven.
-void campaign_set_up(seld::Link &link);
+void campaign_set_up(crn::Link &link);
 PlantSettings campaign_plant(bool has_stuck_motor = false);
-bool same_state(const seld_wire_tick_state &a, const seld_wire_tick_state &b);
+bool same_state(const crn_wire_tick_state &a, const crn_wire_tick_state &b);
 
 Undisturbed run_undisturbed(Level &level);
 Outcome run_fault(Level &level, const Fault &fault, const Undisturbed &undisturbed);
@@ -50,6 +50,6 @@ void run_free(Level &level, const Fault &fault, const Undisturbed &undisturbed, 
 void free_run_undisturbed(Level &level, Undisturbed &undisturbed);
 
 // What another host says in the middle of a session, to the very device; its answers go where answers go.
-void strange_host(const Fault &fault, seld::Transport &pipe);
+void strange_host(const Fault &fault, crn::Transport &pipe);
 
 } // namespace hil

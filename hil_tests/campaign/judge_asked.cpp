@@ -30,7 +30,7 @@ class Host
                 (has_begun_ && goes_on() ? resumed : replayed)++;
                 finish();
                 is_done = true;
-            } catch (const seld::LinkError &error) {
+            } catch (const crn::LinkError &error) {
                 outcome.message = error.what();
                 check(!outcome.message.empty(), "an error without a message");
                 pipe_.plug();
@@ -51,11 +51,10 @@ class Host
     {
         link_.emplace(pipe_);
         link_->hello();
-        const seld_wire_status status = link_->read_status();
-        const bool is_built =
-            status.state == SELD_WIRE_STATE_RUNNING || status.state == SELD_WIRE_STATE_ARMED;
-        if (is_built && status.mode == SELD_WIRE_MODE_LOCKSTEP && status.tick == recorded_.size()) {
-            if (status.state == SELD_WIRE_STATE_RUNNING) link_->stop();
+        const crn_wire_status status = link_->read_status();
+        const bool is_built = status.state == CRN_WIRE_STATE_RUNNING || status.state == CRN_WIRE_STATE_ARMED;
+        if (is_built && status.mode == CRN_WIRE_MODE_LOCKSTEP && status.tick == recorded_.size()) {
+            if (status.state == CRN_WIRE_STATE_RUNNING) link_->stop();
             link_->start();
             return true;
         }
@@ -88,17 +87,17 @@ class Host
         }
         while (link_->tick() < lockstep_ticks) {
             const std::uint32_t tick = link_->tick();
-            const seld_wire_encoders input = sample_input(tick);
+            const crn_wire_encoders input = sample_input(tick);
             meet(tick);
-            const seld_wire_tick_state state = link_->step({&input, 1}, false).front();
+            const crn_wire_tick_state state = link_->step({&input, 1}, false).front();
             check(state.tick == tick + 1, "tick %u came as %u", unsigned{tick + 1}, unsigned{state.tick});
             take(state);
         }
-        const seld::Hash64 hash = link_->read_hash64();
+        const crn::Hash64 hash = link_->read_hash64();
         const bool is_same = hash.hash == undisturbed_.lockstep_hash && hash.tick == lockstep_ticks;
         if (!is_same && fault_.is("device.lies") && !has_asked_again_) {
             has_asked_again_ = true; // the lie may be about this very answer
-            throw seld::LinkError("another hash than the recording's");
+            throw crn::LinkError("another hash than the recording's");
         }
         check(is_same, "final hash %016llx at tick %u, undisturbed %016llx",
               static_cast<unsigned long long>(hash.hash), unsigned{hash.tick},
@@ -106,7 +105,7 @@ class Host
     }
 
     // What is recorded is what the undisturbed session did, but for what a liar said in the one frame.
-    void take(const seld_wire_tick_state &state)
+    void take(const crn_wire_tick_state &state)
     {
         const std::size_t i = state.tick - 1;
         if (i < recorded_.size()) return;
@@ -129,8 +128,8 @@ class Host
     const Undisturbed &undisturbed_;
     std::unique_ptr<Bench> bench_;
     FaultyPipe pipe_;
-    std::optional<seld::Link> link_;
-    std::vector<seld_wire_tick_state> recorded_;
+    std::optional<crn::Link> link_;
+    std::vector<crn_wire_tick_state> recorded_;
     bool has_begun_ = false, has_met_ = false, has_asked_again_ = false;
     int lied_ticks_ = 0;
 };

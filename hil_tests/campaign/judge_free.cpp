@@ -19,23 +19,23 @@ struct Answer {
     std::vector<int> codes;
 };
 const Answer answers[] = {
-    {"rig.encoder_jump", {SELD_FAULT_CODE_ENCODER_JUMP_TRANSLATION}},
-    {"rig.encoder_turn_jump", {SELD_FAULT_CODE_ENCODER_JUMP_ROTATION}},
+    {"rig.encoder_jump", {CRN_FAULT_CODE_ENCODER_JUMP_TRANSLATION}},
+    {"rig.encoder_turn_jump", {CRN_FAULT_CODE_ENCODER_JUMP_ROTATION}},
     {"rig.encoder_turn_stuck", {0}}, // looks like a hand: the torque limit is what protects
-    {"rig.encoder_turn_reversed", {0, SELD_FAULT_CODE_ENCODER_JUMP_ROTATION}},
-    {"rig.encoder_stuck", {0, SELD_FAULT_CODE_ENCODER_STUCK}},
-    {"rig.encoder_reversed", {0, SELD_FAULT_CODE_ENCODER_REVERSED, SELD_FAULT_CODE_ENCODER_JUMP_TRANSLATION}},
-    {"rig.encoder_lost", {SELD_FAULT_CODE_ENCODER_LOST}},
-    {"rig.force_sensor_range", {SELD_FAULT_CODE_FORCE_SENSOR_LOST}},
-    {"rig.force_sensor_silent", {SELD_FAULT_CODE_FORCE_SENSOR_LOST}},
+    {"rig.encoder_turn_reversed", {0, CRN_FAULT_CODE_ENCODER_JUMP_ROTATION}},
+    {"rig.encoder_stuck", {0, CRN_FAULT_CODE_ENCODER_STUCK}},
+    {"rig.encoder_reversed", {0, CRN_FAULT_CODE_ENCODER_REVERSED, CRN_FAULT_CODE_ENCODER_JUMP_TRANSLATION}},
+    {"rig.encoder_lost", {CRN_FAULT_CODE_ENCODER_LOST}},
+    {"rig.force_sensor_range", {CRN_FAULT_CODE_FORCE_SENSOR_LOST}},
+    {"rig.force_sensor_silent", {CRN_FAULT_CODE_FORCE_SENSOR_LOST}},
     {"rig.force_jump",
-     {SELD_FAULT_CODE_FORCE_OVER, SELD_FAULT_CODE_FORCE_MISMATCH, SELD_FAULT_CODE_ACTUATOR_STUCK_ON}},
-    {"rig.over_current", {SELD_FAULT_CODE_OVER_CURRENT}},
+     {CRN_FAULT_CODE_FORCE_OVER, CRN_FAULT_CODE_FORCE_MISMATCH, CRN_FAULT_CODE_ACTUATOR_STUCK_ON}},
+    {"rig.over_current", {CRN_FAULT_CODE_OVER_CURRENT}},
     {"rig.actuator_stuck_on",
-     {SELD_FAULT_CODE_OVER_CURRENT, SELD_FAULT_CODE_FORCE_MISMATCH, SELD_FAULT_CODE_ACTUATOR_STUCK_ON}},
-    {"rig.supply_lost", {SELD_FAULT_CODE_SUPPLY_LOST}},
-    {"rig.emergency_stop", {SELD_FAULT_CODE_EMERGENCY_STOP}},
-    {"rig.freeze", {SELD_FAULT_CODE_STAGE_LOST, SELD_FAULT_CODE_TICK_STALLED}},
+     {CRN_FAULT_CODE_OVER_CURRENT, CRN_FAULT_CODE_FORCE_MISMATCH, CRN_FAULT_CODE_ACTUATOR_STUCK_ON}},
+    {"rig.supply_lost", {CRN_FAULT_CODE_SUPPLY_LOST}},
+    {"rig.emergency_stop", {CRN_FAULT_CODE_EMERGENCY_STOP}},
+    {"rig.freeze", {CRN_FAULT_CODE_STAGE_LOST, CRN_FAULT_CODE_TICK_STALLED}},
 };
 
 const Answer *answer_of(const Fault &fault)
@@ -78,7 +78,7 @@ class Loop
     }
 
     void judge();
-    const std::vector<seld_wire_tick_state> &recorded() const { return recorded_; }
+    const std::vector<crn_wire_tick_state> &recorded() const { return recorded_; }
     const std::vector<double> &motor() const { return motor_N_; }
 
   private:
@@ -89,10 +89,10 @@ class Loop
     void watch_silence();
     void expect_off(SafeClass which);
     void judge_recording();
-    void judge_rig(const seld_wire_status &status);
+    void judge_rig(const crn_wire_status &status);
     void judge_log(std::uint16_t code, bool is_there);
     void repair();
-    seld_wire_status ask_status();
+    crn_wire_status ask_status();
     void start_again();
 
     double motor_N() { return bench_->plant().track(0).translation.motor_force(); }
@@ -110,11 +110,11 @@ class Loop
     Outcome &outcome_;
     std::unique_ptr<Bench> bench_;
     FaultyPipe pipe_;
-    seld::Link link_;
+    crn::Link link_;
     std::uint32_t ms_ = 0, delivered_ = 0, last_frame_ms_ = 0, silence_ms_ = 0, silent_from_ms_ = 0;
     int onset_ms_ = -1;
     bool is_cut_ = false;
-    std::vector<seld_wire_tick_state> recorded_;
+    std::vector<crn_wire_tick_state> recorded_;
     std::vector<double> motor_N_;
 };
 
@@ -128,12 +128,12 @@ void Loop::talk()
         link_.send_input(sample_input(0));
         has_asked = true;
         link_.free_run(0);
-    } catch (const seld::LinkError &error) {
+    } catch (const crn::LinkError &error) {
         outcome_.message = error.what();
         check(!outcome_.message.empty(), "an error without a message");
     }
     if (has_asked)
-        for (const seld_wire_live_tick &live : link_.live_ticks()) recorded_.push_back(live.state);
+        for (const crn_wire_live_tick &live : link_.live_ticks()) recorded_.push_back(live.state);
     if (pipe_.delivered() != delivered_) last_frame_ms_ = ms_;
     delivered_ = pipe_.delivered();
     is_cut_ = fault_ != nullptr && is("link.cut") && pipe_.has_struck();
@@ -164,8 +164,8 @@ void Loop::observe()
         if (ms_ > fault_->at + lasting_ms && least >= harm_N) expect_off(SafeClass::sensors_and_forces);
     }
     if (onset_ms_ < 0) return;
-    if (static_cast<int>(ms_) - onset_ms_ > SELD_PORT_DRIVE_HOLD_ms && ms_ > fault_->at && is("rig.freeze"))
-        check(!plant.is_stage_on(), "the power stage holds longer than %d ms", int{SELD_PORT_DRIVE_HOLD_ms});
+    if (static_cast<int>(ms_) - onset_ms_ > CRN_PORT_DRIVE_HOLD_ms && ms_ > fault_->at && is("rig.freeze"))
+        check(!plant.is_stage_on(), "the power stage holds longer than %d ms", int{CRN_PORT_DRIVE_HOLD_ms});
     if (outcome_.safe_ms >= 0) return;
     const int since = static_cast<int>(ms_) - onset_ms_;
     if (is_safe())
@@ -275,7 +275,7 @@ void Loop::judge_recording()
                                    : silence_ms_ >= silent_ms ? silent_from_ms_ - 1
                                                               : free_ticks;
     std::uint32_t last = 0;
-    for (const seld_wire_tick_state &state : recorded_) {
+    for (const crn_wire_tick_state &state : recorded_) {
         const bool is_sane = state.tick >= 1 && state.tick <= free_ticks;
         const bool is_known =
             is_sane && (state.tick > same_until || same_state(state, undisturbed_.free_run[state.tick - 1]));
@@ -292,33 +292,33 @@ void Loop::judge_recording()
               unsigned{link_.ticks_missing()});
 }
 
-seld_wire_status Loop::ask_status()
+crn_wire_status Loop::ask_status()
 {
     for (int attempt = 0;; attempt++) {
         try {
             return link_.read_status();
-        } catch (const seld::LinkError &error) {
+        } catch (const crn::LinkError &error) {
             outcome_.message = error.what();
             if (attempt == 3) throw;
-            if (error.reject.code == SELD_REJECT_NOT_GREETED || attempt > 0) link_.hello();
+            if (error.reject.code == CRN_REJECT_NOT_GREETED || attempt > 0) link_.hello();
         }
     }
 }
 
 void Loop::judge_log(std::uint16_t code, bool is_there)
 {
-    const seld_wire_fault_log log = link_.read_fault_log();
+    const crn_wire_fault_log log = link_.read_fault_log();
     bool is_found = false;
     for (std::uint16_t i = 0; i < log.entries_count; i++) is_found = is_found || log.entries[i].code == code;
-    check(is_found == is_there, "%s is %s the fault log", seld_wire_fault_name(code),
+    check(is_found == is_there, "%s is %s the fault log", crn_wire_fault_name(code),
           is_found ? "in" : "not in");
 }
 
-void Loop::judge_rig(const seld_wire_status &status)
+void Loop::judge_rig(const crn_wire_status &status)
 {
     if (is("rig.brown_out")) {
-        check(status.state == SELD_WIRE_STATE_READY, "%s after a brown-out",
-              seld_wire_state_name(status.state));
+        check(status.state == CRN_WIRE_STATE_READY, "%s after a brown-out",
+              crn_wire_state_name(status.state));
         outcome_.ending = "started again";
         return;
     }
@@ -326,15 +326,15 @@ void Loop::judge_rig(const seld_wire_status &status)
     check(answer != nullptr, "nobody says what the device must do");
     bool is_expected = false;
     for (int code : answer->codes) is_expected = is_expected || code == status.fault_code;
-    check(is_expected, "%s, cause %s", seld_wire_state_name(status.state),
-          seld_wire_fault_name(status.fault_code));
+    check(is_expected, "%s, cause %s", crn_wire_state_name(status.state),
+          crn_wire_fault_name(status.fault_code));
     if (status.fault_code == 0) {
         outcome_.ending = "goes on";
         return;
     }
-    check(status.state == SELD_WIRE_STATE_FAULT, "%s, not FAULT", seld_wire_state_name(status.state));
+    check(status.state == CRN_WIRE_STATE_FAULT, "%s, not FAULT", crn_wire_state_name(status.state));
     judge_log(status.fault_code, true);
-    outcome_.ending = std::string("FAULT ") + seld_wire_fault_name(status.fault_code);
+    outcome_.ending = std::string("FAULT ") + crn_wire_fault_name(status.fault_code);
     check(recorded_.size() == status.tick, "%zu ticks recorded of %u up to the fault", recorded_.size(),
           unsigned{status.tick});
     for (std::uint32_t i = 0; i < latched_ms; i++) {
@@ -356,18 +356,18 @@ void Loop::judge()
     }
     judge_recording();
     pipe_.plug();
-    const seld_wire_status status = ask_status();
+    const crn_wire_status status = ask_status();
     const bool is_off = is("host.wrong_schema") || (is("host.second") && fault_->value == 3);
     if (fault_->is_group("rig.")) {
         judge_rig(status);
     } else if (is_off || (is("host.second") && fault_->value == 4)) {
-        const std::uint8_t state = is_off ? SELD_WIRE_STATE_ARMED : SELD_WIRE_STATE_READY;
+        const std::uint8_t state = is_off ? CRN_WIRE_STATE_ARMED : CRN_WIRE_STATE_READY;
         check(status.state == state && !bench_->plant().is_stage_on(), "%s after the other host",
-              seld_wire_state_name(status.state));
+              crn_wire_state_name(status.state));
         outcome_.ending = "stopped";
     } else {
-        check(status.state == SELD_WIRE_STATE_RUNNING, "%s, not RUNNING", seld_wire_state_name(status.state));
-        judge_log(SELD_FAULT_CODE_HOST_SILENT, silence_ms_ >= silent_ms);
+        check(status.state == CRN_WIRE_STATE_RUNNING, "%s, not RUNNING", crn_wire_state_name(status.state));
+        judge_log(CRN_FAULT_CODE_HOST_SILENT, silence_ms_ >= silent_ms);
         outcome_.ending = silence_ms_ < silent_ms ? "goes on" : is_cut_ ? "resumed" : "faded, goes on";
     }
     start_again();
@@ -380,15 +380,15 @@ void Loop::start_again()
     Ending ending;
     for (int attempt = 0; ending.states.empty(); attempt++) {
         try {
-            seld::Link again(pipe_);
+            crn::Link again(pipe_);
             campaign_set_up(again);
             ending = lockstep_session(again, 4, 2);
-        } catch (const seld::LinkError &error) {
+        } catch (const crn::LinkError &error) {
             outcome_.message = error.what();
             check(attempt < 3, "no new session: %s", error.what());
         }
     }
-    for (const seld_wire_tick_state &state : ending.states)
+    for (const crn_wire_tick_state &state : ending.states)
         check(same_state(state, undisturbed_.lockstep[state.tick - 1]),
               "tick %u of a new session has another hash", unsigned{state.tick});
 }

@@ -65,11 +65,11 @@ int run(const Options &options)
     if (writes) {
         const auto folder = std::filesystem::path(options.file).parent_path();
         if (!folder.empty()) std::filesystem::create_directories(folder);
-        seld::check_outputs({}, {{"--tsv", options.file}});
+        crn::check_outputs({}, {{"--tsv", options.file}});
     }
     hil::CampaignTable table(options.level);
     for (const hil::Fault &fault : faults) {
-        if (seld::is_interrupted()) break;
+        if (crn::is_interrupted()) break;
         if (table.count() % 250 == 0)
             std::fprintf(stderr, "%zu of %zu faults\n", table.count(), faults.size());
         const hil::Outcome outcome = hil::run_fault(level, fault, undisturbed);
@@ -79,7 +79,7 @@ int run(const Options &options)
     }
     table.print();
     if (writes) table.write(options.file);
-    return table.failures() == 0 && !seld::is_interrupted() ? 0 : 1;
+    return table.failures() == 0 && !crn::is_interrupted() ? 0 : 1;
 }
 
 } // namespace
@@ -94,7 +94,7 @@ int main(int argc, char **argv)
     } catch (const CLI::ParseError &error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
-    seld::watch_for_interrupt();
+    crn::watch_for_interrupt();
     try {
         return run(options);
     } catch (const std::invalid_argument &error) {

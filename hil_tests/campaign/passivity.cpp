@@ -31,13 +31,13 @@ const std::vector<std::uint8_t> &end_wall()
 }
 
 // False: refused by the rule.
-bool set_up(Bench &bench, seld::Link &link, const PassivityTrial &trial)
+bool set_up(Bench &bench, crn::Link &link, const PassivityTrial &trial)
 {
     link.hello();
     bench.plant().local_unlock = true;
     bench.advance(2); // the sample with it has come to the device
-    seld_wire_rig rig = seld::host_rig();
-    for (seld_wire_track &track : rig.tracks) {
+    crn_wire_rig rig = crn::host_rig();
+    for (crn_wire_track &track : rig.tracks) {
         track.force_gain_milli = trial.gain_milli;
         track.damping_mN_s_per_m = trial.damping_mN_s_per_m;
         track.actuator_lag_us = trial.lag_us;
@@ -45,12 +45,12 @@ bool set_up(Bench &bench, seld::Link &link, const PassivityTrial &trial)
     }
     try {
         link.set_rig(rig);
-    } catch (const seld::LinkError &error) {
-        if (error.reject.code != SELD_REJECT_RIG_RANGE) throw;
+    } catch (const crn::LinkError &error) {
+        if (error.reject.code != CRN_REJECT_RIG_RANGE) throw;
         return false;
     }
-    const seld_wire_instrument wire = haptic_wire(1e-3);
-    seld_wire_entry entry{};
+    const crn_wire_instrument wire = haptic_wire(1e-3);
+    crn_wire_entry entry{};
     entry.direction_x_q30 = 1 << 30;
     entry.inserted_um_count = 1;
     entry.inserted_um[0] = 60000;
@@ -64,7 +64,7 @@ bool set_up(Bench &bench, seld::Link &link, const PassivityTrial &trial)
 class Session
 {
   public:
-    Session(Bench &bench, seld::Link &link, PassivityOutcome &outcome)
+    Session(Bench &bench, crn::Link &link, PassivityOutcome &outcome)
         : bench_(bench), link_(link), outcome_(outcome)
     {
         axis().set_hand(Hand::spring);
@@ -113,7 +113,7 @@ class Session
     }
 
     Bench &bench_;
-    seld::Link &link_;
+    crn::Link &link_;
     PassivityOutcome &outcome_;
     std::uint32_t ms_ = 0;
     bool is_released_ = false;
@@ -181,15 +181,15 @@ PassivityOutcome run_passivity(Level &level, const PassivityTrial &trial)
 {
     PassivityOutcome outcome;
     const auto bench = level.make(haptic_plant(trial.is_firm ? 800 : 200, trial.is_firm ? 5 : 1));
-    seld::Link link(bench->pipe());
+    crn::Link link(bench->pipe());
     outcome.is_accepted = set_up(*bench, link, trial);
     if (!outcome.is_accepted) return outcome;
     Session session(*bench, link, outcome);
     session.push();
     session.hold();
     session.let_go();
-    const seld_wire_status status = link.read_status();
-    if (status.state != SELD_WIRE_STATE_RUNNING) outcome.fault = seld_wire_fault_name(status.fault_code);
+    const crn_wire_status status = link.read_status();
+    if (status.state != CRN_WIRE_STATE_RUNNING) outcome.fault = crn_wire_fault_name(status.fault_code);
     outcome.failure = failure_of(outcome);
     return outcome;
 }

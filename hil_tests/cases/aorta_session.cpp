@@ -15,64 +15,64 @@ namespace hil
 
 using Clock = std::chrono::steady_clock;
 
-void set_up_aorta(seld::Link &link, const AortaFiles &files, const seld::Session &session,
-                  const seld_wire_rig &rig)
+void set_up_aorta(crn::Link &link, const AortaFiles &files, const crn::Session &session,
+                  const crn_wire_rig &rig)
 {
-    const seld::SceneFile scene = seld::read_scene(files.scene);
-    seld::Instrument wire = seld::read_instrument(files.instrument);
+    const crn::SceneFile scene = crn::read_scene(files.scene);
+    crn::Instrument wire = crn::read_instrument(files.instrument);
     if (files.element_shaft_um > 0) wire.table.element_shaft_um = files.element_shaft_um;
     link.hello();
     link.load_scene(scene.bytes);
     link.load_tools({&wire.table, 1});
-    link.set_entry(seld::entry_of(scene, 1, session.inserted_um));
+    link.set_entry(crn::entry_of(scene, 1, session.inserted_um));
     link.set_rig(rig);
 }
 
-std::unique_ptr<seld::TipPlaces> vessels_of(const AortaFiles &files)
+std::unique_ptr<crn::TipPlaces> vessels_of(const AortaFiles &files)
 {
     const std::string bodies = std::filesystem::path(files.scene).replace_extension(".bodies").string();
-    return seld::read_tip_places(bodies, files.scene);
+    return crn::read_tip_places(bodies, files.scene);
 }
 
-void look_at_aorta(seld::Link &link, const AortaFiles &files, const seld::TipPlaces &vessels,
-                   seld::SessionPlayer &player, double inserted_m)
+void look_at_aorta(crn::Link &link, const AortaFiles &files, const crn::TipPlaces &vessels,
+                   crn::SessionPlayer &player, double inserted_m)
 {
-    std::vector<seld::TipPlace> tips;
+    std::vector<crn::TipPlace> tips;
     if (player.wants_tips()) {
-        const seld::Instrument wire = seld::read_instrument(files.instrument);
-        tips = vessels.at(seld::wire_frame(link.read_nodes(), link.node_table(), {&wire, 1}));
+        const crn::Instrument wire = crn::read_instrument(files.instrument);
+        tips = vessels.at(crn::wire_frame(link.read_nodes(), link.node_table(), {&wire, 1}));
     }
     player.observe({{&inserted_m, 1}, tips, nullptr});
 }
 
-AortaRun run_aorta(seld::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
+AortaRun run_aorta(crn::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
                    const std::function<double()> &instructions)
 {
-    const seld::Session session = seld::read_session(files.session);
-    seld::Link link(pipe);
-    set_up_aorta(link, files, session, seld::host_rig());
+    const crn::Session session = crn::read_session(files.session);
+    crn::Link link(pipe);
+    set_up_aorta(link, files, session, crn::host_rig());
     link.use_lockstep();
     link.arm();
     link.start();
     AortaRun run;
     run.elements = static_cast<std::uint32_t>(link.node_table().arcs_m_q30_count) - 1;
-    const std::unique_ptr<seld::TipPlaces> vessels = vessels_of(files);
-    seld::SessionPlayer player(session, 1, &vessels->map());
-    const std::uint32_t batch = instructions ? 1 : seld::SessionPlayer::observe_every_ticks;
+    const std::unique_ptr<crn::TipPlaces> vessels = vessels_of(files);
+    crn::SessionPlayer player(session, 1, &vessels->map());
+    const std::uint32_t batch = instructions ? 1 : crn::SessionPlayer::observe_every_ticks;
     const Clock::time_point begin = Clock::now();
-    std::vector<seld_wire_encoders> inputs;
+    std::vector<crn_wire_encoders> inputs;
     double inserted_m = 0.0;
-    while (!player.is_done() && link.tick() < ticks_max && !seld::is_interrupted()) {
+    while (!player.is_done() && link.tick() < ticks_max && !crn::is_interrupted()) {
         inputs.clear();
         while (inputs.size() < batch && link.tick() + inputs.size() < ticks_max && !player.is_done())
             inputs.push_back(player.next());
         const double before = instructions ? instructions() : 0.0;
-        for (const seld_wire_tick_state &state : link.step(inputs, false)) {
-            inserted_m = seld::units::metres(state.tools[0].inserted_m_q30);
+        for (const crn_wire_tick_state &state : link.step(inputs, false)) {
+            inserted_m = crn::units::metres(state.tools[0].inserted_m_q30);
             run.tick_solves.push_back(state.solve_count);
         }
         if (instructions) run.tick_instructions.push_back(instructions() - before);
-        if (link.tick() % seld::SessionPlayer::observe_every_ticks == 0)
+        if (link.tick() % crn::SessionPlayer::observe_every_ticks == 0)
             look_at_aorta(link, files, *vessels, player, inserted_m);
     }
     run.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
@@ -83,14 +83,14 @@ AortaRun run_aorta(seld::Transport &pipe, const AortaFiles &files, std::uint32_t
 
 std::uint32_t shaft_of(const AortaFiles &files, std::uint32_t elements)
 {
-    const seld::Session session = seld::read_session(files.session);
+    const crn::Session session = crn::read_session(files.session);
     AortaFiles tried = files;
     std::uint32_t low_um = 1000, high_um = 8000; // too many elements, few enough
     while (high_um - low_um > 1) {
         tried.element_shaft_um = (low_um + high_um) / 2;
-        seld::SimTransport pipe;
-        seld::Link link(pipe);
-        set_up_aorta(link, tried, session, seld::host_rig());
+        crn::SimTransport pipe;
+        crn::Link link(pipe);
+        set_up_aorta(link, tried, session, crn::host_rig());
         link.arm();
         const bool is_few = link.node_table().arcs_m_q30_count <= elements + 1;
         (is_few ? high_um : low_um) = tried.element_shaft_um;

@@ -29,17 +29,17 @@ struct AortaRun {
 };
 
 // HELLO to READY with the session's scene, wire and entry.
-void set_up_aorta(seld::Link &link, const AortaFiles &files, const seld::Session &session,
-                  const seld_wire_rig &rig);
+void set_up_aorta(crn::Link &link, const AortaFiles &files, const crn::Session &session,
+                  const crn_wire_rig &rig);
 
 // The vessels by whose names the session steers: from the bodies beside the scene.
-std::unique_ptr<seld::TipPlaces> vessels_of(const AortaFiles &files);
+std::unique_ptr<crn::TipPlaces> vessels_of(const AortaFiles &files);
 // What the session decides by, where it looks at the tip: read from the device.
-void look_at_aorta(seld::Link &link, const AortaFiles &files, const seld::TipPlaces &vessels,
-                   seld::SessionPlayer &player, double inserted_m);
+void look_at_aorta(crn::Link &link, const AortaFiles &files, const crn::TipPlaces &vessels,
+                   crn::SessionPlayer &player, double inserted_m);
 
 // One step per tick when `counts` is given, which tells the instructions spent so far; else steps as long as they can be.
-AortaRun run_aorta(seld::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
+AortaRun run_aorta(crn::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
                    const std::function<double()> &instructions = {});
 
 // The shaft's element length in um that gives the wire at most so many elements.

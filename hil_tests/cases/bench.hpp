@@ -21,10 +21,10 @@ class Bench
     explicit Bench(const PlantSettings &settings) : plant_(settings) {}
     virtual ~Bench() = default;
 
-    virtual seld::Transport &pipe() = 0;
+    virtual crn::Transport &pipe() = 0;
 
     Plant &plant() { return plant_; }
-    const seld_port_outputs &outputs() const { return outputs_; }
+    const crn_port_outputs &outputs() const { return outputs_; }
 
     // Milliseconds of the device with its rig.
     void advance(std::uint32_t milliseconds)
@@ -67,16 +67,16 @@ class Bench
 
   protected:
     // One edge of the device's timer with this sample; what it then wants from the rig.
-    virtual seld_port_outputs edge(const seld_port_inputs &inputs) = 0;
+    virtual crn_port_outputs edge(const crn_port_inputs &inputs) = 0;
     virtual void hold(bool held) = 0;
     virtual void pass_frozen_ms() {} // where the device's clock is not its own
-    virtual seld_port_outputs restart() = 0;
+    virtual crn_port_outputs restart() = 0;
 
   private:
     static void sleep(double seconds);
 
     Plant plant_;
-    seld_port_outputs outputs_{};
+    crn_port_outputs outputs_{};
 };
 
 // Makes benches of one level, with a device just powered up.

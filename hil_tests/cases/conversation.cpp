@@ -30,7 +30,7 @@ std::string text(const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    std::string result = seld::formatted_with(format, values);
+    std::string result = crn::formatted_with(format, values);
     va_end(values);
     return result;
 }
@@ -40,7 +40,7 @@ void check(bool is_true, const char *format, ...)
     if (is_true) return;
     va_list values;
     va_start(values, format);
-    std::string result = seld::formatted_with(format, values);
+    std::string result = crn::formatted_with(format, values);
     va_end(values);
     throw Failure(result);
 }
@@ -50,7 +50,7 @@ void check_same(const Ending &a, const Ending &b, const char *what)
     check(a.states.size() == b.states.size(), "%s: %zu ticks and %zu ticks", what, a.states.size(),
           b.states.size());
     for (std::size_t i = 0; i < a.states.size(); i++) {
-        const seld_wire_tick_state &left = a.states[i], &right = b.states[i];
+        const crn_wire_tick_state &left = a.states[i], &right = b.states[i];
         check(left.hash_lane0 == right.hash_lane0 && left.hash_lane1 == right.hash_lane1,
               "%s: hashes differ from tick %u on: %08x %08x and %08x %08x", what, unsigned{left.tick},
               unsigned{left.hash_lane0}, unsigned{left.hash_lane1}, unsigned{right.hash_lane0},
@@ -60,11 +60,11 @@ void check_same(const Ending &a, const Ending &b, const char *what)
           static_cast<unsigned long long>(a.hash), static_cast<unsigned long long>(b.hash));
 }
 
-seld_wire_rig plant_rig()
+crn_wire_rig plant_rig()
 {
     const AxisSettings along{}, about = rotation_axis_settings;
-    seld_wire_rig rig = seld::host_rig();
-    for (seld_wire_track &track : rig.tracks) {
+    crn_wire_rig rig = crn::host_rig();
+    for (crn_wire_track &track : rig.tracks) {
         track.damping_mN_s_per_m = static_cast<std::uint32_t>(along.viscous * 1e3);
         track.damping_nN_m_s_per_rad = static_cast<std::uint32_t>(about.viscous * 1e9);
         track.coupling_N_per_m = 1000;
@@ -75,13 +75,13 @@ seld_wire_rig plant_rig()
     return rig;
 }
 
-void set_up(seld::Link &link)
+void set_up(crn::Link &link)
 {
-    static const seld::Instrument wire = seld::read_instrument("shared/examples/instruments/j_wire.toml");
+    static const crn::Instrument wire = crn::read_instrument("shared/examples/instruments/j_wire.toml");
     link.hello();
     link.load_scene(tube_scene());
     link.load_tools({&wire.table, 1});
-    seld_wire_entry entry{};
+    crn_wire_entry entry{};
     entry.direction_x_q30 = 1 << 30;
     entry.inserted_um_count = 1;
     entry.inserted_um[0] = 30000;
@@ -89,24 +89,24 @@ void set_up(seld::Link &link)
     link.set_rig(plant_rig());
 }
 
-seld_wire_encoders sample_input(std::uint32_t tick)
+crn_wire_encoders sample_input(std::uint32_t tick)
 {
     const auto t = static_cast<std::int32_t>(tick);
-    seld_wire_encoders input{};
+    crn_wire_encoders input{};
     input.hands_count = 1;
     input.hands[0].translation_counts = t < 300 ? 200 * t : 60000 - 50 * (t - 300);
     input.hands[0].rotation_counts = 40 * t;
     return input;
 }
 
-Ending lockstep_session(seld::Link &link, std::uint32_t ticks, std::uint32_t batch,
+Ending lockstep_session(crn::Link &link, std::uint32_t ticks, std::uint32_t batch,
                         const std::function<void(std::uint32_t tick)> &between)
 {
     Ending ending;
     link.use_lockstep();
     link.arm();
     link.start();
-    std::vector<seld_wire_encoders> inputs;
+    std::vector<crn_wire_encoders> inputs;
     while (link.tick() < ticks) {
         inputs.clear();
         for (std::uint32_t i = 0; i < batch && link.tick() + i < ticks; i++)
@@ -122,13 +122,13 @@ Ending lockstep_session(seld::Link &link, std::uint32_t ticks, std::uint32_t bat
 
 Ending host_only_session(std::uint32_t ticks, std::uint32_t batch)
 {
-    seld::SimTransport pipe;
-    seld::Link link(pipe);
+    crn::SimTransport pipe;
+    crn::Link link(pipe);
     set_up(link);
     return lockstep_session(link, ticks, batch);
 }
 
-void start_free_run(Bench &bench, seld::Link &link)
+void start_free_run(Bench &bench, crn::Link &link)
 {
     link.use_free_run();
     link.arm();
@@ -137,13 +137,13 @@ void start_free_run(Bench &bench, seld::Link &link)
     link.start();
 }
 
-std::vector<seld_wire_tick_state> keep_talking(seld::Link &link)
+std::vector<crn_wire_tick_state> keep_talking(crn::Link &link)
 {
     link.send_input(sample_input(0)); // the rig's own encoders count
     return link.free_run(0);
 }
 
-void keep_running(seld::Link &link, std::uint32_t milliseconds, Ending *ending)
+void keep_running(crn::Link &link, std::uint32_t milliseconds, Ending *ending)
 {
     for (std::uint32_t ms = 0; ms < milliseconds; ms += host_every_ms) {
         link.send_input(sample_input(0)); // that the host is there; the rig's own encoders count
@@ -151,7 +151,7 @@ void keep_running(seld::Link &link, std::uint32_t milliseconds, Ending *ending)
         if (ending) ending->states.insert(ending->states.end(), states.begin(), states.end());
     }
     if (!ending) return;
-    const seld::Hash64 hash = link.read_hash64();
+    const crn::Hash64 hash = link.read_hash64();
     ending->tick = hash.tick;
     ending->hash = hash.hash;
 }

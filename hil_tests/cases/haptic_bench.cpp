@@ -4,16 +4,16 @@
 namespace hil
 {
 
-seld_wire_instrument haptic_wire(double bend_N_m2)
+crn_wire_instrument haptic_wire(double bend_N_m2)
 {
-    seld_wire_instrument wire{};
+    crn_wire_instrument wire{};
     wire.axial_stiffness_max_N = 3000;
     wire.element_tip_um = 2000;
     wire.element_shaft_um = 4000;
     wire.element_fine_um = 20000;
     wire.knots_count = 2;
     for (std::uint32_t i = 0; i < 2; i++) {
-        seld_wire_knot &knot = wire.knots[i];
+        crn_wire_knot &knot = wire.knots[i];
         knot.arc_um = i * 350000;
         knot.bend_stiffness_nN_m2 = static_cast<std::uint32_t>(std::lround(bend_N_m2 * 1e9));
         knot.twist_stiffness_nN_m2 = static_cast<std::uint32_t>(std::lround(bend_N_m2 / 1.3 * 1e9));

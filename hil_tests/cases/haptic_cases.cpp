@@ -41,10 +41,10 @@ struct Grip {
 constexpr Grip grips[] = {{200, 1}, {800, 5}}; // loose, firm
 
 // The stiffest coupling along the line that the device takes for this rig; none about it.
-seld_wire_rig rig_of(std::uint32_t seal_mN)
+crn_wire_rig rig_of(std::uint32_t seal_mN)
 {
-    seld_wire_rig rig = seld::host_rig();
-    for (seld_wire_track &track : rig.tracks) {
+    crn_wire_rig rig = crn::host_rig();
+    for (crn_wire_track &track : rig.tracks) {
         track.damping_mN_s_per_m = 1000;
         track.actuator_lag_us = 500;
         track.coupling_N_per_m = 800;
@@ -67,8 +67,8 @@ class Trial
                                       static_cast<std::uint32_t>(situation.pieces.size()), situation.radius_m,
                                       1, scene.data(), scene.size()));
         }
-        const seld_wire_instrument wire = haptic_wire(situation.bend_N_m2);
-        seld_wire_entry entry{};
+        const crn_wire_instrument wire = haptic_wire(situation.bend_N_m2);
+        crn_wire_entry entry{};
         entry.direction_x_q30 = 1 << 30;
         entry.inserted_um_count = 1;
         entry.inserted_um[0] = situation.inserted_um;
@@ -97,7 +97,7 @@ class Trial
         return (high_N_ - low_N_) / 2;
     }
 
-    seld_wire_status status() { return link_.read_status(); }
+    crn_wire_status status() { return link_.read_status(); }
     double largest_N() const { return largest_N_; }
 
   private:
@@ -115,7 +115,7 @@ class Trial
     }
 
     std::unique_ptr<Bench> bench_;
-    seld::Link link_;
+    crn::Link link_;
     std::uint32_t ms_ = 0;
     double low_N_ = 0.0, high_N_ = 0.0, largest_N_ = 0.0;
 };
@@ -132,9 +132,9 @@ void no_contact_situation_has_a_limit_cycle(Level &level, const CaseOptions &opt
         const double forth_N = trial.hold();
         trial.go(-situation.way_m / 2);
         const double back_N = trial.hold();
-        const seld_wire_status status = trial.status();
-        check(status.state == SELD_WIRE_STATE_RUNNING, "%s: ended by %s", situation.name,
-              seld_wire_fault_name(status.fault_code));
+        const crn_wire_status status = trial.status();
+        check(status.state == CRN_WIRE_STATE_RUNNING, "%s: ended by %s", situation.name,
+              crn_wire_fault_name(status.fault_code));
         check(std::max(forth_N, back_N) <= cycle_max_N,
               "%s, hand of %.0f N/m: %.3f N forth, %.3f N back, allowed %.2f", situation.name, grip.stiffness,
               forth_N, back_N, cycle_max_N);

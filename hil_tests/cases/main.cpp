@@ -52,7 +52,7 @@ class Table
     // Runs one thing; what it throws is its failure.
     template <class Work> void run(const std::string &level, const std::string &name, Work work)
     {
-        if (seld::is_interrupted()) return;
+        if (crn::is_interrupted()) return;
         std::fprintf(stderr, "%-4s %s ...\n", level.c_str(), name.c_str());
         hil::Report report;
         std::string failure;
@@ -83,7 +83,7 @@ class Table
         }
         print_sums();
         std::printf("%zu passed, %d failed%s\n", rows_.size() - static_cast<std::size_t>(failed), failed,
-                    seld::is_interrupted() ? ", interrupted" : "");
+                    crn::is_interrupted() ? ", interrupted" : "");
         return failed;
     }
 
@@ -150,7 +150,7 @@ void judge_instructions(const hil::AortaRun &run, hil::Report &report)
 }
 
 // Every tick of the counted session: instructions and solves, one line each, for whoever looks for the dear ones.
-void write_counts(const hil::AortaRun &run, seld::PendingFile &file)
+void write_counts(const hil::AortaRun &run, crn::PendingFile &file)
 {
     for (std::size_t i = 0; i < run.tick_instructions.size(); i++)
         file.write(hil::text("%zu\t%.0f\t%u\n", i, run.tick_instructions[i], unsigned{run.tick_solves[i]}));
@@ -158,7 +158,7 @@ void write_counts(const hil::AortaRun &run, seld::PendingFile &file)
 }
 
 // Work on every edge of the session in FREE_RUN: its number and microseconds.
-void write_overruns(const hil::Overruns &run, seld::PendingFile &file)
+void write_overruns(const hil::Overruns &run, crn::PendingFile &file)
 {
     for (std::size_t i = 0; i < run.edge_us.size(); i++)
         file.write(hil::text("%zu\t%.2f\n", i, run.edge_us[i]));
@@ -180,8 +180,8 @@ void count_only(const Options &options, Table &table)
     if (options.elements > 0) files.element_shaft_um = hil::shaft_of(options.files, options.elements);
     if (!options.counts.empty()) {
         table.run("L1", "m7_instructions_per_tick", [&](hil::Report &report) {
-            seld::PendingFile file(options.counts);
-            seld::SimTransport pipe;
+            crn::PendingFile file(options.counts);
+            crn::SimTransport pipe;
             const hil::AortaRun alone = hil::run_aorta(pipe, files, options.ticks_max);
             const hil::AortaRun counted = hil::count_aorta(files, options.ticks_max);
             check_hash(alone, counted, report);
@@ -191,7 +191,7 @@ void count_only(const Options &options, Table &table)
     }
     if (!options.overruns.empty()) {
         table.run("L1", "tick_overruns_at_500_mips", [&](hil::Report &report) {
-            seld::PendingFile file(options.overruns);
+            crn::PendingFile file(options.overruns);
             const hil::Overruns run = hil::overruns_of_aorta(files, 1, options.ticks_max);
             write_overruns(run, file);
             judge_overruns(run, report);
@@ -203,7 +203,7 @@ void run_aorta(const Options &options, Table &table)
 {
     hil::AortaRun expected, counted;
     table.run("host", "aorta_session", [&](hil::Report &report) {
-        seld::SimTransport pipe;
+        crn::SimTransport pipe;
         expected = hil::run_aorta(pipe, options.files, options.ticks_max);
         check_hash(expected, expected, report);
     });
@@ -224,8 +224,8 @@ void run_aorta(const Options &options, Table &table)
     hil::AortaFiles budget = options.files;
     table.run("L1", "aorta_session", [&](hil::Report &report) {
         budget.element_shaft_um = hil::shaft_of(options.files, 256);
-        seld::Emulator emulator({.icount_shift = 0});
-        seld::EmulatedTransport pipe(emulator);
+        crn::Emulator emulator({.icount_shift = 0});
+        crn::EmulatedTransport pipe(emulator);
         check_hash(expected, hil::run_aorta(pipe, options.files, options.ticks_max), report);
     });
     // Minutes each, of a processor whose time is counted in instructions: they may share the machine.
@@ -234,7 +234,7 @@ void run_aorta(const Options &options, Table &table)
         overruns[shift] = std::async(std::launch::async, hil::overruns_of_aorta, budget,
                                      static_cast<int>(shift), options.ticks_max);
     table.run("L1", "aorta_session_of_256_elements", [&](hil::Report &report) {
-        seld::SimTransport pipe;
+        crn::SimTransport pipe;
         const hil::AortaRun alone = hil::run_aorta(pipe, budget, options.ticks_max);
         counted = hil::count_aorta(budget, options.ticks_max);
         check_hash(alone, counted, report);
@@ -344,11 +344,11 @@ int main(int argc, char **argv)
         for (const hil::Case &one : hil::all_cases()) std::printf("%s\n", one.name);
         return 0;
     }
-    seld::watch_for_interrupt();
+    crn::watch_for_interrupt();
     Table table;
     if (!options.counts.empty() || !options.overruns.empty()) {
         count_only(options, table);
-        return table.print() == 0 && !seld::is_interrupted() ? 0 : 1;
+        return table.print() == 0 && !crn::is_interrupted() ? 0 : 1;
     }
     hil::SimLevel l0;
     hil::EmulatedLevel l1(0, options.debugger);
@@ -374,5 +374,5 @@ int main(int argc, char **argv)
     }
     if (options.case_name.empty() && !options.without_aorta) run_aorta(options, table);
     if (options.case_name.empty() && !options.only_aorta) run_commands(options, table);
-    return table.print() == 0 && !seld::is_interrupted() ? 0 : 1;
+    return table.print() == 0 && !crn::is_interrupted() ? 0 : 1;
 }

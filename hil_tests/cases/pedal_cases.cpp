@@ -13,9 +13,9 @@ namespace
 constexpr int picture_size = 16;
 constexpr std::uint32_t talk_every_ms = 4;
 
-seld::XrayPicture blank_picture(std::uint32_t tick)
+crn::XrayPicture blank_picture(std::uint32_t tick)
 {
-    seld::XrayPicture picture;
+    crn::XrayPicture picture;
     picture.size = picture_size;
     picture.tick = tick;
     picture.grey.assign(picture_size * picture_size, 128);
@@ -42,7 +42,7 @@ class Suite
         last_ = link_.tick();
     }
 
-    seld::Room &room() { return room_; }
+    crn::Room &room() { return room_; }
     std::uint32_t tick() const { return last_; }
 
     void go(std::uint32_t milliseconds)
@@ -52,7 +52,7 @@ class Suite
             link_.send_input(sample_input(0));
             link_.free_run(std::min<std::uint32_t>(
                 talk_every_ms, static_cast<std::uint32_t>(end - bench_->plant().milliseconds())));
-            for (const seld_wire_live_tick &tick : link_.live_ticks()) take(tick);
+            for (const crn_wire_live_tick &tick : link_.live_ticks()) take(tick);
         }
     }
 
@@ -69,7 +69,7 @@ class Suite
     }
 
   private:
-    void take(const seld_wire_live_tick &live)
+    void take(const crn_wire_live_tick &live)
     {
         const std::uint32_t tick = live.state.tick;
         check(tick == last_ + 1, "tick %u came after tick %u", unsigned{tick}, unsigned{last_});
@@ -79,7 +79,7 @@ class Suite
             press_.pulses++;
             room_.expose(blank_picture(tick));
         }
-        for (const seld::RoomCommand &command : pedals_.changes(live.input.buttons)) {
+        for (const crn::RoomCommand &command : pedals_.changes(live.input.buttons)) {
             (command.values[0] ? press_.down_tick : press_.up_tick) = tick;
             const std::string why = room_.give(tick + 1, command);
             check(why.empty(), "the room refuses a pedal: %s", why.c_str());
@@ -87,9 +87,9 @@ class Suite
     }
 
     std::unique_ptr<Bench> bench_;
-    seld::Link link_;
-    seld::Room room_;
-    seld::RigPedals pedals_;
+    crn::Link link_;
+    crn::Room room_;
+    crn::RigPedals pedals_;
     Press press_;
     std::uint32_t last_ = 0;
 };
@@ -109,16 +109,16 @@ void pedals_make_fluoroscopy_a_roadmap_and_a_cine_run(Level &level, const CaseOp
 {
     Suite suite(level);
     suite.go(4);
-    const Press fluoro = suite.press(SELD_WIRE_BUTTON_XRAY, 80);
+    const Press fluoro = suite.press(CRN_WIRE_BUTTON_XRAY, 80);
     check_press(fluoro, "fluoroscopy", 15);
     check(!suite.room().is_beam_on(), "the beam stays on after the pedal");
 
-    check(suite.room().give(suite.tick() + 1, {seld::RoomAction::roadmap, {2, 0, 0}}).empty(),
+    check(suite.room().give(suite.tick() + 1, {crn::RoomAction::roadmap, {2, 0, 0}}).empty(),
           "no new roadmap");
-    check_press(suite.press(SELD_WIRE_BUTTON_XRAY, 72), "roadmap", 15);
-    check(suite.room().status().roadmap == seld::RoadmapState::shown, "the press made no roadmap");
+    check_press(suite.press(CRN_WIRE_BUTTON_XRAY, 72), "roadmap", 15);
+    check(suite.room().status().roadmap == crn::RoadmapState::shown, "the press made no roadmap");
 
-    const Press cine = suite.press(SELD_WIRE_BUTTON_CINE, 80);
+    const Press cine = suite.press(CRN_WIRE_BUTTON_CINE, 80);
     check_press(cine, "cine", 15);
     check(suite.room().status().runs_kept == 1, "%d runs are kept, not the cine run alone",
           suite.room().status().runs_kept);

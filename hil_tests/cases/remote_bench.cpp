@@ -60,7 +60,7 @@ BenchChannel::~BenchChannel()
     close(file_);
 }
 
-BenchAnswer BenchChannel::ask(BenchOrder order, const seld_port_inputs &inputs, std::uint32_t milliseconds)
+BenchAnswer BenchChannel::ask(BenchOrder order, const crn_port_inputs &inputs, std::uint32_t milliseconds)
 {
     const BenchRequest request = {order, milliseconds, inputs};
     BenchAnswer answer;
@@ -77,7 +77,7 @@ RemoteBench::RemoteBench(const PlantSettings &settings, BenchChannel &channel, c
     channel_.ask(BenchOrder::power_on);
 }
 
-seld_port_outputs RemoteBench::edge(const seld_port_inputs &inputs)
+crn_port_outputs RemoteBench::edge(const crn_port_inputs &inputs)
 {
     return channel_.ask(BenchOrder::edge, inputs, static_cast<std::uint32_t>(plant().milliseconds())).outputs;
 }
@@ -87,7 +87,7 @@ void RemoteBench::hold(bool held)
     channel_.ask(held ? BenchOrder::hold : BenchOrder::release);
 }
 
-seld_port_outputs RemoteBench::restart()
+crn_port_outputs RemoteBench::restart()
 {
     return channel_.ask(BenchOrder::power_cycle).outputs;
 }
@@ -97,22 +97,22 @@ bool RemoteBench::pull_cable(std::uint32_t bytes, std::uint32_t away_ms)
 {
     constexpr std::uint8_t to_device = 0x40, unplug = 0x21;
     constexpr std::uint32_t packet_bytes = 512;
-    const seld::UsbContext context = seld::usb_context();
-    const seld::UsbHandle handle = seld::usb_open(context.get(), serial_);
+    const crn::UsbContext context = crn::usb_context();
+    const crn::UsbHandle handle = crn::usb_open(context.get(), serial_);
     const int result = libusb_control_transfer(
         handle.get(), to_device, unplug, static_cast<std::uint16_t>(away_ms),
         static_cast<std::uint16_t>(bytes / packet_bytes + 1), nullptr, 0, request_limit_ms);
-    if (result < 0) throw std::runtime_error(seld::usb_trouble(result, "the request to leave the bus"));
+    if (result < 0) throw std::runtime_error(crn::usb_trouble(result, "the request to leave the bus"));
     return true;
 }
 
 // One that went is looked for again, and whoever asked last is told by then.
-seld::UsbTransport &RemoteBench::usb()
+crn::UsbTransport &RemoteBench::usb()
 {
     if (usb_) return *usb_;
-    if (!seld::UsbWatch().wait_for(serial_, return_limit_ms, [] { return false; }))
-        throw seld::LinkError("the device does not come to the bus");
-    usb_ = std::make_unique<seld::UsbTransport>(serial_);
+    if (!crn::UsbWatch().wait_for(serial_, return_limit_ms, [] { return false; }))
+        throw crn::LinkError("the device does not come to the bus");
+    usb_ = std::make_unique<crn::UsbTransport>(serial_);
     has_answered_ = false;
     return *usb_;
 }
@@ -125,7 +125,7 @@ void RemoteBench::write(std::span<const std::uint8_t> bytes)
             usb().write(bytes);
             usb().flush();
             return;
-        } catch (const seld::LinkError &) {
+        } catch (const crn::LinkError &) {
             const bool was_known = usb_ && has_answered_;
             usb_.reset();
             if (was_known || attempt == opens_max) throw;
@@ -140,7 +140,7 @@ std::size_t RemoteBench::read(std::span<std::uint8_t> bytes)
         const std::size_t count = usb().read(bytes);
         has_answered_ = has_answered_ || count > 1; // a stream begins with one byte
         return count;
-    } catch (const seld::LinkError &) {
+    } catch (const crn::LinkError &) {
         usb_.reset();
         throw;
     }
@@ -159,16 +159,16 @@ class MetalBench final : public Bench
 {
   public:
     MetalBench(const PlantSettings &settings, const std::string &serial) : Bench(settings), usb_(serial) {}
-    seld::Transport &pipe() override { return usb_; }
+    crn::Transport &pipe() override { return usb_; }
 
   protected:
     [[noreturn]] static void refuse() { throw std::runtime_error("a rig of metal has no plant to lead"); }
-    seld_port_outputs edge(const seld_port_inputs &) override { refuse(); }
+    crn_port_outputs edge(const crn_port_inputs &) override { refuse(); }
     void hold(bool) override { refuse(); }
-    seld_port_outputs restart() override { refuse(); }
+    crn_port_outputs restart() override { refuse(); }
 
   private:
-    seld::UsbTransport usb_;
+    crn::UsbTransport usb_;
 };
 
 } // namespace
@@ -177,9 +177,9 @@ class MetalBench final : public Bench
 std::unique_ptr<Bench> MetalLevel::make(const PlantSettings &settings)
 {
     auto bench = std::make_unique<MetalBench>(settings, serial_);
-    seld::Link link(bench->pipe());
+    crn::Link link(bench->pipe());
     link.hello();
-    if (link.read_status().state != SELD_WIRE_STATE_READY) link.reset();
+    if (link.read_status().state != CRN_WIRE_STATE_READY) link.reset();
     return bench;
 }
 

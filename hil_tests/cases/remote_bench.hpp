@@ -20,33 +20,33 @@ class BenchChannel
     BenchChannel(const BenchChannel &) = delete;
     BenchChannel &operator=(const BenchChannel &) = delete;
     // Throws std::runtime_error: the other end is gone, or what went wrong there.
-    BenchAnswer ask(BenchOrder order, const seld_port_inputs &inputs = {}, std::uint32_t milliseconds = 0);
+    BenchAnswer ask(BenchOrder order, const crn_port_inputs &inputs = {}, std::uint32_t milliseconds = 0);
 
   private:
     int file_;
 };
 
-class RemoteBench final : public Bench, private seld::Transport
+class RemoteBench final : public Bench, private crn::Transport
 {
   public:
     RemoteBench(const PlantSettings &settings, BenchChannel &channel, const std::string &serial);
-    seld::Transport &pipe() override { return *this; }
+    crn::Transport &pipe() override { return *this; }
     bool pull_cable(std::uint32_t bytes, std::uint32_t away_ms) override;
 
   protected:
-    seld_port_outputs edge(const seld_port_inputs &inputs) override;
+    crn_port_outputs edge(const crn_port_inputs &inputs) override;
     void hold(bool held) override;
-    seld_port_outputs restart() override;
+    crn_port_outputs restart() override;
 
   private:
     void write(std::span<const std::uint8_t> bytes) override;
     std::size_t read(std::span<std::uint8_t> bytes) override;
     void pass_time_ms(std::uint32_t milliseconds) override;
-    seld::UsbTransport &usb();
+    crn::UsbTransport &usb();
 
     BenchChannel &channel_;
     std::string serial_;
-    std::unique_ptr<seld::UsbTransport> usb_;
+    std::unique_ptr<crn::UsbTransport> usb_;
     bool has_answered_ = false;
 };
 

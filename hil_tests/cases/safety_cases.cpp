@@ -44,9 +44,9 @@ struct Running {
     std::uint16_t fault_code()
     {
         link.free_run(0);
-        const seld_wire_status status = link.read_status();
-        check(status.state == SELD_WIRE_STATE_FAULT, "the device is %s, not in FAULT",
-              seld_wire_state_name(status.state));
+        const crn_wire_status status = link.read_status();
+        check(status.state == CRN_WIRE_STATE_FAULT, "the device is %s, not in FAULT",
+              crn_wire_state_name(status.state));
         return status.fault_code;
     }
     // Power stays off, whatever the rig does afterwards, until RESET.
@@ -59,7 +59,7 @@ struct Running {
     }
 
     std::unique_ptr<Bench> bench;
-    seld::Link link;
+    crn::Link link;
     double worst_N = 0.0;
 };
 
@@ -120,15 +120,15 @@ void a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault(Level &level, co
     int off_ms = 0;
     session.bench->freeze(1, options.pause_s);
     for (off_ms = 1; plant.is_stage_on() && off_ms < 100; off_ms++) session.bench->freeze(1);
-    check(off_ms <= SELD_PORT_DRIVE_HOLD_ms, "power went after %d ms, allowed %d", off_ms,
-          int{SELD_PORT_DRIVE_HOLD_ms});
+    check(off_ms <= CRN_PORT_DRIVE_HOLD_ms, "power went after %d ms, allowed %d", off_ms,
+          int{CRN_PORT_DRIVE_HOLD_ms});
     session.bench->freeze(10000);
     check(session.is_safe(), "%.3f N at the motors of a frozen device", plant.motor_peak_N());
     session.bench->advance(2);
     check(!plant.is_stage_on(), "power came back by itself");
     const std::uint16_t code = session.fault_code();
     session.check_latched();
-    report.add(text("power off after %d ms, then %s", off_ms, seld_wire_fault_name(code)));
+    report.add(text("power off after %d ms, then %s", off_ms, crn_wire_fault_name(code)));
 }
 
 // The supply dips and the processor starts again, at any moment of a session: no power, no memory of the session, and a new
@@ -146,13 +146,13 @@ void a_brown_out_is_safe_and_a_new_session_starts_clean(Level &level, const Case
     bool is_told = false;
     try {
         session.link.read_status();
-    } catch (const seld::LinkError &) {
+    } catch (const crn::LinkError &) {
         is_told = true;
     }
     check(is_told, "the host was not told that the device started again");
-    seld::Link again(session.bench->pipe());
+    crn::Link again(session.bench->pipe());
     set_up(again);
-    check(again.read_status().state == SELD_WIRE_STATE_READY, "the device is not READY after a new HELLO");
+    check(again.read_status().state == CRN_WIRE_STATE_READY, "the device is not READY after a new HELLO");
     check_same(host_only_session(64, 16), lockstep_session(again, 64, 16),
                "host alone and after a brown-out");
     report.add("power off, INIT, same hashes again");

@@ -14,7 +14,7 @@ namespace
 void lockstep_gives_the_hash_of_the_host_alone(Level &level, const CaseOptions &options, Report &report)
 {
     const auto bench = level.make({});
-    seld::Link link(bench->pipe());
+    crn::Link link(bench->pipe());
     set_up(link);
     const Ending here = lockstep_session(link, options.ticks, 16);
     check_same(host_only_session(options.ticks, 64), here, "host alone and this level");
@@ -26,7 +26,7 @@ void lockstep_gives_the_hash_of_the_host_alone(Level &level, const CaseOptions &
 void a_pause_in_lockstep_changes_nothing(Level &level, const CaseOptions &options, Report &report)
 {
     const auto bench = level.make({});
-    seld::Link link(bench->pipe());
+    crn::Link link(bench->pipe());
     set_up(link);
     const std::uint32_t ticks = std::min<std::uint32_t>(options.ticks, 96);
     int pauses = 0;
@@ -49,7 +49,7 @@ void a_free_run_closes_the_loop_as_at_level_0(Level &level, const CaseOptions &o
         PlantSettings settings;
         settings.translation_encoder.jitter_counts = 0.7;
         const auto bench = (i == 0 ? static_cast<Level &>(reference) : level).make(settings);
-        seld::Link link(bench->pipe());
+        crn::Link link(bench->pipe());
         set_up(link);
         start_free_run(*bench, link);
         push_by_spring_hand(bench->plant());
@@ -59,7 +59,7 @@ void a_free_run_closes_the_loop_as_at_level_0(Level &level, const CaseOptions &o
         }
         places_m[i] = bench->plant().track(0).translation.tool();
         check(bench->plant().is_stage_on(), "the motors lost power within the session");
-        check(link.read_status().state == SELD_WIRE_STATE_RUNNING, "the session ended by itself");
+        check(link.read_status().state == CRN_WIRE_STATE_RUNNING, "the session ended by itself");
     }
     check_same(endings[0], endings[1], "level 0 and this level");
     check(places_m[0] == places_m[1] && peaks_N[0] == peaks_N[1], "the tool is at %.9f m and %.9f m",
@@ -74,10 +74,10 @@ void a_free_run_closes_the_loop_as_at_level_0(Level &level, const CaseOptions &o
 void pedals_syringe_and_inflator_reach_the_host(Level &level, const CaseOptions &, Report &report)
 {
     const auto bench = level.make({});
-    seld::Link link(bench->pipe());
+    crn::Link link(bench->pipe());
     set_up(link);
     start_free_run(*bench, link);
-    constexpr std::uint32_t xray = SELD_WIRE_BUTTON_XRAY, cine = SELD_WIRE_BUTTON_CINE;
+    constexpr std::uint32_t xray = CRN_WIRE_BUTTON_XRAY, cine = CRN_WIRE_BUTTON_CINE;
     int changes = 0;
     for (const std::uint32_t pressed : {xray, xray | cine, cine, 0u}) {
         Plant &plant = bench->plant();
@@ -86,7 +86,7 @@ void pedals_syringe_and_inflator_reach_the_host(Level &level, const CaseOptions 
         plant.inflator_raw = 2000 * ++changes;
         keep_running(link, 16);
         check(!link.live_ticks().empty(), "no tick within 16 ms");
-        const seld_wire_encoders &input = link.live_ticks().back().input;
+        const crn_wire_encoders &input = link.live_ticks().back().input;
         check(input.buttons == pressed, "pedals %u, not %u", unsigned{input.buttons}, unsigned{pressed});
         check(input.syringe_counts == plant.syringe_counts, "syringe %d, not %d", int{input.syringe_counts},
               int{plant.syringe_counts});
@@ -103,7 +103,7 @@ void a_roller_that_slips_is_no_fault(Level &level, const CaseOptions &, Report &
     settings.translation.grip_limit = 0.3;
     settings.rotation_encoder.jitter_counts = settings.translation_encoder.jitter_counts = 0.7;
     const auto bench = level.make(settings);
-    seld::Link link(bench->pipe());
+    crn::Link link(bench->pipe());
     set_up(link);
     start_free_run(*bench, link);
     push_by_spring_hand(bench->plant());
@@ -115,8 +115,8 @@ void a_roller_that_slips_is_no_fault(Level &level, const CaseOptions &, Report &
     const Axis &axis = bench->plant().track(0).translation;
     const double slipped_m = axis.tool() - axis.roller();
     check(slipped_m > 1e-3, "the tool slipped by %.3f mm only", slipped_m * 1e3);
-    check(link.read_status().state == SELD_WIRE_STATE_RUNNING, "the session ended: %s",
-          seld_wire_fault_name(link.read_status().fault_code));
+    check(link.read_status().state == CRN_WIRE_STATE_RUNNING, "the session ended: %s",
+          crn_wire_fault_name(link.read_status().fault_code));
     check(most_N < 0.6, "the hand got %.3f N over a grip of 0.3 N", most_N);
     report.add(text("slipped by %.1f mm, %.2f N at most", slipped_m * 1e3, most_N));
 }
@@ -126,9 +126,9 @@ void every_question_is_answered(Level &level, const CaseOptions &, Report &repor
 {
     using Clock = std::chrono::steady_clock;
     const auto bench = level.make({});
-    seld::Link link(bench->pipe());
+    crn::Link link(bench->pipe());
     link.hello();
-    const seld_wire_status before = link.read_status();
+    const crn_wire_status before = link.read_status();
     const Clock::time_point begin = Clock::now();
     int count = 0;
     while (Clock::now() - begin < std::chrono::seconds(1)) {
@@ -136,7 +136,7 @@ void every_question_is_answered(Level &level, const CaseOptions &, Report &repor
         count++;
     }
     const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-    const seld_wire_status after = link.read_status();
+    const crn_wire_status after = link.read_status();
     check(after.frames_bad == before.frames_bad && after.sequence_gaps == before.sequence_gaps &&
               after.transmit_dropped == before.transmit_dropped,
           "of %d questions %u came broken, %u not at all, %u answers were not sent", count,

@@ -6,24 +6,24 @@
 #include <string.h>
 
 /* The LUMEN section of docs/scene.md. Refined at most once, so every child row refines a coarse brick. */
-static uint8_t *lumen_section(const seld_lumen *lumen, size_t *bytes)
+static uint8_t *lumen_section(const crn_lumen *lumen, size_t *bytes)
 {
     const uint32_t *n = lumen->brick_count_xyz;
     const size_t entries = (size_t)n[0] * n[1] * n[2], rows = lumen->child_row_count,
-                 samples = (size_t)lumen->brick_count * SELD_LUMEN_BRICK_SAMPLES;
+                 samples = (size_t)lumen->brick_count * CRN_LUMEN_BRICK_SAMPLES;
     *bytes = 32 + 2 * (entries + 8 * rows) + samples;
     uint8_t *section = calloc(1, *bytes);
     if (section == NULL) abort();
     for (int k = 0; k < 3; k++) {
-        seld_scene_put_u32(section + 4 * k, (uint32_t)lumen->origin_m_q30[k]);
-        seld_scene_put_u16(section + 12 + 2 * k, (uint16_t)n[k]);
+        crn_scene_put_u32(section + 4 * k, (uint32_t)lumen->origin_m_q30[k]);
+        crn_scene_put_u16(section + 12 + 2 * k, (uint16_t)n[k]);
     }
-    seld_scene_put_u16(section + 18, (uint16_t)rows);
-    seld_scene_put_u32(section + 20, lumen->brick_count);
-    seld_scene_put_u16(section + 24, (uint16_t)rows);
-    for (size_t i = 0; i < entries; i++) seld_scene_put_u16(section + 32 + 2 * i, lumen->index[i]);
+    crn_scene_put_u16(section + 18, (uint16_t)rows);
+    crn_scene_put_u32(section + 20, lumen->brick_count);
+    crn_scene_put_u16(section + 24, (uint16_t)rows);
+    for (size_t i = 0; i < entries; i++) crn_scene_put_u16(section + 32 + 2 * i, lumen->index[i]);
     for (size_t i = 0; i < 8 * rows; i++)
-        seld_scene_put_u16(section + 32 + 2 * (entries + i), lumen->children[i]);
+        crn_scene_put_u16(section + 32 + 2 * (entries + i), lumen->children[i]);
     memcpy(section + 32 + 2 * (entries + 8 * rows), lumen->samples, samples);
     return section;
 }
@@ -37,12 +37,12 @@ size_t hil_scene_of(const hil_piece *pieces, uint32_t count, double radius_m, ui
     reference_tube *tube = reference_tube_make(path, count, radius_m, level);
     size_t lumen_bytes;
     uint8_t *lumen = lumen_section(&tube->lumen, &lumen_bytes);
-    uint8_t meta[SELD_SCENE_META_BYTES] = "tube", entry[SELD_SCENE_ENTRY_BYTES] = {0};
-    seld_scene_put_u32(entry + 12, 1u << 30); /* along +x */
-    const seld_scene_part parts[3] = {{SELD_SCENE_META, meta, sizeof meta},
-                                      {SELD_SCENE_ENTRY, entry, sizeof entry},
-                                      {SELD_SCENE_LUMEN, lumen, lumen_bytes}};
-    size_t bytes = seld_scene_write(SELD_SCENE_KIND_SCENE, parts, 3, file, capacity);
+    uint8_t meta[CRN_SCENE_META_BYTES] = "tube", entry[CRN_SCENE_ENTRY_BYTES] = {0};
+    crn_scene_put_u32(entry + 12, 1u << 30); /* along +x */
+    const crn_scene_part parts[3] = {{CRN_SCENE_META, meta, sizeof meta},
+                                     {CRN_SCENE_ENTRY, entry, sizeof entry},
+                                     {CRN_SCENE_LUMEN, lumen, lumen_bytes}};
+    size_t bytes = crn_scene_write(CRN_SCENE_KIND_SCENE, parts, 3, file, capacity);
     free(lumen);
     reference_tube_free(tube);
     return bytes;

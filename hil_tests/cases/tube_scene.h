@@ -1,7 +1,7 @@
 /* Scenes from a closed form for cases that need a wall: tubes around a path of straight pieces and bends.
  * May include: nothing. Called by: cases. */
-#ifndef SELD_HIL_TUBE_SCENE_H
-#define SELD_HIL_TUBE_SCENE_H
+#ifndef CRN_HIL_TUBE_SCENE_H
+#define CRN_HIL_TUBE_SCENE_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -14,7 +14,7 @@ constexpr std::uint32_t away_ms = 60, batch = 64, pulls_per_session = 2;
 constexpr int attempts_max = 6;
 
 // The cable of a bench that has none of its own.
-class Cable final : public seld::Transport
+class Cable final : public crn::Transport
 {
   public:
     explicit Cable(Bench &bench) : bench_(bench) {}
@@ -34,7 +34,7 @@ class Cable final : public seld::Transport
         try {
             while (bench_.pipe().read(lost) > 0) {
             }
-        } catch (const seld::LinkError &) { // it tells once that the device was away
+        } catch (const crn::LinkError &) { // it tells once that the device was away
         }
     }
 
@@ -62,7 +62,7 @@ class Cable final : public seld::Transport
   private:
     [[noreturn]] static void gone()
     {
-        throw seld::LinkError("the device is gone: its cable was pulled. Remedy: plug it in");
+        throw crn::LinkError("the device is gone: its cable was pulled. Remedy: plug it in");
     }
 
     Bench &bench_;
@@ -87,7 +87,7 @@ class Traveller
                 link_->hello();
                 if (!goes_on()) begin();
                 return finish(ticks);
-            } catch (const seld::LinkError &error) {
+            } catch (const crn::LinkError &error) {
                 check(*error.what() != '\0', "an error without a message");
                 lost_++;
                 cable_.plug();
@@ -110,14 +110,13 @@ class Traveller
     // The device did what it was asked last, and stands where the answers ended.
     bool goes_on()
     {
-        const seld_wire_status status = link_->read_status();
-        const bool is_built =
-            status.state == SELD_WIRE_STATE_RUNNING || status.state == SELD_WIRE_STATE_ARMED;
+        const crn_wire_status status = link_->read_status();
+        const bool is_built = status.state == CRN_WIRE_STATE_RUNNING || status.state == CRN_WIRE_STATE_ARMED;
         if (!is_built || status.tick != ending_.states.size()) {
-            if (status.state != SELD_WIRE_STATE_READY) link_->reset();
+            if (status.state != CRN_WIRE_STATE_READY) link_->reset();
             return false;
         }
-        if (status.state == SELD_WIRE_STATE_RUNNING) link_->stop();
+        if (status.state == CRN_WIRE_STATE_RUNNING) link_->stop();
         link_->start();
         resumed_++;
         return true;
@@ -135,7 +134,7 @@ class Traveller
 
     Ending finish(std::uint32_t ticks)
     {
-        std::vector<seld_wire_encoders> inputs;
+        std::vector<crn_wire_encoders> inputs;
         while (link_->tick() < ticks) {
             if (link_->tick() >= ticks / 2) pull(1);
             inputs.clear();
@@ -151,7 +150,7 @@ class Traveller
 
     Cable cable_;
     std::uint32_t bytes_[pulls_per_session], pulled_ = 0, lost_ = 0, resumed_ = 0;
-    std::optional<seld::Link> link_;
+    std::optional<crn::Link> link_;
     Ending ending_;
 };
 
@@ -183,7 +182,7 @@ void a_cable_pulled_under_power_fades_the_forces(Level &level, const CaseOptions
     constexpr double none_N = 0.02;
     const auto bench = level.make({});
     Cable cable(*bench);
-    std::optional<seld::Link> link(cable);
+    std::optional<crn::Link> link(cable);
     set_up(*link);
     start_free_run(*bench, *link);
     push_by_spring_hand(bench->plant());
@@ -196,7 +195,7 @@ void a_cable_pulled_under_power_fades_the_forces(Level &level, const CaseOptions
             if (ms % 8 == 0) keep_talking(*link);
             bench->advance(1);
         }
-    } catch (const seld::LinkError &) {
+    } catch (const crn::LinkError &) {
         bench->advance(silent_ms - ms);
         ms = UINT32_MAX;
     }
@@ -208,9 +207,9 @@ void a_cable_pulled_under_power_fades_the_forces(Level &level, const CaseOptions
     cable.plug();
     link.emplace(cable);
     link->hello();
-    const seld_wire_status status = link->read_status();
-    check(status.state == SELD_WIRE_STATE_RUNNING, "the session ended by itself: %s",
-          seld_wire_state_name(status.state));
+    const crn_wire_status status = link->read_status();
+    check(status.state == CRN_WIRE_STATE_RUNNING, "the session ended by itself: %s",
+          crn_wire_state_name(status.state));
     double back_N = 0.0;
     for (std::uint32_t i = 0; i < push_ms; i += 8) {
         keep_running(*link, 8);

@@ -7,25 +7,25 @@
 namespace hil
 {
 
-class SimBench final : public Bench, private seld::Transport
+class SimBench final : public Bench, private crn::Transport
 {
   public:
     explicit SimBench(const PlantSettings &settings);
     ~SimBench() override;
-    seld::Transport &pipe() override { return *this; }
+    crn::Transport &pipe() override { return *this; }
 
   protected:
-    seld_port_outputs edge(const seld_port_inputs &inputs) override;
+    crn_port_outputs edge(const crn_port_inputs &inputs) override;
     void hold(bool) override {} // nobody asks it meanwhile
     void pass_frozen_ms() override;
-    seld_port_outputs restart() override;
+    crn_port_outputs restart() override;
 
   private:
     void write(std::span<const std::uint8_t> bytes) override;
     std::size_t read(std::span<std::uint8_t> bytes) override;
     void pass_time_ms(std::uint32_t milliseconds) override;
 
-    seld_sim *sim_;
+    crn_sim *sim_;
     bool has_restarted_ = false;
 };
 

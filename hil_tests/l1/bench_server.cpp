@@ -40,7 +40,7 @@ bool write_all(int file, const void *bytes, std::size_t count)
     return true;
 }
 
-void carry_out(seld::Emulator &emulator, const BenchRequest &request)
+void carry_out(crn::Emulator &emulator, const BenchRequest &request)
 {
     switch (request.order) {
     case BenchOrder::power_on: // of another rig, whose time begins
@@ -63,10 +63,10 @@ void carry_out(seld::Emulator &emulator, const BenchRequest &request)
 
 } // namespace
 
-void put_rig_inputs(const seld_port_inputs &from, rig_inputs &to)
+void put_rig_inputs(const crn_port_inputs &from, rig_inputs &to)
 {
     for (int k = 0; k < RIG_TRACK_COUNT; k++) {
-        const seld_port_track &track = from.tracks[k];
+        const crn_port_track &track = from.tracks[k];
         to.tracks[k] = {word(from.hands[k].translation_counts),
                         word(from.hands[k].rotation_counts),
                         word(track.force_raw),
@@ -87,10 +87,10 @@ void put_rig_inputs(const seld_port_inputs &from, rig_inputs &to)
     if (from.local_unlock) to.switches |= RIG_LOCAL_UNLOCK;
 }
 
-seld_port_outputs take_rig_outputs(rig_page &page)
+crn_port_outputs take_rig_outputs(rig_page &page)
 {
     rig_outputs &from = page.device.outputs;
-    seld_port_outputs outputs{};
+    crn_port_outputs outputs{};
     for (int k = 0; k < RIG_TRACK_COUNT; k++) {
         outputs.motors[k] = {static_cast<std::int32_t>(rig_read(&from.axial_mN[k])),
                              static_cast<std::int32_t>(rig_read(&from.torque_uN_m[k]))};
@@ -101,7 +101,7 @@ seld_port_outputs take_rig_outputs(rig_page &page)
     return outputs;
 }
 
-void make_rig_edge(seld::Emulator &emulator, const seld_port_inputs &inputs, std::uint32_t milliseconds)
+void make_rig_edge(crn::Emulator &emulator, const crn_port_inputs &inputs, std::uint32_t milliseconds)
 {
     rig_page &page = emulator.page();
     rig_host_half &host = page.host;
@@ -117,7 +117,7 @@ void make_rig_edge(seld::Emulator &emulator, const seld_port_inputs &inputs, std
     emulator.wait([&] { return rig_read(&page.device.edge_done) == edge; }, "a tick");
 }
 
-bool serve_bench(seld::Emulator &emulator, int connection)
+bool serve_bench(crn::Emulator &emulator, int connection)
 {
     BenchRequest request;
     for (;;) {
@@ -125,7 +125,7 @@ bool serve_bench(seld::Emulator &emulator, int connection)
         BenchAnswer answer{};
         try {
             carry_out(emulator, request);
-        } catch (const seld::EmulatorError &error) {
+        } catch (const crn::EmulatorError &error) {
             std::snprintf(answer.trouble, sizeof answer.trouble, "%s", error.what());
         }
         answer.outputs = take_rig_outputs(emulator.page());

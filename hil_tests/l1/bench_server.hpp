@@ -19,22 +19,22 @@ enum class BenchOrder : std::uint32_t { power_on, edge, hold, release, power_cyc
 struct BenchRequest {
     BenchOrder order;
     std::uint32_t milliseconds; // of the rig
-    seld_port_inputs inputs;
+    crn_port_inputs inputs;
 };
 
 struct BenchAnswer {
-    seld_port_outputs outputs;
+    crn_port_outputs outputs;
     std::uint32_t edge_counts;
     char trouble[200]; // empty: done
 };
 
 // Samples and outputs of an emulated device's rig page.
-void put_rig_inputs(const seld_port_inputs &from, rig_inputs &to);
-seld_port_outputs take_rig_outputs(rig_page &page);
+void put_rig_inputs(const crn_port_inputs &from, rig_inputs &to);
+crn_port_outputs take_rig_outputs(rig_page &page);
 // One edge of the device's timer with this sample; returns when the device has done it.
-void make_rig_edge(seld::Emulator &emulator, const seld_port_inputs &inputs, std::uint32_t milliseconds);
+void make_rig_edge(crn::Emulator &emulator, const crn_port_inputs &inputs, std::uint32_t milliseconds);
 
 // Answers requests from `connection` until it is closed. False: it broke in the middle of one.
-bool serve_bench(seld::Emulator &emulator, int connection);
+bool serve_bench(crn::Emulator &emulator, int connection);
 
 } // namespace hil

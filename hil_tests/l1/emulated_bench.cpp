@@ -4,12 +4,12 @@
 namespace hil
 {
 
-EmulatedBench::EmulatedBench(const PlantSettings &settings, const seld::EmulatorOptions &options)
+EmulatedBench::EmulatedBench(const PlantSettings &settings, const crn::EmulatorOptions &options)
     : Bench(settings), emulator_(options), pipe_(emulator_, [this](std::uint32_t ms) { advance(ms); })
 {
 }
 
-seld_port_outputs EmulatedBench::edge(const seld_port_inputs &inputs)
+crn_port_outputs EmulatedBench::edge(const crn_port_inputs &inputs)
 {
     make_rig_edge(emulator_, inputs, static_cast<std::uint32_t>(plant().milliseconds()));
     return take_rig_outputs(emulator_.page());
@@ -24,7 +24,7 @@ void EmulatedBench::hold(bool held)
     }
 }
 
-seld_port_outputs EmulatedBench::restart()
+crn_port_outputs EmulatedBench::restart()
 {
     emulator_.power_cycle();
     return take_rig_outputs(emulator_.page());

@@ -11,18 +11,18 @@ namespace hil
 class EmulatedBench final : public Bench
 {
   public:
-    EmulatedBench(const PlantSettings &settings, const seld::EmulatorOptions &options);
-    seld::Transport &pipe() override { return pipe_; }
-    seld::Emulator &emulator() { return emulator_; }
+    EmulatedBench(const PlantSettings &settings, const crn::EmulatorOptions &options);
+    crn::Transport &pipe() override { return pipe_; }
+    crn::Emulator &emulator() { return emulator_; }
 
   protected:
-    seld_port_outputs edge(const seld_port_inputs &inputs) override;
+    crn_port_outputs edge(const crn_port_inputs &inputs) override;
     void hold(bool held) override;
-    seld_port_outputs restart() override;
+    crn_port_outputs restart() override;
 
   private:
-    seld::Emulator emulator_;
-    seld::EmulatedTransport pipe_;
+    crn::Emulator emulator_;
+    crn::EmulatedTransport pipe_;
 };
 
 class EmulatedLevel final : public Level
@@ -40,7 +40,7 @@ class EmulatedLevel final : public Level
     }
 
   private:
-    seld::EmulatorOptions options_;
+    crn::EmulatorOptions options_;
 };
 
 } // namespace hil

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The program seldinger with the image in an emulator (--device emulator): the sim's hash, and a remedy for what is missing.
+# The program cournand with the image in an emulator (--device emulator): the sim's hash, and a remedy for what is missing.
 # Prints TAP.
 build="${BUILD:-build}"
 folder=$(mktemp -d)
@@ -29,13 +29,13 @@ expect() {
 
 echo "advance 25 mm at 40 mm/s" >"$folder/a.session"
 run="run --quiet --instrument shared/examples/instruments/j_wire.toml --session $folder/a.session"
-hash=$("$build/bin/seldinger" $run | sed -n 's/^final hash *//p')
+hash=$("$build/bin/cournand" $run | sed -n 's/^final hash *//p')
 
-expect a_session_on_the_image_has_the_hash_of_the_sim 0 "final hash *${hash:-none}" "$build/bin/seldinger" $run --device emulator
-expect the_image_passes_its_selftest 0 ' 0 failed' "$build/bin/seldinger" rig selftest --device emulator
+expect a_session_on_the_image_has_the_hash_of_the_sim 0 "final hash *${hash:-none}" "$build/bin/cournand" $run --device emulator
+expect the_image_passes_its_selftest 0 ' 0 failed' "$build/bin/cournand" rig selftest --device emulator
 expect an_image_that_is_missing_has_a_remedy 1 "$folder/none.elf does not exist. Remedy: make firmware" \
-    env SELD_IMAGE="$folder/none.elf" "$build/bin/seldinger" $run --device emulator
+    env CRN_IMAGE="$folder/none.elf" "$build/bin/cournand" $run --device emulator
 expect an_emulator_that_is_missing_has_a_remedy 1 'Remedy: apt-get install qemu-system-arm' \
-    env PATH="$folder" "$(realpath "$build")/bin/seldinger" $run --device emulator
+    env PATH="$folder" "$(realpath "$build")/bin/cournand" $run --device emulator
 echo "1..$count"
 exit $status

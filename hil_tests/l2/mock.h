@@ -6,8 +6,8 @@
  *
  * May include: hil_tests/usb, umockdev. Called by: this folder only.
  */
-#ifndef SELD_MOCK_H
-#define SELD_MOCK_H
+#ifndef CRN_MOCK_H
+#define CRN_MOCK_H
 
 #include <pthread.h>
 
@@ -46,8 +46,8 @@ typedef struct mock {
     unsigned hidraw_clients;
     bool hidraw_is_reading;
     bool hid_is_claimed; /* by a program: usbhid is unbound, and nobody else takes reports */
-    uint8_t hidraw_packet[SELD_MAILBOX_DATA_MAX];
-    uint8_t reports[MOCK_REPORTS][SELD_HID_REPORT_BYTES_MAX];
+    uint8_t hidraw_packet[CRN_MAILBOX_DATA_MAX];
+    uint8_t reports[MOCK_REPORTS][CRN_HID_REPORT_BYTES_MAX];
     uint32_t report_first, report_count, reports_lost;
     uint8_t report_bytes[MOCK_REPORTS];
 } mock;

@@ -69,7 +69,7 @@ static char *describe(mock *m, const uint8_t *descriptors, uint32_t count)
                            m->usb_path, m->number + 1);
     g_string_append_printf(text,
                            "\nP: %s\nE: SUBSYSTEM=hid\nE: HID_ID=0003:0000%02X%02X:0000%02X%02X\n"
-                           "E: HID_NAME=Seldinger rig\nE: HID_UNIQ=%s\n",
+                           "E: HID_NAME=Cournand rig\nE: HID_UNIQ=%s\n",
                            m->hid_path, descriptors[9], descriptors[8], descriptors[11], descriptors[10],
                            serial);
     g_string_append_printf(text,
@@ -109,7 +109,7 @@ static bool enumerate(mock *m, uint8_t *descriptors, uint32_t *count)
     uint32_t device = 0, configuration = 0;
     const usb_request address = {0x00, 5, 1, 0, 0}, configure = {0x00, 9, 1, 0, 0};
     const usb_request get_device = {0x80, 6, 0x0100, 0, 18}, get_configuration = {0x80, 6, 0x0200, 0, 512};
-    if (usb_host_bus(host, SELD_MAILBOX_RESET_HIGH) != USB_OK) return false;
+    if (usb_host_bus(host, CRN_MAILBOX_RESET_HIGH) != USB_OK) return false;
     if (usb_host_control(host, &address, NULL, &device) != USB_OK) return false;
     host->address = 1;
     if (usb_host_control(host, &get_device, descriptors, &device) != USB_OK || device != 18) return false;
@@ -218,7 +218,7 @@ static void *run_bus(void *context)
         usb_peer_run(&m->peer);
         const bool is_there =
             usb_host_sees_device(host) &&
-            (!m->is_plugged || seld_mailbox_read(&host->mailbox->device.boot_count) == host->boot_count);
+            (!m->is_plugged || crn_mailbox_read(&host->mailbox->device.boot_count) == host->boot_count);
         if (m->is_plugged && !is_there)
             unplug(m);
         else if (!m->is_plugged && is_there &&

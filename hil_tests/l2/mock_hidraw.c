@@ -21,7 +21,7 @@ static int request(mock *m, uint8_t type, uint8_t number, uint16_t value, uint16
 void mock_hidraw_step(mock *m)
 {
     const usb_urb urb = {
-        .id = 0, .endpoint = STATUS_IN, .bytes = m->hidraw_packet, .length = SELD_HID_REPORT_BYTES_MAX};
+        .id = 0, .endpoint = STATUS_IN, .bytes = m->hidraw_packet, .length = CRN_HID_REPORT_BYTES_MAX};
     if (m->hidraw_clients == 0 || m->hidraw_is_reading || m->hid_is_claimed || !m->is_plugged) return;
     m->hidraw_is_reading = usb_urbs_submit(&m->urbs, &urb);
 }
@@ -85,7 +85,7 @@ gboolean mock_hidraw_write(UMockdevIoctlBase *base, UMockdevIoctlClient *client,
     pthread_mutex_lock(&m->lock);
     int wrong = m->is_plugged ? 0 : ENODEV;
     if (wrong == 0)
-        wrong = mock_errno(usb_host_out(m->peer.host, STATUS_OUT, SELD_HID_REPORT_BYTES_MAX, data->data,
+        wrong = mock_errno(usb_host_out(m->peer.host, STATUS_OUT, CRN_HID_REPORT_BYTES_MAX, data->data,
                                         (uint32_t)data->data_len));
     pthread_mutex_unlock(&m->lock);
     umockdev_ioctl_client_complete(client, wrong == 0 ? data->data_len : -1, wrong);

@@ -47,7 +47,7 @@ one --app the_whole_app_passes "$folder/app_check"
 
 # The image on the emulated Cortex-M7.
 count=$((count + 1))
-image="${BUILD:-build}/firmware/seldinger-mps2_an500.elf"
+image="${BUILD:-build}/firmware/cournand-mps2_an500.elf"
 here="$(dirname "$0")"
 if run_on_bus "$here/../usb/with_image.py" "$image" env ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 \
     "$folder/mock_bus" --mailbox '{mailbox}' -- "$folder/app_check"; then

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Level L2: the program seldinger itself, with libusb and hidapi unmodified, sees the whole app on a machine without USB. The
+# Level L2: the program cournand itself, with libusb and hidapi unmodified, sees the whole app on a machine without USB. The
 # programs come from $BUILD, by default the sanitized ones. Prints TAP.
 build="${BUILD:-build}"
 [ -n "$HIL" ] || build="$build/san"
@@ -10,13 +10,13 @@ trap 'rm -rf "$folder"' EXIT
 count=0
 status=0
 
-# expect NAME TEXT ARGUMENT...: seldinger succeeds and says TEXT
+# expect NAME TEXT ARGUMENT...: cournand succeeds and says TEXT
 expect() {
     name="$1"
     text="$2"
     shift 2
     count=$((count + 1))
-    if ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$build/hil/mock_bus" --app -- "$build/bin/seldinger" "$@" \
+    if ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$build/hil/mock_bus" --app -- "$build/bin/cournand" "$@" \
         >"$folder/output" 2>&1 && grep -q -e "$text" "$folder/output"; then
         echo "ok $count - $name"
         grep -e 'reports in' -e 'wall clock' "$folder/output" | sed 's/^/# /'
@@ -29,7 +29,7 @@ expect() {
 
 echo "advance 25 mm at 40 mm/s" >"$folder/a.session"
 wire=shared/examples/instruments/j_wire.toml
-hash=$("$build/bin/seldinger" run --quiet --instrument $wire --session "$folder/a.session" | sed -n 's/^final hash *//p')
+hash=$("$build/bin/cournand" run --quiet --instrument $wire --session "$folder/a.session" | sed -n 's/^final hash *//p')
 
 expect rig_list_shows_version_and_state 'READY' rig list
 expect rig_info_reads_the_configuration 'limits *8.000 N' rig info --device usb
@@ -43,7 +43,7 @@ expect a_session_has_the_hash_of_the_sim "final hash *${hash:-none}" run --quiet
 plain="${build%/san}"
 count=$((count + 1))
 if "$plain/bin/hil_rig" --live -- env ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$build/hil/mock_bus" --mailbox '{mailbox}' -- \
-    "$build/bin/seldinger" run --quiet --device usb --instrument $wire --session "$folder/a.session" >"$folder/output" 2>&1 &&
+    "$build/bin/cournand" run --quiet --device usb --instrument $wire --session "$folder/a.session" >"$folder/output" 2>&1 &&
     grep -q -e "final hash *${hash:-none}" "$folder/output"; then
     echo "ok $count - a_session_on_the_image_has_the_hash_of_the_sim"
 else

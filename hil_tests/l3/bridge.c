@@ -75,7 +75,7 @@ static bool address_device(bridge *b)
 {
     cancel_all(b);
     b->configuration = 0;
-    if (usb_host_bus(b->peer.host, SELD_MAILBOX_RESET_HIGH) != USB_OK) return false;
+    if (usb_host_bus(b->peer.host, CRN_MAILBOX_RESET_HIGH) != USB_OK) return false;
     if (control(b, 0x00, 5, 1, 0, 0, NULL, NULL) != USB_OK) return false;
     b->peer.host->address = 1;
     return true;
@@ -111,7 +111,7 @@ static void describe(bridge *b, const uint8_t *bytes, uint32_t count)
             endpoints.interval[pipe] = part[6];
             endpoints.interface[pipe] = interface;
             endpoints.max_packet_size[pipe] = packet_bytes;
-            b->urbs.packet_bytes[pipe] = packet_bytes <= SELD_MAILBOX_DATA_MAX ? packet_bytes : 0;
+            b->urbs.packet_bytes[pipe] = packet_bytes <= CRN_MAILBOX_DATA_MAX ? packet_bytes : 0;
         }
     }
     usbredirparser_send_interface_info(b->parser, &interfaces);
@@ -146,7 +146,7 @@ static void watch_plug(bridge *b)
 {
     const usb_host *host = b->peer.host;
     const bool is_there = usb_host_sees_device(host);
-    const bool is_same = seld_mailbox_read(&host->mailbox->device.boot_count) == host->boot_count;
+    const bool is_same = crn_mailbox_read(&host->mailbox->device.boot_count) == host->boot_count;
     if (b->is_shown && (!is_there || !is_same)) {
         cancel_all(b);
         b->is_shown = false;
@@ -335,7 +335,7 @@ static void make_parser(bridge *b)
     usbredirparser_caps_set_cap(caps, usb_redir_cap_ep_info_max_packet_size);
     usbredirparser_caps_set_cap(caps, usb_redir_cap_64bits_ids);
     usbredirparser_caps_set_cap(caps, usb_redir_cap_32bits_bulk_length);
-    usbredirparser_init(b->parser, "seldinger bridge", caps, USB_REDIR_CAPS_SIZE, usbredirparser_fl_usb_host);
+    usbredirparser_init(b->parser, "cournand bridge", caps, USB_REDIR_CAPS_SIZE, usbredirparser_fl_usb_host);
 }
 
 /* Until QEMU goes, or the device hangs. */

@@ -29,7 +29,7 @@ for module in $(/bin/busybox cat /modules/order); do /bin/busybox insmod /module
 /bin/busybox mount -t 9p -o trans=virtio,version=9p2000.L,ro,msize=262144 host /host || echo "guest: no file tree"
 for place in proc sys dev; do /bin/busybox mount -o bind /$place /host/$place; done
 /bin/busybox mount -t 9p -o trans=virtio,version=9p2000.L,msize=262144 out /host/mnt || echo "guest: nowhere to write"
-script=$(/bin/busybox sed -n 's/.*seldinger_script=\\([^ ]*\\).*/\\1/p' /proc/cmdline)
+script=$(/bin/busybox sed -n 's/.*cournand_script=\\([^ ]*\\).*/\\1/p' /proc/cmdline)
 echo "guest: up $(/bin/busybox cut -d' ' -f1 /proc/uptime)"
 /bin/busybox chroot /host /bin/sh "$script"
 echo "guest: exit $?"

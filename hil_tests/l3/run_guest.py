@@ -24,7 +24,7 @@ MEMORY_MB = 384
 
 
 def qemu_command(options, folder, sockets):
-    line = ("console=ttyS0 quiet panic=-1 tsc=unstable no_timer_check seldinger_script=" + os.path.join(folder, "script"))
+    line = ("console=ttyS0 quiet panic=-1 tsc=unstable no_timer_check cournand_script=" + os.path.join(folder, "script"))
     vmlinux, initrd = kernel.prepare(options.kernel)
     command = ["qemu-system-x86_64", "-M", "pc", "-cpu", "max", "-m", str(MEMORY_MB), "-nodefaults", "-no-user-config", "-display", "none",
                "-serial", "stdio", "-no-reboot", "-kernel", vmlinux, "-initrd", initrd, "-append", line,

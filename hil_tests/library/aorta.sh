@@ -1,13 +1,13 @@
 #!/bin/sh
-# The aorta session of `make run` by the program seldinger, unmodified, on the rig that it finds on USB. Runs on a mocked bus (L2), in
+# The aorta session of `make run` by the program cournand, unmodified, on the rig that it finds on USB. Runs on a mocked bus (L2), in
 # the guest (L3), or on a desk. Prints TAP. $AORTA_HASH: the final hash that it has to have; without, the host alone tells.
 build="${BUILD:-build}"
 session="--scene ${AORTA_SCENE:-out/aorta.scene} --tool shared/examples/instruments/j_wire.toml --session shared/examples/sessions/demo.session"
 final='s/^final hash *//p'
 
-hash="${AORTA_HASH:-$("$build/bin/seldinger" run --quiet $session | sed -n "$final")}"
+hash="${AORTA_HASH:-$("$build/bin/cournand" run --quiet $session | sed -n "$final")}"
 # shellcheck disable=SC2086 # words on purpose
-output=$("$build/bin/seldinger" run --quiet --device "usb${RIG_SERIAL:+:$RIG_SERIAL}" $session "$@" 2>&1)
+output=$("$build/bin/cournand" run --quiet --device "usb${RIG_SERIAL:+:$RIG_SERIAL}" $session "$@" 2>&1)
 status=$?
 got=$(echo "$output" | sed -n "$final")
 echo "$output" | sed -n 's/^wall clock */#- /p; s/^device  */#- /p'

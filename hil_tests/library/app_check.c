@@ -31,7 +31,7 @@ typedef struct bulk {
 static void bulk_write(void *context, const uint8_t *bytes, size_t count)
 {
     bulk *b = context;
-    static unsigned char copy[SELD_WIRE_FRAME_MAX];
+    static unsigned char copy[CRN_WIRE_FRAME_MAX];
     int done = 0;
     memcpy(copy, bytes, count);
     if (libusb_bulk_transfer(b->device, STREAM_OUT, copy, (int)count, &done, TIMEOUT_ms) != 0 ||
@@ -64,13 +64,13 @@ static bool bulk_open(bulk *b)
 }
 
 /* Forth and back, so that the line moves both ways. */
-static bool run_session(client *c, seld_wire_tick_state *last)
+static bool run_session(client *c, crn_wire_tick_state *last)
 {
-    static seld_wire_ticks ticks;
-    client_hello(c, seld_wire_schema_hash());
-    if (client_receive(c) != SELD_WIRE_TYPE_hello_reply) return false;
-    client_command(
-        c, SELD_WIRE_ACTION_RESET); /* whatever the session before left; refused when there was none */
+    static crn_wire_ticks ticks;
+    client_hello(c, crn_wire_schema_hash());
+    if (client_receive(c) != CRN_WIRE_TYPE_hello_reply) return false;
+    client_command(c,
+                   CRN_WIRE_ACTION_RESET); /* whatever the session before left; refused when there was none */
     if (client_receive(c) == 0 || !client_start_tools(c, 3)) return false;
     for (uint32_t tick = 0; tick < TICKS; tick += BATCH) {
         const int32_t step = tick < TICKS / 2 ? 25 : -25;
@@ -86,7 +86,7 @@ int main(void)
 {
     static bulk b;
     static client usb, sim;
-    static seld_wire_tick_state over_usb, over_sim;
+    static crn_wire_tick_state over_usb, over_sim;
     const client_pipe pipe = {&b, bulk_write, bulk_read};
     if (!check(bulk_open(&b), "the device is opened and a new stream begins")) return check_end();
     client_open_pipe(&usb, &pipe);

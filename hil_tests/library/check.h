@@ -1,16 +1,16 @@
 /* What the programs of this folder share: TAP lines, a clock, and the option that names the device.
  * May include: shared/wire. Called by: this folder only. */
-#ifndef SELD_LIBRARY_CHECK_H
-#define SELD_LIBRARY_CHECK_H
+#ifndef CRN_LIBRARY_CHECK_H
+#define CRN_LIBRARY_CHECK_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifndef SELD_USB_VENDOR_ID /* make USB_ID=... */
-#define SELD_USB_VENDOR_ID 0x1209
-#define SELD_USB_PRODUCT_ID 0x0001
+#ifndef CRN_USB_VENDOR_ID /* make USB_ID=... */
+#define CRN_USB_VENDOR_ID 0x1209
+#define CRN_USB_PRODUCT_ID 0x0001
 #endif
-enum { CHECK_VENDOR_ID = SELD_USB_VENDOR_ID, CHECK_PRODUCT_ID = SELD_USB_PRODUCT_ID };
+enum { CHECK_VENDOR_ID = CRN_USB_VENDOR_ID, CHECK_PRODUCT_ID = CRN_USB_PRODUCT_ID };
 
 /* Prints "ok N - name" or "not ok N - name"; returns `good`. */
 bool check(bool good, const char *name);

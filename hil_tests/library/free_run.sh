@@ -1,5 +1,5 @@
 #!/bin/sh
-# A session that the rig leads, with power, by the program seldinger, unmodified: the stream's ticks and shapes by libusb, and beside it the
+# A session that the rig leads, with power, by the program cournand, unmodified: the stream's ticks and shapes by libusb, and beside it the
 # state of every millisecond by hidapi. Needs a rig that moves by itself (hil_rig --live), or hands. Prints TAP.
 #   free_run.sh SECONDS FOLDER      the recording is left in FOLDER
 build="${BUILD:-build}"
@@ -16,13 +16,13 @@ verdict() {
     echo "not ok $count - $2"
 }
 
-"$build/bin/seldinger" rig calibrate --device "$device" --load hil_tests/rig/plant.json --yes >"$folder/rig.log" 2>&1
+"$build/bin/cournand" rig calibrate --device "$device" --load hil_tests/rig/plant.json --yes >"$folder/rig.log" 2>&1
 verdict $? the_rig_takes_the_couplings_of_the_plant
 # Who watches every millisecond comes first where a machine, or the emulation of one, is short of time.
 urgent=""
 chrt -f 10 true 2>/dev/null && urgent="chrt -f 10"
-$urgent "$build/bin/seldinger" rig monitor --device "$device" --seconds "$seconds" >"$folder/monitor.log" 2>&1 &
-"$build/bin/seldinger" run --quiet --device "$device" --scene "${AORTA_SCENE:-out/aorta.scene}" --tool shared/examples/instruments/j_wire.toml \
+$urgent "$build/bin/cournand" rig monitor --device "$device" --seconds "$seconds" >"$folder/monitor.log" 2>&1 &
+"$build/bin/cournand" run --quiet --device "$device" --scene "${AORTA_SCENE:-out/aorta.scene}" --tool shared/examples/instruments/j_wire.toml \
     --free-run "$seconds" --motors --yes --fps 60 --record "$folder/free_run.rec" >"$folder/run.log" 2>&1
 verdict $? the_session_reaches_its_end
 wait

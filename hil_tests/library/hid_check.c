@@ -26,33 +26,33 @@ static bool open_device(const char *serial)
 
 static bool identity_is_ours(void)
 {
-    unsigned char bytes[64] = {SELD_HID_ID_identity};
-    seld_hid_identity identity;
+    unsigned char bytes[64] = {CRN_HID_ID_identity};
+    crn_hid_identity identity;
     const int count = hid_get_feature_report(device, bytes, sizeof bytes);
-    return count >= 1 + SELD_HID_BYTES_identity &&
-           seld_hid_decode_identity(bytes + 1, (size_t)count - 1, &identity) &&
-           identity.report_hash == seld_hid_report_hash();
+    return count >= 1 + CRN_HID_BYTES_identity &&
+           crn_hid_decode_identity(bytes + 1, (size_t)count - 1, &identity) &&
+           identity.report_hash == crn_hid_report_hash();
 }
 
-static bool read_limits(seld_hid_limits *limits)
+static bool read_limits(crn_hid_limits *limits)
 {
-    unsigned char bytes[64] = {SELD_HID_ID_limits};
+    unsigned char bytes[64] = {CRN_HID_ID_limits};
     const int count = hid_get_feature_report(device, bytes, sizeof bytes);
-    return count >= 1 + SELD_HID_BYTES_limits && seld_hid_decode_limits(bytes + 1, (size_t)count - 1, limits);
+    return count >= 1 + CRN_HID_BYTES_limits && crn_hid_decode_limits(bytes + 1, (size_t)count - 1, limits);
 }
 
-static bool write_limits(const seld_hid_limits *limits)
+static bool write_limits(const crn_hid_limits *limits)
 {
-    unsigned char bytes[1 + SELD_HID_BYTES_limits] = {SELD_HID_ID_limits};
-    seld_wire_writer writer = seld_wire_writer_make(bytes + 1, sizeof bytes - 1);
-    return seld_hid_put_limits(&writer, limits) &&
+    unsigned char bytes[1 + CRN_HID_BYTES_limits] = {CRN_HID_ID_limits};
+    crn_wire_writer writer = crn_wire_writer_make(bytes + 1, sizeof bytes - 1);
+    return crn_hid_put_limits(&writer, limits) &&
            hid_send_feature_report(device, bytes, sizeof bytes) == (int)sizeof bytes;
 }
 
 /* Lowered and read back; raised and refused. */
 static bool settings_work(void)
 {
-    seld_hid_limits limits, read;
+    crn_hid_limits limits, read;
     if (!read_limits(&limits)) return false;
     limits.tracks[2].force_limit_mN -= 1;
     if (!write_limits(&limits) || !read_limits(&read)) return false;
@@ -61,17 +61,17 @@ static bool settings_work(void)
     return !write_limits(&limits);
 }
 
-static bool read_state(seld_hid_state *state)
+static bool read_state(crn_hid_state *state)
 {
     unsigned char bytes[64];
     const int count = hid_read_timeout(device, bytes, sizeof bytes, TIMEOUT_ms);
-    return count == 64 && bytes[0] == SELD_HID_ID_state && seld_hid_decode_state(bytes + 1, 63, state);
+    return count == 64 && bytes[0] == CRN_HID_ID_state && crn_hid_decode_state(bytes + 1, 63, state);
 }
 
 /* What waits from before is skipped; then every tick counts. */
 static bool states_follow(void)
 {
-    seld_hid_state state;
+    crn_hid_state state;
     unsigned char bytes[64];
     while (hid_read_timeout(device, bytes, sizeof bytes, 0) > 0) {
     }
@@ -96,11 +96,11 @@ static bool commands_are_answered(void)
 {
     const int64_t begin = check_now_us();
     for (int i = 0; i < COMMANDS; i++) {
-        unsigned char bytes[1 + SELD_HID_BYTES_command] = {SELD_HID_ID_command};
-        const seld_hid_command command = {.number = (uint8_t)(1 + i % 255), .action = 0, .value1 = i};
-        seld_wire_writer writer = seld_wire_writer_make(bytes + 1, sizeof bytes - 1);
-        seld_hid_state state = {0};
-        if (!seld_hid_put_command(&writer, &command)) return false;
+        unsigned char bytes[1 + CRN_HID_BYTES_command] = {CRN_HID_ID_command};
+        const crn_hid_command command = {.number = (uint8_t)(1 + i % 255), .action = 0, .value1 = i};
+        crn_wire_writer writer = crn_wire_writer_make(bytes + 1, sizeof bytes - 1);
+        crn_hid_state state = {0};
+        if (!crn_hid_put_command(&writer, &command)) return false;
         if (hid_write(device, bytes, sizeof bytes) != (int)sizeof bytes) {
             check_note("command %d was not taken: %ls", i, hid_error(device));
             return false;

@@ -5,9 +5,9 @@ build="${BUILD:-build}"
 hil="${HIL:-$build/hil}"
 folder="$1"
 session="--scene ${AORTA_SCENE:-out/aorta.scene} --tool shared/examples/instruments/j_wire.toml --session shared/examples/sessions/demo.session"
-hash="${AORTA_HASH:-$("$build/bin/seldinger" run --quiet $session | sed -n 's/^final hash *//p')}"
+hash="${AORTA_HASH:-$("$build/bin/cournand" run --quiet $session | sed -n 's/^final hash *//p')}"
 # shellcheck disable=SC2086 # words on purpose
-"$build/bin/seldinger" run --quiet --device usb --record "$folder/unplug.rec" $session >"$folder/unplug.log" 2>&1 &
+"$build/bin/cournand" run --quiet --device usb --record "$folder/unplug.rec" $session >"$folder/unplug.log" 2>&1 &
 program=$!
 pulls=0
 # The recording begins when the session does, and grows with it, under another name until it is whole.
@@ -23,7 +23,7 @@ while [ $pulls -lt 3 ] && kill -0 $program 2>/dev/null; do
 done
 wait $program
 status=$?
-grep -e '^final' -e '^device' -e '^seldinger' "$folder/unplug.log" | sed 's/^/# /'
+grep -e '^final' -e '^device' -e '^cournand' "$folder/unplug.log" | sed 's/^/# /'
 sed -n 's/^device  */#- /p' "$folder/unplug.log"
 if [ $status = 0 ] && [ -n "$hash" ] && grep -q "^final hash *$hash" "$folder/unplug.log" && grep -q 'came back [1-9]' "$folder/unplug.log"; then
     echo "ok 1 - a_session_goes_on_bit_for_bit_after_the_cable_was_pulled"

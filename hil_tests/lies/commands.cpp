@@ -24,11 +24,11 @@ constexpr const char *tool = "shared/examples/instruments/j_wire.toml";
 
 std::vector<std::string> arguments(const std::string &name, const std::string &folder)
 {
-    if (name == "rig list") return {"seldinger", "rig", "list"};
-    if (name == "rig info") return {"seldinger", "rig", "info", "--device", "usb"};
-    if (name == "rig selftest") return {"seldinger", "rig", "selftest", "--device", "usb"};
+    if (name == "rig list") return {"cournand", "rig", "list"};
+    if (name == "rig info") return {"cournand", "rig", "info", "--device", "usb"};
+    if (name == "rig selftest") return {"cournand", "rig", "selftest", "--device", "usb"};
     std::vector<std::string> run = {
-        "seldinger",       "run",    "--device", "usb",      "--scene",
+        "cournand",        "run",    "--device", "usb",      "--scene",
         folder + "/scene", "--tool", tool,       "--record", folder + "/lied.rec"};
     if (name == "run --record") run.insert(run.end(), {"--session", folder + "/lied.session"});
     if (name == "run --free-run") run.insert(run.end(), {"--free-run", "0.4"});
@@ -36,26 +36,26 @@ std::vector<std::string> arguments(const std::string &name, const std::string &f
 }
 
 // The rig's own clock: a tick every millisecond, as long as the process lives.
-[[noreturn]] void keep_time(seld_sim *sim)
+[[noreturn]] void keep_time(crn_sim *sim)
 {
     auto next = std::chrono::steady_clock::now();
     for (;;) {
         next += std::chrono::milliseconds(1);
         std::this_thread::sleep_until(next);
-        fake_usb::change([&] { seld_sim_timer(sim, 1); });
+        fake_usb::change([&] { crn_sim_timer(sim, 1); });
     }
 }
 
 int monitor(const Lie &lie, const std::function<void()> &struck)
 {
-    seld::RigOptions options;
+    crn::RigOptions options;
     options.seconds = 1.0;
-    seld::watch_for_interrupt();
+    crn::watch_for_interrupt();
     try {
-        const seld::HidApi api = lying_hid(lie, struck);
-        return seld::rig_monitor_hid(api, "", options, seld::console_talk());
-    } catch (const seld::LinkError &error) {
-        std::fprintf(stderr, "seldinger: %s\n", error.what());
+        const crn::HidApi api = lying_hid(lie, struck);
+        return crn::rig_monitor_hid(api, "", options, crn::console_talk());
+    } catch (const crn::LinkError &error) {
+        std::fprintf(stderr, "cournand: %s\n", error.what());
         return 1;
     }
 }
@@ -91,11 +91,11 @@ int run_command(const LiedTo &command, const Lie &lie, const std::string &folder
     if (command.is_by_hid) return monitor(lie, struck);
     fake_usb::reset();
     fake_usb::Rig &rig = fake_usb::add("LIAR-0001");
-    const seld_port_inputs inputs = seld_sim_healthy_inputs();
+    const crn_port_inputs inputs = crn_sim_healthy_inputs();
     Liar liar(lie, command.frames, rig.sim, struck);
     fake_usb::change([&] {
-        seld_sim_set_inputs(rig.sim, &inputs);
-        seld_sim_timer(rig.sim, 1);
+        crn_sim_set_inputs(rig.sim, &inputs);
+        crn_sim_timer(rig.sim, 1);
         rig.in_bytes_max = 16384;
         rig.take = [&](std::span<const std::uint8_t> bytes) { liar.take(bytes); };
         rig.give = [&](std::span<std::uint8_t> bytes) { return liar.give(bytes); };
@@ -104,7 +104,7 @@ int run_command(const LiedTo &command, const Lie &lie, const std::string &folder
     std::vector<std::string> words = arguments(command.name, folder);
     std::vector<char *> argv;
     for (std::string &word : words) argv.push_back(word.data());
-    const int code = seld::command_line(static_cast<int>(argv.size()), argv.data());
+    const int code = crn::command_line(static_cast<int>(argv.size()), argv.data());
     fake_usb::change([&] { // the liar ends here, and the clock goes on
         rig.take = {};
         rig.give = {};
@@ -121,7 +121,7 @@ namespace
 class Referee
 {
   public:
-    explicit Referee(const seld::Recording &recording)
+    explicit Referee(const crn::Recording &recording)
         : recording_(recording), device_(scene_of(recording.header), recording.header.tools,
                                          recording.header.entry, recording.header.rig)
     {
@@ -129,16 +129,16 @@ class Referee
 
     std::string falsehood()
     {
-        const seld::RecordingHeader &header = recording_.header;
+        const crn::RecordingHeader &header = recording_.header;
         if (header.core_version != device_.identity().core_version ||
             header.schema_hash != device_.identity().schema_hash)
             return "another core or schema than the firmware's";
         const std::string hash0 = check_hashes(0);
         for (std::uint32_t tick = 0; tick < recording_.ticks.size(); tick++) {
-            const seld::RecordedTick &recorded = recording_.ticks[tick];
-            if (const seld::RecordedSnapshot *resumed = recording_.resumed_at(tick))
+            const crn::RecordedTick &recorded = recording_.ticks[tick];
+            if (const crn::RecordedSnapshot *resumed = recording_.resumed_at(tick))
                 device_.restore(resumed->bytes);
-            const seld_wire_tick_state state = device_.step({&recorded.input, 1}, false).front();
+            const crn_wire_tick_state state = device_.step({&recorded.input, 1}, false).front();
             if (state.hash_lane0 != recorded.hash_lane[0] || state.hash_lane1 != recorded.hash_lane[1])
                 return "the hash of tick " + std::to_string(tick + 1);
             const std::string wrong = check_hashes(tick + 1) + check_snapshots(tick + 1);
@@ -149,13 +149,13 @@ class Referee
     }
 
   private:
-    static seld::SceneFile scene_of(const seld::RecordingHeader &header)
+    static crn::SceneFile scene_of(const crn::RecordingHeader &header)
     {
-        return header.scene_bytes == 0 ? seld::read_scene("") : seld::read_scene(header.scene_path);
+        return header.scene_bytes == 0 ? crn::read_scene("") : crn::read_scene(header.scene_path);
     }
     std::string check_hashes(std::uint32_t tick)
     {
-        for (const seld::RecordedHash &recorded : recording_.hashes) {
+        for (const crn::RecordedHash &recorded : recording_.hashes) {
             if (recorded.tick != tick) continue;
             hashes_++;
             if (device_.read_hash64().hash != recorded.hash)
@@ -166,13 +166,13 @@ class Referee
     // The state in it, by its hash: a rig's own hands and motors are not the referee's.
     std::string check_snapshots(std::uint32_t tick)
     {
-        for (const seld::RecordedSnapshot &recorded : recording_.snapshots) {
+        for (const crn::RecordedSnapshot &recorded : recording_.snapshots) {
             if (recorded.tick != tick) continue;
             snapshots_++;
             const std::uint64_t before = device_.read_hash64().hash;
             try {
                 device_.restore(recorded.bytes);
-            } catch (const seld::LinkError &) {
+            } catch (const crn::LinkError &) {
                 return "the snapshot of tick " + std::to_string(tick) + ", which no device takes";
             }
             if (device_.read_hash64().hash != before) return "the snapshot of tick " + std::to_string(tick);
@@ -180,8 +180,8 @@ class Referee
         return "";
     }
 
-    const seld::Recording &recording_;
-    seld::Device device_;
+    const crn::Recording &recording_;
+    crn::Device device_;
     std::size_t hashes_ = 0, snapshots_ = 0;
 };
 
@@ -191,7 +191,7 @@ std::string falsehood(const std::string &path, bool has_to_be_complete)
 {
     if (!std::filesystem::exists(path)) return has_to_be_complete ? "there is no recording" : "";
     try {
-        const seld::Recording recording = seld::read_recording(path);
+        const crn::Recording recording = crn::read_recording(path);
         if (has_to_be_complete && !recording.is_complete) return "the recording is cut off";
         return Referee(recording).falsehood();
     } catch (const std::exception &error) {

@@ -42,20 +42,20 @@ bool tells(const char *lie)
 
 template <class Message>
 Report report_of(std::uint8_t id, std::size_t bytes, const Message &message,
-                 bool (*put)(seld_wire_writer *, const Message *))
+                 bool (*put)(crn_wire_writer *, const Message *))
 {
     Report report(1 + bytes, id);
-    seld_wire_writer writer = seld_wire_writer_make(report.data() + 1, bytes);
+    crn_wire_writer writer = crn_wire_writer_make(report.data() + 1, bytes);
     put(&writer, &message);
     return report;
 }
 
 Report state_report()
 {
-    seld_hid_state state{};
+    crn_hid_state state{};
     state.tick = mouth.tick;
-    state.state = SELD_WIRE_STATE_READY;
-    return report_of(SELD_HID_ID_state, SELD_HID_BYTES_state, state, seld_hid_put_state);
+    state.state = CRN_WIRE_STATE_READY;
+    return report_of(CRN_HID_ID_state, CRN_HID_BYTES_state, state, crn_hid_put_state);
 }
 
 int hand_over(const Report &report, unsigned char *bytes, std::size_t capacity)
@@ -73,7 +73,7 @@ int read_report(hid_device_ *, unsigned char *bytes, std::size_t capacity, int m
     if (!lies) return pass(1), hand_over(state_report(), bytes, capacity);
     if (tells("hid.silent")) return pass(milliseconds), 0;
     if (tells("hid.busy_silence")) return 0;
-    if (tells("hid.flood_short")) return hand_over(Report(3, SELD_HID_ID_state), bytes, capacity);
+    if (tells("hid.flood_short")) return hand_over(Report(3, CRN_HID_ID_state), bytes, capacity);
     if (tells("hid.flood_other_id")) return hand_over(Report(64, 0xee), bytes, capacity);
     if (tells("hid.flood_long")) return std::memset(bytes, 0xff, capacity), 100000;
     if (tells("hid.gone")) return -1;
@@ -88,8 +88,8 @@ int read_report(hid_device_ *, unsigned char *bytes, std::size_t capacity, int m
 
 int feature(hid_device_ *, unsigned char *bytes, std::size_t capacity)
 {
-    const seld_hid_identity identity = {3, 0, seld_wire_schema_hash(), seld_hid_report_hash(), 1};
-    Report report = report_of(SELD_HID_ID_identity, SELD_HID_BYTES_identity, identity, seld_hid_put_identity);
+    const crn_hid_identity identity = {3, 0, crn_wire_schema_hash(), crn_hid_report_hash(), 1};
+    Report report = report_of(CRN_HID_ID_identity, CRN_HID_BYTES_identity, identity, crn_hid_put_identity);
     if (tells("hid.identity_gone")) return -1;
     if (tells("hid.identity_short")) report.resize(3);
     if (tells("hid.identity_long")) return std::memset(bytes, 0xff, capacity), 100000;
@@ -115,10 +115,10 @@ void free_enumeration(hid_device_info *list)
 
 } // namespace
 
-seld::HidApi lying_hid(const Lie &lie, std::function<void()> struck)
+crn::HidApi lying_hid(const Lie &lie, std::function<void()> struck)
 {
     mouth = {lie, std::move(struck)};
-    seld::HidApi api;
+    crn::HidApi api;
     api.name = "fake";
     api.enumerate = enumerate;
     api.free_enumeration = free_enumeration;

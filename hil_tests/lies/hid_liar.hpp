@@ -8,6 +8,6 @@ namespace hil
 {
 
 // One at a time; the functions know no user data.
-seld::HidApi lying_hid(const Lie &lie, std::function<void()> struck);
+crn::HidApi lying_hid(const Lie &lie, std::function<void()> struck);
 
 } // namespace hil

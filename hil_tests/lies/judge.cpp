@@ -200,7 +200,7 @@ Verdict judge_one(const LieCase &one, const std::string &folder)
 // One line per case: index, then the verdict's fields, tabs between them.
 void work(const std::vector<LieCase> &cases, std::size_t first, std::size_t step, unsigned ticks, int end)
 {
-    char name[] = "/tmp/seldinger_lies_XXXXXX";
+    char name[] = "/tmp/cournand_lies_XXXXXX";
     if (::mkdtemp(name) == nullptr) return;
     const std::string folder = name;
     write_inputs(folder, ticks);
@@ -269,13 +269,13 @@ std::vector<Verdict> judge_once(const std::vector<LieCase> &cases, unsigned jobs
     std::FILE *lines = ::fdopen(ends[0], "r");
     char line[4096];
     std::size_t done = 0;
-    while (!seld::is_interrupted() && std::fgets(line, sizeof line, lines) != nullptr) {
+    while (!crn::is_interrupted() && std::fgets(line, sizeof line, lines) != nullptr) {
         take(line, verdicts);
         if (tell) tell(++done);
     }
     std::fclose(lines);
     for (const pid_t pid : workers) {
-        if (seld::is_interrupted()) ::kill(pid, SIGKILL);
+        if (crn::is_interrupted()) ::kill(pid, SIGKILL);
         ::waitpid(pid, nullptr, 0);
     }
     return verdicts;
@@ -306,7 +306,7 @@ std::vector<Verdict> judge(const std::vector<LieCase> &cases, unsigned jobs, uns
             late.push_back(cases[i]);
             places.push_back(i);
         }
-        if (late.empty() || late.size() > again_max || seld::is_interrupted()) break;
+        if (late.empty() || late.size() > again_max || crn::is_interrupted()) break;
         const std::vector<Verdict> again = judge_once(late, 1, ticks, {});
         for (std::size_t i = 0; i < late.size(); i++) verdicts[places[i]] = again[i];
     }

@@ -11,16 +11,16 @@ namespace
 
 constexpr auto drip_every = std::chrono::milliseconds(20);
 
-std::unique_ptr<seld_wire_decoder> new_decoder()
+std::unique_ptr<crn_wire_decoder> new_decoder()
 {
-    auto decoder = std::make_unique<seld_wire_decoder>();
-    seld_wire_decoder_init(decoder.get());
+    auto decoder = std::make_unique<crn_wire_decoder>();
+    crn_wire_decoder_init(decoder.get());
     return decoder;
 }
 
 Frame notice_frame()
 {
-    return {{1, 0, SELD_WIRE_TYPE_notice}, empty_message(SELD_WIRE_TYPE_notice).payload};
+    return {{1, 0, CRN_WIRE_TYPE_notice}, empty_message(CRN_WIRE_TYPE_notice).payload};
 }
 
 // The lies about whole messages are the campaign's.
@@ -37,13 +37,13 @@ std::uint32_t campaign_lie(const Lie &lie)
 
 Bytes encode(const Frame &frame)
 {
-    Bytes bytes(SELD_WIRE_FRAME_MAX);
-    bytes.resize(seld_wire_frame_encode(&frame.header, frame.payload.data(), frame.payload.size(),
-                                        bytes.data(), bytes.size()));
+    Bytes bytes(CRN_WIRE_FRAME_MAX);
+    bytes.resize(crn_wire_frame_encode(&frame.header, frame.payload.data(), frame.payload.size(),
+                                       bytes.data(), bytes.size()));
     return bytes;
 }
 
-Liar::Liar(const Lie &lie, unsigned frames, seld_sim *sim, std::function<void()> struck)
+Liar::Liar(const Lie &lie, unsigned frames, crn_sim *sim, std::function<void()> struck)
     : lie_(lie), place_(1 + (lie.at - 1) % std::max(frames, 1u)), sim_(sim), struck_(std::move(struck)),
       from_device_(new_decoder()), from_host_(new_decoder())
 {
@@ -63,8 +63,8 @@ void Liar::strike()
 void Liar::take(std::span<const std::uint8_t> bytes)
 {
     for (const std::uint8_t byte : bytes)
-        if (seld_wire_decoder_push(from_host_.get(), byte) == SELD_WIRE_FRAME) asked_ = from_host_->header;
-    seld_sim_write(sim_, bytes.data(), bytes.size());
+        if (crn_wire_decoder_push(from_host_.get(), byte) == CRN_WIRE_FRAME) asked_ = from_host_->header;
+    crn_sim_write(sim_, bytes.data(), bytes.size());
 }
 
 void Liar::say(const Bytes &bytes)
@@ -79,11 +79,11 @@ void Liar::say(const Bytes &bytes)
 void Liar::pull()
 {
     std::uint8_t bytes[4096];
-    for (std::size_t count = seld_sim_read(sim_, bytes, sizeof bytes); count > 0;
-         count = seld_sim_read(sim_, bytes, sizeof bytes)) {
+    for (std::size_t count = crn_sim_read(sim_, bytes, sizeof bytes); count > 0;
+         count = crn_sim_read(sim_, bytes, sizeof bytes)) {
         for (std::size_t i = 0; i < count; i++) {
             partial_.push_back(bytes[i]);
-            const bool is_frame = seld_wire_decoder_push(from_device_.get(), bytes[i]) == SELD_WIRE_FRAME;
+            const bool is_frame = crn_wire_decoder_push(from_device_.get(), bytes[i]) == CRN_WIRE_FRAME;
             if (bytes[i] != 0) continue;
             const Bytes raw = std::exchange(partial_, {});
             if (!is_frame) continue;
@@ -100,7 +100,7 @@ void Liar::pass(Frame frame, const Bytes &raw)
     if (is_streaming_ && !is_only_slow()) return;
     if (lie_about_snapshot(frame, raw) || lie_about_frame(frame, raw)) return;
     const bool is_changed = lie_about_message(frame);
-    if (frame.header.type == SELD_WIRE_TYPE_ticks) last_ticks_ = frame.payload;
+    if (frame.header.type == CRN_WIRE_TYPE_ticks) last_ticks_ = frame.payload;
     say(is_changed ? encode(frame) : raw);
     if (!held_.empty()) say(std::exchange(held_, {}));
     if (frames_ == 2 && type_of(lie_) != 0 && seen_ == 0) forge();
@@ -147,7 +147,7 @@ bool Liar::lie_about_frame(const Frame &frame, const Bytes &raw)
         other.header.sequence = static_cast<std::uint16_t>(other.header.sequence - 1);
         say(encode(other));
     } else if (lie_.is("frame.refused")) {
-        other = empty_message(SELD_WIRE_TYPE_reject);
+        other = empty_message(CRN_WIRE_TYPE_reject);
         other.header.answers = frame.header.answers;
         other.payload[2] = static_cast<std::uint8_t>(lie_.value);
         other.payload[3] = static_cast<std::uint8_t>(lie_.value >> 8);
@@ -163,34 +163,34 @@ bool Liar::lie_about_snapshot(const Frame &frame, const Bytes &raw)
 {
     if (!lie_.is_group("snapshot.")) return false;
     const std::uint16_t type = frame.header.type;
-    const bool is_part = type == SELD_WIRE_TYPE_snapshot_begin || type == SELD_WIRE_TYPE_snapshot_chunk ||
-                         type == SELD_WIRE_TYPE_snapshot_end;
+    const bool is_part = type == CRN_WIRE_TYPE_snapshot_begin || type == CRN_WIRE_TYPE_snapshot_chunk ||
+                         type == CRN_WIRE_TYPE_snapshot_end;
     if (!is_part) return false;
     static_cast<void>(raw);
     snapshot_.push_back(frame);
-    if (type != SELD_WIRE_TYPE_snapshot_end) return true;
+    if (type != CRN_WIRE_TYPE_snapshot_end) return true;
     seen_++;
     strike();
     constexpr std::size_t chunk_head = 6; // offset u32, count u16
     Bytes whole;
     for (const Frame &part : snapshot_)
-        if (part.header.type == SELD_WIRE_TYPE_snapshot_chunk)
+        if (part.header.type == CRN_WIRE_TYPE_snapshot_chunk)
             whole.insert(whole.end(), part.payload.begin() + chunk_head, part.payload.end());
     const auto alter = [&](std::size_t at, std::uint8_t by) { whole[at % whole.size()] ^= by; };
     if (lie_.is("snapshot.core") || lie_.is("snapshot.head")) alter(lie_.value, 1);
     if (lie_.is("snapshot.tick")) alter(4, static_cast<std::uint8_t>(lie_.value));
     if (lie_.is("snapshot.short")) whole.resize(whole.size() / 2);
     if (lie_.is("snapshot.empty")) whole.clear();
-    seld_wire_snapshot_begin begin;
-    seld_wire_decode_snapshot_begin(snapshot_[0].payload.data(), snapshot_[0].payload.size(), &begin);
+    crn_wire_snapshot_begin begin;
+    crn_wire_decode_snapshot_begin(snapshot_[0].payload.data(), snapshot_[0].payload.size(), &begin);
     if (lie_.is("snapshot.begin_tick")) begin.tick += 100;
     begin.snapshot_bytes = static_cast<std::uint32_t>(whole.size());
-    begin.crc32 = seld_wire_crc32(0, whole.data(), whole.size());
-    seld_wire_writer writer = seld_wire_writer_make(snapshot_[0].payload.data(), snapshot_[0].payload.size());
-    seld_wire_put_snapshot_begin(&writer, &begin);
+    begin.crc32 = crn_wire_crc32(0, whole.data(), whole.size());
+    crn_wire_writer writer = crn_wire_writer_make(snapshot_[0].payload.data(), snapshot_[0].payload.size());
+    crn_wire_put_snapshot_begin(&writer, &begin);
     std::size_t given = 0;
     for (Frame &part : snapshot_) {
-        if (part.header.type == SELD_WIRE_TYPE_snapshot_chunk) {
+        if (part.header.type == CRN_WIRE_TYPE_snapshot_chunk) {
             const std::size_t count = std::min(part.payload.size() - chunk_head, whole.size() - given);
             if (count == 0) continue;
             part.payload.resize(chunk_head + count);
@@ -200,7 +200,7 @@ bool Liar::lie_about_snapshot(const Frame &frame, const Bytes &raw)
                         part.payload.begin() + chunk_head);
             given += count;
         }
-        if (part.header.type == SELD_WIRE_TYPE_snapshot_end)
+        if (part.header.type == CRN_WIRE_TYPE_snapshot_end)
             for (unsigned i = 0; i < 4; i++)
                 part.payload[i] = static_cast<std::uint8_t>(whole.size() >> 8 * i);
         say(encode(part));
@@ -212,8 +212,8 @@ bool Liar::lie_about_snapshot(const Frame &frame, const Bytes &raw)
 bool Liar::lie_about_message(Frame &frame)
 {
     if (type_of(lie_) != frame.header.type) return false;
-    const bool is_final = asked_.type == SELD_WIRE_TYPE_get;
-    if (lie_.is_group("final_hash.") != is_final && frame.header.type == SELD_WIRE_TYPE_hash64) return false;
+    const bool is_final = asked_.type == CRN_WIRE_TYPE_get;
+    if (lie_.is_group("final_hash.") != is_final && frame.header.type == CRN_WIRE_TYPE_hash64) return false;
     if (++seen_ != lie_.at) return false;
     strike();
     if (lie_.is("hash.twice_with_another_tick")) {
@@ -272,8 +272,8 @@ std::size_t Liar::stream(std::span<std::uint8_t> bytes)
     Bytes frame = same_;
     if (lie_.is("stream.half_frames")) frame.resize(frame.size() / 2);
     if (lie_.is("stream.notices")) frame = encode(notice_frame());
-    if (lie_.is("stream.live")) frame = encode(empty_message(SELD_WIRE_TYPE_live));
-    if (lie_.is("stream.refusals")) frame = encode(empty_message(SELD_WIRE_TYPE_reject));
+    if (lie_.is("stream.live")) frame = encode(empty_message(CRN_WIRE_TYPE_live));
+    if (lie_.is("stream.refusals")) frame = encode(empty_message(CRN_WIRE_TYPE_reject));
     while (flood_.size() < bytes.size()) flood_.insert(flood_.end(), frame.begin(), frame.end());
     return fill([&] {
         const std::uint8_t byte = flood_.front();

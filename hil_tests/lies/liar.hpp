@@ -19,7 +19,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 // A frame taken apart, and put together again with a good CRC.
 struct Frame {
-    seld_wire_header header{};
+    crn_wire_header header{};
     Bytes payload;
 };
 Bytes encode(const Frame &frame);
@@ -29,7 +29,7 @@ class Liar
   public:
     // `frames`: how many an honest device sends to this command; a lie about a later one is told about an earlier one.
     // `struck` is called when the lie is told first.
-    Liar(const Lie &lie, unsigned frames, seld_sim *sim, std::function<void()> struck);
+    Liar(const Lie &lie, unsigned frames, crn_sim *sim, std::function<void()> struck);
     void take(std::span<const std::uint8_t> bytes);
     std::size_t give(std::span<std::uint8_t> bytes);
 
@@ -50,12 +50,12 @@ class Liar
 
     Lie lie_;
     unsigned place_;
-    seld_sim *sim_;
+    crn_sim *sim_;
     std::function<void()> struck_;
     bool has_struck_ = false, is_streaming_ = false;
     unsigned frames_ = 0, seen_ = 0; // frames said, and messages of the lie's type among them
-    std::unique_ptr<seld_wire_decoder> from_device_, from_host_;
-    seld_wire_header asked_{};
+    std::unique_ptr<crn_wire_decoder> from_device_, from_host_;
+    crn_wire_header asked_{};
     Bytes partial_, same_, held_, last_ticks_;
     std::vector<Frame> snapshot_; // under way
     std::deque<std::uint8_t> out_, flood_;

@@ -14,13 +14,13 @@ namespace
 // Applies `change` to the message in the frame; what it cannot decode or what does not fit any more stays as it is.
 template <class Message>
 bool alter(Frame &frame, bool (*decode)(const std::uint8_t *, std::size_t, Message *),
-           bool (*put)(seld_wire_writer *, const Message *), const std::function<void(Message &)> &change)
+           bool (*put)(crn_wire_writer *, const Message *), const std::function<void(Message &)> &change)
 {
     const auto message = std::make_unique<Message>();
     if (!decode(frame.payload.data(), frame.payload.size(), message.get())) return false;
     change(*message);
-    Bytes bytes(SELD_WIRE_PAYLOAD_MAX);
-    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
+    Bytes bytes(CRN_WIRE_PAYLOAD_MAX);
+    crn_wire_writer writer = crn_wire_writer_make(bytes.data(), bytes.size());
     if (!put(&writer, message.get())) return false;
     bytes.resize(writer.length);
     frame.payload = bytes;
@@ -28,8 +28,8 @@ bool alter(Frame &frame, bool (*decode)(const std::uint8_t *, std::size_t, Messa
 }
 
 #define ALTER(name, ...)                                                                                     \
-    alter<seld_wire_##name>(frame, seld_wire_decode_##name,                                                  \
-                            seld_wire_put_##name, [&]([[maybe_unused]] seld_wire_##name & m) __VA_ARGS__)
+    alter<crn_wire_##name>(frame, crn_wire_decode_##name,                                                    \
+                           crn_wire_put_##name, [&]([[maybe_unused]] crn_wire_##name & m) __VA_ARGS__)
 
 bool about_hello(const std::string &field, std::uint32_t value, Frame &frame)
 {
@@ -63,7 +63,7 @@ bool about_set_up(const std::string &field, Frame &frame)
 {
     const Bytes &scene = tube_scene();
     const auto bytes = static_cast<std::uint32_t>(scene.size());
-    const std::uint32_t crc32 = seld_wire_crc32(0, scene.data(), scene.size());
+    const std::uint32_t crc32 = crn_wire_crc32(0, scene.data(), scene.size());
     return ALTER(set_up, {
         if (field == "scene_is_there") m.scene_bytes = bytes, m.scene_crc32 = crc32;
         if (field == "scene_is_another") m.scene_bytes = bytes, m.scene_crc32 = ~crc32;
@@ -76,7 +76,7 @@ bool about_rig(const std::string &field, std::uint32_t value, Frame &frame)
 {
     return ALTER(rig, {
         if (field == "tracks") m.tracks_count = 0;
-        for (seld_wire_track &track : m.tracks) {
+        for (crn_wire_track &track : m.tracks) {
             if (field == "limits") track.force_limit_mN = track.torque_limit_uN_m = value;
             if (field == "scale") track.translation_pm_per_count = track.rotation_counts_per_turn = value;
         }
@@ -93,12 +93,12 @@ bool about_ticks(const std::string &field, std::uint32_t value, Frame &frame, co
         if (field == "none") m.states_count = 0;
         if (field == "fewer" && m.states_count > 0) m.states_count--;
         if (m.states_count == 0) return;
-        seld_wire_tick_state &state = m.states[m.states_count / 2];
+        crn_wire_tick_state &state = m.states[m.states_count / 2];
         if (field == "lane0") state.hash_lane0 ^= 1;
         if (field == "lane1") state.hash_lane1 ^= 0x80000000u;
         if (field == "backwards") state.tick -= 2;
         if (field == "core_faults") state.core_fault_bits = value;
-        for (seld_wire_tool_state &tool : state.tools) {
+        for (crn_wire_tool_state &tool : state.tools) {
             if (field == "forces") tool.handle_axial_N_q22 = static_cast<std::int32_t>(value);
             if (field == "inserted") tool.inserted_m_q30 = static_cast<std::int32_t>(value);
         }
@@ -121,7 +121,7 @@ bool about_nodes(const std::string &field, std::uint32_t value, Frame &frame)
         if (field == "count") m.positions_count = static_cast<std::uint16_t>(value);
         if (field == "tick") m.tick = value;
         if (field == "inserted") std::fill(std::begin(m.inserted_m_q30), std::end(m.inserted_m_q30), number);
-        for (seld_wire_node_position &at : m.positions)
+        for (crn_wire_node_position &at : m.positions)
             if (field == "positions") at = {number, number, number};
     });
 }
@@ -141,7 +141,7 @@ bool about_sensors(const std::string &field, std::uint32_t value, Frame &frame)
     return ALTER(sensors, {
         if (field == "tracks") m.tracks_count = 0;
         if (field == "absent") m.has_rig = 0;
-        for (seld_wire_track_sensors &track : m.tracks) {
+        for (crn_wire_track_sensors &track : m.tracks) {
             if (field != "values") continue;
             track.translation_counts = track.rotation_counts = track.force_mN = track.motor_axial_mN = number;
             track.translation_sensor = track.over_current = 200;
@@ -152,8 +152,8 @@ bool about_sensors(const std::string &field, std::uint32_t value, Frame &frame)
 bool about_faults(std::uint32_t value, Frame &frame)
 {
     return ALTER(fault_log, {
-        m.entries_count = SELD_WIRE_MAX_fault_log_entries;
-        for (seld_wire_fault_entry &entry : m.entries) entry.code = static_cast<std::uint16_t>(value);
+        m.entries_count = CRN_WIRE_MAX_fault_log_entries;
+        for (crn_wire_fault_entry &entry : m.entries) entry.code = static_cast<std::uint16_t>(value);
     });
 }
 
@@ -168,10 +168,10 @@ bool about_live(const std::string &field, std::uint32_t value, Frame &frame)
             if (field == "hands") m.ticks[i].flags = 0;
         }
         if (count == 0) return;
-        seld_wire_live_tick &tick = m.ticks[count / 2];
+        crn_wire_live_tick &tick = m.ticks[count / 2];
         if (field == "lane0") tick.state.hash_lane0 ^= 1;
         if (field == "input") tick.input.hands[0].translation_counts += static_cast<std::int32_t>(value);
-        for (seld_wire_tool_state &tool : tick.state.tools)
+        for (crn_wire_tool_state &tool : tick.state.tools)
             if (field == "states")
                 tool.inserted_m_q30 = tool.handle_axial_N_q22 = static_cast<std::int32_t>(value);
     });
@@ -180,20 +180,20 @@ bool about_live(const std::string &field, std::uint32_t value, Frame &frame)
 #undef ALTER
 
 const std::map<std::string, std::uint16_t> types = {
-    {"hello", SELD_WIRE_TYPE_hello_reply}, {"status", SELD_WIRE_TYPE_status},
-    {"set_up", SELD_WIRE_TYPE_set_up},     {"rig", SELD_WIRE_TYPE_rig},
-    {"ticks", SELD_WIRE_TYPE_ticks},       {"hash", SELD_WIRE_TYPE_hash64},
-    {"final_hash", SELD_WIRE_TYPE_hash64}, {"snapshot", SELD_WIRE_TYPE_snapshot_begin},
-    {"nodes", SELD_WIRE_TYPE_nodes},       {"node_table", SELD_WIRE_TYPE_node_table},
-    {"sensors", SELD_WIRE_TYPE_sensors},   {"fault_log", SELD_WIRE_TYPE_fault_log},
-    {"live", SELD_WIRE_TYPE_live},
+    {"hello", CRN_WIRE_TYPE_hello_reply}, {"status", CRN_WIRE_TYPE_status},
+    {"set_up", CRN_WIRE_TYPE_set_up},     {"rig", CRN_WIRE_TYPE_rig},
+    {"ticks", CRN_WIRE_TYPE_ticks},       {"hash", CRN_WIRE_TYPE_hash64},
+    {"final_hash", CRN_WIRE_TYPE_hash64}, {"snapshot", CRN_WIRE_TYPE_snapshot_begin},
+    {"nodes", CRN_WIRE_TYPE_nodes},       {"node_table", CRN_WIRE_TYPE_node_table},
+    {"sensors", CRN_WIRE_TYPE_sensors},   {"fault_log", CRN_WIRE_TYPE_fault_log},
+    {"live", CRN_WIRE_TYPE_live},
 };
 
-template <class Message> Bytes nothing(bool (*put)(seld_wire_writer *, const Message *))
+template <class Message> Bytes nothing(bool (*put)(crn_wire_writer *, const Message *))
 {
     const auto message = std::make_unique<Message>();
-    Bytes bytes(SELD_WIRE_PAYLOAD_MAX);
-    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
+    Bytes bytes(CRN_WIRE_PAYLOAD_MAX);
+    crn_wire_writer writer = crn_wire_writer_make(bytes.data(), bytes.size());
     put(&writer, message.get());
     bytes.resize(writer.length);
     return bytes;
@@ -212,8 +212,8 @@ Frame empty_message(std::uint16_t type)
     Frame frame{{1, 0, type}, {}};
     switch (type) {
 #define NOTHING(name)                                                                                        \
-    case SELD_WIRE_TYPE_##name:                                                                              \
-        frame.payload = nothing<seld_wire_##name>(seld_wire_put_##name);                                     \
+    case CRN_WIRE_TYPE_##name:                                                                               \
+        frame.payload = nothing<crn_wire_##name>(crn_wire_put_##name);                                       \
         break
         NOTHING(hello_reply);
         NOTHING(status);

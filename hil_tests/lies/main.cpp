@@ -65,7 +65,7 @@ void write_table(const std::string &path, const std::vector<hil::LieCase> &cases
     text << text_of(totals_of(verdicts), '\t');
     const auto folder = std::filesystem::path(path).parent_path();
     if (!folder.empty()) std::filesystem::create_directories(folder);
-    seld::write_whole_file(path, text.str());
+    crn::write_whole_file(path, text.str());
 }
 
 int print(const std::vector<hil::LieCase> &cases, const std::vector<hil::Verdict> &verdicts)
@@ -127,7 +127,7 @@ int run(const Options &options)
             std::printf("%s: exit code %d: %s\n", cases[i].command->name, verdicts[i].code,
                         verdicts[i].message.c_str());
     if (!options.file.empty() && options.only.empty()) write_table(options.file, cases, verdicts);
-    return seld::is_interrupted() ? 1 : code;
+    return crn::is_interrupted() ? 1 : code;
 }
 
 } // namespace
@@ -154,7 +154,7 @@ int main(int argc, char **argv)
     } catch (const CLI::ParseError &error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
-    seld::watch_for_interrupt();
+    crn::watch_for_interrupt();
     try {
         return run(options);
     } catch (const std::invalid_argument &error) {

@@ -10,9 +10,9 @@ namespace
 
 std::uint8_t health_of(SensorFault fault)
 {
-    if (fault == SensorFault::range) return SELD_PORT_SENSOR_RANGE;
-    if (fault == SensorFault::silent) return SELD_PORT_SENSOR_ERROR;
-    return SELD_PORT_SENSOR_OK;
+    if (fault == SensorFault::range) return CRN_PORT_SENSOR_RANGE;
+    if (fault == SensorFault::silent) return CRN_PORT_SENSOR_ERROR;
+    return CRN_PORT_SENSOR_OK;
 }
 
 } // namespace
@@ -49,10 +49,10 @@ Plant::Plant(const PlantSettings &settings)
     sample();
 }
 
-void Plant::run_stage(const seld_port_outputs &outputs)
+void Plant::run_stage(const crn_port_outputs &outputs)
 {
     if (outputs.drive != last_drive_) {
-        hold_ms_ = SELD_PORT_DRIVE_HOLD_ms;
+        hold_ms_ = CRN_PORT_DRIVE_HOLD_ms;
     } else if (hold_ms_ > 0) {
         hold_ms_--;
     }
@@ -61,7 +61,7 @@ void Plant::run_stage(const seld_port_outputs &outputs)
     is_stage_on_ = hold_ms_ > 0;
 }
 
-void Plant::step(const seld_port_outputs &outputs)
+void Plant::step(const crn_port_outputs &outputs)
 {
     run_stage(outputs);
     for (std::size_t k = 0; k < tracks_.size(); k++) {
@@ -86,8 +86,8 @@ void Plant::sample_force(Track &track)
 
 std::uint8_t Plant::force_health(const Track &track) const
 {
-    if (!settings_.has_force_sensor) return SELD_PORT_SENSOR_ABSENT;
-    return track.is_force_saturated ? std::uint8_t{SELD_PORT_SENSOR_RANGE} : health_of(track.force_fault);
+    if (!settings_.has_force_sensor) return CRN_PORT_SENSOR_ABSENT;
+    return track.is_force_saturated ? std::uint8_t{CRN_PORT_SENSOR_RANGE} : health_of(track.force_fault);
 }
 
 void Plant::sample()

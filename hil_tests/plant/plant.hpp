@@ -1,10 +1,10 @@
 // A rig made of numbers: three tracks with two axes each, syringe, inflator, switches and the power stage, advanced by one
-// millisecond at a time. It reads what a port writes (seld_port_outputs) and gives what a port samples (seld_port_inputs).
+// millisecond at a time. It reads what a port writes (crn_port_outputs) and gives what a port samples (crn_port_inputs).
 //
 //   outputs of the device --> power stage --> motors --> axes --> encoders, force sensors --> inputs of the device
 //
 // The power stage is on while the supply is good, the stop released, `enable` set, and the last flip of the drive line at most
-// SELD_PORT_DRIVE_HOLD_ms ago. It watches by itself: a device that stands still loses power, whoever stopped it.
+// CRN_PORT_DRIVE_HOLD_ms ago. It watches by itself: a device that stands still loses power, whoever stopped it.
 // Deterministic: the same seed and the same outputs give the same inputs.
 // May include: firmware/port/port.h. Called by: hil_tests.
 #pragma once
@@ -39,7 +39,7 @@ class Encoder
     void sample(double place, Random &random);
     void set_fault(SensorFault fault, std::int64_t jump_counts = 0);
     std::int32_t counts() const;
-    std::uint8_t health() const; // SELD_PORT_SENSOR_*
+    std::uint8_t health() const; // CRN_PORT_SENSOR_*
 
   private:
     EncoderSettings settings_;
@@ -78,8 +78,8 @@ class Plant
     explicit Plant(const PlantSettings &settings);
 
     // One millisecond with these outputs; `inputs()` is the sample at its end.
-    void step(const seld_port_outputs &outputs);
-    const seld_port_inputs &inputs() const { return inputs_; }
+    void step(const crn_port_outputs &outputs);
+    const crn_port_inputs &inputs() const { return inputs_; }
 
     Track &track(int k) { return tracks_[static_cast<std::size_t>(k)]; }
     std::uint64_t milliseconds() const { return milliseconds_; }
@@ -92,18 +92,18 @@ class Plant
     bool emergency_stop = false, supply_good = true, local_unlock = false;
     std::uint32_t buttons = 0;
     std::int32_t syringe_counts = 0, inflator_raw = 0;
-    std::uint8_t syringe_sensor = SELD_PORT_SENSOR_OK, inflator_sensor = SELD_PORT_SENSOR_OK;
+    std::uint8_t syringe_sensor = CRN_PORT_SENSOR_OK, inflator_sensor = CRN_PORT_SENSOR_OK;
 
   private:
-    void run_stage(const seld_port_outputs &outputs);
+    void run_stage(const crn_port_outputs &outputs);
     void sample_force(Track &track);
     std::uint8_t force_health(const Track &track) const;
     void sample();
 
     PlantSettings settings_;
     Random random_;
-    std::array<Track, SELD_PORT_TOOL_MAX> tracks_;
-    seld_port_inputs inputs_{};
+    std::array<Track, CRN_PORT_TOOL_MAX> tracks_;
+    crn_port_inputs inputs_{};
     std::uint64_t milliseconds_ = 0;
     bool is_stage_on_ = false, last_drive_ = false;
     int hold_ms_ = 0;

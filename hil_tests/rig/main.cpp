@@ -95,7 +95,7 @@ class LiveRig
     {
         hil::Plant &plant = bench_.plant();
         const double us =
-            rig_read(&bench_.emulator().page().device.edge_counts) * seld::Emulator::count_ns * 1e-3;
+            rig_read(&bench_.emulator().page().device.edge_counts) * crn::Emulator::count_ns * 1e-3;
         meters_.motor_N = std::max(meters_.motor_N, plant.motor_peak_N());
         meters_.torque_N_m = std::max(meters_.torque_N_m, plant.motor_torque_peak_N_m());
         meters_.way_m = std::max(meters_.way_m, plant.track(0).translation.tool());
@@ -183,7 +183,7 @@ int listen_at(const std::string &path)
 
 int run_served(const Options &options)
 {
-    seld::Emulator emulator({.image = {}, .icount_shift = 0, .serial = options.serial, .debugger = {}});
+    crn::Emulator emulator({.image = {}, .icount_shift = 0, .serial = options.serial, .debugger = {}});
     const std::string socket_path =
         std::filesystem::path(emulator.memory_path()).replace_filename("bench").string();
     const int listener = listen_at(socket_path);
@@ -218,7 +218,7 @@ int main(int argc, char **argv)
                    "What to run; {mailbox} is the place of the USB tokens, {bench} the bench's socket")
         ->required();
     app.footer("Examples:\n  hil_rig --live -- hil_tests/l3/run_guest.py --mailbox {mailbox} -- "
-               "build/bin/seldinger rig "
+               "build/bin/cournand rig "
                "monitor --seconds 5\n  hil_rig -- hil_tests/l3/run_guest.py --mailbox {mailbox} --channel "
                "{bench} -- "
                "build/bin/hil --level L3");

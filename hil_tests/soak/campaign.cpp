@@ -41,7 +41,7 @@ void write_script(const std::string &path, const Shrunk &shrunk, const Verdict &
     text += "# tick " + std::to_string(shrunk.verdict.tick) + ": " + shrunk.verdict.text +
             " (whole session: tick " + std::to_string(found.tick) + ", " + found.text + ")\n";
     text += "# " + command_of(shrunk.session, path) + "\n";
-    seld::write_whole_file(path, text + script_of(shrunk.session));
+    crn::write_whole_file(path, text + script_of(shrunk.session));
 }
 
 // The processes at work, and what they said so far.
@@ -57,11 +57,11 @@ class Pool
     void run()
     {
         while (true) {
-            const bool may_start = !seld::is_interrupted() && !is_done();
+            const bool may_start = !crn::is_interrupted() && !is_done();
             while (may_start && !is_done() && workers_.size() < static_cast<std::size_t>(settings_.jobs))
                 start();
             if (workers_.empty()) break;
-            if (seld::is_interrupted() && !was_told_) tell_workers();
+            if (crn::is_interrupted() && !was_told_) tell_workers();
             wait_for_news();
             progress();
         }
@@ -128,7 +128,7 @@ class Pool
         workers_.erase(workers_.begin() + static_cast<std::ptrdiff_t>(i));
         close(worker.process.pipe);
         const int status = status_of_end(worker.process.who);
-        if (status != 0 && !seld::is_interrupted())
+        if (status != 0 && !crn::is_interrupted())
             throw std::runtime_error(name_of(worker.session) + ": its judge ended by itself");
         if (worker.text.empty() || status != 0) return; // interrupted: it is done again next time
         const Row row = row_of(worker.text);

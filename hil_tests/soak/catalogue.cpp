@@ -17,7 +17,7 @@ constexpr int depth_beyond_root_mm = 40;      // against the closed end of the t
 constexpr int depth_beyond_coronary_mm = 180; // along the arteries of the heart
 constexpr int depth_limit_mm = 1000;
 
-double length_mm(const seld::VesselBranch &branch, std::size_t last_point)
+double length_mm(const crn::VesselBranch &branch, std::size_t last_point)
 {
     double sum_m = 0;
     for (std::size_t i = 0; i + 1 <= last_point && i + 1 < branch.points_m.size(); i++)
@@ -28,12 +28,12 @@ double length_mm(const seld::VesselBranch &branch, std::size_t last_point)
 // From the sheath against the blood to where it enters the tree.
 int depth_of(const SoakScene &scene)
 {
-    const seld::VesselTree &tree = scene.vessels;
-    const seld_wire_entry &entry = scene.file.entry;
+    const crn::VesselTree &tree = scene.vessels;
+    const crn_wire_entry &entry = scene.file.entry;
     if (tree.branches.empty()) return SoakScene{}.depth_max_mm;
-    const Eigen::Vector3d place_m = Eigen::Vector3d(seld::units::metres(entry.position_x_m_q30),
-                                                    seld::units::metres(entry.position_y_m_q30),
-                                                    seld::units::metres(entry.position_z_m_q30));
+    const Eigen::Vector3d place_m = Eigen::Vector3d(crn::units::metres(entry.position_x_m_q30),
+                                                    crn::units::metres(entry.position_y_m_q30),
+                                                    crn::units::metres(entry.position_z_m_q30));
     std::size_t branch = 0, point = 0;
     double nearest_m = 1e9;
     for (std::size_t b = 0; b < tree.branches.size(); b++)
@@ -46,7 +46,7 @@ int depth_of(const SoakScene &scene)
         }
     double sum_mm = scene.has_branch("LAD") ? depth_beyond_coronary_mm : depth_beyond_root_mm;
     for (int b = static_cast<int>(branch); b >= 0;) {
-        const seld::VesselBranch &one = tree.branches[static_cast<std::size_t>(b)];
+        const crn::VesselBranch &one = tree.branches[static_cast<std::size_t>(b)];
         sum_mm += length_mm(one, point);
         point = one.parent_point;
         b = one.parent;
@@ -58,17 +58,17 @@ SoakScene read_soak_scene(const std::string &path)
 {
     SoakScene scene;
     scene.path = path;
-    scene.file = seld::read_scene(path);
+    scene.file = crn::read_scene(path);
     if (path.empty()) return scene;
-    seld::Bodies bodies;
+    crn::Bodies bodies;
     std::string error;
     const fs::path beside = fs::path(path).replace_extension(".bodies");
-    if (fs::exists(beside) && !seld::read_bodies(beside.string(), bodies, error))
+    if (fs::exists(beside) && !crn::read_bodies(beside.string(), bodies, error))
         throw std::runtime_error(error);
     scene.vessels = std::move(bodies.vessels);
-    scene.motion = seld::read_motion(path, error);
+    scene.motion = crn::read_motion(path, error);
     if (!error.empty()) throw std::runtime_error(error);
-    scene.stations = seld::read_lesion_stations(path, error);
+    scene.stations = crn::read_lesion_stations(path, error);
     if (!error.empty()) throw std::runtime_error(error);
     scene.depth_max_mm = depth_of(scene);
     return scene;
@@ -87,8 +87,8 @@ std::vector<std::string> toml_files(const std::string &folder)
 
 SoakTool read_soak_tool(const std::string &path)
 {
-    SoakTool tool{path, seld::read_instrument(path), 0, 1e9};
-    const seld_wire_instrument &table = tool.instrument.table;
+    SoakTool tool{path, crn::read_instrument(path), 0, 1e9};
+    const crn_wire_instrument &table = tool.instrument.table;
     for (std::uint16_t i = 0; i < table.knots_count; i++) {
         tool.thickest_mm = std::max(tool.thickest_mm, table.knots[i].radius_outer_um * 2e-3);
         tool.tightest_mm = std::min(tool.tightest_mm, table.knots[i].radius_inner_um * 2e-3);
@@ -96,12 +96,12 @@ SoakTool read_soak_tool(const std::string &path)
     return tool;
 }
 
-// Every set that begins with `set`, the same rule as the core's (seld_check_tools).
+// Every set that begins with `set`, the same rule as the core's (crn_check_tools).
 void add_sets(const std::vector<SoakTool> &tools, const std::vector<std::size_t> &set,
               std::vector<std::vector<std::size_t>> &sets)
 {
     sets.push_back(set);
-    if (set.size() == SELD_WIRE_TOOL_MAX) return;
+    if (set.size() == CRN_WIRE_TOOL_MAX) return;
     const bool has_balloon =
         std::any_of(set.begin(), set.end(), [&](std::size_t k) { return tools[k].has_balloon(); });
     for (std::size_t next = 0; next < tools.size(); next++) {
@@ -126,7 +126,7 @@ const Row &find(const std::vector<Row> &rows, const std::string &path, const cha
 bool SoakScene::has_branch(const std::string &name) const
 {
     return std::any_of(vessels.branches.begin(), vessels.branches.end(),
-                       [&](const seld::VesselBranch &branch) { return branch.name == name; });
+                       [&](const crn::VesselBranch &branch) { return branch.name == name; });
 }
 
 const SoakScene &Catalogue::scene(const std::string &path) const
@@ -151,7 +151,7 @@ Catalogue read_catalogue(const std::vector<std::string> &scene_paths, const std:
     for (const std::string &path : scene_paths) catalogue.scenes.push_back(read_soak_scene(path));
     for (const std::string &path : toml_files(tool_folder)) catalogue.tools.push_back(read_soak_tool(path));
     for (const std::string &path : toml_files(stent_folder))
-        catalogue.stents.push_back({path, seld::read_stent(path)});
+        catalogue.stents.push_back({path, crn::read_stent(path)});
     for (std::size_t k = 0; k < catalogue.tools.size(); k++) add_sets(catalogue.tools, {k}, catalogue.sets);
     return catalogue;
 }

@@ -17,10 +17,10 @@ namespace soak
 
 struct SoakScene {
     std::string path; // empty: free space
-    seld::SceneFile file;
-    seld::VesselTree vessels;
-    std::optional<seld::Motion> motion;
-    std::vector<seld::LesionStations> stations;
+    crn::SceneFile file;
+    crn::VesselTree vessels;
+    std::optional<crn::Motion> motion;
+    std::vector<crn::LesionStations> stations;
     int depth_max_mm = 300; // from the sheath to the root of the tree and a little further
 
     bool has_branch(const std::string &name) const;
@@ -28,7 +28,7 @@ struct SoakScene {
 
 struct SoakTool {
     std::string path;
-    seld::Instrument instrument;
+    crn::Instrument instrument;
     double thickest_mm = 0, tightest_mm = 0; // outer and inner diameter
 
     bool has_balloon() const { return instrument.table.balloon_count > 0; }
@@ -37,7 +37,7 @@ struct SoakTool {
 
 struct SoakStent {
     std::string path;
-    seld::StentDesign design;
+    crn::StentDesign design;
 };
 
 struct Catalogue {

@@ -48,11 +48,11 @@ Cast draw_tools(const Catalogue &catalogue, const SoakScene &scene, Dice &dice)
 void draw_stents(const Catalogue &catalogue, Cast &cast, Dice &dice)
 {
     if (!cast.balloon || !dice.chance(50)) return;
-    std::vector<seld::Instrument> tools;
+    std::vector<crn::Instrument> tools;
     for (const SoakTool *tool : cast.tools) tools.push_back(tool->instrument);
     std::vector<const SoakStent *> fitting;
     for (const SoakStent &stent : catalogue.stents)
-        if (seld::mount_refusal(stent.design, tools).empty()) fitting.push_back(&stent);
+        if (crn::mount_refusal(stent.design, tools).empty()) fitting.push_back(&stent);
     if (fitting.empty()) return;
     for (int k = dice.between(1, 2); k > 0; k--) cast.stents.push_back(dice.of(fitting));
 }

@@ -18,7 +18,7 @@ std::string script_of(const DrawnSession &session)
 
 std::string command_of(const DrawnSession &session, const std::string &script_path)
 {
-    std::string command = "build/bin/seldinger run";
+    std::string command = "build/bin/cournand run";
     if (!session.scene.empty()) command += " --scene " + session.scene;
     for (const std::string &tool : session.tools) command += " --tool " + tool;
     for (const std::string &stent : session.stents) command += " --stent " + stent;

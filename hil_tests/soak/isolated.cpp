@@ -37,8 +37,8 @@ bool read_all(int pipe, pid_t who, double seconds_max, std::string &text)
     const Clock::time_point begin = Clock::now();
     bool was_told = false;
     for (;;) {
-        if (seld::is_interrupted() && !was_told) kill(who, SIGINT);
-        was_told = was_told || seld::is_interrupted();
+        if (crn::is_interrupted() && !was_told) kill(who, SIGINT);
+        was_told = was_told || crn::is_interrupted();
         if (std::chrono::duration<double>(Clock::now() - begin).count() > seconds_max) return false;
         pollfd one{pipe, POLLIN, 0};
         if (poll(&one, 1, look_ms) <= 0) continue;
@@ -62,7 +62,7 @@ Verdict run_isolated(const std::function<Verdict()> &trial, double seconds_max)
     const int status = status_of_end(process.who);
     if (is_in_time && WIFEXITED(status) && WEXITSTATUS(status) == 0) return verdict_of(text);
     Verdict verdict;
-    verdict.was_interrupted = seld::is_interrupted();
+    verdict.was_interrupted = crn::is_interrupted();
     verdict.broken = is_in_time ? "crash" : "time";
     verdict.text = is_in_time && WIFSIGNALED(status) ? std::string("crash: ") + strsignal(WTERMSIG(status))
                    : is_in_time

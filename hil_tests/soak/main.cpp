@@ -92,19 +92,19 @@ void check(Options &options)
 {
     soak::CampaignSettings &campaign = options.campaign;
     if (campaign.draw.seconds_max < campaign.draw.seconds_min)
-        throw seld::UsageError("--seconds-max is less than --seconds-min");
+        throw crn::UsageError("--seconds-max is less than --seconds-min");
     if (!options.script.empty() && (options.scenes.size() != 1 || options.tools.empty()))
-        throw seld::UsageError("--session needs one --scene and at least one --tool");
+        throw crn::UsageError("--session needs one --scene and at least one --tool");
     if (options.script.empty() && !(options.tools.empty() && options.stents.empty()))
-        throw seld::UsageError("--tool and --stent go with --session");
+        throw crn::UsageError("--tool and --stent go with --session");
     for (std::string &scene : options.scenes) {
         if (scene == "free") scene.clear();
         if (!scene.empty() && !fs::exists(scene))
-            throw seld::UsageError(scene + " is not there: `make soak` makes all scenes, `make " + scene +
-                                   "` this one");
+            throw crn::UsageError(scene + " is not there: `make soak` makes all scenes, `make " + scene +
+                                  "` this one");
     }
     if (options.disturb_tick > 0)
-        campaign.trial.disturb = [tick = options.disturb_tick](seld::Recording &recording) {
+        campaign.trial.disturb = [tick = options.disturb_tick](crn::Recording &recording) {
             if (tick < recording.ticks.size()) recording.ticks[tick].input.hands[0].translation_counts += 100;
         };
 }
@@ -114,8 +114,8 @@ std::string key_of(const Options &options, const soak::Catalogue &catalogue)
 {
     std::uint32_t crc = 0;
     const auto add = [&](const std::string &path) {
-        const std::string bytes = seld::read_text_file(path);
-        crc = seld_wire_crc32(crc, reinterpret_cast<const std::uint8_t *>(bytes.data()), bytes.size());
+        const std::string bytes = crn::read_text_file(path);
+        crc = crn_wire_crc32(crc, reinterpret_cast<const std::uint8_t *>(bytes.data()), bytes.size());
     };
     add("/proc/self/exe");
     for (const soak::SoakTool &tool : catalogue.tools) add(tool.path);
@@ -174,9 +174,9 @@ int finish(const Options &options, const soak::RowsFile &rows)
     const soak::Summary sum = soak::sum_of(rows);
     const std::string table = soak::bench_rows(sum, options.campaign.seed);
     const std::string path = (fs::path(options.campaign.folder) / "soak.tsv").string();
-    seld::write_whole_file(path, table);
+    crn::write_whole_file(path, table);
     std::printf("%swritten: %s\n", table.c_str(), path.c_str());
-    if (seld::is_interrupted())
+    if (crn::is_interrupted())
         std::fprintf(stderr, "soak: interrupted; the same command goes on with the next session\n");
     return sum.broken > 0 ? 1 : 0;
 }
@@ -190,7 +190,7 @@ int run(const Options &options)
     if (!options.script.empty())
         return judge_one(options, catalogue,
                          {campaign.seed, 0, options.scenes[0], options.tools, options.stents,
-                          lines_of(seld::read_text_file(options.script))});
+                          lines_of(crn::read_text_file(options.script))});
     if (options.only)
         return judge_one(options, catalogue,
                          draw_session(catalogue, campaign.seed, *options.only, campaign.draw));
@@ -225,11 +225,11 @@ int main(int argc, char **argv)
         check(options);
     } catch (const CLI::ParseError &error) {
         return app.exit(error) == 0 ? 0 : 2;
-    } catch (const seld::UsageError &error) {
+    } catch (const crn::UsageError &error) {
         std::fprintf(stderr, "soak: %s\n", error.what());
         return 2;
     }
-    seld::watch_for_interrupt();
+    crn::watch_for_interrupt();
     try {
         return run(options);
     } catch (const std::exception &error) {

@@ -86,7 +86,7 @@ RowsFile::RowsFile(const std::string &path, const std::string &key) : path_(path
         rows_[row.index] = row;
     }
     for (const auto &[index, row] : rows_) kept += line_of(row) + "\n";
-    seld::write_whole_file(path, kept);
+    crn::write_whole_file(path, kept);
 }
 
 void RowsFile::append(const std::string &text)

@@ -70,7 +70,7 @@ class Shrinker
   private:
     bool is_spent() const
     {
-        return best_.trials >= limits_.trials || seld::is_interrupted() ||
+        return best_.trials >= limits_.trials || crn::is_interrupted() ||
                std::chrono::duration<double>(Clock::now() - begin_).count() > limits_.seconds;
     }
 

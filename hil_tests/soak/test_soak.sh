@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The soak on vessels: a few dozen short sessions of a fixed seed in the phantom, twice: in one go, and interrupted and gone on with. A printed
-# session is one that `seldinger run` takes, to the same hash; a bar that is planted too low is found, and shrinks to a short script
+# session is one that `cournand run` takes, to the same hash; a bar that is planted too low is found, and shrinks to a short script
 # that shows it; a recording that was changed is told.
 set -u
 . "$(dirname "$0")/../../host/tests/program.sh"
@@ -47,13 +47,13 @@ result $? "and the same command goes on to the same rows (after $first)"
 # A session that is not cut, by the program itself.
 one=$(awk -F'\t' '$5 == "-" && $6 < 6000 {print $1; exit}' "$work/whole/seed_3.tsv")
 "$soak" "${scene[@]}" "${short[@]}" --print "$one" >"$work/one.session" 2>"$log"
-sed -n 's/^# build.bin.seldinger run //p' "$work/one.session" >"$work/command"
+sed -n 's/^# build.bin.cournand run //p' "$work/one.session" >"$work/command"
 # shellcheck disable=SC2046
 "$program" run $(sed "s#FILE#$work/one.session#" "$work/command") >"$work/run" 2>&1
 hash=$(awk '/^final hash/ {print $3}' "$work/run")
 cp "$work/run" "$log"
 [ -n "$hash" ] && [ "$hash" = "$(awk -F'\t' -v one="$one" '$1 == one {print $13}' "$work/whole/seed_3.tsv")" ]
-result $? "a printed session is run by seldinger to the hash of its row"
+result $? "a printed session is run by cournand to the hash of its row"
 
 # A hand that may feel no more than a milli-newton breaks its bar with the first push.
 "$soak" "${scene[@]}" "${short[@]}" --force-N 0.001 --folder "$work/planted" --only 1 >"$log" 2>&1
@@ -61,7 +61,7 @@ result $? "a printed session is run by seldinger to the hash of its row"
 result $? "a planted bar is found, with its tick"
 lines=$(grep -vc '^#' "$script") && [ "$lines" -le 3 ] && [ "$lines" -lt "$(grep -vc '^#' "$work/one.session")" ]
 result $? "and shrinks to a script of at most three statements ($lines)"
-sed -n 's/^# build.bin.seldinger run //p' "$script" >"$work/command"
+sed -n 's/^# build.bin.cournand run //p' "$script" >"$work/command"
 # shellcheck disable=SC2046
 "$program" run $(cat "$work/command") >"$work/run" 2>&1
 grep -q "largest hand force" "$work/run"

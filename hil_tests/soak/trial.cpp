@@ -16,7 +16,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-constexpr seld::RoomCommand first_stent{seld::RoomAction::load_stent, {}};
+constexpr crn::RoomCommand first_stent{crn::RoomAction::load_stent, {}};
 
 // Removed when the trial is over, however it ends.
 struct RecordingFile {
@@ -33,39 +33,39 @@ struct RecordingFile {
     const fs::path path;
 };
 
-bool has_action(const seld::Session &script, seld::RoomAction action)
+bool has_action(const crn::Session &script, crn::RoomAction action)
 {
-    for (const seld::Statement &statement : script.statements)
-        for (const seld::RoomCommand &command : statement.room)
+    for (const crn::Statement &statement : script.statements)
+        for (const crn::RoomCommand &command : statement.room)
             if (command.action == action) return true;
     return false;
 }
 
-// Everything that one session needs, made as `seldinger run` makes it.
+// Everything that one session needs, made as `cournand run` makes it.
 struct Stage {
     Stage(const Catalogue &catalogue, const DrawnSession &drawn)
-        : scene(catalogue.scene(drawn.scene)), script(seld::parse_session(script_of(drawn), name_of(drawn)))
+        : scene(catalogue.scene(drawn.scene)), script(crn::parse_session(script_of(drawn), name_of(drawn)))
     {
         for (const std::string &path : drawn.tools) tools.push_back(catalogue.tool(path).instrument);
         for (const std::string &path : drawn.stents) designs.push_back(catalogue.stent(path).design);
-        const seld::Motion *motion = scene.motion ? &*scene.motion : nullptr;
+        const crn::Motion *motion = scene.motion ? &*scene.motion : nullptr;
         if (!designs.empty())
             stents =
-                std::make_unique<seld::SessionStents>(designs, scene.vessels, motion, scene.stations, tools);
-        if (has_action(script, seld::RoomAction::inject) && !scene.vessels.branches.empty())
-            contrast = std::make_unique<seld::SessionContrast>(
-                scene.vessels, tools, motion, seld::LesionOpening(scene.vessels, scene.stations));
-        entry = seld::entry_of(scene.file, tools.size(), script.inserted_um);
+                std::make_unique<crn::SessionStents>(designs, scene.vessels, motion, scene.stations, tools);
+        if (has_action(script, crn::RoomAction::inject) && !scene.vessels.branches.empty())
+            contrast = std::make_unique<crn::SessionContrast>(
+                scene.vessels, tools, motion, crn::LesionOpening(scene.vessels, scene.stations));
+        entry = crn::entry_of(scene.file, tools.size(), script.inserted_um);
     }
 
-    std::unique_ptr<seld::Device> device() const
+    std::unique_ptr<crn::Device> device() const
     {
-        return std::make_unique<seld::Device>(scene.file, tools, entry, seld::host_rig());
+        return std::make_unique<crn::Device>(scene.file, tools, entry, crn::host_rig());
     }
 
-    seld::RecordingHeader header(const seld::Device &device) const
+    crn::RecordingHeader header(const crn::Device &device) const
     {
-        seld::RecordingHeader header;
+        crn::RecordingHeader header;
         header.core_version = device.identity().core_version;
         header.schema_hash = device.identity().schema_hash;
         header.scene_bytes = static_cast<std::uint32_t>(scene.file.bytes.size());
@@ -80,33 +80,33 @@ struct Stage {
     }
 
     const SoakScene &scene;
-    const seld::Session script;
-    std::vector<seld::Instrument> tools;
-    std::vector<seld::StentDesign> designs;
-    std::unique_ptr<seld::SessionStents> stents;
-    std::unique_ptr<seld::SessionContrast> contrast;
-    seld_wire_entry entry{};
+    const crn::Session script;
+    std::vector<crn::Instrument> tools;
+    std::vector<crn::StentDesign> designs;
+    std::unique_ptr<crn::SessionStents> stents;
+    std::unique_ptr<crn::SessionContrast> contrast;
+    crn_wire_entry entry{};
 };
 
 // With a recorder whose recording is closed however the session ends.
 Verdict run_once(Stage &stage, const TrialSettings &settings, const std::string &recording)
 {
-    const std::unique_ptr<seld::Device> device = stage.device();
+    const std::unique_ptr<crn::Device> device = stage.device();
     Watch watch(settings, stage.stents.get(), stage.contrast.get(), [&] {
-        seld_wire_fault_log log{};
-        device->ask([&](seld::Link &link) { log = link.read_fault_log(); });
+        crn_wire_fault_log log{};
+        device->ask([&](crn::Link &link) { log = link.read_fault_log(); });
         return log;
     });
-    std::unique_ptr<seld::Recorder> recorder;
-    if (settings.replays) recorder = std::make_unique<seld::Recorder>(recording, stage.header(*device));
-    seld::RunSettings run_settings;
-    if (stage.stents && !has_action(stage.script, seld::RoomAction::load_stent))
+    std::unique_ptr<crn::Recorder> recorder;
+    if (settings.replays) recorder = std::make_unique<crn::Recorder>(recording, stage.header(*device));
+    crn::RunSettings run_settings;
+    if (stage.stents && !has_action(stage.script, crn::RoomAction::load_stent))
         run_settings.begin = {first_stent};
     Enough end;
     bool was_interrupted = false;
     try {
-        const seld::RunResult result =
-            seld::run_session(*device, stage.script, recorder.get(), &watch, run_settings);
+        const crn::RunResult result =
+            crn::run_session(*device, stage.script, recorder.get(), &watch, run_settings);
         was_interrupted = result.was_interrupted;
         watch.look_at_faults(device->link().tick());
         watch.balance_iodine(device->link().tick());
@@ -130,12 +130,12 @@ Verdict run_once(Stage &stage, const TrialSettings &settings, const std::string 
 // On a device that knows nothing of the session, from the file.
 void replay_once(const Stage &stage, const TrialSettings &settings, const std::string &path, Verdict &verdict)
 {
-    seld::Recording recording = seld::read_recording(path);
+    crn::Recording recording = crn::read_recording(path);
     if (settings.disturb) settings.disturb(recording);
-    const std::unique_ptr<seld::Device> device = stage.device();
-    seld::ReplaySettings replay_settings;
+    const std::unique_ptr<crn::Device> device = stage.device();
+    crn::ReplaySettings replay_settings;
     replay_settings.verifies = true;
-    const seld::ReplayResult replay = seld::replay_recording(*device, recording, nullptr, replay_settings);
+    const crn::ReplayResult replay = crn::replay_recording(*device, recording, nullptr, replay_settings);
     verdict.was_interrupted = replay.was_interrupted;
     if (replay.was_interrupted) return;
     if (!replay.first_difference_tick && replay.ticks_compared == recording.ticks.size() &&
@@ -161,7 +161,7 @@ Verdict run_trial(const Catalogue &catalogue, const DrawnSession &session, const
         if (settings.replays && verdict.broken.empty() && !verdict.was_interrupted)
             replay_once(stage, settings, file.path.string(), verdict);
     } catch (const std::exception &error) {
-        if (seld::is_interrupted()) { // what it was doing when Ctrl-C came is no verdict
+        if (crn::is_interrupted()) { // what it was doing when Ctrl-C came is no verdict
             verdict.was_interrupted = true;
             return verdict;
         }

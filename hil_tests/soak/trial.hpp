@@ -1,4 +1,4 @@
-// One session against the bars, on the host's own run_session(): hands, device, stents, contrast medium and recording are those of `seldinger run`,
+// One session against the bars, on the host's own run_session(): hands, device, stents, contrast medium and recording are those of `cournand run`,
 // without pictures. It ends at the first tick that breaks a bar; one that holds them all is replayed from its recording, tick by tick.
 // May include: host, catalogue, drawn. Called by: hil_tests/soak.
 #pragma once
@@ -33,7 +33,7 @@ struct TrialSettings {
     std::uint32_t ticks_max = 120000; // a session that takes longer ends there
     std::string folder;               // for the recording, which is removed again
     bool replays = true;
-    std::function<void(seld::Recording &)> disturb{}; // tests: between recording and replay
+    std::function<void(crn::Recording &)> disturb{}; // tests: between recording and replay
 };
 
 Verdict run_trial(const Catalogue &catalogue, const DrawnSession &session, const TrialSettings &settings);

@@ -13,8 +13,8 @@ namespace
 // A snap is scaled down, a tool that is wholly out or in slips, and a hand that is too fast is told so: none of these is wrong physics.
 bool is_allowed(std::uint16_t code)
 {
-    return code == SELD_FAULT_CODE_CORE_STEP_CAPPED || code == SELD_FAULT_CODE_CORE_INSERT_END ||
-           code == SELD_FAULT_CODE_CORE_FEED_LIMIT;
+    return code == CRN_FAULT_CODE_CORE_STEP_CAPPED || code == CRN_FAULT_CODE_CORE_INSERT_END ||
+           code == CRN_FAULT_CODE_CORE_FEED_LIMIT;
 }
 
 std::string sentence(const char *format, double a, double b, const char *unit)
@@ -26,8 +26,8 @@ std::string sentence(const char *format, double a, double b, const char *unit)
 
 } // namespace
 
-Watch::Watch(const TrialSettings &settings, seld::SessionStents *stents, seld::SessionContrast *contrast,
-             std::function<seld_wire_fault_log()> log)
+Watch::Watch(const TrialSettings &settings, crn::SessionStents *stents, crn::SessionContrast *contrast,
+             std::function<crn_wire_fault_log()> log)
     : settings_(settings), stents_(stents), contrast_(contrast), log_(std::move(log))
 {
 }
@@ -38,30 +38,30 @@ void Watch::hold(const char *bar, double value, double most, const char *unit, s
     throw Enough{bar, std::string(bar) + sentence(" of %.4g %s, at most %.4g %s", value, most, unit), tick};
 }
 
-void Watch::tick(const seld_wire_encoders &input, const seld_wire_tick_state &state)
+void Watch::tick(const crn_wire_encoders &input, const crn_wire_tick_state &state)
 {
     if (stents_) stents_->tick(input, state);
     if (contrast_) contrast_->tick(state);
     seen_tick_ = state.tick;
     worst_.ticks = state.tick;
-    const double depth_mm = seld::units::metres(state.penetration_max_m_q30) * 1e3;
-    const double length_pct = std::abs(seld::units::ratio(state.strain_max_q30)) * 1e2;
+    const double depth_mm = crn::units::metres(state.penetration_max_m_q30) * 1e3;
+    const double length_pct = std::abs(crn::units::ratio(state.strain_max_q30)) * 1e2;
     double force_N = 0;
     for (std::uint16_t k = 0; k < state.tools_count; k++)
-        force_N = std::max(force_N, std::abs(seld::units::newtons(state.tools[k].handle_axial_N_q22)));
+        force_N = std::max(force_N, std::abs(crn::units::newtons(state.tools[k].handle_axial_N_q22)));
     worst_.penetration_mm = std::max(worst_.penetration_mm, depth_mm);
     worst_.length_pct = std::max(worst_.length_pct, length_pct);
     worst_.force_N = std::max(worst_.force_N, force_N);
     hold("penetration", depth_mm, settings_.bars.penetration_mm, "mm", state.tick);
     hold("length", length_pct, settings_.bars.length_pct, "%", state.tick);
     hold("force", force_N, settings_.bars.force_N, "N", state.tick);
-    const std::uint32_t batch = seld::SessionPlayer::observe_every_ticks;
+    const std::uint32_t batch = crn::SessionPlayer::observe_every_ticks;
     if ((state.core_fault_bits & ~fault_bits_) != 0 && news_tick_ == UINT32_MAX)
         news_tick_ = ((state.tick + batch - 1) / batch + 1) * batch;
     fault_bits_ = state.core_fault_bits;
 }
 
-void Watch::command(std::uint32_t tick, const seld::RoomCommand &command)
+void Watch::command(std::uint32_t tick, const crn::RoomCommand &command)
 {
     if (stents_) stents_->command(tick, command);
     if (contrast_) contrast_->command(tick, command);
@@ -76,7 +76,7 @@ std::uint32_t Watch::next_tick() const
                      contrast_ ? contrast_->next_tick() : UINT32_MAX});
 }
 
-void Watch::frame(const seld::SessionFrame &frame)
+void Watch::frame(const crn::SessionFrame &frame)
 {
     if (frame.wire.tick >= news_tick_) {
         look_at_faults(frame.wire.tick);
@@ -87,26 +87,26 @@ void Watch::frame(const seld::SessionFrame &frame)
     if (frame.wire.tick >= settings_.ticks_max) throw Enough{"", "", frame.wire.tick};
 }
 
-std::optional<seld_wire_scaffold> Watch::order()
+std::optional<crn_wire_scaffold> Watch::order()
 {
-    return stents_ ? stents_->order() : std::optional<seld_wire_scaffold>();
+    return stents_ ? stents_->order() : std::optional<crn_wire_scaffold>();
 }
 
-std::optional<seld_wire_strut> Watch::strut_order()
+std::optional<crn_wire_strut> Watch::strut_order()
 {
-    return stents_ ? stents_->strut_order() : std::optional<seld_wire_strut>();
+    return stents_ ? stents_->strut_order() : std::optional<crn_wire_strut>();
 }
 
 void Watch::look_at_faults(std::uint32_t tick)
 {
-    const seld_wire_fault_log log = log_();
+    const crn_wire_fault_log log = log_();
     for (std::uint16_t i = 0; i < log.entries_count; i++) {
-        const seld_wire_fault_entry &entry = log.entries[i];
-        if (entry.code == SELD_FAULT_CODE_CORE_STEP_CAPPED) worst_.capped = entry.count;
+        const crn_wire_fault_entry &entry = log.entries[i];
+        if (entry.code == CRN_FAULT_CODE_CORE_STEP_CAPPED) worst_.capped = entry.count;
         if (is_allowed(entry.code)) continue;
         const std::uint32_t when = entry.tick_first <= tick ? entry.tick_first : tick;
-        throw Enough{entry.code == SELD_FAULT_CODE_CORE_SATURATED ? "saturation" : "fault",
-                     std::string(seld_wire_fault_name(entry.code)) + ": " + seld_wire_fault_text(entry.code),
+        throw Enough{entry.code == CRN_FAULT_CODE_CORE_SATURATED ? "saturation" : "fault",
+                     std::string(crn_wire_fault_name(entry.code)) + ": " + crn_wire_fault_text(entry.code),
                      when};
     }
 }
@@ -114,8 +114,8 @@ void Watch::look_at_faults(std::uint32_t tick)
 void Watch::balance_iodine(std::uint32_t tick) const
 {
     if (!contrast_ || !contrast_->was_used()) return;
-    const seld::IodineBudget &budget = contrast_->flow().budget();
-    const std::optional<seld::RunContrast> given = contrast_->given(0, tick);
+    const crn::IodineBudget &budget = contrast_->flow().budget();
+    const std::optional<crn::RunContrast> given = contrast_->given(0, tick);
     const double asked_mg = given ? given->volume_ml * given->iodine_mg_ml : 0.0;
     const double found_mg = contrast_->flow().held_mg() + budget.out_mg + budget.reflux_mg;
     const double most_mg = settings_.bars.iodine_share * asked_mg + 1e-9;

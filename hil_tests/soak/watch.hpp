@@ -16,19 +16,19 @@ struct Enough {
     std::uint32_t tick = 0;
 };
 
-class Watch final : public seld::FrameSink
+class Watch final : public crn::FrameSink
 {
   public:
     // `stents` and `contrast` may be nullptr. `log` reads the device's fault log.
-    Watch(const TrialSettings &settings, seld::SessionStents *stents, seld::SessionContrast *contrast,
-          std::function<seld_wire_fault_log()> log);
+    Watch(const TrialSettings &settings, crn::SessionStents *stents, crn::SessionContrast *contrast,
+          std::function<crn_wire_fault_log()> log);
 
-    void tick(const seld_wire_encoders &input, const seld_wire_tick_state &state) override;
-    void command(std::uint32_t tick, const seld::RoomCommand &command) override;
+    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state) override;
+    void command(std::uint32_t tick, const crn::RoomCommand &command) override;
     std::uint32_t next_tick() const override;
-    void frame(const seld::SessionFrame &frame) override;
-    std::optional<seld_wire_scaffold> order() override;
-    std::optional<seld_wire_strut> strut_order() override;
+    void frame(const crn::SessionFrame &frame) override;
+    std::optional<crn_wire_scaffold> order() override;
+    std::optional<crn_wire_strut> strut_order() override;
     void finish() override {}
 
     // The device's log as it is now. Throws Enough for what no session may have.
@@ -41,9 +41,9 @@ class Watch final : public seld::FrameSink
     void hold(const char *bar, double value, double most, const char *unit, std::uint32_t tick) const;
 
     const TrialSettings &settings_;
-    seld::SessionStents *stents_;
-    seld::SessionContrast *contrast_;
-    std::function<seld_wire_fault_log()> log_;
+    crn::SessionStents *stents_;
+    crn::SessionContrast *contrast_;
+    std::function<crn_wire_fault_log()> log_;
     Verdict worst_;
     std::uint32_t fault_bits_ = 0, seen_tick_ = 0;
     std::uint32_t news_tick_ = UINT32_MAX; // when the log is read for a new fault

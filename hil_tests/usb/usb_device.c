@@ -5,14 +5,14 @@
 
 enum { WAITS_MAX = 200, NAKS_MAX = 50, SETTLE_MAX = 10000, STREAM = 2, PACKET = 512 };
 
-static bool no_rig(void *context, seld_port_inputs *inputs)
+static bool no_rig(void *context, crn_port_inputs *inputs)
 {
     (void)context;
     (void)inputs;
     return false;
 }
 
-static void take_outputs(void *context, const seld_port_outputs *outputs)
+static void take_outputs(void *context, const crn_port_outputs *outputs)
 {
     usb_device *device = context;
     device->outputs = *outputs;
@@ -21,13 +21,13 @@ static void take_outputs(void *context, const seld_port_outputs *outputs)
 static bool transmit(void *context, const uint8_t *frame, size_t frame_bytes)
 {
     usb_device *device = context;
-    return seld_rig_usb_transmit(&device->rig_usb, frame, frame_bytes);
+    return crn_rig_usb_transmit(&device->rig_usb, frame, frame_bytes);
 }
 
 static size_t room(void *context)
 {
     usb_device *device = context;
-    return seld_rig_usb_room(&device->rig_usb);
+    return crn_rig_usb_room(&device->rig_usb);
 }
 
 static uint32_t now_us(void *context)
@@ -41,7 +41,7 @@ static bool host_wait(void *context)
     usb_device *device = context;
     if (device->waits == 0) return false;
     device->waits--;
-    seld_rig_usb_poll(&device->rig_usb);
+    crn_rig_usb_poll(&device->rig_usb);
     return true;
 }
 
@@ -62,7 +62,7 @@ bool usb_device_start(usb_device *device, const char *serial)
 {
     static _Alignas(8) uint8_t slots[2][USB_DEVICE_SLOT_BYTES];
     memset(device, 0, sizeof *device);
-    device->port = (seld_port){
+    device->port = (crn_port){
         .context = device,
         .transmit = transmit,
         .transmit_room = room,
@@ -81,17 +81,17 @@ bool usb_device_start(usb_device *device, const char *serial)
         .packet_bytes = 64,
         .naks_max = NAKS_MAX,
     };
-    seld_mailbox_udc_init(&device->controller, &device->mailbox, true);
-    seld_app_init(&device->app, &device->port);
-    if (!seld_rig_usb_init(&device->rig_usb, &device->app, &device->controller.udc)) return false;
-    seld_rig_usb_connect(&device->rig_usb, true);
+    crn_mailbox_udc_init(&device->controller, &device->mailbox, true);
+    crn_app_init(&device->app, &device->port);
+    if (!crn_rig_usb_init(&device->rig_usb, &device->app, &device->controller.udc)) return false;
+    crn_rig_usb_connect(&device->rig_usb, true);
     return true;
 }
 
 bool usb_device_open(usb_device *device)
 {
     if (!usb_device_start(device, "USB-0001")) return false;
-    if (usb_host_bus(&device->host, SELD_MAILBOX_RESET_HIGH) != USB_OK || control(device, 5, 1) != USB_OK)
+    if (usb_host_bus(&device->host, CRN_MAILBOX_RESET_HIGH) != USB_OK || control(device, 5, 1) != USB_OK)
         return false;
     device->host.address = 1;
     if (control(device, 9, 1) != USB_OK) return false;
@@ -102,13 +102,13 @@ bool usb_device_open(usb_device *device)
 void usb_device_tick(usb_device *device)
 {
     device->us += 1000;
-    seld_app_timer(&device->app);
-    seld_rig_usb_timer(&device->rig_usb);
+    crn_app_timer(&device->app);
+    crn_rig_usb_timer(&device->rig_usb);
 }
 
 void usb_device_settle(usb_device *device)
 {
-    for (int i = 0; i < SETTLE_MAX && seld_rig_usb_poll(&device->rig_usb); i++) {
+    for (int i = 0; i < SETTLE_MAX && crn_rig_usb_poll(&device->rig_usb); i++) {
     }
 }
 

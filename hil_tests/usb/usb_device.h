@@ -3,8 +3,8 @@
  *
  * May include: firmware/port, hil_tests/usb. Called by: hil_tests.
  */
-#ifndef SELD_USB_DEVICE_H
-#define SELD_USB_DEVICE_H
+#ifndef CRN_USB_DEVICE_H
+#define CRN_USB_DEVICE_H
 
 #include "firmware/port/mailbox/mailbox_udc.h"
 #include "firmware/port/usb/rig_usb.h"
@@ -13,12 +13,12 @@
 enum { USB_DEVICE_SLOT_BYTES = 1 << 23, USB_DEVICE_READ_BYTES = 1 << 14 };
 
 typedef struct usb_device {
-    seld_mailbox mailbox;
-    seld_mailbox_udc controller;
-    seld_rig_usb rig_usb;
-    seld_port port;
-    seld_app app;
-    seld_port_outputs outputs;
+    crn_mailbox mailbox;
+    crn_mailbox_udc controller;
+    crn_rig_usb rig_usb;
+    crn_port port;
+    crn_app app;
+    crn_port_outputs outputs;
     uint32_t us;
     usb_host host;
     uint32_t waits;

@@ -19,67 +19,67 @@ static bool waits(usb_host *host)
 
 bool usb_host_sees_device(const usb_host *host)
 {
-    const seld_mailbox_device_half *device = &host->mailbox->device;
-    return seld_mailbox_read(&device->magic) == SELD_MAILBOX_MAGIC &&
-           seld_mailbox_read(&device->version) == SELD_MAILBOX_VERSION &&
-           seld_mailbox_read(&device->attached) == 1;
+    const crn_mailbox_device_half *device = &host->mailbox->device;
+    return crn_mailbox_read(&device->magic) == CRN_MAILBOX_MAGIC &&
+           crn_mailbox_read(&device->version) == CRN_MAILBOX_VERSION &&
+           crn_mailbox_read(&device->attached) == 1;
 }
 
-usb_result usb_host_bus(usb_host *host, seld_mailbox_bus state)
+usb_result usb_host_bus(usb_host *host, crn_mailbox_bus state)
 {
-    seld_mailbox *mailbox = host->mailbox;
-    const uint32_t number = seld_mailbox_read(&mailbox->host.bus) + 1;
-    if (state != SELD_MAILBOX_SUSPENDED && state != SELD_MAILBOX_RESUMED) {
+    crn_mailbox *mailbox = host->mailbox;
+    const uint32_t number = crn_mailbox_read(&mailbox->host.bus) + 1;
+    if (state != CRN_MAILBOX_SUSPENDED && state != CRN_MAILBOX_RESUMED) {
         host->address = 0;
         host->packet_bytes = 64;
-        host->boot_count = seld_mailbox_read(&mailbox->device.boot_count);
+        host->boot_count = crn_mailbox_read(&mailbox->device.boot_count);
         memset(host->toggle_in, 0, sizeof host->toggle_in);
         memset(host->toggle_out, 0, sizeof host->toggle_out);
     }
-    seld_mailbox_write(&mailbox->host.bus_state, state);
-    seld_mailbox_write(&mailbox->host.bus, number);
+    crn_mailbox_write(&mailbox->host.bus_state, state);
+    crn_mailbox_write(&mailbox->host.bus, number);
     host->begin_wait(host->context);
-    while (seld_mailbox_read(&mailbox->device.bus_done) != number)
+    while (crn_mailbox_read(&mailbox->device.bus_done) != number)
         if (!waits(host)) return USB_DEAD;
     return USB_OK;
 }
 
-usb_result usb_host_token(usb_host *host, seld_mailbox_token kind, uint8_t endpoint, uint32_t flags,
-                          const uint8_t *out, uint32_t out_bytes, seld_mailbox_reply *reply, uint8_t *in,
+usb_result usb_host_token(usb_host *host, crn_mailbox_token kind, uint8_t endpoint, uint32_t flags,
+                          const uint8_t *out, uint32_t out_bytes, crn_mailbox_reply *reply, uint8_t *in,
                           uint32_t capacity, uint32_t *in_bytes)
 {
-    seld_mailbox *mailbox = host->mailbox;
-    const uint32_t number = seld_mailbox_read(&mailbox->host.token) + 1;
-    if (out_bytes <= SELD_MAILBOX_DATA_MAX && out_bytes > 0) memcpy(mailbox->host_data, out, out_bytes);
-    seld_mailbox_write(&mailbox->host.token_kind, kind);
-    seld_mailbox_write(&mailbox->host.token_flags, flags);
-    seld_mailbox_write(&mailbox->host.token_address, host->address);
-    seld_mailbox_write(&mailbox->host.token_endpoint, endpoint);
-    seld_mailbox_write(&mailbox->host.token_bytes, out_bytes);
-    seld_mailbox_write(&mailbox->host.token, number);
+    crn_mailbox *mailbox = host->mailbox;
+    const uint32_t number = crn_mailbox_read(&mailbox->host.token) + 1;
+    if (out_bytes <= CRN_MAILBOX_DATA_MAX && out_bytes > 0) memcpy(mailbox->host_data, out, out_bytes);
+    crn_mailbox_write(&mailbox->host.token_kind, kind);
+    crn_mailbox_write(&mailbox->host.token_flags, flags);
+    crn_mailbox_write(&mailbox->host.token_address, host->address);
+    crn_mailbox_write(&mailbox->host.token_endpoint, endpoint);
+    crn_mailbox_write(&mailbox->host.token_bytes, out_bytes);
+    crn_mailbox_write(&mailbox->host.token, number);
     host->begin_wait(host->context);
-    while (seld_mailbox_read(&mailbox->device.token_done) != number)
+    while (crn_mailbox_read(&mailbox->device.token_done) != number)
         if (!waits(host)) return USB_DEAD;
-    const uint32_t answer = seld_mailbox_read(&mailbox->device.reply);
-    *in_bytes = seld_mailbox_read(&mailbox->device.reply_bytes);
-    *reply = (seld_mailbox_reply)answer;
-    const bool is_data = answer == SELD_MAILBOX_REPLY_DATA0 || answer == SELD_MAILBOX_REPLY_DATA1;
-    if (answer > SELD_MAILBOX_REPLY_DATA1 || (is_data && kind != SELD_MAILBOX_IN)) return USB_BROKEN;
+    const uint32_t answer = crn_mailbox_read(&mailbox->device.reply);
+    *in_bytes = crn_mailbox_read(&mailbox->device.reply_bytes);
+    *reply = (crn_mailbox_reply)answer;
+    const bool is_data = answer == CRN_MAILBOX_REPLY_DATA0 || answer == CRN_MAILBOX_REPLY_DATA1;
+    if (answer > CRN_MAILBOX_REPLY_DATA1 || (is_data && kind != CRN_MAILBOX_IN)) return USB_BROKEN;
     if (!is_data) *in_bytes = 0;
-    if (*in_bytes > capacity || *in_bytes > SELD_MAILBOX_DATA_MAX) return USB_BROKEN;
+    if (*in_bytes > capacity || *in_bytes > CRN_MAILBOX_DATA_MAX) return USB_BROKEN;
     if (*in_bytes > 0) memcpy(in, mailbox->device_data, *in_bytes);
     return USB_OK;
 }
 
 /* What a reply means for a packet: USB_OK on success; USB_NAKED and USB_SILENT may be tried again. */
-static usb_result judge(seld_mailbox_reply reply)
+static usb_result judge(crn_mailbox_reply reply)
 {
     switch (reply) {
-    case SELD_MAILBOX_SILENCE:
+    case CRN_MAILBOX_SILENCE:
         return USB_SILENT;
-    case SELD_MAILBOX_NAK:
+    case CRN_MAILBOX_NAK:
         return USB_NAKED;
-    case SELD_MAILBOX_STALL:
+    case CRN_MAILBOX_STALL:
         return USB_STALLED;
     default:
         return USB_OK;
@@ -102,19 +102,18 @@ static bool is_lost(uint32_t every, uint32_t *count)
     return every != 0 && ++*count % every == 0;
 }
 
-static usb_result packet_out(usb_host *host, seld_mailbox_token kind, uint8_t endpoint, const uint8_t *bytes,
+static usb_result packet_out(usb_host *host, crn_mailbox_token kind, uint8_t endpoint, const uint8_t *bytes,
                              uint32_t count)
 {
     uint32_t naks = 0, silences = 0;
     for (;;) {
-        seld_mailbox_reply reply;
+        crn_mailbox_reply reply;
         uint32_t none;
-        const uint32_t flags =
-            kind == SELD_MAILBOX_OUT && host->toggle_out[endpoint] ? SELD_MAILBOX_DATA1 : 0;
+        const uint32_t flags = kind == CRN_MAILBOX_OUT && host->toggle_out[endpoint] ? CRN_MAILBOX_DATA1 : 0;
         usb_result result = usb_host_token(host, kind, endpoint, flags, bytes, count, &reply, NULL, 0, &none);
         if (result != USB_OK) return result;
         result = judge(reply);
-        if (result == USB_OK && kind == SELD_MAILBOX_OUT && is_lost(host->lose_out, &host->count_out)) {
+        if (result == USB_OK && kind == CRN_MAILBOX_OUT && is_lost(host->lose_out, &host->count_out)) {
             host->repeats++; /* the device's ACK did not come: the same packet again */
             continue;
         }
@@ -128,7 +127,7 @@ static usb_result packet_out(usb_host *host, seld_mailbox_token kind, uint8_t en
 
 usb_result usb_host_packet_out(usb_host *host, uint8_t endpoint, const uint8_t *bytes, uint32_t count)
 {
-    return packet_out(host, SELD_MAILBOX_OUT, endpoint, bytes, count);
+    return packet_out(host, CRN_MAILBOX_OUT, endpoint, bytes, count);
 }
 
 usb_result usb_host_packet_in(usb_host *host, uint8_t endpoint, uint8_t *bytes, uint32_t capacity,
@@ -136,9 +135,9 @@ usb_result usb_host_packet_in(usb_host *host, uint8_t endpoint, uint8_t *bytes, 
 {
     uint32_t naks = 0, silences = 0;
     for (;;) {
-        seld_mailbox_reply reply;
+        crn_mailbox_reply reply;
         const bool lost = is_lost(host->lose_in, &host->count_in);
-        usb_result result = usb_host_token(host, SELD_MAILBOX_IN, endpoint, lost ? SELD_MAILBOX_LOST_ACK : 0,
+        usb_result result = usb_host_token(host, CRN_MAILBOX_IN, endpoint, lost ? CRN_MAILBOX_LOST_ACK : 0,
                                            NULL, 0, &reply, bytes, capacity, count);
         if (result != USB_OK) return result;
         result = judge(reply);
@@ -147,7 +146,7 @@ usb_result usb_host_packet_in(usb_host *host, uint8_t endpoint, uint8_t *bytes, 
                 host->repeats++; /* our ACK does not arrive; the device must say it again with the same toggle */
                 continue;
             }
-            if ((reply == SELD_MAILBOX_REPLY_DATA1) != host->toggle_in[endpoint]) return USB_BROKEN;
+            if ((reply == CRN_MAILBOX_REPLY_DATA1) != host->toggle_in[endpoint]) return USB_BROKEN;
             host->toggle_in[endpoint] = !host->toggle_in[endpoint];
             return USB_OK;
         }
@@ -160,7 +159,7 @@ usb_result usb_host_in(usb_host *host, uint8_t endpoint, uint16_t packet_bytes, 
 {
     *count = 0;
     while (*count < capacity) {
-        uint8_t packet[SELD_MAILBOX_DATA_MAX];
+        uint8_t packet[CRN_MAILBOX_DATA_MAX];
         uint32_t packet_count = 0;
         usb_result result = usb_host_packet_in(host, endpoint, packet, packet_bytes, &packet_count);
         if (result != USB_OK) return result;
@@ -200,7 +199,7 @@ usb_result usb_host_control(usb_host *host, const usb_request *request, uint8_t 
     uint8_t nothing;
     uint32_t none;
     *count = 0;
-    usb_result result = packet_out(host, SELD_MAILBOX_SETUP, 0, setup, SETUP_BYTES);
+    usb_result result = packet_out(host, CRN_MAILBOX_SETUP, 0, setup, SETUP_BYTES);
     if (result != USB_OK) return result;
     host->toggle_in[0] = host->toggle_out[0] = true;
     const bool to_host = (request->type & 0x80) != 0 && request->length > 0;

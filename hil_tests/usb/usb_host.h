@@ -7,8 +7,8 @@
  *
  * May include: shared/mailbox. Called by: hil_tests.
  */
-#ifndef SELD_USB_HOST_H
-#define SELD_USB_HOST_H
+#ifndef CRN_USB_HOST_H
+#define CRN_USB_HOST_H
 
 #include <stddef.h>
 
@@ -24,7 +24,7 @@ typedef enum usb_result {
 } usb_result;
 
 typedef struct usb_host {
-    seld_mailbox *mailbox;
+    crn_mailbox *mailbox;
     bool (*wait)(void *context);
     void (*begin_wait)(void *context);
     void *context;
@@ -49,11 +49,11 @@ const char *usb_result_name(usb_result result);
 bool usb_host_sees_device(const usb_host *host);
 
 /* Change the bus; a reset forgets the address and the toggles. */
-usb_result usb_host_bus(usb_host *host, seld_mailbox_bus state);
+usb_result usb_host_bus(usb_host *host, crn_mailbox_bus state);
 
 /* One token as it is; the reply's data in `bytes` of at most `capacity`. USB_OK, USB_DEAD or USB_BROKEN. */
-usb_result usb_host_token(usb_host *host, seld_mailbox_token kind, uint8_t endpoint, uint32_t flags,
-                          const uint8_t *out, uint32_t out_bytes, seld_mailbox_reply *reply, uint8_t *in,
+usb_result usb_host_token(usb_host *host, crn_mailbox_token kind, uint8_t endpoint, uint32_t flags,
+                          const uint8_t *out, uint32_t out_bytes, crn_mailbox_reply *reply, uint8_t *in,
                           uint32_t capacity, uint32_t *in_bytes);
 
 /* A whole control transfer. `bytes` holds request->length; `*count` gets what came of IN data. */

@@ -3,8 +3,8 @@
  *
  * May include: nothing. Called by: hil_tests.
  */
-#ifndef SELD_USB_JUDGE_H
-#define SELD_USB_JUDGE_H
+#ifndef CRN_USB_JUDGE_H
+#define CRN_USB_JUDGE_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -31,12 +31,12 @@ void usb_peer_open_here(usb_peer *peer)
 
 static void burst(usb_rig *rig)
 {
-    static uint8_t frame[SELD_WIRE_FRAME_MAX];
+    static uint8_t frame[CRN_WIRE_FRAME_MAX];
     uint32_t bytes = (uint32_t)rig->command.value2;
     if (bytes < 1 || bytes > sizeof frame) return;
     memset(frame, 'b', bytes);
     frame[bytes - 1] = 0;
-    for (int32_t i = 0; i < rig->command.value1 && seld_usb_transmit(&rig->usb, frame, bytes); i++) {
+    for (int32_t i = 0; i < rig->command.value1 && crn_usb_transmit(&rig->usb, frame, bytes); i++) {
     }
 }
 
@@ -101,11 +101,11 @@ const char *usb_peer_open_file(usb_peer *peer, const char *path, uint64_t offset
     peer->kind = USB_PEER_FILE;
     const int file = open(path, O_RDWR | O_CLOEXEC);
     if (file < 0) return "the file cannot be opened for reading and writing";
-    if (fstat(file, &status) != 0 || (uint64_t)status.st_size < offset + SELD_MAILBOX_BYTES) {
+    if (fstat(file, &status) != 0 || (uint64_t)status.st_size < offset + CRN_MAILBOX_BYTES) {
         close(file);
         return "the file is too short for a mailbox at that place";
     }
-    void *memory = mmap(NULL, SELD_MAILBOX_BYTES, PROT_READ | PROT_WRITE, MAP_SHARED, file, (off_t)offset);
+    void *memory = mmap(NULL, CRN_MAILBOX_BYTES, PROT_READ | PROT_WRITE, MAP_SHARED, file, (off_t)offset);
     close(file);
     if (memory == MAP_FAILED) return "the file cannot be mapped; is the offset a multiple of 4096?";
     peer->far = (usb_host){

@@ -3,8 +3,8 @@
  *
  * May include: hil_tests/usb. Called by: bridges.
  */
-#ifndef SELD_USB_PEER_H
-#define SELD_USB_PEER_H
+#ifndef CRN_USB_PEER_H
+#define CRN_USB_PEER_H
 
 #include "hil_tests/usb/usb_device.h"
 #include "hil_tests/usb/usb_rig.h"

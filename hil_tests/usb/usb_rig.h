@@ -3,38 +3,38 @@
  *
  * May include: firmware/app/usb, firmware/port. Called by: hil_tests.
  */
-#ifndef SELD_USB_RIG_H
-#define SELD_USB_RIG_H
+#ifndef CRN_USB_RIG_H
+#define CRN_USB_RIG_H
 
 #include "firmware/app/usb/usb.h"
 #include "firmware/port/mailbox/mailbox_udc.h"
 #include "hil_tests/usb/usb_host.h"
 
 enum {
-    USB_RIG_QUEUE_BYTES = 3 * SELD_WIRE_FRAME_MAX,
+    USB_RIG_QUEUE_BYTES = 3 * CRN_WIRE_FRAME_MAX,
     USB_RIG_WAITS_MAX = 100, /* polls of the device before the host calls it dead */
     USB_RIG_NAKS_MAX = 500,
 };
 
 typedef struct usb_rig {
-    seld_mailbox mailbox;
-    seld_mailbox_udc controller;
-    seld_usb usb;
-    seld_usb_app app;
+    crn_mailbox mailbox;
+    crn_mailbox_udc controller;
+    crn_usb usb;
+    crn_usb_app app;
     uint8_t queue[USB_RIG_QUEUE_BYTES];
     usb_host host;
 
     /* the app */
     bool is_deaf; /* takes bytes and sends nothing back */
-    uint8_t frame[SELD_WIRE_FRAME_MAX];
+    uint8_t frame[CRN_WIRE_FRAME_MAX];
     uint32_t frame_bytes;
     uint32_t frames_back, frames_lost, bytes_in;
-    seld_usb_link link;
+    crn_usb_link link;
     uint32_t link_changes;
-    seld_hid_command command; /* the last one */
+    crn_hid_command command; /* the last one */
     uint32_t commands;
-    seld_hid_calibration calibration;
-    seld_hid_limits limits;
+    crn_hid_calibration calibration;
+    crn_hid_limits limits;
 
     uint32_t waits; /* left until the host gives up */
 } usb_rig;

@@ -61,7 +61,7 @@ static bool step_out(usb_urbs *urbs, usb_urb *urb, uint16_t packet_bytes, bool *
 
 static bool step_in(usb_urbs *urbs, usb_urb *urb, uint16_t packet_bytes, bool *moved)
 {
-    uint8_t packet[SELD_MAILBOX_DATA_MAX];
+    uint8_t packet[CRN_MAILBOX_DATA_MAX];
     uint32_t count = 0;
     urb->result = usb_host_packet_in(urbs->host, urb->endpoint & 0x0f, packet, packet_bytes, &count);
     if (urb->result == USB_NAKED) return false;

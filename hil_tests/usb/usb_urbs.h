@@ -3,8 +3,8 @@
  *
  * May include: usb_host.h. Called by: bridges.
  */
-#ifndef SELD_USB_URBS_H
-#define SELD_USB_URBS_H
+#ifndef CRN_USB_URBS_H
+#define CRN_USB_URBS_H
 
 #include "hil_tests/usb/usb_host.h"
 

@@ -34,7 +34,7 @@ def main():
         print("usage: with_image.py IMAGE COMMAND ARGUMENT...", file=sys.stderr)
         return 2
     shared = "/dev/shm" if os.path.isdir("/dev/shm") else None
-    with tempfile.TemporaryDirectory(prefix="seldinger_", dir=shared) as folder:
+    with tempfile.TemporaryDirectory(prefix="cournand_", dir=shared) as folder:
         memory = os.path.join(folder, "memory")
         with open(memory, "wb") as file:
             file.truncate(MEMORY_BYTES)

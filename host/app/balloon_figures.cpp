@@ -1,10 +1,10 @@
 #include "host/app/balloon_figures.hpp"
 #include <algorithm>
 
-namespace seld
+namespace crn
 {
 
-void BalloonFigures::take(const seld_wire_tick_state &state)
+void BalloonFigures::take(const crn_wire_tick_state &state)
 {
     if (state.balloon_diameter_max_um == 0) return;
     is_there = true;
@@ -27,4 +27,4 @@ void BalloonFigures::take(const seld_wire_tick_state &state)
                       static_cast<float>(state.balloon_diameter_min_um * 1e-3), static_cast<float>(wall_N)});
 }
 
-} // namespace seld
+} // namespace crn

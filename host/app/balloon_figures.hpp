@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct BalloonSample {
@@ -27,10 +27,10 @@ struct BalloonFigures {
     std::vector<BalloonSample>
         series; // ticks that are multiples of sample_every_ticks, while there is a balloon
 
-    void take(const seld_wire_tick_state &state);
+    void take(const crn_wire_tick_state &state);
 
   private:
     std::uint32_t up_since_ = 0; // ticks
 };
 
-} // namespace seld
+} // namespace crn

@@ -11,7 +11,7 @@
 #include <cstdio>
 #include <filesystem>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -144,14 +144,14 @@ void add_run(CLI::App &app, RunOptions &options)
     command->add_flag("--quiet", options.quiet, "No progress line");
     add_pictures(*command, options.pictures);
     command->footer(
-        "Examples:\n  seldinger run --scene out/aorta.scene --tool shared/examples/instruments/bentson.toml "
+        "Examples:\n  cournand run --scene out/aorta.scene --tool shared/examples/instruments/bentson.toml "
         "\\\n"
         "      --session shared/examples/sessions/demo.session --record out/demo.rec --json out/demo.json\n"
-        "  seldinger run --tool wire.toml --tool catheter.toml --session my.session --mp4 out/my.mp4\n"
-        "  seldinger run --device usb --scene out/aorta.scene --tool wire.toml --free-run 60 --record "
+        "  cournand run --tool wire.toml --tool catheter.toml --session my.session --mp4 out/my.mp4\n"
+        "  cournand run --device usb --scene out/aorta.scene --tool wire.toml --free-run 60 --record "
         "out/my.rec\n"
-        "  seldinger run --tool wire.toml --session my.session --dicom out/my_dicom\n"
-        "  seldinger run --scene out/lad.scene --tool wire.toml --tool balloon.toml --tool guide.toml "
+        "  cournand run --tool wire.toml --session my.session --dicom out/my_dicom\n"
+        "  cournand run --scene out/lad.scene --tool wire.toml --tool balloon.toml --tool guide.toml "
         "--stent "
         "stent.toml \\\n      --session my.session");
 }
@@ -179,9 +179,9 @@ void add_replay(CLI::App &app, ReplayOptions &options)
         "--score", options.score,
         "Write what the angioplasty is worth, as one HTML page, and add it to --json (docs/score.md)");
     add_pictures(*command, options.pictures);
-    command->footer("Examples:\n  seldinger replay out/demo.rec --verify\n  seldinger replay out/demo.rec "
+    command->footer("Examples:\n  cournand replay out/demo.rec --verify\n  cournand replay out/demo.rec "
                     "--speed slow --from 12.5\n"
-                    "  seldinger replay out/demo.rec --dicom out/demo_dicom --size 1024");
+                    "  cournand replay out/demo.rec --dicom out/demo_dicom --size 1024");
 }
 
 void add_surface(CLI::App &app, SurfaceOptions &options)
@@ -211,8 +211,8 @@ void add_surface(CLI::App &app, SurfaceOptions &options)
         ->required();
     command->add_option("--png", options.surface.png,
                         "And a picture: the moments side by side, the lesion from the side");
-    command->footer("Examples:\n  seldinger surface out/pci.rec --at 5 --at 12.5 --at 30 -o out/lesion.obj\n"
-                    "  seldinger surface out/pci.rec --stages -o out/lesion.obj");
+    command->footer("Examples:\n  cournand surface out/pci.rec --at 5 --at 12.5 --at 30 -o out/lesion.obj\n"
+                    "  cournand surface out/pci.rec --stages -o out/lesion.obj");
 }
 
 void add_view(CLI::App &app, WindowOptions &options)
@@ -224,7 +224,7 @@ void add_view(CLI::App &app, WindowOptions &options)
     add_device(*command, options.device);
     command->add_option("--record", options.record,
                         "Write the recording of what the hands do here; without: by date and time in "
-                        "~/.local/state/seldinger");
+                        "~/.local/state/cournand");
     command->add_flag("!--no-record", options.keeps_recording, "Without --record: keep no recording");
     command->add_option("--json", options.json, "Write the figures of the session at its end, as run does");
     command->add_option(
@@ -252,10 +252,10 @@ void add_view(CLI::App &app, WindowOptions &options)
         ->capture_default_str()
         ->check(CLI::Range(0, 1000000));
     command->add_option("--screenshot", options.screenshot, "Write the last screen as PNG");
-    command->footer("Examples:\n  seldinger view --scene out/aorta.scene --tool "
+    command->footer("Examples:\n  cournand view --scene out/aorta.scene --tool "
                     "shared/examples/instruments/bentson.toml\n"
-                    "  seldinger view --tool wire.toml --tool catheter.toml --inserted 60 --inserted 40\n"
-                    "  seldinger view --tool wire.toml --record out/view.rec --dicom out/view_dicom");
+                    "  cournand view --tool wire.toml --tool catheter.toml --inserted 60 --inserted 40\n"
+                    "  cournand view --tool wire.toml --record out/view.rec --dicom out/view_dicom");
 }
 
 void add_instruments(CLI::App &app, InstrumentsOptions &options)
@@ -270,8 +270,8 @@ void add_instruments(CLI::App &app, InstrumentsOptions &options)
     command->add_option("--png", options.png, "Draw stiffness and unloaded shape");
     command->add_option("--json", options.json, "Write every figure, knots and shapes included");
     command->add_option("--table", options.table, "Renew the table in a document (docs/instruments.md)");
-    command->footer("Examples:\n  seldinger instruments --png out/instruments.png\n"
-                    "  seldinger instruments shared/examples/instruments/bentson.toml:vcsim3-fit --json "
+    command->footer("Examples:\n  cournand instruments --png out/instruments.png\n"
+                    "  cournand instruments shared/examples/instruments/bentson.toml:vcsim3-fit --json "
                     "out/bentson.json");
 }
 
@@ -291,8 +291,8 @@ std::vector<Instrument> read_tools(const std::string &instrument, const std::vec
     if (!instrument.empty()) names.insert(names.begin(), instrument);
     if (names.empty())
         throw UsageError("--tool is required: name one to three instrument files (docs/instruments.md)");
-    if (names.size() > SELD_WIRE_TOOL_MAX) {
-        throw UsageError("--tool: a line holds at most " + std::to_string(int{SELD_WIRE_TOOL_MAX}) +
+    if (names.size() > CRN_WIRE_TOOL_MAX) {
+        throw UsageError("--tool: a line holds at most " + std::to_string(int{CRN_WIRE_TOOL_MAX}) +
                          " tools, " + std::to_string(names.size()) + " are named");
     }
     std::vector<Instrument> read;
@@ -306,8 +306,8 @@ void take_stents(PictureSettings &settings, const std::vector<std::string> &path
     settings.stents = read_stents(paths, tools);
 }
 
-seld_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
-                           const std::vector<double> &inserted_mm)
+crn_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
+                          const std::vector<double> &inserted_mm)
 {
     std::vector<std::uint32_t> inserted_um;
     for (double mm : inserted_mm) inserted_um.push_back(static_cast<std::uint32_t>(std::lround(mm * 1e3)));
@@ -338,7 +338,7 @@ std::string bodies_beside(const std::string &scene)
 
 int command_line(int argc, char **argv)
 {
-    CLI::App app("Seldinger: endovascular instruments in fixed point, seen under X-ray");
+    CLI::App app("Cournand: endovascular instruments in fixed point, seen under X-ray");
     app.require_subcommand(1);
     app.set_help_all_flag("--help-all", "Help of every command");
     RunOptions run;
@@ -362,8 +362,8 @@ int command_line(int argc, char **argv)
     bool shows_opengl = false;
     info_command->add_flag("--opengl", shows_opengl, "Instead: the OpenGL that --xray opengl finds here")
         ->excludes(info_file);
-    info_command->footer("Examples:\n  seldinger info out/demo.rec\n  seldinger info --opengl");
-    app.footer("Examples:\n  seldinger run --help\n  seldinger replay out/demo.rec --verify");
+    info_command->footer("Examples:\n  cournand info out/demo.rec\n  cournand info --opengl");
+    app.footer("Examples:\n  cournand run --help\n  cournand replay out/demo.rec --verify");
     refuse_empty_values(app);
     try {
         app.parse(argc, argv);
@@ -383,12 +383,12 @@ int command_line(int argc, char **argv)
         if (!*info_file) throw UsageError("info: name a file, or --opengl");
         return command_info(info);
     } catch (const UsageError &error) {
-        say(stderr, "seldinger: %s\n", error.what());
+        say(stderr, "cournand: %s\n", error.what());
         return 2;
     } catch (const std::exception &error) {
-        say(stderr, "seldinger: %s\n", error.what());
+        say(stderr, "cournand: %s\n", error.what());
         return 1;
     }
 }
 
-} // namespace seld
+} // namespace crn

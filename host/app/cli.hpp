@@ -1,4 +1,4 @@
-// The command line `seldinger`: exit codes 0 done, 1 failed, 2 wrong usage, 3 physics left its range (range_watch.hpp). May include: all host. Called by: main.
+// The command line `cournand`: exit codes 0 done, 1 failed, 2 wrong usage, 3 physics left its range (range_watch.hpp). May include: all host. Called by: main.
 #pragma once
 #include "host/app/device.hpp"
 #include "host/app/session_pictures.hpp"
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct RunOptions {
@@ -56,8 +56,8 @@ int command_instruments(const InstrumentsOptions &options);
 // than a line holds, FileError for a bad file.
 std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools);
 // Where they enter: no length (the default), one for all, or one each. Throws UsageError for more lengths than tools.
-seld_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
-                           const std::vector<double> &inserted_mm);
+crn_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
+                          const std::vector<double> &inserted_mm);
 // The table over the entry, following the tip.
 std::vector<RoomCommand> entry_commands(const SceneFile &scene);
 // The device of a session that the rig leads. With `motors` it shows what will be powered and asks, unless `yes`; throws
@@ -73,7 +73,7 @@ std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vec
 
 // The very scene of a recording, from where it or the user says, and a core that can play it. Throw std::runtime_error.
 SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path);
-void check_core(const RecordingHeader &header, const seld_wire_hello_reply &identity);
+void check_core(const RecordingHeader &header, const crn_wire_hello_reply &identity);
 
 // Where physics left its range: the branch it was in, from the scene's bodies; nothing when it did not, or when they cannot be read.
 void name_range_branch(RangeWatch &range, const std::string &bodies_path);
@@ -85,4 +85,4 @@ std::string bodies_beside(const std::string &scene);
 
 int command_line(int argc, char **argv);
 
-} // namespace seld
+} // namespace crn

@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -147,8 +147,8 @@ void add_dicom_check(CLI::App &app, DicomCheckOptions &options)
         "Let dciodvfy (Debian package dicom3tools) judge DICOM files; exit code 1 when it finds errors");
     command->add_option("file", options.files, "DICOM files, or folders of .dcm files")->required();
     command->add_flag("--warnings", options.shows_warnings, "List the warnings too, not only their number");
-    command->footer("Examples:\n  seldinger dicom-check out/dicom\n"
-                    "  seldinger dicom-check --warnings out/dicom/run_01_fluoro.dcm");
+    command->footer("Examples:\n  cournand dicom-check out/dicom\n"
+                    "  cournand dicom-check --warnings out/dicom/run_01_fluoro.dcm");
 }
 
 int command_dicom_check(const DicomCheckOptions &options)
@@ -173,4 +173,4 @@ int command_dicom_check(const DicomCheckOptions &options)
     return errors == 0 ? 0 : 1;
 }
 
-} // namespace seld
+} // namespace crn

@@ -1,9 +1,9 @@
-// seldinger dicom-check, and the options of `run` and `replay` that export DICOM. Called by: cli.
+// cournand dicom-check, and the options of `run` and `replay` that export DICOM. Called by: cli.
 #pragma once
 #include "host/app/dicom_export.hpp"
 #include <CLI/CLI.hpp>
 
-namespace seld
+namespace crn
 {
 
 struct DicomCheckOptions {
@@ -17,4 +17,4 @@ void add_dicom_check(CLI::App &app, DicomCheckOptions &options);
 // 0: no errors; 1: errors, or a file or the program dciodvfy that cannot be run.
 int command_dicom_check(const DicomCheckOptions &options);
 
-} // namespace seld
+} // namespace crn

@@ -1,4 +1,4 @@
-// seldinger info
+// cournand info
 #include "host/app/cli.hpp"
 #include "host/app/path_choice.hpp"
 #include "host/app/recording.hpp"
@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <filesystem>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -44,7 +44,7 @@ void print_recording(const std::string &path)
 void print_scene(const std::string &path)
 {
     const SceneFile scene = read_scene(path);
-    const seld_wire_entry &entry = scene.entry;
+    const crn_wire_entry &entry = scene.entry;
     say(stdout, "scene         %s\n", printable(scene.name).c_str());
     say(stdout, "size          %zu bytes, CRC-32 %08x\n", scene.bytes.size(), unsigned{scene.crc32});
     say(stdout, "entry         (%.1f, %.1f, %.1f) mm towards (%.3f, %.3f, %.3f)\n",
@@ -61,7 +61,7 @@ void print_instrument(const std::string &path)
     say(stdout, "%10s %14s %14s %10s %8s %8s %14s %14s\n", "arc mm", "EI N m^2", "GJ N m^2", "g/m", "R mm",
         "r mm", "curvature 1/m", "curvature 2/m");
     for (std::uint16_t i = 0; i < instrument.table.knots_count; i++) {
-        const seld_wire_knot &knot = instrument.table.knots[i];
+        const crn_wire_knot &knot = instrument.table.knots[i];
         say(stdout, "%10.1f %14.3e %14.3e %10.2f %8.3f %8.3f %14.1f %14.1f\n", knot.arc_um * 1e-3,
             knot.bend_stiffness_nN_m2 * 1e-9, knot.twist_stiffness_nN_m2 * 1e-9, knot.mass_mg_per_m * 1e-3,
             knot.radius_outer_um * 1e-3, knot.radius_inner_um * 1e-3, knot.rest_curvature1_per_m_milli * 1e-3,
@@ -103,4 +103,4 @@ int command_info(const std::string &path)
     return 0;
 }
 
-} // namespace seld
+} // namespace crn

@@ -1,11 +1,11 @@
-// seldinger instruments
+// cournand instruments
 #include "host/app/cli.hpp"
 #include "host/app/instrument_list.hpp"
 #include "host/model/pending_file.hpp"
 #include "host/model/terminal.hpp"
 #include <cstdio>
 
-namespace seld
+namespace crn
 {
 
 int command_instruments(const InstrumentsOptions &options)
@@ -24,4 +24,4 @@ int command_instruments(const InstrumentsOptions &options)
     return 0;
 }
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include "host/model/bodies.hpp"
 #include "host/model/terminal.hpp"
 
-namespace seld
+namespace crn
 {
 
 void name_range_branch(RangeWatch &range, const std::string &bodies_path)
@@ -17,8 +17,8 @@ void name_range_branch(RangeWatch &range, const std::string &bodies_path)
 int exit_of_range(const RangeWatch &range)
 {
     if (!range.is_left()) return 0;
-    say(stderr, "seldinger: %s\n", range_text(*range.left()).c_str());
+    say(stderr, "cournand: %s\n", range_text(*range.left()).c_str());
     return exit_out_of_range;
 }
 
-} // namespace seld
+} // namespace crn

@@ -1,4 +1,4 @@
-// seldinger replay
+// cournand replay
 #include "host/app/cli.hpp"
 #include "host/app/replay.hpp"
 #include "host/app/session_effects.hpp"
@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <unistd.h>
 
-namespace seld
+namespace crn
 {
 
 SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path)
@@ -34,7 +34,7 @@ SceneFile recorded_scene(const RecordingHeader &header, const std::string &given
     throw std::runtime_error(path + text);
 }
 
-void check_core(const RecordingHeader &header, const seld_wire_hello_reply &identity)
+void check_core(const RecordingHeader &header, const crn_wire_hello_reply &identity)
 {
     if (header.core_version == identity.core_version) return;
     throw std::runtime_error("the recording was made by core version " + std::to_string(header.core_version) +
@@ -75,16 +75,16 @@ int print_result(const Recording &recording, const ReplayOptions &options, const
     if (!recording.is_complete && !options.verify)
         std::printf("the recording was cut off; it is whole up to tick %zu\n", recording.ticks.size());
     if (result.first_difference_tick) {
-        say(stderr, "seldinger: %s: first difference at tick %u: %s\n", options.recording.c_str(),
+        say(stderr, "cournand: %s: first difference at tick %u: %s\n", options.recording.c_str(),
             unsigned{*result.first_difference_tick}, result.difference.c_str());
         return 1;
     }
     if (result.was_interrupted) {
-        std::fprintf(stderr, "seldinger: interrupted\n");
+        std::fprintf(stderr, "cournand: interrupted\n");
         return 1;
     }
     if (options.verify && result.ticks_compared == 0) {
-        say(stderr, "seldinger: %s: nothing to verify: no tick of it is whole\n", options.recording.c_str());
+        say(stderr, "cournand: %s: nothing to verify: no tick of it is whole\n", options.recording.c_str());
         return 1;
     }
     if (options.verify) {
@@ -94,7 +94,7 @@ int print_result(const Recording &recording, const ReplayOptions &options, const
     // What is missing cannot be verified: a script that looks at the exit code must not take this for a whole session.
     if (options.verify && !recording.is_complete) {
         say(stderr,
-            "seldinger: %s: verified up to tick %zu, but the recording was cut off there: how the session "
+            "cournand: %s: verified up to tick %zu, but the recording was cut off there: how the session "
             "ended is "
             "not known\n",
             options.recording.c_str(), recording.ticks.size());
@@ -158,4 +158,4 @@ int command_replay(const ReplayOptions &options)
     return sinks.pictures && sinks.pictures->was_stopped() ? 1 : code;
 }
 
-} // namespace seld
+} // namespace crn

@@ -1,4 +1,4 @@
-// seldinger rig: the command line, and the commands that only look.
+// cournand rig: the command line, and the commands that only look.
 #include "host/app/cli_rig.hpp"
 #include "host/app/device_choice.hpp"
 #include "host/link/usb_transport.hpp"
@@ -12,7 +12,7 @@
 #include <poll.h>
 #include <unistd.h>
 
-namespace seld
+namespace crn
 {
 
 // --- talking ---
@@ -70,7 +70,7 @@ std::string sensor_name(unsigned status)
     return status < 4 ? names[status] : "unknown status " + std::to_string(status);
 }
 
-std::string serial_of(const seld_wire_hello_reply &hello)
+std::string serial_of(const crn_wire_hello_reply &hello)
 {
     std::string text;
     for (std::uint16_t i = 0; i < hello.serial_count; i++)
@@ -80,18 +80,18 @@ std::string serial_of(const seld_wire_hello_reply &hello)
 
 void require_ready(Link &link, bool may_reset)
 {
-    const seld_wire_status status = link.read_status();
-    if (status.state == SELD_WIRE_STATE_READY) return;
+    const crn_wire_status status = link.read_status();
+    if (status.state == CRN_WIRE_STATE_READY) return;
     if (may_reset) {
-        if (link.reset().state == SELD_WIRE_STATE_READY) return;
+        if (link.reset().state == CRN_WIRE_STATE_READY) return;
     }
     std::string text = "the rig is in " + state_name(status.state);
     if (status.fault_code != 0) {
-        text += std::string(" (") + seld_wire_fault_name(status.fault_code) + ": " +
-                seld_wire_fault_text(status.fault_code) + ")";
+        text += std::string(" (") + crn_wire_fault_name(status.fault_code) + ": " +
+                crn_wire_fault_text(status.fault_code) + ")";
     }
     throw LinkError(text + ", and this needs READY. Remedy: " +
-                    (status.fault_code != 0 ? seld_wire_fault_remedy(status.fault_code) : "end its session") +
+                    (status.fault_code != 0 ? crn_wire_fault_remedy(status.fault_code) : "end its session") +
                     "; then give --reset");
 }
 
@@ -116,7 +116,7 @@ Listed look_at(const UsbRig &usb)
     try {
         UsbTransport pipe(usb.serial, {.read_ms = 500, .write_ms = 500});
         Link link(pipe, list_patience);
-        const seld_wire_hello_reply hello = link.hello();
+        const crn_wire_hello_reply hello = link.hello();
         listed.firmware = std::to_string(hello.protocol_major) + "." + std::to_string(hello.protocol_minor) +
                           " core " + std::to_string(hello.core_version);
         listed.state = state_name(link.read_status().state);
@@ -174,7 +174,7 @@ std::string capability_text(std::uint32_t bits)
     return text.empty() ? "none" : text;
 }
 
-nlohmann::ordered_json track_json(const seld_wire_track &track)
+nlohmann::ordered_json track_json(const crn_wire_track &track)
 {
     return {{"translation_pm_per_count", track.translation_pm_per_count},
             {"rotation_counts_per_turn", track.rotation_counts_per_turn},
@@ -190,13 +190,13 @@ nlohmann::ordered_json track_json(const seld_wire_track &track)
             {"damping_nN_m_s_per_rad", track.damping_nN_m_s_per_rad}};
 }
 
-void print_track(std::FILE *out, unsigned number, const seld_wire_track &track)
+void print_track(std::FILE *out, unsigned number, const crn_wire_track &track)
 {
     std::fprintf(out, "track %u       %.6g um/count%s, %u counts/turn%s\n", number,
                  track.translation_pm_per_count * 1e-6,
-                 track.options & SELD_WIRE_OPTION_TRANSLATION_REVERSED ? " (reversed)" : "",
+                 track.options & CRN_WIRE_OPTION_TRANSLATION_REVERSED ? " (reversed)" : "",
                  unsigned{track.rotation_counts_per_turn},
-                 track.options & SELD_WIRE_OPTION_ROTATION_REVERSED ? " (reversed)" : "");
+                 track.options & CRN_WIRE_OPTION_ROTATION_REVERSED ? " (reversed)" : "");
     std::fprintf(out, "  sensor      zero at %d counts, %.6g mN/count\n", track.force_zero_counts,
                  track.force_uN_per_count * 1e-3);
     std::fprintf(out, "  limits      %.3f N, %.3f N mm; %.1f N/s, %.1f N mm/s; gain %.3f\n",
@@ -207,10 +207,10 @@ void print_track(std::FILE *out, unsigned number, const seld_wire_track &track)
 
 } // namespace
 
-int rig_info(Link &link, const seld_wire_hello_reply &hello, const RigOptions &options, const RigTalk &talk)
+int rig_info(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options, const RigTalk &talk)
 {
-    const seld_wire_status status = link.read_status();
-    const seld_wire_rig rig = link.read_rig();
+    const crn_wire_status status = link.read_status();
+    const crn_wire_rig rig = link.read_rig();
     char schema[20];
     std::snprintf(schema, sizeof schema, "%016llx", static_cast<unsigned long long>(hello.schema_hash));
     if (options.json) {
@@ -242,7 +242,7 @@ int rig_info(Link &link, const seld_wire_hello_reply &hello, const RigOptions &o
                  unsigned{hello.scene_bytes_max});
     std::fprintf(talk.out, "state         %s, %u ticks done%s%s\n", state_name(status.state).c_str(),
                  unsigned{status.tick}, status.fault_code != 0 ? ", " : "",
-                 status.fault_code != 0 ? seld_wire_fault_name(status.fault_code) : "");
+                 status.fault_code != 0 ? crn_wire_fault_name(status.fault_code) : "");
     std::fprintf(talk.out, "health        longest tick %u us, %u overruns, %u bad frames, %u gaps\n",
                  unsigned{status.tick_us_max}, unsigned{status.tick_overruns}, unsigned{status.frames_bad},
                  unsigned{status.sequence_gaps});
@@ -252,15 +252,14 @@ int rig_info(Link &link, const seld_wire_hello_reply &hello, const RigOptions &o
 
 int rig_log(Link &link, const RigTalk &talk)
 {
-    const seld_wire_fault_log log = link.read_fault_log();
+    const crn_wire_fault_log log = link.read_fault_log();
     if (log.entries_count == 0) std::fprintf(talk.out, "no faults since power-up\n");
     for (std::uint16_t i = 0; i < log.entries_count; i++) {
-        const seld_wire_fault_entry &entry = log.entries[i];
-        std::fprintf(talk.out, "%s: %s\n", seld_wire_fault_name(entry.code),
-                     seld_wire_fault_text(entry.code));
+        const crn_wire_fault_entry &entry = log.entries[i];
+        std::fprintf(talk.out, "%s: %s\n", crn_wire_fault_name(entry.code), crn_wire_fault_text(entry.code));
         std::fprintf(talk.out, "  %u times, tick %u to %u; last values %d, %d\n  remedy: %s\n",
                      unsigned{entry.count}, unsigned{entry.tick_first}, unsigned{entry.tick_last},
-                     entry.value1, entry.value2, seld_wire_fault_remedy(entry.code));
+                     entry.value1, entry.value2, crn_wire_fault_remedy(entry.code));
     }
     return 0;
 }
@@ -272,7 +271,7 @@ int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptio
     constexpr unsigned slice_ms = 200, slices = 5;
     HidRig rig(api, serial);
     return rig_monitor(
-        [&]() -> std::optional<seld_hid_state> {
+        [&]() -> std::optional<crn_hid_state> {
             for (unsigned i = 0; i < slices && !talk.is_interrupted(); i++)
                 if (const auto state = rig.read_state(slice_ms)) return state;
             return {};
@@ -297,10 +296,10 @@ int monitor(const RigOptions &options, const DeviceChoice &choice, const RigTalk
     link.hello();
     std::uint32_t tick = 0;
     return rig_monitor(
-        [&]() -> std::optional<seld_hid_state> {
+        [&]() -> std::optional<crn_hid_state> {
             pipe->pass_time_ms(1);
-            const seld_wire_sensors sensors = link.read_sensors();
-            seld_hid_state state{};
+            const crn_wire_sensors sensors = link.read_sensors();
+            crn_hid_state state{};
             state.tick = ++tick;
             state.state = link.read_status().state;
             state.lines = sensors.lines;
@@ -320,7 +319,7 @@ int with_link(const RigOptions &options, const DeviceChoice &choice, const RigTa
 {
     const std::unique_ptr<Transport> pipe = open_device(choice);
     Link link(*pipe);
-    const seld_wire_hello_reply hello = link.hello();
+    const crn_wire_hello_reply hello = link.hello();
     if (options.command == "info") return rig_info(link, hello, options, talk);
     if (options.command == "log") return rig_log(link, talk);
     if (options.command == "selftest") return rig_selftest(link, hello, options, talk);
@@ -352,9 +351,9 @@ void add_calibrate(CLI::App &rig, RigOptions &options)
 {
     CLI::App *command = add(
         rig, options, "calibrate", "Measure what one count of an encoder or force sensor is, and write it",
-        "  seldinger rig calibrate --track 1\n  seldinger rig calibrate --what translation --distance 200\n"
-        "  seldinger rig calibrate --save rig.json      (measured or not: what the rig has at the end)\n"
-        "  seldinger rig calibrate --load rig.json");
+        "  cournand rig calibrate --track 1\n  cournand rig calibrate --what translation --distance 200\n"
+        "  cournand rig calibrate --save rig.json      (measured or not: what the rig has at the end)\n"
+        "  cournand rig calibrate --load rig.json");
     add_track(*command, options);
     command->add_option("--what", options.what, "translation, rotation, force or all")
         ->capture_default_str()
@@ -381,13 +380,13 @@ void add_rig(CLI::App &app, RigOptions &options)
     CLI::App *rig = app.add_subcommand("rig", "Find, look at, test, calibrate and feel a rig");
     rig->require_subcommand(1);
     CLI::App *list = add(*rig, options, "list", "Rigs on USB: serial number, product, firmware, state, place",
-                         "  seldinger rig list\n  seldinger rig list --json");
+                         "  cournand rig list\n  cournand rig list --json");
     list->add_flag("--json", options.json, "As JSON");
     CLI::App *info = add(*rig, options, "info", "Version, abilities, state, calibration and limits",
-                         "  seldinger rig info\n  seldinger rig info --device usb:RIG-0001 --json");
+                         "  cournand rig info\n  cournand rig info --device usb:RIG-0001 --json");
     info->add_flag("--json", options.json, "As JSON");
     CLI::App *watch = add(*rig, options, "monitor", "State, encoders and forces, live",
-                          "  seldinger rig monitor\n  seldinger rig monitor --seconds 10 --csv out/rig.csv");
+                          "  cournand rig monitor\n  cournand rig monitor --seconds 10 --csv out/rig.csv");
     watch->add_option("--seconds", options.seconds, "End after so long; default: Ctrl-C")
         ->check(CLI::Range(0.001, 1e6));
     watch->add_option("--csv", options.csv, "Write every report, one line each");
@@ -395,7 +394,7 @@ void add_rig(CLI::App &app, RigOptions &options)
         ->capture_default_str()
         ->check(CLI::IsMember({"hidraw", "libusb"}));
     CLI::App *test = add(*rig, options, "selftest", "Ask every sensor and limit; one line each, pass or FAIL",
-                         "  seldinger rig selftest\n  seldinger rig selftest --motors --track 2");
+                         "  cournand rig selftest\n  cournand rig selftest --motors --track 2");
     test->add_flag("--motors", options.motors, "Also power the track's motor for a second (asks first)");
     test->add_flag("--yes", options.yes, "Do not ask");
     test->add_option("--damping", options.damping_N_s_per_m,
@@ -403,7 +402,7 @@ void add_rig(CLI::App &app, RigOptions &options)
     add_track(*test, options);
     add_calibrate(*rig, options);
     CLI::App *force = add(*rig, options, "force", "Feel a small force: push the carriage, it resists",
-                          "  seldinger rig force --track 1 --mN 300 --seconds 10");
+                          "  cournand rig force --track 1 --mN 300 --seconds 10");
     add_track(*force, options);
     force->add_option("--mN", options.force_mN, "Largest resistance to a slow push, mN")
         ->capture_default_str()
@@ -413,7 +412,7 @@ void add_rig(CLI::App &app, RigOptions &options)
     force->add_option("--damping", options.damping_N_s_per_m,
                       "The rig's own damping, N s/m; default: its configuration");
     force->add_flag("--yes", options.yes, "Do not ask");
-    add(*rig, options, "log", "Faults since power-up: cause, ticks, remedy", "  seldinger rig log");
+    add(*rig, options, "log", "Faults since power-up: cause, ticks, remedy", "  cournand rig log");
 }
 
 int command_rig(const RigOptions &options)
@@ -427,9 +426,9 @@ int command_rig(const RigOptions &options)
         if (options.command == "monitor") return monitor(options, choice, talk);
         return with_link(options, choice, talk);
     } catch (const RigStopped &stopped) {
-        say(stderr, "seldinger: %s\n", stopped.what());
+        say(stderr, "cournand: %s\n", stopped.what());
         return 1;
     }
 }
 
-} // namespace seld
+} // namespace crn

@@ -1,4 +1,4 @@
-// seldinger rig: find, look at, test, calibrate and feel a rig. May include: all host. Called by: cli.
+// cournand rig: find, look at, test, calibrate and feel a rig. May include: all host. Called by: cli.
 #pragma once
 #include "host/link/hid_rig.hpp"
 #include "host/link/link.hpp"
@@ -11,7 +11,7 @@ namespace CLI
 class App;
 }
 
-namespace seld
+namespace crn
 {
 
 struct RigOptions {
@@ -51,14 +51,14 @@ class RigStopped : public std::runtime_error
 };
 
 // Each gets a link that has greeted; 0 done, 1 failed.
-int rig_info(Link &link, const seld_wire_hello_reply &hello, const RigOptions &options, const RigTalk &talk);
+int rig_info(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options, const RigTalk &talk);
 int rig_log(Link &link, const RigTalk &talk);
-int rig_selftest(Link &link, const seld_wire_hello_reply &hello, const RigOptions &options,
+int rig_selftest(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options,
                  const RigTalk &talk);
 int rig_calibrate(Link &link, const RigOptions &options, const RigTalk &talk);
 int rig_force(Link &link, const RigOptions &options, const RigTalk &talk);
 // `next` gives the next state report; none: the rig is silent.
-using StateSource = std::function<std::optional<seld_hid_state>()>;
+using StateSource = std::function<std::optional<crn_hid_state>()>;
 int rig_monitor(const StateSource &next, const RigOptions &options, const RigTalk &talk);
 // The same from a rig's HID interface.
 int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptions &options,
@@ -68,7 +68,7 @@ int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptio
 
 std::string state_name(unsigned state);
 std::string sensor_name(unsigned status);
-std::string serial_of(const seld_wire_hello_reply &hello);
+std::string serial_of(const crn_wire_hello_reply &hello);
 // In READY, so that settings may change: with `may_reset` by RESET. Throws LinkError that says what is under way.
 void require_ready(Link &link, bool may_reset);
 
@@ -84,14 +84,14 @@ class MotorTrial
     MotorTrial &operator=(const MotorTrial &) = delete;
     void begin(); // ARM, ARM_MOTORS, CONFIRM, START
     // 10 ms of FREE_RUN; the ticks that came. Throws LinkError with cause and remedy when the rig went into FAULT.
-    const std::vector<seld_wire_live_tick> &run();
+    const std::vector<crn_wire_live_tick> &run();
     void end();
 
   private:
     Link &link_;
     unsigned track_;
-    seld_wire_rig before_{}, trial_{};
+    crn_wire_rig before_{}, trial_{};
     bool is_changed_ = false;
 };
 
-} // namespace seld
+} // namespace crn

@@ -1,4 +1,4 @@
-// seldinger rig calibrate: guided motion gives what one count is. Everything is measured first and written in one message,
+// cournand rig calibrate: guided motion gives what one count is. Everything is measured first and written in one message,
 // which the device takes whole or not at all; so whoever stops in the middle has changed nothing.
 #include "host/app/cli_rig.hpp"
 #include "host/model/output_files.hpp"
@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -23,15 +23,15 @@ constexpr double gravity_m_per_s2 = 9.80665;
 // The fields that calibration is about, by their names on the wire.
 struct Field {
     const char *name;
-    std::uint32_t seld_wire_track::*value;
+    std::uint32_t crn_wire_track::*value;
 };
-constexpr Field fields[] = {{"translation_pm_per_count", &seld_wire_track::translation_pm_per_count},
-                            {"rotation_counts_per_turn", &seld_wire_track::rotation_counts_per_turn},
-                            {"options", &seld_wire_track::options},
-                            {"force_uN_per_count", &seld_wire_track::force_uN_per_count},
-                            {"damping_mN_s_per_m", &seld_wire_track::damping_mN_s_per_m},
-                            {"damping_nN_m_s_per_rad", &seld_wire_track::damping_nN_m_s_per_rad},
-                            {"actuator_lag_us", &seld_wire_track::actuator_lag_us}};
+constexpr Field fields[] = {{"translation_pm_per_count", &crn_wire_track::translation_pm_per_count},
+                            {"rotation_counts_per_turn", &crn_wire_track::rotation_counts_per_turn},
+                            {"options", &crn_wire_track::options},
+                            {"force_uN_per_count", &crn_wire_track::force_uN_per_count},
+                            {"damping_mN_s_per_m", &crn_wire_track::damping_mN_s_per_m},
+                            {"damping_nN_m_s_per_rad", &crn_wire_track::damping_nN_m_s_per_rad},
+                            {"actuator_lag_us", &crn_wire_track::actuator_lag_us}};
 constexpr const char *zero_name = "force_zero_counts";
 
 class Guide
@@ -42,23 +42,23 @@ class Guide
     {
     }
 
-    void translation(seld_wire_track &track)
+    void translation(crn_wire_track &track)
     {
-        const auto read = [](const seld_wire_track_sensors &now) { return now.translation_counts; };
-        const auto good = [](const seld_wire_track_sensors &now) { return now.translation_sensor == 0; };
+        const auto read = [](const crn_wire_track_sensors &now) { return now.translation_counts; };
+        const auto good = [](const crn_wire_track_sensors &now) { return now.translation_sensor == 0; };
         const double counts = way("Put the carriage at the first mark and press Enter.",
                                   "Push it " + text(options_.distance_mm) +
                                       " mm into the patient, to the second mark, and press Enter.",
                                   "translation encoder", read, good);
         const double pm = options_.distance_mm * 1e9 / std::abs(counts);
         set(track.translation_pm_per_count, pm, 1e3, 5e8, "pm/count");
-        set_bit(track.options, SELD_WIRE_OPTION_TRANSLATION_REVERSED, counts < 0.0);
+        set_bit(track.options, CRN_WIRE_OPTION_TRANSLATION_REVERSED, counts < 0.0);
     }
 
-    void rotation(seld_wire_track &track)
+    void rotation(crn_wire_track &track)
     {
-        const auto read = [](const seld_wire_track_sensors &now) { return now.rotation_counts; };
-        const auto good = [](const seld_wire_track_sensors &now) { return now.rotation_sensor == 0; };
+        const auto read = [](const crn_wire_track_sensors &now) { return now.rotation_counts; };
+        const auto good = [](const crn_wire_track_sensors &now) { return now.rotation_sensor == 0; };
         const double counts =
             way("Hold the handle at its mark and press Enter.",
                 "Turn it " + text(options_.turns) +
@@ -66,10 +66,10 @@ class Guide
                 "rotation encoder", read, good);
         set(track.rotation_counts_per_turn, std::abs(counts) / options_.turns, 16.0, 16777216.0,
             "counts/turn");
-        set_bit(track.options, SELD_WIRE_OPTION_ROTATION_REVERSED, counts < 0.0);
+        set_bit(track.options, CRN_WIRE_OPTION_ROTATION_REVERSED, counts < 0.0);
     }
 
-    void force(seld_wire_track &track)
+    void force(crn_wire_track &track)
     {
         talk_.ask("Take the hands off the track and press Enter.");
         const double zero = mean_force();
@@ -98,13 +98,13 @@ class Guide
         return buffer;
     }
 
-    seld_wire_track_sensors sample()
+    crn_wire_track_sensors sample()
     {
         if (talk_.is_interrupted()) throw RigStopped("interrupted; nothing was changed");
-        const seld_wire_sensors sensors = link_.read_sensors();
+        const crn_wire_sensors sensors = link_.read_sensors();
         if (!sensors.has_rig || options_.track > sensors.tracks_count)
             throw LinkError("the rig does not report track " + std::to_string(options_.track) +
-                            ". Remedy: seldinger rig selftest");
+                            ". Remedy: cournand rig selftest");
         return sensors.tracks[options_.track - 1];
     }
 
@@ -113,11 +113,11 @@ class Guide
                Good good)
     {
         talk_.ask(first);
-        const seld_wire_track_sensors begin = sample();
+        const crn_wire_track_sensors begin = sample();
         talk_.ask(second);
-        const seld_wire_track_sensors end = sample();
+        const crn_wire_track_sensors end = sample();
         if (!good(begin) || !good(end))
-            throw LinkError("the " + what + " gives no good signal. Remedy: seldinger rig selftest");
+            throw LinkError("the " + what + " gives no good signal. Remedy: cournand rig selftest");
         // Absolute counts may wrap; the difference of 32 bits is the way.
         const auto counts = static_cast<std::int32_t>(static_cast<std::uint32_t>(read(end)) -
                                                       static_cast<std::uint32_t>(read(begin)));
@@ -133,10 +133,10 @@ class Guide
         double sum = 0.0;
         for (int i = 0; i < force_samples; i++) {
             link_.free_run(2);
-            const seld_wire_track_sensors now = sample();
+            const crn_wire_track_sensors now = sample();
             if (now.force_sensor != 0) {
                 throw LinkError("the force sensor is " + sensor_name(now.force_sensor) +
-                                ". Remedy: seldinger rig selftest");
+                                ". Remedy: cournand rig selftest");
             }
             sum += now.force_raw;
         }
@@ -162,11 +162,11 @@ class Guide
     const RigTalk &talk_;
 };
 
-void print_changes(const RigTalk &talk, const seld_wire_rig &before, const seld_wire_rig &after)
+void print_changes(const RigTalk &talk, const crn_wire_rig &before, const crn_wire_rig &after)
 {
     std::fprintf(talk.out, "%-8s %-26s %14s %14s\n", "track", "", "before", "after");
     for (std::uint16_t k = 0; k < before.tracks_count; k++) {
-        const seld_wire_track &old = before.tracks[k], &fresh = after.tracks[k];
+        const crn_wire_track &old = before.tracks[k], &fresh = after.tracks[k];
         for (const Field &field : fields) {
             if (old.*field.value == fresh.*field.value) continue;
             std::fprintf(talk.out, "%-8d %-26s %14u %14u\n", k + 1, field.name, unsigned{old.*field.value},
@@ -178,7 +178,7 @@ void print_changes(const RigTalk &talk, const seld_wire_rig &before, const seld_
     }
 }
 
-bool is_same(const seld_wire_rig &a, const seld_wire_rig &b)
+bool is_same(const crn_wire_rig &a, const crn_wire_rig &b)
 {
     if (a.tracks_count != b.tracks_count) return false;
     for (std::uint16_t k = 0; k < a.tracks_count; k++) {
@@ -190,7 +190,7 @@ bool is_same(const seld_wire_rig &a, const seld_wire_rig &b)
 }
 
 // One message, read back; what does not come back as written is taken back.
-void write(Link &link, const seld_wire_rig &before, const seld_wire_rig &after)
+void write(Link &link, const crn_wire_rig &before, const crn_wire_rig &after)
 {
     link.set_rig(after);
     if (is_same(link.read_rig(), after)) return;
@@ -199,7 +199,7 @@ void write(Link &link, const seld_wire_rig &before, const seld_wire_rig &after)
                     "report it with the firmware's release");
 }
 
-void save(const std::string &path, const seld_wire_rig &rig)
+void save(const std::string &path, const crn_wire_rig &rig)
 {
     nlohmann::ordered_json file;
     file["tracks"] = nlohmann::json::array();
@@ -212,7 +212,7 @@ void save(const std::string &path, const seld_wire_rig &rig)
     write_whole_file(path, file.dump(2) + "\n");
 }
 
-seld_wire_rig load(const std::string &path, seld_wire_rig rig)
+crn_wire_rig load(const std::string &path, crn_wire_rig rig)
 {
     std::ifstream in(path);
     if (!in) throw LinkError(path + ": cannot read: " + std::strerror(errno));
@@ -239,10 +239,10 @@ seld_wire_rig load(const std::string &path, seld_wire_rig rig)
     return rig;
 }
 
-seld_wire_rig measure(Link &link, const seld_wire_rig &before, const RigOptions &options, const RigTalk &talk)
+crn_wire_rig measure(Link &link, const crn_wire_rig &before, const RigOptions &options, const RigTalk &talk)
 {
-    seld_wire_rig after = before;
-    seld_wire_track &track = after.tracks[options.track - 1];
+    crn_wire_rig after = before;
+    crn_wire_track &track = after.tracks[options.track - 1];
     Guide guide(link, options, talk);
     const auto wants = [&](const char *what) { return options.what == "all" || options.what == what; };
     if (wants("translation")) guide.translation(track);
@@ -257,10 +257,10 @@ int rig_calibrate(Link &link, const RigOptions &options, const RigTalk &talk)
 {
     check_outputs({{"--load", options.load}}, {{"--save", options.save}});
     require_ready(link, options.reset);
-    const seld_wire_rig before = link.read_rig();
+    const crn_wire_rig before = link.read_rig();
     if (options.track > before.tracks_count)
         throw LinkError("the rig has no track " + std::to_string(options.track));
-    const seld_wire_rig after =
+    const crn_wire_rig after =
         options.load.empty() ? measure(link, before, options, talk) : load(options.load, before);
     if (is_same(before, after)) {
         std::fprintf(talk.out, "the rig has these values already\n");
@@ -279,4 +279,4 @@ int rig_calibrate(Link &link, const RigOptions &options, const RigTalk &talk)
     return 0;
 }
 
-} // namespace seld
+} // namespace crn

@@ -1,9 +1,9 @@
-// seldinger rig force, and the powered trial that selftest shares with it.
+// cournand rig force, and the powered trial that selftest shares with it.
 #include "host/app/cli_rig.hpp"
 #include <algorithm>
 #include <cstdlib>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -14,21 +14,21 @@ constexpr std::uint32_t coupling_N_per_m = 500; // half a millimetre for 250 mN
 constexpr std::uint32_t inserted_um = 50000;
 
 // Straight tools that fit into each other, all 300 mm, in free space: nothing but the seal holds them.
-std::vector<seld_wire_instrument> straight_tools(unsigned count)
+std::vector<crn_wire_instrument> straight_tools(unsigned count)
 {
     static constexpr struct {
         std::uint32_t bend_nN_m2, outer_um, inner_um;
     } kinds[] = {{1000000, 400, 0}, {1000000, 800, 500}, {2000000, 1200, 900}};
-    std::vector<seld_wire_instrument> tools;
+    std::vector<crn_wire_instrument> tools;
     for (unsigned k = 0; k < count; k++) {
-        seld_wire_instrument tool{};
+        crn_wire_instrument tool{};
         tool.lumen_friction_milli = k > 0 ? 50 : 0;
         tool.axial_stiffness_max_N = 5000;
         tool.element_tip_um = 2000;
         tool.element_shaft_um = 4000;
         tool.element_fine_um = 20000;
         tool.knots_count = 2;
-        seld_wire_knot knot{};
+        crn_wire_knot knot{};
         knot.bend_stiffness_nN_m2 = kinds[k].bend_nN_m2;
         knot.twist_stiffness_nN_m2 = kinds[k].bend_nN_m2 / 5 * 4;
         knot.mass_mg_per_m = 4000;
@@ -50,11 +50,11 @@ MotorTrial::MotorTrial(Link &link, unsigned track, unsigned force_mN, double dam
 {
     if (track >= before_.tracks_count) throw LinkError("the rig has no track " + std::to_string(track + 1));
     for (std::uint16_t k = 0; k < trial_.tracks_count; k++) {
-        seld_wire_track &one = trial_.tracks[k];
+        crn_wire_track &one = trial_.tracks[k];
         one.coupling_N_per_m = one.coupling_uN_m_per_rad = 0;
         one.coupling_mN_s_per_m = one.coupling_nN_m_s_per_rad = 0;
     }
-    seld_wire_track &driven = trial_.tracks[track];
+    crn_wire_track &driven = trial_.tracks[track];
     if (damping_N_s_per_m > 0.0)
         driven.damping_mN_s_per_m = static_cast<std::uint32_t>(damping_N_s_per_m * 1e3);
     if (driven.damping_mN_s_per_m < 2) {
@@ -77,7 +77,7 @@ void MotorTrial::begin()
     link_.set_rig(trial_);
     link_.load_scene({});
     link_.load_tools(straight_tools(track_ + 1));
-    seld_wire_entry entry{};
+    crn_wire_entry entry{};
     entry.direction_y_q30 = 1 << 30;
     entry.inserted_um_count = static_cast<std::uint16_t>(track_ + 1);
     for (unsigned k = 0; k <= track_; k++) entry.inserted_um[k] = inserted_um + 10000 * (track_ - k);
@@ -89,13 +89,13 @@ void MotorTrial::begin()
     link_.start();
 }
 
-const std::vector<seld_wire_live_tick> &MotorTrial::run()
+const std::vector<crn_wire_live_tick> &MotorTrial::run()
 {
-    const seld_wire_status status = link_.read_status(); // also tells the device that its host lives
-    if (status.state != SELD_WIRE_STATE_RUNNING) {
-        throw LinkError(std::string("the rig stopped: ") + seld_wire_fault_name(status.fault_code) + ": " +
-                        seld_wire_fault_text(status.fault_code) +
-                        ". Remedy: " + seld_wire_fault_remedy(status.fault_code));
+    const crn_wire_status status = link_.read_status(); // also tells the device that its host lives
+    if (status.state != CRN_WIRE_STATE_RUNNING) {
+        throw LinkError(std::string("the rig stopped: ") + crn_wire_fault_name(status.fault_code) + ": " +
+                        crn_wire_fault_text(status.fault_code) +
+                        ". Remedy: " + crn_wire_fault_remedy(status.fault_code));
     }
     link_.free_run(round_ms);
     return link_.live_ticks();
@@ -125,7 +125,7 @@ namespace
 struct Peak {
     int asked_mN = 0, measured_mN = 0;
     std::uint32_t ticks = 0, powered = 0;
-    void take(const seld_wire_live_tick &tick, unsigned track)
+    void take(const crn_wire_live_tick &tick, unsigned track)
     {
         ticks++;
         powered += tick.flags >> 1 & 1;
@@ -136,7 +136,7 @@ struct Peak {
     }
 };
 
-void show(const RigTalk &talk, const seld_wire_live_tick &tick, unsigned track, double seconds)
+void show(const RigTalk &talk, const crn_wire_live_tick &tick, unsigned track, double seconds)
 {
     std::fprintf(talk.out, "%s%6.1f s  hand %9d counts, asked %6d mN, measured %6d mN%s",
                  talk.is_terminal ? "\r" : "", seconds,
@@ -155,7 +155,7 @@ int rig_force(Link &link, const RigOptions &options, const RigTalk &talk)
     const unsigned track = options.track - 1;
     const double seconds = options.seconds > 0.0 ? options.seconds : 10.0;
     MotorTrial trial(link, track, options.force_mN, options.damping_N_s_per_m);
-    const seld_wire_track limits = link.read_rig().tracks[track];
+    const crn_wire_track limits = link.read_rig().tracks[track];
     std::fprintf(
         talk.out,
         "track %u: its motor will be powered for %.1f s. It resists a slow push by at most %u mN; the\n"
@@ -170,7 +170,7 @@ int rig_force(Link &link, const RigOptions &options, const RigTalk &talk)
     const auto rounds = static_cast<unsigned>(seconds * 1000.0 / round_ms);
     unsigned round = 0;
     for (; round < rounds && !talk.is_interrupted(); round++) {
-        for (const seld_wire_live_tick &tick : trial.run()) {
+        for (const crn_wire_live_tick &tick : trial.run()) {
             if (peak.ticks % 500 == 0) show(talk, tick, track, round * round_ms * 1e-3);
             peak.take(tick, track);
         }
@@ -184,4 +184,4 @@ int rig_force(Link &link, const RigOptions &options, const RigTalk &talk)
     return peak.powered > 0 ? 0 : 1;
 }
 
-} // namespace seld
+} // namespace crn

@@ -1,4 +1,4 @@
-// seldinger rig monitor: what the state reports say, as a table that stays in place, as plain lines, and as CSV.
+// cournand rig monitor: what the state reports say, as a table that stays in place, as plain lines, and as CSV.
 #include "host/app/cli_rig.hpp"
 #include "host/model/text.hpp"
 #include <cerrno>
@@ -6,7 +6,7 @@
 #include <cstring>
 #include <memory>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -38,12 +38,12 @@ File open_csv(const std::string &path)
     return file;
 }
 
-void write_csv(std::FILE *file, const seld_hid_state &state)
+void write_csv(std::FILE *file, const crn_hid_state &state)
 {
     std::fprintf(file, "%u,%u,%u,%u,%u,%u,%u", unsigned{state.tick}, unsigned{state.state},
                  unsigned{state.mode}, unsigned{state.fault_code}, unsigned{state.buttons},
                  unsigned{state.lines}, unsigned{state.fault_count});
-    for (const seld_hid_track &track : state.tracks) {
+    for (const crn_hid_track &track : state.tracks) {
         std::fprintf(file, ",%d,%d,%d,%d,%d", track.translation_counts, track.rotation_counts,
                      track.motor_axial_mN, track.motor_torque_uN_m, track.sensor_axial_mN);
     }
@@ -63,15 +63,15 @@ struct Count {
     }
 };
 
-std::string head_of(const seld_hid_state &state)
+std::string head_of(const crn_hid_state &state)
 {
     std::string text = "tick " + std::to_string(state.tick) + "  " + state_name(state.state) +
-                       (state.mode == SELD_WIRE_MODE_FREE_RUN ? "  FREE_RUN" : "  LOCKSTEP");
-    if (state.fault_code != 0) text += std::string("  ") + seld_wire_fault_name(state.fault_code);
+                       (state.mode == CRN_WIRE_MODE_FREE_RUN ? "  FREE_RUN" : "  LOCKSTEP");
+    if (state.fault_code != 0) text += std::string("  ") + crn_wire_fault_name(state.fault_code);
     return text;
 }
 
-void show_table(std::FILE *out, const seld_hid_state &state, const Count &count, bool is_first)
+void show_table(std::FILE *out, const crn_hid_state &state, const Count &count, bool is_first)
 {
     if (!is_first) std::fprintf(out, "\x1b[6A");
     std::fprintf(out, "\x1b[K%s  lost %llu\n", head_of(state).c_str(),
@@ -79,7 +79,7 @@ void show_table(std::FILE *out, const seld_hid_state &state, const Count &count,
     std::fprintf(out, "\x1b[K%-6s %12s %12s %10s %12s %10s\n", "track", "along", "about", "motor mN",
                  "motor uN m", "sensor mN");
     for (int k = 0; k < 3; k++) {
-        const seld_hid_track &track = state.tracks[k];
+        const crn_hid_track &track = state.tracks[k];
         std::fprintf(out, "\x1b[K%-6d %12d %12d %10d %12d %10d\n", k + 1, track.translation_counts,
                      track.rotation_counts, track.motor_axial_mN, track.motor_torque_uN_m,
                      track.sensor_axial_mN);
@@ -92,11 +92,11 @@ void show_table(std::FILE *out, const seld_hid_state &state, const Count &count,
     std::fflush(out);
 }
 
-void show_line(std::FILE *out, const seld_hid_state &state)
+void show_line(std::FILE *out, const crn_hid_state &state)
 {
     std::fprintf(out, "%s", head_of(state).c_str());
     for (int k = 0; k < 3; k++) {
-        const seld_hid_track &track = state.tracks[k];
+        const crn_hid_track &track = state.tracks[k];
         std::fprintf(out, "  | %d: %d %d counts, motor %d mN, sensor %d mN", k + 1, track.translation_counts,
                      track.rotation_counts, track.motor_axial_mN, track.sensor_axial_mN);
     }
@@ -116,7 +116,7 @@ int rig_monitor(const StateSource &next, const RigOptions &options, const RigTal
     std::string wrong;
     const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
     while (!talk.is_interrupted() && (options.seconds <= 0.0 || seconds() < options.seconds)) {
-        std::optional<seld_hid_state> state;
+        std::optional<crn_hid_state> state;
         try {
             state = next();
         } catch (const LinkError &error) { // what came before is shown and written all the same
@@ -126,7 +126,7 @@ int rig_monitor(const StateSource &next, const RigOptions &options, const RigTal
         if (!state) {
             if (++silent < silent_max) continue;
             wrong = "the rig has sent no state report for " + std::to_string(silent_max) +
-                    " s. Remedy: plug it out and in; seldinger rig list";
+                    " s. Remedy: plug it out and in; cournand rig list";
             break;
         }
         silent = 0;
@@ -145,8 +145,8 @@ int rig_monitor(const StateSource &next, const RigOptions &options, const RigTal
     if (csv && std::ferror(csv.get()) != 0)
         wrong = options.csv + ": could not be written whole; is the disk full?";
     if (wrong.empty()) return 0;
-    std::fprintf(stderr, "seldinger: %s\n", wrong.c_str());
+    std::fprintf(stderr, "cournand: %s\n", wrong.c_str());
     return 1;
 }
 
-} // namespace seld
+} // namespace crn

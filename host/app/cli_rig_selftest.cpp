@@ -1,9 +1,9 @@
-// seldinger rig selftest: every sensor, line and limit that the rig can say something about, one line each.
+// cournand rig selftest: every sensor, line and limit that the rig can say something about, one line each.
 #include "host/app/cli_rig.hpp"
 #include <cmath>
 #include <cstdlib>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -34,17 +34,17 @@ class Lines
     unsigned passed_ = 0, failed_ = 0;
 };
 
-void check_device(Lines &lines, Link &link, const seld_wire_hello_reply &hello)
+void check_device(Lines &lines, Link &link, const crn_wire_hello_reply &hello)
 {
-    const seld_wire_status status = link.read_status();
+    const crn_wire_status status = link.read_status();
     lines.check(!serial_of(hello).empty(), "serial number " + serial_of(hello),
                 "give the board a serial number");
     lines.check(hello.tick_us == 1000, "tick of " + std::to_string(hello.tick_us) + " us",
                 "the tick is 1 ms");
     const std::string cause =
-        status.fault_code == 0 ? "" : std::string(" after ") + seld_wire_fault_name(status.fault_code);
-    lines.check(status.state != SELD_WIRE_STATE_FAULT, "state " + state_name(status.state) + cause,
-                status.fault_code != 0 ? seld_wire_fault_remedy(status.fault_code) : "RESET");
+        status.fault_code == 0 ? "" : std::string(" after ") + crn_wire_fault_name(status.fault_code);
+    lines.check(status.state != CRN_WIRE_STATE_FAULT, "state " + state_name(status.state) + cause,
+                status.fault_code != 0 ? crn_wire_fault_remedy(status.fault_code) : "RESET");
     lines.check(status.tick_overruns == 0,
                 std::to_string(status.tick_overruns) + " ticks too long, the longest " +
                     std::to_string(status.tick_us_max) + " us",
@@ -62,8 +62,8 @@ void check_sensor(Lines &lines, const std::string &what, unsigned status)
     lines.check(status == 0, what + ": " + sensor_name(status), "check the sensor and its cable");
 }
 
-void check_track(Lines &lines, unsigned number, const seld_wire_track_sensors &first,
-                 const seld_wire_track_sensors &later, const seld_wire_track &track)
+void check_track(Lines &lines, unsigned number, const crn_wire_track_sensors &first,
+                 const crn_wire_track_sensors &later, const crn_wire_track &track)
 {
     const std::string name = "track " + std::to_string(number) + " ";
     check_sensor(lines, name + "translation encoder", later.translation_sensor);
@@ -88,7 +88,7 @@ void check_track(Lines &lines, unsigned number, const seld_wire_track_sensors &f
     if (later.force_sensor == 0) {
         lines.check(std::abs(later.force_mN) <= rest_force_max_mN,
                     name + "force at rest: " + std::to_string(later.force_mN) + " mN",
-                    "take the hands off; else seldinger rig calibrate --what force --track " +
+                    "take the hands off; else cournand rig calibrate --what force --track " +
                         std::to_string(number));
     }
     lines.check(later.over_current == 0, name + "motor driver: current within its limit",
@@ -102,17 +102,17 @@ void check_track(Lines &lines, unsigned number, const seld_wire_track_sensors &f
 }
 
 // A limit asked one above the present one has to be refused, and to stay as it is.
-void check_limits_hold(Lines &lines, Link &link, const seld_wire_rig &rig)
+void check_limits_hold(Lines &lines, Link &link, const crn_wire_rig &rig)
 {
     for (std::uint16_t k = 0; k < rig.tracks_count; k++) {
-        seld_wire_rig higher = rig;
+        crn_wire_rig higher = rig;
         higher.tracks[k].force_limit_mN++;
         bool is_refused = false;
         try {
             link.set_rig(higher);
             link.set_rig(rig);
         } catch (const LinkError &error) {
-            is_refused = error.reject.code == SELD_REJECT_RIG_RANGE;
+            is_refused = error.reject.code == CRN_REJECT_RIG_RANGE;
             if (error.reject.code == 0) throw;
         }
         lines.check(is_refused && link.read_rig().tracks[k].force_limit_mN == rig.tracks[k].force_limit_mN,
@@ -123,14 +123,14 @@ void check_limits_hold(Lines &lines, Link &link, const seld_wire_rig &rig)
 
 void check_rig(Lines &lines, Link &link)
 {
-    const seld_wire_sensors first = link.read_sensors();
+    const crn_wire_sensors first = link.read_sensors();
     if (!first.has_rig) {
         lines.check(false, "rig's electronics: none attached", "check the cable between board and rig");
         return;
     }
     link.free_run(100);
-    const seld_wire_sensors later = link.read_sensors();
-    const seld_wire_rig rig = link.read_rig();
+    const crn_wire_sensors later = link.read_sensors();
+    const crn_wire_rig rig = link.read_rig();
     lines.check((later.lines & 1) == 0, "emergency stop: released", "release it");
     lines.check((later.lines & 2) != 0, "motors' supply: in its range", "check the supply");
     lines.check((later.lines & 4) == 0, "power stage: off",
@@ -142,7 +142,7 @@ void check_rig(Lines &lines, Link &link)
         check_track(lines, k + 1u, first.tracks[k], later.tracks[k], rig.tracks[k]);
     if ((later.lines & 8) != 0)
         lines.note("limits: not tried, since the local unlock allows to raise them");
-    else if (link.read_status().state == SELD_WIRE_STATE_READY)
+    else if (link.read_status().state == CRN_WIRE_STATE_READY)
         check_limits_hold(lines, link, rig);
     else
         lines.note("limits: not tried, the rig is not in READY (--reset)");
@@ -166,7 +166,7 @@ void check_motor(Lines &lines, Link &link, const RigOptions &options, const RigT
     std::uint32_t ticks = 0, powered = 0;
     int largest_mN = 0;
     for (unsigned round = 0; round < rounds && !talk.is_interrupted(); round++) {
-        for (const seld_wire_live_tick &tick : trial.run()) {
+        for (const crn_wire_live_tick &tick : trial.run()) {
             if (ticks++ >= settle_ticks) powered += tick.flags >> 1 & 1;
             if (options.track <= tick.state.tools_count)
                 largest_mN =
@@ -179,7 +179,7 @@ void check_motor(Lines &lines, Link &link, const RigOptions &options, const RigT
     lines.check(ticks > settle_ticks && powered == ticks - settle_ticks,
                 name + "motor: powered in " + std::to_string(powered) + " of " + std::to_string(ticks) +
                     " ticks",
-                "see seldinger rig log");
+                "see cournand rig log");
     lines.check(largest_mN <= static_cast<int>(trial_mN),
                 name + "motor: at most " + std::to_string(largest_mN) + " mN asked at rest",
                 "was it pushed? else check its encoder");
@@ -189,7 +189,7 @@ void check_motor(Lines &lines, Link &link, const RigOptions &options, const RigT
 
 } // namespace
 
-int rig_selftest(Link &link, const seld_wire_hello_reply &hello, const RigOptions &options,
+int rig_selftest(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options,
                  const RigTalk &talk)
 {
     if (options.reset) require_ready(link, true);
@@ -200,12 +200,12 @@ int rig_selftest(Link &link, const seld_wire_hello_reply &hello, const RigOption
         check_motor(lines, link, options, talk);
     else
         lines.note("motors: not powered (--motors)");
-    const seld_wire_fault_log log = link.read_fault_log();
+    const crn_wire_fault_log log = link.read_fault_log();
     for (std::uint16_t i = 0; i < log.entries_count; i++) {
-        lines.note(std::string("since power-up: ") + seld_wire_fault_name(log.entries[i].code) + ", " +
-                   std::to_string(log.entries[i].count) + " times (seldinger rig log)");
+        lines.note(std::string("since power-up: ") + crn_wire_fault_name(log.entries[i].code) + ", " +
+                   std::to_string(log.entries[i].count) + " times (cournand rig log)");
     }
     return lines.end();
 }
 
-} // namespace seld
+} // namespace crn

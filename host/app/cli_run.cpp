@@ -1,4 +1,4 @@
-// seldinger run
+// cournand run
 #include "host/app/cli.hpp"
 #include "host/app/cli_rig.hpp"
 #include "host/app/run.hpp"
@@ -12,7 +12,7 @@
 #include <cstdio>
 #include <unistd.h>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -107,7 +107,7 @@ DeviceChoice free_run_device(const std::string &device, bool motors, bool yes)
     std::fprintf(
         talk.out,
         "The motors of every track that has a coupling will be powered and push back at the hand, within "
-        "the rig's\nown limits (seldinger rig info). Ctrl-C or the emergency stop ends it.\n");
+        "the rig's\nown limits (cournand rig info). Ctrl-C or the emergency stop ends it.\n");
     if (!yes && talk.ask("Type yes to power the motors:") != "yes")
         throw RigStopped("not confirmed; no motor was powered");
     return choice;
@@ -116,19 +116,19 @@ DeviceChoice free_run_device(const std::string &device, bool motors, bool yes)
 // Why it did not end as it should, if so; the exit code.
 static int tell_end(const RunResult &result, const ReportSources &sources, bool was_stopped)
 {
-    for (const std::string &failure : result.failures) say(stderr, "seldinger: %s\n", failure.c_str());
+    for (const std::string &failure : result.failures) say(stderr, "cournand: %s\n", failure.c_str());
     if (!result.stopped_by.empty()) {
-        say(stderr, "seldinger: %s\n", result.stopped_by.c_str());
+        say(stderr, "cournand: %s\n", result.stopped_by.c_str());
         return 1;
     }
     if (const int code = exit_of_range(result.figures.range)) return code;
     if (!sources.refusals.empty()) {
         std::fprintf(stderr,
-                     "seldinger: something that the session asked for was refused, see 'refused' above\n");
+                     "cournand: something that the session asked for was refused, see 'refused' above\n");
         return 1;
     }
     if (result.was_interrupted || was_stopped) {
-        std::fprintf(stderr, "seldinger: interrupted; what was written up to here is complete\n");
+        std::fprintf(stderr, "cournand: interrupted; what was written up to here is complete\n");
         return 1;
     }
     return result.failures.empty() ? 0 : 1;
@@ -144,8 +144,8 @@ int command_run(const RunOptions &options)
     const SceneFile scene = read_scene(options.scene);
     const std::vector<Instrument> tools = read_tools(options.instrument, options.tools);
     const Session session = is_led ? Session{"rig", {}, {}} : read_session(options.session);
-    const seld_wire_entry entry = is_led ? entry_with(scene, tools.size(), options.inserted_mm)
-                                         : entry_of(scene, tools.size(), session.inserted_um);
+    const crn_wire_entry entry = is_led ? entry_with(scene, tools.size(), options.inserted_mm)
+                                        : entry_of(scene, tools.size(), session.inserted_um);
     take_stents(picture_settings, options.stents, tools);
     check_loads(session, options.stents.size());
     check_inflations(session, tools);
@@ -188,4 +188,4 @@ int command_run(const RunOptions &options)
     return tell_end(result, sources, sinks.pictures && sinks.pictures->was_stopped());
 }
 
-} // namespace seld
+} // namespace crn

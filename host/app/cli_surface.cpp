@@ -1,4 +1,4 @@
-// seldinger surface
+// cournand surface
 #include "host/app/cli.hpp"
 #include "host/app/replay.hpp"
 #include "host/app/session_summary.hpp"
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -81,7 +81,7 @@ int command_surface(const SurfaceOptions &options)
     watch_for_interrupt();
     const ReplayResult result = replay_recording(device, recording, &sink, {});
     if (result.was_interrupted) {
-        say(stderr, "seldinger: interrupted: only %zu of %zu moments are in the file\n", sink.panels().size(),
+        say(stderr, "cournand: interrupted: only %zu of %zu moments are in the file\n", sink.panels().size(),
             ticks.size());
         return 1;
     }
@@ -90,4 +90,4 @@ int command_surface(const SurfaceOptions &options)
     return 0;
 }
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct ContactSample {
@@ -23,12 +23,12 @@ struct ContactFigures {
     std::vector<ContactSample> series; // every sample_every_ticks
 
     // Of the last look_every_ticks ticks.
-    void take(const seld_wire_contacts &contacts)
+    void take(const crn_wire_contacts &contacts)
     {
         constexpr double N_per_q22 = 1.0 / (1 << 22);
         double sum_N = 0.0;
         for (std::uint16_t i = 0; i < contacts.contacts_count; i++) {
-            const seld_wire_contact &one = contacts.contacts[i];
+            const crn_wire_contact &one = contacts.contacts[i];
             sum_N += N_per_q22 * std::sqrt(std::pow(one.force_x_N_q22, 2) + std::pow(one.force_y_N_q22, 2) +
                                            std::pow(one.force_z_N_q22, 2));
         }
@@ -40,4 +40,4 @@ struct ContactFigures {
     }
 };
 
-} // namespace seld
+} // namespace crn

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <cstdio>
 
-namespace seld
+namespace crn
 {
 
-seld_wire_rig host_rig()
+crn_wire_rig host_rig()
 {
-    seld_wire_rig rig{};
-    rig.tracks_count = SELD_WIRE_TOOL_MAX;
-    for (seld_wire_track &track : rig.tracks) {
+    crn_wire_rig rig{};
+    rig.tracks_count = CRN_WIRE_TOOL_MAX;
+    for (crn_wire_track &track : rig.tracks) {
         track.translation_pm_per_count = static_cast<std::uint32_t>(1'000'000'000'000 / counts_per_m);
         track.rotation_counts_per_turn = static_cast<std::uint32_t>(counts_per_turn);
         track.force_gain_milli = 1000;
@@ -36,30 +36,30 @@ std::string millimetres(double um)
 // "'Bentson' (0.889 mm) does not pass the lumen of 'Terumo 4F' (0.8 mm, at 30 mm from its tip)"
 std::string nesting_text(const std::vector<Instrument> &tools, std::size_t outer, std::size_t knot)
 {
-    const seld_wire_instrument &inside = tools[outer - 1].table;
+    const crn_wire_instrument &inside = tools[outer - 1].table;
     std::uint32_t thickest_um = 0;
     for (std::uint16_t i = 0; i < inside.knots_count; i++)
         thickest_um = std::max(thickest_um, inside.knots[i].radius_outer_um);
-    const seld_wire_knot &tight = tools[outer].table.knots[knot];
+    const crn_wire_knot &tight = tools[outer].table.knots[knot];
     return "'" + tools[outer - 1].name + "' (" + millimetres(2.0 * thickest_um) +
            ") does not pass the lumen of '" + tools[outer].name + "' (" +
            millimetres(2.0 * tight.radius_inner_um) + ", at " + millimetres(tight.arc_um) + " from its tip)";
 }
 
 // Whom a refusal of tools means, in the words of the files; empty for other refusals.
-std::string tool_at_fault(const std::vector<Instrument> &tools, const seld_wire_reject &reject)
+std::string tool_at_fault(const std::vector<Instrument> &tools, const crn_wire_reject &reject)
 {
     const std::size_t tool = reject.detail1, knot = reject.detail2;
     switch (reject.code) {
-    case SELD_REJECT_TOOL_KNOTS:
-    case SELD_REJECT_TOOL_RANGE:
-    case SELD_REJECT_TOOL_LENGTH:
-    case SELD_REJECT_TOOL_ELEMENTS:
-    case SELD_REJECT_TOOL_OVERFLOW:
-    case SELD_REJECT_TOOL_BALLOON:
-    case SELD_REJECT_LENGTH_INSERTED:
+    case CRN_REJECT_TOOL_KNOTS:
+    case CRN_REJECT_TOOL_RANGE:
+    case CRN_REJECT_TOOL_LENGTH:
+    case CRN_REJECT_TOOL_ELEMENTS:
+    case CRN_REJECT_TOOL_OVERFLOW:
+    case CRN_REJECT_TOOL_BALLOON:
+    case CRN_REJECT_LENGTH_INSERTED:
         return tool < tools.size() ? "'" + tools[tool].name + "'" : "";
-    case SELD_REJECT_TOOL_NESTING:
+    case CRN_REJECT_TOOL_NESTING:
         if (tool == 0 || tool >= tools.size() || knot >= tools[tool].table.knots_count) return "";
         return nesting_text(tools, tool, knot);
     default:
@@ -69,8 +69,8 @@ std::string tool_at_fault(const std::vector<Instrument> &tools, const seld_wire_
 
 } // namespace
 
-Device::Device(const SceneFile &scene, std::vector<Instrument> tools, const seld_wire_entry &entry,
-               const seld_wire_rig &rig, const DeviceChoice &choice)
+Device::Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_wire_entry &entry,
+               const crn_wire_rig &rig, const DeviceChoice &choice)
     : scene_(scene), tools_(std::move(tools)), entry_(entry), rig_(rig), choice_(choice)
 {
     try {
@@ -88,18 +88,18 @@ Device::Device(const SceneFile &scene, std::vector<Instrument> tools, const seld
     start_free_run();
 }
 
-seld_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
-                         std::span<const std::uint32_t> inserted_um)
+crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
+                        std::span<const std::uint32_t> inserted_um)
 {
-    seld_wire_entry entry = scene.entry;
+    crn_wire_entry entry = scene.entry;
     entry.inserted_um_count =
-        static_cast<std::uint16_t>(std::min<std::size_t>(tool_count, SELD_WIRE_TOOL_MAX));
+        static_cast<std::uint16_t>(std::min<std::size_t>(tool_count, CRN_WIRE_TOOL_MAX));
     for (std::size_t k = 0; k < entry.inserted_um_count; k++)
         entry.inserted_um[k] = k < inserted_um.size() ? inserted_um[k] : inserted_default_um;
     return entry;
 }
 
-SessionFrame session_frame(Device &device, const seld_wire_tick_state &state, const seld_wire_encoders &input)
+SessionFrame session_frame(Device &device, const crn_wire_tick_state &state, const crn_wire_encoders &input)
 {
     const Link &link = device.link();
     const std::vector<Instrument> &tools = device.tools();
@@ -119,7 +119,7 @@ SessionFrame session_frame(Device &device, const seld_wire_tick_state &state, co
     return frame;
 }
 
-void SessionFigures::take(const seld_wire_tick_state &state)
+void SessionFigures::take(const crn_wire_tick_state &state)
 {
     ticks++;
     const double depth_m = units::metres(state.penetration_max_m_q30);
@@ -140,7 +140,7 @@ void SessionFigures::take(const seld_wire_tick_state &state)
     heart.pressure_min_mmHg = std::min(heart.pressure_min_mmHg, heart.monitor.pressure_mmHg());
     tools.resize(state.tools_count);
     for (std::size_t k = 0; k < tools.size(); k++) {
-        const seld_wire_tool_state &now = state.tools[k];
+        const crn_wire_tool_state &now = state.tools[k];
         ToolFigures &tool = tools[k];
         tool.inserted_m = units::metres(now.inserted_m_q30);
         tool.inserted_max_m = std::max(tool.inserted_max_m, tool.inserted_m);
@@ -150,4 +150,4 @@ void SessionFigures::take(const seld_wire_tick_state &state)
     }
 }
 
-} // namespace seld
+} // namespace crn

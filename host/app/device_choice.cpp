@@ -5,7 +5,7 @@
 #include "host/model/interrupt.hpp"
 #include "host/model/output_files.hpp"
 
-namespace seld
+namespace crn
 {
 
 DeviceChoice parse_device(const std::string &text)
@@ -23,7 +23,7 @@ DeviceChoice parse_device(const std::string &text)
         return choice;
     }
     throw UsageError("--device '" + text +
-                     "' is not sim, emulator, usb or usb:SERIAL; seldinger rig list shows the rigs");
+                     "' is not sim, emulator, usb or usb:SERIAL; cournand rig list shows the rigs");
 }
 
 std::unique_ptr<Transport> open_device(const DeviceChoice &choice)
@@ -41,4 +41,4 @@ bool wait_for_device(const DeviceChoice &choice)
     return !choice.is_usb || UsbWatch().wait_for(choice.serial, choice.return_limit_ms, is_interrupted);
 }
 
-} // namespace seld
+} // namespace crn

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 struct DeviceChoice {
@@ -30,4 +30,4 @@ std::unique_ptr<Transport> open_device(const DeviceChoice &choice);
 // Until that rig can be opened again. False: it did not come within its limit, or Ctrl-C.
 bool wait_for_device(const DeviceChoice &choice);
 
-} // namespace seld
+} // namespace crn

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -24,7 +24,7 @@ constexpr std::uint32_t coupling_N_per_m = 800, coupling_uN_m_per_rad = 2000;
 
 // Four fifths of the stiffest spring that the device takes: gain above one x stiffness x (half a tick + lag of the actuator)
 // <= own damping.
-std::uint32_t passive(std::uint32_t damping, const seld_wire_track &track, std::uint32_t wanted)
+std::uint32_t passive(std::uint32_t damping, const crn_wire_track &track, std::uint32_t wanted)
 {
     const std::uint64_t gain_milli = std::max<std::uint32_t>(track.force_gain_milli, 1000);
     const std::uint64_t stiffest =
@@ -33,7 +33,7 @@ std::uint32_t passive(std::uint32_t damping, const seld_wire_track &track, std::
 }
 
 // A coupling that the rig was given stays.
-void couple(seld_wire_track &track)
+void couple(crn_wire_track &track)
 {
     if (track.coupling_N_per_m > 0 || track.coupling_uN_m_per_rad > 0) return;
     track.coupling_N_per_m = passive(track.damping_mN_s_per_m, track, coupling_N_per_m);
@@ -43,12 +43,12 @@ void couple(seld_wire_track &track)
 } // namespace
 
 // The rig's own calibration and limits; couplings only where motors will hold them up.
-seld_wire_rig Device::free_run_rig(const seld_wire_rig &own) const
+crn_wire_rig Device::free_run_rig(const crn_wire_rig &own) const
 {
-    seld_wire_rig rig = own;
+    crn_wire_rig rig = own;
     bool has_coupling = false;
     for (std::uint16_t k = 0; k < rig.tracks_count; k++) {
-        seld_wire_track &track = rig.tracks[k];
+        crn_wire_track &track = rig.tracks[k];
         if (choice_.powers_motors) {
             couple(track);
         } else {
@@ -60,7 +60,7 @@ seld_wire_rig Device::free_run_rig(const seld_wire_rig &own) const
     if (choice_.powers_motors && !has_coupling) {
         throw LinkError(
             "the rig does not know the own damping of any track, so no safe coupling can be chosen. "
-            "Remedy: seldinger rig calibrate --load a rig.json with the damping as measured "
+            "Remedy: cournand rig calibrate --load a rig.json with the damping as measured "
             "(docs/haptics.md), or leave --motors out");
     }
     return rig;
@@ -68,12 +68,12 @@ seld_wire_rig Device::free_run_rig(const seld_wire_rig &own) const
 
 void Device::start_free_run()
 {
-    if (!(identity_.capabilities & SELD_WIRE_CAPABILITY_ENCODERS)) {
+    if (!(identity_.capabilities & CRN_WIRE_CAPABILITY_ENCODERS)) {
         throw LinkError(
             "the device has no encoders of its own, so it cannot lead a session. Remedy: attach a rig, "
             "or give a --session");
     }
-    seld_wire_stream stream{};
+    crn_wire_stream stream{};
     stream.events = 1;
     stream.nodes_every_ticks = choice_.picture_every_ticks;
     link_->use_free_run();
@@ -87,7 +87,7 @@ void Device::start_free_run()
     silent_ms_ = 0;
 }
 
-void Device::give(const seld_wire_live_tick &tick, FreeRunSink &sink)
+void Device::give(const crn_wire_live_tick &tick, FreeRunSink &sink)
 {
     if (witness_) witness_->tick(tick.input, tick.state);
     given_tick_ = tick.state.tick;
@@ -109,18 +109,18 @@ void Device::give(const seld_wire_live_tick &tick, FreeRunSink &sink)
 bool Device::take_live(FreeRunSink &sink)
 {
     std::uint32_t expected = given_tick_ + static_cast<std::uint32_t>(without_hands_.size()) + 1;
-    for (const seld_wire_live_tick &tick : link_->live_ticks()) {
+    for (const crn_wire_live_tick &tick : link_->live_ticks()) {
         if (tick.state.tick < expected) continue; // given already
         if (tick.state.tick > expected) return false;
         expected++;
-        has_hands_ = has_hands_ || (tick.flags & SELD_WIRE_LIVE_HANDS) != 0;
+        has_hands_ = has_hands_ || (tick.flags & CRN_WIRE_LIVE_HANDS) != 0;
         if (!has_hands_) {
             silent_ms_ = 0;
             without_hands_.push_back(tick);
             continue;
         }
         // Before its first reading nothing moves, and a replay takes the first one as the reference.
-        for (seld_wire_live_tick &early : without_hands_) {
+        for (crn_wire_live_tick &early : without_hands_) {
             early.input = tick.input;
             give(early, sink);
         }
@@ -135,29 +135,29 @@ void Device::ask_snapshot()
 {
     if (!choice_.may_return() || inputs_.size() < free_run_kept_max || !snapshot_to_come_.empty()) return;
     snapshot_to_come_ = link_->read_snapshot();
-    seld_wire_reader reader = seld_wire_reader_make(snapshot_to_come_.data(), snapshot_to_come_.size());
-    seld_wire_read(&reader, 4);
-    snapshot_tick_ = static_cast<std::uint32_t>(seld_wire_read(&reader, 4));
+    crn_wire_reader reader = crn_wire_reader_make(snapshot_to_come_.data(), snapshot_to_come_.size());
+    crn_wire_read(&reader, 4);
+    snapshot_tick_ = static_cast<std::uint32_t>(crn_wire_read(&reader, 4));
     if (snapshot_tick_ <= given_tick_) snapshot_to_come_.clear(); // no tick came since; the next one will do
 }
 
 void Device::check_running(FreeRunSink &sink)
 {
     bool is_changed = silent_ms_ > silent_max_ms;
-    for (const seld_wire_notice &notice : link_->take_notices())
-        is_changed = is_changed || notice.kind == SELD_WIRE_EVENT_STATE;
+    for (const crn_wire_notice &notice : link_->take_notices())
+        is_changed = is_changed || notice.kind == CRN_WIRE_EVENT_STATE;
     if (!is_changed) return;
-    const seld_wire_status status = link_->read_status();
-    if (status.state == SELD_WIRE_STATE_RUNNING && silent_ms_ <= silent_max_ms) return;
+    const crn_wire_status status = link_->read_status();
+    if (status.state == CRN_WIRE_STATE_RUNNING && silent_ms_ <= silent_max_ms) return;
     link_->free_run(look_ms); // what was still under way
     take_live(sink);
     const std::string at = " at tick " + std::to_string(given_tick_);
-    if (status.state == SELD_WIRE_STATE_FAULT) {
-        throw LinkError("the rig stopped" + at + ": " + seld_wire_fault_name(status.fault_code) + ": " +
-                        seld_wire_fault_text(status.fault_code) +
-                        ". Remedy: " + seld_wire_fault_remedy(status.fault_code));
+    if (status.state == CRN_WIRE_STATE_FAULT) {
+        throw LinkError("the rig stopped" + at + ": " + crn_wire_fault_name(status.fault_code) + ": " +
+                        crn_wire_fault_text(status.fault_code) +
+                        ". Remedy: " + crn_wire_fault_remedy(status.fault_code));
     }
-    throw LinkError("the rig makes no more ticks" + at + "; it is " + seld_wire_state_name(status.state) +
+    throw LinkError("the rig makes no more ticks" + at + "; it is " + crn_wire_state_name(status.state) +
                     ". Remedy: begin the session again; somebody else may have stopped it");
 }
 
@@ -215,11 +215,11 @@ void Device::stop_free(FreeRunSink &sink)
         link_->free_run(look_ms);
         if (!take_live(sink)) break;
     }
-    for (seld_wire_live_tick &tick : without_hands_) give(tick, sink);
+    for (crn_wire_live_tick &tick : without_hands_) give(tick, sink);
     without_hands_.clear();
     if (given_tick_ != last)
         throw LinkError("the rig's last ticks did not come; the recording is complete up to tick " +
                         std::to_string(given_tick_));
 }
 
-} // namespace seld
+} // namespace crn

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cstdio>
 
-namespace seld
+namespace crn
 {
 
 namespace
 {
 
 // Limits go down only, so a host asks for no more than the device has.
-seld_wire_rig within_limits(seld_wire_rig rig, const seld_wire_rig &present)
+crn_wire_rig within_limits(crn_wire_rig rig, const crn_wire_rig &present)
 {
     for (std::uint16_t k = 0; k < std::min(rig.tracks_count, present.tracks_count); k++) {
         rig.tracks[k].force_limit_mN =
@@ -29,7 +29,7 @@ void Device::open()
 {
     pipe_ = open_device(choice_);
     link_.emplace(*pipe_);
-    const seld_wire_hello_reply reply = link_->hello();
+    const crn_wire_hello_reply reply = link_->hello();
     check_identity(reply);
     if (has_started_ && (reply.core_version != identity_.core_version ||
                          !std::equal(reply.serial, reply.serial + reply.serial_count, identity_.serial,
@@ -38,7 +38,7 @@ void Device::open()
                         "Remedy: begin it again; the recording is complete up to where it stopped");
     }
     identity_ = reply;
-    if (link_->read_status().state != SELD_WIRE_STATE_READY) link_->reset();
+    if (link_->read_status().state != CRN_WIRE_STATE_READY) link_->reset();
     if (has_started_) return;
     rig_before_ = link_->read_rig();
     if (choice_.free_run) {
@@ -49,11 +49,11 @@ void Device::open()
 }
 
 // A recording names core and schema as the device gives them, and is replayed by this host or not at all.
-void Device::check_identity(const seld_wire_hello_reply &reply) const
+void Device::check_identity(const crn_wire_hello_reply &reply) const
 {
     if (!choice_.may_return()) return;
     const std::uint32_t own = own_core_version();
-    if (reply.core_version == own && reply.schema_hash == seld_wire_schema_hash()) return;
+    if (reply.core_version == own && reply.schema_hash == crn_wire_schema_hash()) return;
     throw LinkError(
         pipe_->name() + " computes with core version " + std::to_string(reply.core_version) +
         (reply.core_version == own ? " of another schema" : "") + ", this host has version " +
@@ -71,7 +71,7 @@ void Device::call_witness()
 
 void Device::set_up()
 {
-    std::vector<seld_wire_instrument> tables;
+    std::vector<crn_wire_instrument> tables;
     for (const Instrument &tool : tools_) tables.push_back(tool.table);
     link_->load_scene(scene_.bytes);
     link_->load_tools(tables);
@@ -163,7 +163,7 @@ void Device::go_back_to_snapshot()
     for (std::size_t done = 0; done < inputs_.size();) {
         const std::size_t count = std::min(Link::steps_max, inputs_.size() - done);
         const auto states = link_->step(std::span(inputs_).subspan(done, count), false);
-        for (const seld_wire_tick_state &state : states) {
+        for (const crn_wire_tick_state &state : states) {
             const Hash &before = hashes_[done++];
             if (state.hash_lane0 == before.lane0 && state.hash_lane1 == before.lane1) continue;
             throw LinkError("the device came back and does not repeat the session: tick " +
@@ -194,7 +194,7 @@ void Device::resume()
 {
     const std::uint32_t tick = choice_.free_run ? given_tick_ : link_->tick();
     count_resume(tick);
-    std::fprintf(stderr, "seldinger: the device went away at tick %u; waiting up to %u s for it\n",
+    std::fprintf(stderr, "cournand: the device went away at tick %u; waiting up to %u s for it\n",
                  unsigned{tick}, unsigned{choice_.return_limit_ms / 1000});
     pipe_.reset(); // Link holds a reference to it and is replaced before it is used again
     if (!wait_for_device(choice_)) {
@@ -205,7 +205,7 @@ void Device::resume()
     open();
     set_up();
     go_back_to_snapshot();
-    std::fprintf(stderr, "seldinger: it is back, and the session goes on at tick %u\n",
+    std::fprintf(stderr, "cournand: it is back, and the session goes on at tick %u\n",
                  unsigned{link_->tick()});
 }
 
@@ -226,10 +226,9 @@ void Device::ask(const std::function<void(Link &)> &request)
     }
 }
 
-std::span<const seld_wire_tick_state> Device::step(std::span<const seld_wire_encoders> inputs,
-                                                   bool want_nodes)
+std::span<const crn_wire_tick_state> Device::step(std::span<const crn_wire_encoders> inputs, bool want_nodes)
 {
-    std::span<const seld_wire_tick_state> states;
+    std::span<const crn_wire_tick_state> states;
     ask([&](Link &link) {
         keep_up();
         states = link.step(inputs, want_nodes);
@@ -237,10 +236,10 @@ std::span<const seld_wire_tick_state> Device::step(std::span<const seld_wire_enc
     if (witness_) witness_->step(inputs, states, want_nodes ? &link_->nodes() : nullptr);
     if (choice_.may_return()) {
         inputs_.insert(inputs_.end(), inputs.begin(), inputs.end());
-        for (const seld_wire_tick_state &state : states)
+        for (const crn_wire_tick_state &state : states)
             hashes_.push_back({state.hash_lane0, state.hash_lane1});
     }
     return states;
 }
 
-} // namespace seld
+} // namespace crn

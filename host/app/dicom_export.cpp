@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -279,4 +279,4 @@ std::vector<std::string> DicomExport::finish(const std::function<bool(const Expo
     return written;
 }
 
-} // namespace seld
+} // namespace crn

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct DicomSettings {
@@ -78,4 +78,4 @@ class DicomExport
     int part_of_run_ = 0;
 };
 
-} // namespace seld
+} // namespace crn

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // One tool as its hand knows it.
@@ -30,7 +30,7 @@ class FrameSink
   public:
     virtual ~FrameSink() = default;
     // Every tick in order, with what went in and what came out; before the frame of that tick.
-    virtual void tick(const seld_wire_encoders &, const seld_wire_tick_state &) {}
+    virtual void tick(const crn_wire_encoders &, const crn_wire_tick_state &) {}
     // In force from that tick on; before the frame of that tick.
     virtual void command(std::uint32_t tick, const RoomCommand &command) = 0;
     // The next tick at which frame() is wanted, after all that was told up to now.
@@ -42,8 +42,8 @@ class FrameSink
     // What it knows hangs on everything since the first tick: a replay that begins later goes through all of it.
     virtual bool needs_beginning() const { return false; }
     // What the core has to be told in the next tick; asked for before each. In a replay nobody asks: it is in the recording.
-    virtual std::optional<seld_wire_scaffold> order() { return {}; }
-    virtual std::optional<seld_wire_strut> strut_order() { return {}; }
+    virtual std::optional<crn_wire_scaffold> order() { return {}; }
+    virtual std::optional<crn_wire_strut> strut_order() { return {}; }
     virtual void
     finish() = 0; // after the last frame; throws std::runtime_error when a file could not be written
 };
@@ -73,4 +73,4 @@ class SteadySink : public FrameSink
     std::uint32_t per_second_, index_ = 0;
 };
 
-} // namespace seld
+} // namespace crn

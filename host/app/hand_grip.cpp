@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -40,7 +40,7 @@ std::int32_t less(std::int32_t counts, std::int64_t slip)
 
 } // namespace
 
-seld_wire_encoders HandGrip::hold(seld_wire_encoders wanted) const
+crn_wire_encoders HandGrip::hold(crn_wire_encoders wanted) const
 {
     for (std::size_t k = 0; k < std::min<std::size_t>(wanted.hands_count, hands_.size()); k++) {
         wanted.hands[k].translation_counts =
@@ -50,13 +50,13 @@ seld_wire_encoders HandGrip::hold(seld_wire_encoders wanted) const
     return wanted;
 }
 
-void HandGrip::feel(const seld_wire_tick_state &state)
+void HandGrip::feel(const crn_wire_tick_state &state)
 {
     const bool is_look = is_tense_ || state.tick % look_every_ticks == 0;
     if (!is_look) return;
     bool is_tense = false;
     for (std::size_t k = 0; k < std::min<std::size_t>(state.tools_count, hands_.size()); k++) {
-        const seld_wire_tool_state &tool = state.tools[k];
+        const crn_wire_tool_state &tool = state.tools[k];
         is_tense = is_tense || is_a_fifth(along, tool.handle_axial_N_q22) ||
                    is_a_fifth(about, tool.handle_torque_N_m_q24);
         const auto give = [&](Axis &axis, std::int64_t slip) {
@@ -78,4 +78,4 @@ GripFigures HandGrip::figures(std::size_t tool) const
             static_cast<double>(hand.about.way_counts) * 360.0 / 65536.0, hand.first_tick};
 }
 
-} // namespace seld
+} // namespace crn

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace seld
+namespace crn
 {
 
 // How far one tool slipped through its hand, to and fro added up.
@@ -28,7 +28,7 @@ class HandGrip
     static constexpr std::size_t tools_max = 3;
 
     // The counts that a device is told for the hands that are wanted.
-    seld_wire_encoders hold(seld_wire_encoders wanted) const;
+    crn_wire_encoders hold(crn_wire_encoders wanted) const;
     // The next ticks are stepped one by one, each result given to feel() before the next input is made.
     bool is_tense() const { return is_tense_; }
     // How many ticks may be stepped from this one on.
@@ -36,7 +36,7 @@ class HandGrip
     {
         return is_tense_ ? 1 : look_every_ticks - tick % look_every_ticks;
     }
-    void feel(const seld_wire_tick_state &state); // every tick, in order
+    void feel(const crn_wire_tick_state &state); // every tick, in order
     GripFigures figures(std::size_t tool) const;
 
   private:
@@ -51,4 +51,4 @@ class HandGrip
     bool is_tense_ = false;
 };
 
-} // namespace seld
+} // namespace crn

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -90,4 +90,4 @@ std::int32_t LiveHand::rotation_counts() const
         static_cast<std::uint32_t>(divide_rounded(rotation_.position_milli, 1000)));
 }
 
-} // namespace seld
+} // namespace crn

@@ -10,7 +10,7 @@
 #pragma once
 #include <cstdint>
 
-namespace seld
+namespace crn
 {
 
 // 1 um and 1/65 536 turn per count: what host sessions set up as the rig.
@@ -62,4 +62,4 @@ class LiveHand
     Axis translation_, rotation_;
 };
 
-} // namespace seld
+} // namespace crn

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -91,7 +91,7 @@ nlohmann::ordered_json knots_json(const Instrument &instrument)
 {
     nlohmann::ordered_json knots = nlohmann::ordered_json::array();
     for (std::uint16_t i = 0; i < instrument.table.knots_count; i++) {
-        const seld_wire_knot &knot = instrument.table.knots[i];
+        const crn_wire_knot &knot = instrument.table.knots[i];
         knots.push_back({{"arc_mm", knot.arc_um * 1e-3},
                          {"bend_stiffness_N_m2", knot.bend_stiffness_nN_m2 * 1e-9},
                          {"twist_stiffness_N_m2", knot.twist_stiffness_nN_m2 * 1e-9},
@@ -148,9 +148,9 @@ nlohmann::ordered_json one_json(const ListedInstrument &item)
 
 double stiffness_at(const Instrument &instrument, Stiffness which, double arc_m)
 {
-    const seld_wire_instrument &table = instrument.table;
+    const crn_wire_instrument &table = instrument.table;
     auto value = [&](int i) {
-        const seld_wire_knot &knot = table.knots[i];
+        const crn_wire_knot &knot = table.knots[i];
         return 1e-9 * (which == Stiffness::bend ? knot.bend_stiffness_nN_m2 : knot.twist_stiffness_nN_m2);
     };
     for (int i = 1; i < table.knots_count; i++) {
@@ -213,7 +213,7 @@ std::string instruments_markdown(const std::vector<ListedInstrument> &list)
         "| shape | EI shaft of `vcsim3-fit` |\n|---|---|---|---|---|---|---|---|---|---|\n";
     for (const ListedInstrument &item : list) {
         const Instrument &one = item.instrument;
-        const seld_wire_knot &tip = one.table.knots[0], &hub = one.table.knots[one.table.knots_count - 1];
+        const crn_wire_knot &tip = one.table.knots[0], &hub = one.table.knots[one.table.knots_count - 1];
         const std::string inner = one.kind == InstrumentKind::wire ? "" : formatted(" / %.2f", inner_mm(one));
         std::string fit = "-";
         for (const Instrument &other : item.others) {
@@ -243,4 +243,4 @@ void write_instruments_table(const std::string &path, const std::vector<ListedIn
     write_whole_file(path, text);
 }
 
-} // namespace seld
+} // namespace crn

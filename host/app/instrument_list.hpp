@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // One instrument of a list, with its other presets for comparison.
@@ -42,4 +42,4 @@ Image instruments_picture(const std::vector<ListedInstrument> &list);
 enum class Stiffness { bend, twist };
 double stiffness_at(const Instrument &instrument, Stiffness which, double arc_m);
 
-} // namespace seld
+} // namespace crn

@@ -1,11 +1,11 @@
-// The picture of `seldinger instruments`: one row an instrument, the same axes in every row.
+// The picture of `cournand instruments`: one row an instrument, the same axes in every row.
 #include "host/app/instrument_list.hpp"
 #include "host/app/picture_canvas.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -55,7 +55,7 @@ void centred(Sheet &sheet, double x, int y, const std::string &text, int scale, 
 void draw_figures(Sheet &sheet, const ListedInstrument &item, const Row &row)
 {
     const Instrument &one = item.instrument;
-    const seld_wire_knot &hub = one.table.knots[one.table.knots_count - 1];
+    const crn_wire_knot &hub = one.table.knots[one.table.knots_count - 1];
     std::string size =
         number("%.0f mm, ", one.length_m * 1e3) + number("OD %.2f", hub.radius_outer_um * 2e-3);
     size += one.kind == InstrumentKind::wire
@@ -252,4 +252,4 @@ Image instruments_picture(const std::vector<ListedInstrument> &list)
     return sheet.image();
 }
 
-} // namespace seld
+} // namespace crn

@@ -2,5 +2,5 @@
 
 int main(int argc, char **argv)
 {
-    return seld::command_line(argc, argv);
+    return crn::command_line(argc, argv);
 }

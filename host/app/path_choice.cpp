@@ -2,7 +2,7 @@
 #include "host/model/terminal.hpp"
 #include <cstdio>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -51,4 +51,4 @@ bool print_opengl()
     return has_osmesa || has_egl;
 }
 
-} // namespace seld
+} // namespace crn

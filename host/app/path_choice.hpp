@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // raster: the integer rasteriser. opengl: in the window its own context, else OSMesa, else EGL without a surface.
@@ -20,4 +20,4 @@ BodyPathsMaker paths_maker(const std::string &choice, const GlOpener &window_con
 // What each library gives or why it does not, a line each, on standard output. False when none does.
 bool print_opengl();
 
-} // namespace seld
+} // namespace crn

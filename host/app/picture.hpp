@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // 8-bit grey or RGB, row 0 on top.
@@ -51,4 +51,4 @@ class VideoWriter
     int process_ = -1;
 };
 
-} // namespace seld
+} // namespace crn

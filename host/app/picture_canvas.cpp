@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -138,4 +138,4 @@ int Sheet::text_width(std::string_view text, int scale)
     return text.empty() ? 0 : (static_cast<int>(text.size()) * (glyph_columns + 1) - 1) * scale;
 }
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct Ink {
@@ -39,4 +39,4 @@ class Sheet
     int x0_ = 0, y0_ = 0, x1_ = 0, y1_ = 0;
 };
 
-} // namespace seld
+} // namespace crn

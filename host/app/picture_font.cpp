@@ -1,7 +1,7 @@
 // Letters of the display, drawn for it: codes 32 to 127, rows from the top.
 #include "host/app/picture_font.hpp"
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -114,4 +114,4 @@ std::array<std::uint8_t, glyph_rows> glyph(char letter)
     return {rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6], rows[7]};
 }
 
-} // namespace seld
+} // namespace crn

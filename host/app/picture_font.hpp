@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-namespace seld
+namespace crn
 {
 
 inline constexpr int glyph_columns = 5;
@@ -12,4 +12,4 @@ inline constexpr int glyph_rows = 8;
 // Rows from the top, bit 4 is the left column. An unknown letter is a caret; '\x7f' is the degree sign.
 std::array<std::uint8_t, glyph_rows> glyph(char letter);
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -405,4 +405,4 @@ Image compose_display(const XrayPicture &picture, const OverlayInfo &info)
     return rgb;
 }
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // One tool's lines in the display.
@@ -57,4 +57,4 @@ struct Colour {
 void draw_text(Image &rgb, int x, int y, std::string_view text, int scale, Colour colour);
 int text_width(std::string_view text, int scale);
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <png.h>
 #include <stdexcept>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -78,4 +78,4 @@ bool write_png16(const std::string &path, int width, int height, const std::vect
     return write_any(path, width, height, PNG_FORMAT_LINEAR_Y, values.data(), error);
 }
 
-} // namespace seld
+} // namespace crn

@@ -15,7 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -215,4 +215,4 @@ void VideoWriter::stop()
     unfinished_.clear();
 }
 
-} // namespace seld
+} // namespace crn

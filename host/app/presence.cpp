@@ -1,6 +1,6 @@
 #include "host/app/presence.hpp"
 
-namespace seld
+namespace crn
 {
 
 Presence::Presence(Link *link)
@@ -35,4 +35,4 @@ void Presence::say(Link &link)
     }
 }
 
-} // namespace seld
+} // namespace crn

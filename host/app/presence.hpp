@@ -8,7 +8,7 @@
 #include <mutex>
 #include <thread>
 
-namespace seld
+namespace crn
 {
 
 class Presence
@@ -30,4 +30,4 @@ class Presence
     std::thread thread_;
 };
 
-} // namespace seld
+} // namespace crn

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <unistd.h>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -43,4 +43,4 @@ void ProgressLine::show(const std::string &what, std::size_t done, std::size_t t
     std::fprintf(stderr, "\r\x1b[K%s  [%s] %3.0f %%", printable(what).c_str(), bar.c_str(), share * 100);
 }
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 class ProgressLine
@@ -28,4 +28,4 @@ class ProgressLine
     Clock::time_point drawn_at_{};
 };
 
-} // namespace seld
+} // namespace crn

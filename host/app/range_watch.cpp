@@ -7,7 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -25,7 +25,7 @@ std::string place_text(const RangeBreak &left)
 
 } // namespace
 
-void RangeWatch::take(const seld_wire_tick_state &state)
+void RangeWatch::take(const crn_wire_tick_state &state)
 {
     if (left_) return;
     const double depth_m = units::metres(state.penetration_max_m_q30);
@@ -43,15 +43,15 @@ bool RangeWatch::wants_place(std::uint32_t tick, bool is_last) const
 void RangeWatch::find_place(Link &link)
 {
     is_placed_ = true;
-    const seld_wire_contacts contacts = link.read_contacts();
-    const seld_wire_nodes &nodes = link.read_nodes();
+    const crn_wire_contacts contacts = link.read_contacts();
+    const crn_wire_nodes &nodes = link.read_nodes();
     double hardest = 0.0;
     for (std::uint16_t i = 0; i < contacts.contacts_count; i++) {
-        const seld_wire_contact &one = contacts.contacts[i];
+        const crn_wire_contact &one = contacts.contacts[i];
         const Eigen::Vector3d force(one.force_x_N_q22, one.force_y_N_q22, one.force_z_N_q22);
         if (one.node >= nodes.positions_count || force.norm() <= hardest) continue;
         hardest = force.norm();
-        const seld_wire_node_position &at = nodes.positions[one.node];
+        const crn_wire_node_position &at = nodes.positions[one.node];
         left_->place_m =
             Eigen::Vector3d(units::metres(at.x_m_q30), units::metres(at.y_m_q30), units::metres(at.z_m_q30));
     }
@@ -114,4 +114,4 @@ nlohmann::ordered_json range_report(const std::optional<RangeBreak> &left)
     return report;
 }
 
-} // namespace seld
+} // namespace crn

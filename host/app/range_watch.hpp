@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 struct VesselTree;
@@ -19,7 +19,7 @@ inline constexpr int exit_out_of_range = 3; // of run, replay and view
 
 struct RangeBreak {
     std::uint32_t tick = 0;     // the first one out of range, and what it had:
-    bool is_saturated = false;  // SELD_FAULT_SATURATED of the core
+    bool is_saturated = false;  // CRN_FAULT_SATURATED of the core
     double penetration_m = 0.0; // deepest contact
     double length_error = 0.0;  // of the free part of the line
     // Soon after it, on a tick that every run and replay looks at: the node that the wall presses hardest; none: it touches nowhere.
@@ -33,7 +33,7 @@ class RangeWatch
     static constexpr double penetration_max_m = 1e-3, length_error_max = 0.01;
     static constexpr std::uint32_t look_every_ticks = 16;
 
-    void take(const seld_wire_tick_state &state); // every tick, in order
+    void take(const crn_wire_tick_state &state); // every tick, in order
     bool is_left() const { return left_.has_value(); }
     bool is_placed() const
     {
@@ -59,4 +59,4 @@ std::string range_text(const RangeBreak &left);
 // For the report; null: it stayed in its range.
 nlohmann::ordered_json range_report(const std::optional<RangeBreak> &left);
 
-} // namespace seld
+} // namespace crn

@@ -4,7 +4,7 @@
 #include <cerrno>
 #include <unistd.h>
 
-namespace seld
+namespace crn
 {
 
 using namespace recording_format;
@@ -12,13 +12,13 @@ using namespace recording_format;
 namespace
 {
 
-void put_tool(seld_wire_writer &writer, const Instrument &tool)
+void put_tool(crn_wire_writer &writer, const Instrument &tool)
 {
     put_text(writer, tool.name);
     put_double(writer, tool.length_m);
-    seld_wire_put_instrument(&writer, &tool.table);
+    crn_wire_put_instrument(&writer, &tool.table);
     const std::size_t layers = std::min(tool.layers.size(), layers_max);
-    seld_wire_write(&writer, layers, 2);
+    crn_wire_write(&writer, layers, 2);
     for (std::size_t i = 0; i < layers; i++) {
         const InstrumentLayer &layer = tool.layers[i];
         put_double(writer, layer.arc_begin_m);
@@ -32,18 +32,18 @@ void put_tool(seld_wire_writer &writer, const Instrument &tool)
 std::vector<std::uint8_t> header_bytes(const RecordingHeader &header)
 {
     std::vector<std::uint8_t> bytes(head_bytes_max);
-    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
-    seld_wire_write(&writer, header.core_version, 4);
-    seld_wire_write(&writer, header.schema_hash, 8);
-    seld_wire_write(&writer, header.scene_bytes, 4);
-    seld_wire_write(&writer, header.scene_crc32, 4);
+    crn_wire_writer writer = crn_wire_writer_make(bytes.data(), bytes.size());
+    crn_wire_write(&writer, header.core_version, 4);
+    crn_wire_write(&writer, header.schema_hash, 8);
+    crn_wire_write(&writer, header.scene_bytes, 4);
+    crn_wire_write(&writer, header.scene_crc32, 4);
     put_text(writer, header.scene_path);
     put_text(writer, header.session_path);
-    const std::size_t tools = std::min<std::size_t>(header.tools.size(), SELD_WIRE_TOOL_MAX);
-    seld_wire_write(&writer, tools, 1);
+    const std::size_t tools = std::min<std::size_t>(header.tools.size(), CRN_WIRE_TOOL_MAX);
+    crn_wire_write(&writer, tools, 1);
     for (std::size_t k = 0; k < tools; k++) put_tool(writer, header.tools[k]);
-    seld_wire_put_entry(&writer, &header.entry);
-    seld_wire_put_rig(&writer, &header.rig);
+    crn_wire_put_entry(&writer, &header.entry);
+    crn_wire_put_rig(&writer, &header.rig);
     bytes.resize(writer.length);
     return bytes;
 }
@@ -51,11 +51,11 @@ std::vector<std::uint8_t> header_bytes(const RecordingHeader &header)
 std::vector<std::uint8_t> side_holes_of(std::size_t tool, const SideHoles &holes)
 {
     std::vector<std::uint8_t> bytes(side_holes_bytes);
-    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
-    seld_wire_write(&writer, tool, 1);
+    crn_wire_writer writer = crn_wire_writer_make(bytes.data(), bytes.size());
+    crn_wire_write(&writer, tool, 1);
     put_double(writer, holes.arc_begin_m);
     put_double(writer, holes.arc_end_m);
-    seld_wire_write(&writer, holes.count, 4);
+    crn_wire_write(&writer, holes.count, 4);
     put_double(writer, holes.diameter_m);
     return bytes;
 }
@@ -65,12 +65,12 @@ std::vector<std::uint8_t> balloon_of(std::size_t tool, const BalloonLabel &label
 {
     const std::size_t markers = std::min(label.marker_arcs_m.size(), balloon_markers_max);
     std::vector<std::uint8_t> bytes(balloon_bytes(markers));
-    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
-    seld_wire_write(&writer, tool, 1);
+    crn_wire_writer writer = crn_wire_writer_make(bytes.data(), bytes.size());
+    crn_wire_write(&writer, tool, 1);
     put_double(writer, label.nominal_kPa);
     put_double(writer, label.rated_burst_kPa);
     put_double(writer, label.crossing_profile_m);
-    seld_wire_write(&writer, markers, 1);
+    crn_wire_write(&writer, markers, 1);
     for (std::size_t i = 0; i < markers; i++) put_double(writer, label.marker_arcs_m[i]);
     return bytes;
 }
@@ -80,12 +80,12 @@ std::vector<std::uint8_t> stent_of(const StentDesign &stent)
 {
     constexpr std::size_t text_max = 200;
     std::vector<std::uint8_t> bytes(stent_bytes_max);
-    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
+    crn_wire_writer writer = crn_wire_writer_make(bytes.data(), bytes.size());
     put_text(writer, stent.name.substr(0, text_max));
     put_text(writer, stent.material.substr(0, text_max));
-    seld_wire_write(&writer, stent.connection == StentConnection::facing, 1);
+    crn_wire_write(&writer, stent.connection == StentConnection::facing, 1);
     for (const StentCount &row : stent_counts())
-        seld_wire_write(&writer, static_cast<std::uint32_t>(stent.*row.value), 4);
+        crn_wire_write(&writer, static_cast<std::uint32_t>(stent.*row.value), 4);
     for (const StentNumber &row : stent_numbers()) put_double(writer, stent.*row.value);
     bytes.resize(writer.length);
     return bytes;
@@ -139,12 +139,12 @@ void Recorder::give_name()
 void Recorder::chunk(std::uint32_t kind, std::span<const std::uint8_t> payload)
 {
     std::vector<std::uint8_t> bytes(chunk_head_bytes + payload.size() + chunk_tail_bytes);
-    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
-    seld_wire_write(&writer, kind, 4);
-    seld_wire_write(&writer, payload.size(), 4);
+    crn_wire_writer writer = crn_wire_writer_make(bytes.data(), bytes.size());
+    crn_wire_write(&writer, kind, 4);
+    crn_wire_write(&writer, payload.size(), 4);
     std::copy(payload.begin(), payload.end(), bytes.begin() + chunk_head_bytes);
     writer.length += payload.size();
-    seld_wire_write(&writer, seld_wire_crc32(0, bytes.data(), writer.length), 4);
+    crn_wire_write(&writer, crn_wire_crc32(0, bytes.data(), writer.length), 4);
     if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size() ||
         std::fflush(file_.get()) != 0) {
         const OutputError error(path_, errno);
@@ -156,21 +156,21 @@ void Recorder::chunk(std::uint32_t kind, std::span<const std::uint8_t> payload)
 void Recorder::flush_ticks()
 {
     if (pending_.empty()) return;
-    std::vector<std::uint8_t> bytes(8 + pending_.size() * tick_bytes(SELD_WIRE_TOOL_MAX));
-    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
-    seld_wire_write(&writer, tick_ - pending_.size(), 4);
-    seld_wire_write(&writer, pending_.size(), 4);
+    std::vector<std::uint8_t> bytes(8 + pending_.size() * tick_bytes(CRN_WIRE_TOOL_MAX));
+    crn_wire_writer writer = crn_wire_writer_make(bytes.data(), bytes.size());
+    crn_wire_write(&writer, tick_ - pending_.size(), 4);
+    crn_wire_write(&writer, pending_.size(), 4);
     for (const RecordedTick &tick : pending_) {
-        seld_wire_put_encoders(&writer, &tick.input);
-        seld_wire_write(&writer, tick.hash_lane[0], 4);
-        seld_wire_write(&writer, tick.hash_lane[1], 4);
+        crn_wire_put_encoders(&writer, &tick.input);
+        crn_wire_write(&writer, tick.hash_lane[0], 4);
+        crn_wire_write(&writer, tick.hash_lane[1], 4);
     }
     pending_.clear();
     bytes.resize(writer.length);
     chunk(TICKS, bytes);
 }
 
-void Recorder::tick(const seld_wire_encoders &input, const seld_wire_tick_state &state)
+void Recorder::tick(const crn_wire_encoders &input, const crn_wire_tick_state &state)
 {
     pending_.push_back({input, {state.hash_lane0, state.hash_lane1}});
     tick_++;
@@ -180,9 +180,9 @@ void Recorder::tick(const seld_wire_encoders &input, const seld_wire_tick_state 
 void Recorder::hash(std::uint32_t tick, std::uint64_t hash)
 {
     std::uint8_t bytes[12];
-    seld_wire_writer writer = seld_wire_writer_make(bytes, sizeof bytes);
-    seld_wire_write(&writer, tick, 4);
-    seld_wire_write(&writer, hash, 8);
+    crn_wire_writer writer = crn_wire_writer_make(bytes, sizeof bytes);
+    crn_wire_write(&writer, tick, 4);
+    crn_wire_write(&writer, hash, 8);
     chunk(HASH, bytes);
 }
 
@@ -200,8 +200,8 @@ void Recorder::state(std::uint32_t kind, std::uint32_t tick, std::span<const std
 {
     flush_ticks();
     std::vector<std::uint8_t> bytes(4 + snapshot.size());
-    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
-    seld_wire_write(&writer, tick, 4);
+    crn_wire_writer writer = crn_wire_writer_make(bytes.data(), bytes.size());
+    crn_wire_write(&writer, tick, 4);
     std::copy(snapshot.begin(), snapshot.end(), bytes.begin() + 4);
     chunk(kind, bytes);
 }
@@ -209,10 +209,10 @@ void Recorder::state(std::uint32_t kind, std::uint32_t tick, std::span<const std
 void Recorder::command(std::uint32_t tick, const RoomCommand &command)
 {
     std::uint8_t bytes[command_bytes];
-    seld_wire_writer writer = seld_wire_writer_make(bytes, sizeof bytes);
-    seld_wire_write(&writer, tick, 4);
-    seld_wire_write(&writer, static_cast<std::uint16_t>(command.action), 2);
-    for (std::int32_t value : command.values) seld_wire_write(&writer, static_cast<std::uint32_t>(value), 4);
+    crn_wire_writer writer = crn_wire_writer_make(bytes, sizeof bytes);
+    crn_wire_write(&writer, tick, 4);
+    crn_wire_write(&writer, static_cast<std::uint16_t>(command.action), 2);
+    for (std::int32_t value : command.values) crn_wire_write(&writer, static_cast<std::uint32_t>(value), 4);
     chunk(ROOM, bytes);
 }
 
@@ -220,11 +220,11 @@ void Recorder::finish(std::uint32_t tick, std::uint64_t final_hash)
 {
     flush_ticks();
     std::uint8_t bytes[12];
-    seld_wire_writer writer = seld_wire_writer_make(bytes, sizeof bytes);
-    seld_wire_write(&writer, tick, 4);
-    seld_wire_write(&writer, final_hash, 8);
+    crn_wire_writer writer = crn_wire_writer_make(bytes, sizeof bytes);
+    crn_wire_write(&writer, tick, 4);
+    crn_wire_write(&writer, final_hash, 8);
     chunk(END, bytes);
     give_name();
 }
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <array>
 #include <optional>
 
-namespace seld
+namespace crn
 {
 
 using namespace recording_format;
@@ -42,8 +42,9 @@ class Reader
 
     void check_magic()
     {
-        if (bytes_.size() < 8 || !std::equal(magic, magic + 7, bytes_.begin())) {
-            fail(RecordingFault::not_a_recording, "is not a Seldinger recording");
+        if (bytes_.size() < 8 || (!std::equal(magic, magic + 7, bytes_.begin()) &&
+                                  !std::equal(earlier_magic, earlier_magic + 7, bytes_.begin()))) {
+            fail(RecordingFault::not_a_recording, "is not a Cournand recording");
         }
         const auto version = static_cast<char>(bytes_[7]);
         if (version < oldest_version || version > magic[7]) {
@@ -60,9 +61,9 @@ class Reader
     {
         const std::size_t left = bytes_.size() - position_;
         if (left < chunk_head_bytes + chunk_tail_bytes) return false;
-        seld_wire_reader head = seld_wire_reader_make(bytes_.data() + position_, left);
-        kind_ = static_cast<std::uint32_t>(seld_wire_read(&head, 4));
-        const std::size_t count = seld_wire_read(&head, 4);
+        crn_wire_reader head = crn_wire_reader_make(bytes_.data() + position_, left);
+        kind_ = static_cast<std::uint32_t>(crn_wire_read(&head, 4));
+        const std::size_t count = crn_wire_read(&head, 4);
         if (kind_ < HEAD || kind_ > BALLOON)
             fail(RecordingFault::damaged, "is damaged: unknown chunk kind " + std::to_string(kind_));
         if (!is_size_of(kind_, count, recording_.header.tools.size()))
@@ -70,11 +71,11 @@ class Reader
                                               " cannot have " + std::to_string(count) + " bytes");
         if (count > left - chunk_head_bytes - chunk_tail_bytes) return false;
         const std::size_t covered = chunk_head_bytes + count;
-        seld_wire_reader tail = seld_wire_reader_make(bytes_.data() + position_ + covered, chunk_tail_bytes);
-        if (seld_wire_crc32(0, bytes_.data() + position_, covered) != seld_wire_read(&tail, 4)) {
+        crn_wire_reader tail = crn_wire_reader_make(bytes_.data() + position_ + covered, chunk_tail_bytes);
+        if (crn_wire_crc32(0, bytes_.data() + position_, covered) != crn_wire_read(&tail, 4)) {
             fail(RecordingFault::damaged, "is damaged: the checksum of a chunk does not match");
         }
-        payload_ = seld_wire_reader_make(bytes_.data() + position_ + chunk_head_bytes, count);
+        payload_ = crn_wire_reader_make(bytes_.data() + position_ + chunk_head_bytes, count);
         position_ += covered + chunk_tail_bytes;
         return true;
     }
@@ -82,27 +83,27 @@ class Reader
     void read_head()
     {
         RecordingHeader &header = recording_.header;
-        header.core_version = static_cast<std::uint32_t>(seld_wire_read(&payload_, 4));
-        header.schema_hash = seld_wire_read(&payload_, 8);
-        if (header.schema_hash != seld_wire_schema_hash()) {
+        header.core_version = static_cast<std::uint32_t>(crn_wire_read(&payload_, 4));
+        header.schema_hash = crn_wire_read(&payload_, 8);
+        if (header.schema_hash != crn_wire_schema_hash()) {
             char text[160];
             std::snprintf(text, sizeof text,
                           "was written with another wire schema (file %016llx, program %016llx); use the "
                           "release that wrote it",
                           static_cast<unsigned long long>(header.schema_hash),
-                          static_cast<unsigned long long>(seld_wire_schema_hash()));
+                          static_cast<unsigned long long>(crn_wire_schema_hash()));
             fail(RecordingFault::newer_version, text);
         }
-        header.scene_bytes = static_cast<std::uint32_t>(seld_wire_read(&payload_, 4));
-        header.scene_crc32 = static_cast<std::uint32_t>(seld_wire_read(&payload_, 4));
+        header.scene_bytes = static_cast<std::uint32_t>(crn_wire_read(&payload_, 4));
+        header.scene_crc32 = static_cast<std::uint32_t>(crn_wire_read(&payload_, 4));
         header.scene_path = get_text(payload_);
         header.session_path = get_text(payload_);
-        const std::size_t tools = seld_wire_read(&payload_, 1);
-        if (tools < 1 || tools > SELD_WIRE_TOOL_MAX)
+        const std::size_t tools = crn_wire_read(&payload_, 1);
+        if (tools < 1 || tools > CRN_WIRE_TOOL_MAX)
             fail(RecordingFault::inconsistent, "is inconsistent: it has " + std::to_string(tools) + " tools");
         for (std::size_t k = 0; k < tools && !payload_.failed; k++) header.tools.push_back(read_tool());
-        seld_wire_get_entry(&payload_, &header.entry);
-        seld_wire_get_rig(&payload_, &header.rig);
+        crn_wire_get_entry(&payload_, &header.entry);
+        crn_wire_get_rig(&payload_, &header.rig);
         check_used_up("header");
         if (header.entry.inserted_um_count != tools)
             fail(RecordingFault::inconsistent, "is inconsistent: another number of lengths than tools");
@@ -113,8 +114,8 @@ class Reader
         Instrument tool;
         tool.name = get_text(payload_);
         tool.length_m = get_double(payload_);
-        seld_wire_get_instrument(&payload_, &tool.table);
-        const std::size_t count = seld_wire_read(&payload_, 2);
+        crn_wire_get_instrument(&payload_, &tool.table);
+        const std::size_t count = crn_wire_read(&payload_, 2);
         for (std::size_t i = 0; i < count && !payload_.failed; i++) {
             InstrumentLayer layer;
             layer.arc_begin_m = get_double(payload_);
@@ -135,7 +136,7 @@ class Reader
         }
     }
 
-    std::uint32_t read_tick() { return static_cast<std::uint32_t>(seld_wire_read(&payload_, 4)); }
+    std::uint32_t read_tick() { return static_cast<std::uint32_t>(crn_wire_read(&payload_, 4)); }
 
     void read_chunk()
     {
@@ -145,7 +146,7 @@ class Reader
             break;
         case HASH: {
             const std::uint32_t tick = read_tick();
-            recording_.hashes.push_back({tick, seld_wire_read(&payload_, 8)});
+            recording_.hashes.push_back({tick, crn_wire_read(&payload_, 8)});
             check_used_up("hash");
             break;
         }
@@ -188,11 +189,11 @@ class Reader
         }
         for (std::uint32_t i = 0; i < count; i++) {
             RecordedTick tick;
-            seld_wire_get_encoders(&payload_, &tick.input);
+            crn_wire_get_encoders(&payload_, &tick.input);
             if (tick.input.hands_count != recording_.header.tools.size())
                 fail(RecordingFault::inconsistent, "is inconsistent: another number of hands than tools");
-            tick.hash_lane[0] = static_cast<std::uint32_t>(seld_wire_read(&payload_, 4));
-            tick.hash_lane[1] = static_cast<std::uint32_t>(seld_wire_read(&payload_, 4));
+            tick.hash_lane[0] = static_cast<std::uint32_t>(crn_wire_read(&payload_, 4));
+            tick.hash_lane[1] = static_cast<std::uint32_t>(crn_wire_read(&payload_, 4));
             recording_.ticks.push_back(tick);
         }
         check_used_up("ticks");
@@ -209,7 +210,7 @@ class Reader
 
     std::int32_t read_i32()
     {
-        return seld_wire_i32_from_u32(static_cast<std::uint32_t>(seld_wire_read(&payload_, 4)));
+        return crn_wire_i32_from_u32(static_cast<std::uint32_t>(crn_wire_read(&payload_, 4)));
     }
 
     // Version 2: the whole view at once. Only what differs from the view before becomes a command.
@@ -217,8 +218,8 @@ class Reader
     {
         const std::uint32_t tick = read_tick();
         std::array<std::int32_t, 8> view{};
-        view[0] = seld_wire_read(&payload_, 1) != 0;
-        view[1] = seld_wire_read(&payload_, 1) != 0;
+        view[0] = crn_wire_read(&payload_, 1) != 0;
+        view[1] = crn_wire_read(&payload_, 1) != 0;
         for (std::size_t i = 2; i < view.size(); i++) view[i] = read_i32();
         check_used_up("view");
         const auto is_new = [&](std::size_t from, std::size_t to) {
@@ -239,7 +240,7 @@ class Reader
     {
         const std::uint32_t tick = read_tick();
         RoomCommand command;
-        command.action = static_cast<RoomAction>(seld_wire_read(&payload_, 2));
+        command.action = static_cast<RoomAction>(crn_wire_read(&payload_, 2));
         for (std::int32_t &value : command.values) value = read_i32();
         check_used_up("room");
         take_command(tick, command);
@@ -247,11 +248,11 @@ class Reader
 
     void read_side_holes()
     {
-        const std::size_t tool = seld_wire_read(&payload_, 1);
+        const std::size_t tool = crn_wire_read(&payload_, 1);
         SideHoles holes;
         holes.arc_begin_m = get_double(payload_);
         holes.arc_end_m = get_double(payload_);
-        holes.count = static_cast<std::uint32_t>(seld_wire_read(&payload_, 4));
+        holes.count = static_cast<std::uint32_t>(crn_wire_read(&payload_, 4));
         holes.diameter_m = get_double(payload_);
         check_used_up("side holes");
         const bool is_possible = tool < recording_.header.tools.size() && holes.arc_begin_m >= 0.0 &&
@@ -266,12 +267,12 @@ class Reader
 
     void read_balloon()
     {
-        const std::size_t tool = seld_wire_read(&payload_, 1);
+        const std::size_t tool = crn_wire_read(&payload_, 1);
         BalloonLabel label;
         label.nominal_kPa = get_double(payload_);
         label.rated_burst_kPa = get_double(payload_);
         label.crossing_profile_m = get_double(payload_);
-        const std::size_t markers = std::min<std::size_t>(seld_wire_read(&payload_, 1), balloon_markers_max);
+        const std::size_t markers = std::min<std::size_t>(crn_wire_read(&payload_, 1), balloon_markers_max);
         for (std::size_t i = 0; i < markers; i++) label.marker_arcs_m.push_back(get_double(payload_));
         check_used_up("balloon");
         const auto is_within = [](double value, double most) { return value >= 0.0 && value <= most; };
@@ -293,7 +294,7 @@ class Reader
         stent.name = get_text(payload_);
         stent.material = get_text(payload_);
         stent.connection =
-            seld_wire_read(&payload_, 1) != 0 ? StentConnection::facing : StentConnection::offset;
+            crn_wire_read(&payload_, 1) != 0 ? StentConnection::facing : StentConnection::offset;
         for (const StentCount &row : stent_counts()) stent.*row.value = read_i32();
         for (const StentNumber &row : stent_numbers()) stent.*row.value = get_double(payload_);
         check_used_up("stent");
@@ -315,7 +316,7 @@ class Reader
     void read_end()
     {
         const std::uint32_t tick = read_tick();
-        const std::uint64_t hash = seld_wire_read(&payload_, 8);
+        const std::uint64_t hash = crn_wire_read(&payload_, 8);
         check_used_up("end");
         if (tick != recording_.ticks.size())
             fail(RecordingFault::inconsistent, "is inconsistent: its end names another number of ticks");
@@ -327,7 +328,7 @@ class Reader
     const std::string &name_;
     std::size_t position_ = 0;
     std::uint32_t kind_ = 0;
-    seld_wire_reader payload_{};
+    crn_wire_reader payload_{};
     std::optional<std::array<std::int32_t, 8>> last_view_; // fluoro, follow, angles, table, field
     Recording recording_;
 };
@@ -377,4 +378,4 @@ Recording read_recording(const std::string &path)
     return parse_recording(bytes, path);
 }
 
-} // namespace seld
+} // namespace crn

@@ -1,6 +1,6 @@
 // Recordings: everything that decides a session, tick by tick (docs/session.md gives every byte).
 //
-//   file   = "SELDREC3" | chunk ...
+//   file   = "CRN-REC3" | chunk ...
 //   chunk  = kind u32 | bytes u32 | payload | CRC-32 u32 over kind, bytes and payload
 //   order  = HEAD, SIDE_HOLES, BALLOON and STENT, then TICKS, HASH, SNAPSHOT, RESUMED and ROOM as they happen, END when the session was closed properly
 //
@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct RecordingHeader {
@@ -31,13 +31,13 @@ struct RecordingHeader {
     std::string session_path;
     std::vector<Instrument>
         tools; // from the innermost; the tables decide the session, the layers its picture
-    seld_wire_entry entry{};
-    seld_wire_rig rig{};
+    crn_wire_entry entry{};
+    crn_wire_rig rig{};
     std::vector<StentDesign> stents{}; // that load_stent mounts, in this order
 };
 
 struct RecordedTick {
-    seld_wire_encoders input{};
+    crn_wire_encoders input{};
     std::uint32_t hash_lane[2] = {0, 0};
 };
 
@@ -96,7 +96,7 @@ class Recorder
     Recorder(const std::string &path, const RecordingHeader &header);
     ~Recorder(); // closes as a cut-off recording unless finish() was called
 
-    void tick(const seld_wire_encoders &input, const seld_wire_tick_state &state);
+    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state);
     void hash(std::uint32_t tick, std::uint64_t hash);
     void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes);
     void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes);
@@ -119,4 +119,4 @@ class Recorder
     std::uint32_t tick_ = 0;
 };
 
-} // namespace seld
+} // namespace crn

@@ -5,11 +5,13 @@
 #include <bit>
 #include <cstring>
 
-namespace seld::recording_format
+namespace crn::recording_format
 {
 
 // The digit is the version. Version 2 had VIEW instead of ROOM and is still read.
-inline constexpr char magic[9] = "SELDREC3";
+inline constexpr char magic[9] = "CRN-REC3";
+// Recordings from before the project was renamed begin like this and differ in nothing else.
+inline constexpr char earlier_magic[9] = "\x53\x45\x4c\x44REC3";
 inline constexpr char oldest_version = '2';
 
 enum Kind : std::uint32_t {
@@ -37,7 +39,7 @@ inline constexpr std::size_t head_bytes_max = 1 << 17;
 // Of one tick: the record `encoders` with that many hands, and two hash lanes.
 constexpr std::size_t tick_bytes(std::size_t tool_count)
 {
-    return SELD_WIRE_BYTES_encoders - (SELD_WIRE_TOOL_MAX - tool_count) * SELD_WIRE_BYTES_hand + 8;
+    return CRN_WIRE_BYTES_encoders - (CRN_WIRE_TOOL_MAX - tool_count) * CRN_WIRE_BYTES_hand + 8;
 }
 inline constexpr std::size_t command_bytes = 4 + 2 + 3 * 4;
 inline constexpr std::size_t side_holes_bytes = 1 + 8 + 8 + 4 + 8;
@@ -78,32 +80,32 @@ constexpr bool is_size_of(std::uint32_t kind, std::size_t bytes, std::size_t too
     }
 }
 
-inline void put_text(seld_wire_writer &writer, const std::string &text)
+inline void put_text(crn_wire_writer &writer, const std::string &text)
 {
     const std::size_t bytes = std::min(text.size(), text_bytes_max);
-    seld_wire_write(&writer, bytes, 2);
-    for (std::size_t i = 0; i < bytes; i++) seld_wire_write(&writer, static_cast<std::uint8_t>(text[i]), 1);
+    crn_wire_write(&writer, bytes, 2);
+    for (std::size_t i = 0; i < bytes; i++) crn_wire_write(&writer, static_cast<std::uint8_t>(text[i]), 1);
 }
 
-inline std::string get_text(seld_wire_reader &reader)
+inline std::string get_text(crn_wire_reader &reader)
 {
-    const std::size_t bytes = seld_wire_read(&reader, 2);
+    const std::size_t bytes = crn_wire_read(&reader, 2);
     std::string text;
     if (bytes > text_bytes_max) reader.failed = true;
     for (std::size_t i = 0; i < bytes && !reader.failed; i++) {
-        text.push_back(static_cast<char>(static_cast<unsigned char>(seld_wire_read(&reader, 1))));
+        text.push_back(static_cast<char>(static_cast<unsigned char>(crn_wire_read(&reader, 1))));
     }
     return text;
 }
 
-inline void put_double(seld_wire_writer &writer, double value)
+inline void put_double(crn_wire_writer &writer, double value)
 {
-    seld_wire_write(&writer, std::bit_cast<std::uint64_t>(value), 8);
+    crn_wire_write(&writer, std::bit_cast<std::uint64_t>(value), 8);
 }
 
-inline double get_double(seld_wire_reader &reader)
+inline double get_double(crn_wire_reader &reader)
 {
-    return std::bit_cast<double>(seld_wire_read(&reader, 8));
+    return std::bit_cast<double>(crn_wire_read(&reader, 8));
 }
 
-} // namespace seld::recording_format
+} // namespace crn::recording_format

@@ -8,7 +8,7 @@
 #include <iostream>
 #include <thread>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -132,7 +132,7 @@ class Replayer
         go_on_from_resume();
         inputs_.clear();
         for (std::size_t i = 0; i < count; i++) inputs_.push_back(recording_.ticks[link_.tick() + i].input);
-        for (const seld_wire_tick_state &state : link_.step(inputs_, want_nodes)) {
+        for (const crn_wire_tick_state &state : link_.step(inputs_, want_nodes)) {
             result_.figures.take(state);
             if (sink_) sink_->tick(recording_.ticks[state.tick - 1].input, state);
             state_ = state;
@@ -154,7 +154,7 @@ class Replayer
             result_.contacts.take(link_.read_contacts());
     }
 
-    void compare_lanes(const seld_wire_tick_state &state)
+    void compare_lanes(const crn_wire_tick_state &state)
     {
         if (!settings_.verifies || result_.first_difference_tick) return;
         const RecordedTick &recorded = recording_.ticks[state.tick - 1];
@@ -185,7 +185,7 @@ class Replayer
     {
         if (!sink_ || link_.tick() < sink_->next_tick()) return;
         if (is_first) link_.read_nodes();
-        const seld_wire_encoders input = inputs_.empty() ? seld_wire_encoders{} : inputs_.back();
+        const crn_wire_encoders input = inputs_.empty() ? crn_wire_encoders{} : inputs_.back();
         sink_->frame(session_frame(device_, state_, input));
     }
 
@@ -230,8 +230,8 @@ class Replayer
     FrameSink *sink_;
     const ReplaySettings &settings_;
     ReplayResult result_;
-    std::vector<seld_wire_encoders> inputs_;
-    seld_wire_tick_state state_{};
+    std::vector<crn_wire_encoders> inputs_;
+    crn_wire_tick_state state_{};
     Clock::time_point begin_;
     std::uint32_t begin_tick_ = 0, hash_tick_ = 0;
     std::size_t command_ = 0; // the next one that is not passed on
@@ -257,4 +257,4 @@ ReplayResult replay_recording(Device &device, const Recording &recording, FrameS
     return Replayer(device, recording, sink, settings).run();
 }
 
-} // namespace seld
+} // namespace crn

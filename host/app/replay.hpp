@@ -7,7 +7,7 @@
 #include "host/app/tip_places.hpp"
 #include <optional>
 
-namespace seld
+namespace crn
 {
 
 // How fast ticks may pass: 1 is real time, 0 as fast as the machine allows.
@@ -31,7 +31,7 @@ struct ReplayResult {
     SessionFigures figures;
     ContactFigures contacts;
     std::vector<TipPlace> tips; // where the last tick left them; filled by whoever knows the vessels
-    seld_wire_fault_log faults{};
+    crn_wire_fault_log faults{};
     double seconds = 0.0; // wall clock
     std::uint32_t tick = 0;
     std::uint64_t hash = 0;
@@ -46,4 +46,4 @@ struct ReplayResult {
 ReplayResult replay_recording(Device &device, const Recording &recording, FrameSink *sink,
                               const ReplaySettings &settings);
 
-} // namespace seld
+} // namespace crn

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -245,11 +245,11 @@ nlohmann::ordered_json report_of(const RunResult &result, const std::string &sce
     report_goals(report, result);
     report["faults"] = nlohmann::ordered_json::array();
     for (std::uint16_t i = 0; i < result.faults.entries_count; i++) {
-        const seld_wire_fault_entry &fault = result.faults.entries[i];
-        report["faults"].push_back({{"name", seld_wire_fault_name(fault.code)},
+        const crn_wire_fault_entry &fault = result.faults.entries[i];
+        report["faults"].push_back({{"name", crn_wire_fault_name(fault.code)},
                                     {"tick_first", fault.tick_first},
                                     {"count", fault.count},
-                                    {"text", seld_wire_fault_text(fault.code)}});
+                                    {"text", crn_wire_fault_text(fault.code)}});
     }
     return report;
 }
@@ -260,4 +260,4 @@ void write_report(const std::string &path, const nlohmann::ordered_json &report)
                      report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
-} // namespace seld
+} // namespace crn

@@ -2,7 +2,7 @@
 #include "host/app/session_balloon.hpp"
 #include "host/app/session_stents.hpp"
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -106,4 +106,4 @@ Json stents_report(SessionStents *stents)
     return report;
 }
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 class SessionStents;
@@ -15,4 +15,4 @@ nlohmann::ordered_json balloon_report(const BalloonFigures &balloon, const std::
 // [] without stents.
 nlohmann::ordered_json stents_report(SessionStents *stents);
 
-} // namespace seld
+} // namespace crn

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <deque>
 
-namespace seld
+namespace crn
 {
 
 struct RhythmOrder {
-    std::uint8_t action = 0; // SELD_WIRE_RHYTHM_*
+    std::uint8_t action = 0; // CRN_WIRE_RHYTHM_*
     std::uint16_t value = 0;
 
     bool operator==(const RhythmOrder &) const = default;
@@ -22,7 +22,7 @@ class RhythmOrders
 {
   public:
     void add(const RhythmOrder &order) { waiting_.push_back(order); }
-    void put_next(seld_wire_encoders &input) // into the next tick's input
+    void put_next(crn_wire_encoders &input) // into the next tick's input
     {
         if (waiting_.empty()) return;
         input.rhythm_action = waiting_.front().action;
@@ -34,4 +34,4 @@ class RhythmOrders
     std::deque<RhythmOrder> waiting_;
 };
 
-} // namespace seld
+} // namespace crn

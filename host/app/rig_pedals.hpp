@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 class RigPedals
@@ -19,10 +19,10 @@ class RigPedals
         std::vector<RoomCommand> commands;
         const std::uint32_t changed = buttons ^ buttons_;
         buttons_ = buttons;
-        if (changed & SELD_WIRE_BUTTON_XRAY)
-            commands.push_back({RoomAction::fluoro_pedal, {(buttons & SELD_WIRE_BUTTON_XRAY) != 0, 0, 0}});
-        if (changed & SELD_WIRE_BUTTON_CINE)
-            commands.push_back({RoomAction::acquire_pedal, {(buttons & SELD_WIRE_BUTTON_CINE) != 0, 0, 0}});
+        if (changed & CRN_WIRE_BUTTON_XRAY)
+            commands.push_back({RoomAction::fluoro_pedal, {(buttons & CRN_WIRE_BUTTON_XRAY) != 0, 0, 0}});
+        if (changed & CRN_WIRE_BUTTON_CINE)
+            commands.push_back({RoomAction::acquire_pedal, {(buttons & CRN_WIRE_BUTTON_CINE) != 0, 0, 0}});
         return commands;
     }
 
@@ -64,4 +64,4 @@ class RigSyringe
     std::uint32_t window_ = 0;
 };
 
-} // namespace seld
+} // namespace crn

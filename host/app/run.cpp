@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -16,18 +16,16 @@ using Clock = std::chrono::steady_clock;
 
 } // namespace
 
-seld_wire_encoders with_order(seld_wire_encoders input, FrameSink *sink)
+crn_wire_encoders with_order(crn_wire_encoders input, FrameSink *sink)
 {
-    const std::optional<seld_wire_scaffold> order =
-        sink ? sink->order() : std::optional<seld_wire_scaffold>();
+    const std::optional<crn_wire_scaffold> order = sink ? sink->order() : std::optional<crn_wire_scaffold>();
     if (order) {
         input.scaffold_lesion = order->lesion;
         input.scaffold_first = order->first;
         input.scaffold_last = order->last;
         input.scaffold_open_q15 = order->open_q15;
     }
-    const std::optional<seld_wire_strut> strut =
-        sink ? sink->strut_order() : std::optional<seld_wire_strut>();
+    const std::optional<crn_wire_strut> strut = sink ? sink->strut_order() : std::optional<crn_wire_strut>();
     if (strut) {
         input.strut_number = strut->number;
         input.strut_joined = strut->joined;
@@ -175,7 +173,7 @@ class Runner
     {
         if (!sink_ || link_.tick() != sink_->next_tick()) return;
         if (link_.tick() == 0) device_.ask([](Link &link) { link.read_nodes(); });
-        sink_->frame(session_frame(device_, state_, inputs_.empty() ? seld_wire_encoders{} : inputs_.back()));
+        sink_->frame(session_frame(device_, state_, inputs_.empty() ? crn_wire_encoders{} : inputs_.back()));
         if (settings_.shows_progress && link_.tick() >= progress_tick_) {
             progress_tick_ = link_.tick() + 1000;
             std::string lengths;
@@ -201,8 +199,8 @@ class Runner
     HandGrip grip_;
     SessionFigures figures_;
     ContactFigures contacts_;
-    seld_wire_tick_state state_{};
-    std::vector<seld_wire_encoders> inputs_;
+    crn_wire_tick_state state_{};
+    std::vector<crn_wire_encoders> inputs_;
     std::uint32_t progress_tick_ = 0;
     std::uint32_t hash_tick_ = 0;
 };
@@ -215,4 +213,4 @@ RunResult run_session(Device &device, const Session &session, Recorder *recorder
     return Runner(device, session, recorder, sink, settings).run();
 }
 
-} // namespace seld
+} // namespace crn

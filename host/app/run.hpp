@@ -10,7 +10,7 @@
 #include "host/room/room.hpp"
 #include <nlohmann/json_fwd.hpp>
 
-namespace seld
+namespace crn
 {
 
 struct RunSettings {
@@ -36,11 +36,11 @@ struct RunResult {
     std::uint32_t resumes = 0;         // how often the device went and came back
     std::string stopped_by;            // FREE_RUN: why the device stopped
     std::uint32_t late_ticks = 0, powered_ticks = 0, pictures = 0; // FREE_RUN
-    seld_wire_fault_log faults{};
+    crn_wire_fault_log faults{};
 };
 
 // The input of a tick with what the sink wants the core to know, if anything. `sink` may be nullptr.
-seld_wire_encoders with_order(seld_wire_encoders input, FrameSink *sink);
+crn_wire_encoders with_order(crn_wire_encoders input, FrameSink *sink);
 // The same in FREE_RUN: one message a round, because a device keeps few. What it does not take up is asked for again at the next look.
 void send_order(Link &link, FrameSink &sink);
 
@@ -70,4 +70,4 @@ nlohmann::ordered_json report_of(const RunResult &result, const std::string &sce
                                  const ReportSources &sources);
 void write_report(const std::string &path, const nlohmann::ordered_json &report);
 
-} // namespace seld
+} // namespace crn

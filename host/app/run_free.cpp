@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cstdio>
 
-namespace seld
+namespace crn
 {
 
 void send_order(Link &link, FrameSink &sink)
@@ -70,13 +70,13 @@ class FreeRunner final : private FreeRunSink
   private:
     static constexpr std::uint32_t round_ms = 8; // a host that is silent for 30 ms fades the forces
 
-    void tick(const seld_wire_live_tick &tick) override
+    void tick(const crn_wire_live_tick &tick) override
     {
         figures_.take(tick.state);
         state_ = tick.state;
         input_ = tick.input;
-        result_.late_ticks += (tick.flags & SELD_WIRE_LIVE_LATE) != 0;
-        result_.powered_ticks += (tick.flags & SELD_WIRE_LIVE_POWERED) != 0;
+        result_.late_ticks += (tick.flags & CRN_WIRE_LIVE_LATE) != 0;
+        result_.powered_ticks += (tick.flags & CRN_WIRE_LIVE_POWERED) != 0;
         if (recorder_) recorder_->tick(tick.input, tick.state);
         if (sink_) sink_->tick(tick.input, tick.state);
         for (const RoomCommand &command : pedals_.changes(tick.input.buttons))
@@ -152,8 +152,8 @@ class FreeRunner final : private FreeRunSink
     const RunSettings &settings_;
     RunResult result_;
     SessionFigures figures_;
-    seld_wire_tick_state state_{};
-    seld_wire_encoders input_{};
+    crn_wire_tick_state state_{};
+    crn_wire_encoders input_{};
     std::uint32_t hash_tick_ = 0, picture_tick_ = 0, shown_tick_ = 0;
 };
 
@@ -165,4 +165,4 @@ RunResult run_free_session(Device &device, const std::vector<RoomCommand> &begin
     return FreeRunner(device, recorder, sink, settings).run(begin, seconds);
 }
 
-} // namespace seld
+} // namespace crn

@@ -4,7 +4,7 @@
 #include "shared/scene/scene.h"
 #include "shared/wire/wire_frame.h"
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -26,16 +26,16 @@ SceneFile read_scene(const std::string &path)
     SceneFile file;
     file.path = path;
     file.bytes = read_binary_file(path);
-    seld_scene scene;
+    crn_scene scene;
     std::uint32_t where_byte = 0;
-    seld_scene_status status = seld_scene_open(file.bytes.data(), file.bytes.size(), &scene, &where_byte);
-    if (status == SELD_SCENE_OK && scene.kind != SELD_SCENE_KIND_SCENE) status = SELD_SCENE_KIND;
-    if (status != SELD_SCENE_OK) {
+    crn_scene_status status = crn_scene_open(file.bytes.data(), file.bytes.size(), &scene, &where_byte);
+    if (status == CRN_SCENE_OK && scene.kind != CRN_SCENE_KIND_SCENE) status = CRN_SCENE_KIND;
+    if (status != CRN_SCENE_OK) {
         throw FileError(path, 0, 0,
-                        std::string("is no usable scene: ") + seld_scene_status_text(status) + " (at byte " +
+                        std::string("is no usable scene: ") + crn_scene_status_text(status) + " (at byte " +
                             std::to_string(where_byte) + ")");
     }
-    file.crc32 = seld_wire_crc32(0, file.bytes.data(), file.bytes.size());
+    file.crc32 = crn_wire_crc32(0, file.bytes.data(), file.bytes.size());
     file.name = scene.name;
     file.entry.position_x_m_q30 = scene.entry_position_m_q30[0];
     file.entry.position_y_m_q30 = scene.entry_position_m_q30[1];
@@ -46,4 +46,4 @@ SceneFile read_scene(const std::string &path)
     return file;
 }
 
-} // namespace seld
+} // namespace crn

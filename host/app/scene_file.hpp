@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct SceneFile {
     std::string path; // empty: free space
     std::vector<std::uint8_t> bytes;
     std::uint32_t crc32 = 0;
-    seld_wire_entry entry{}; // inserted_um is left to the session
+    crn_wire_entry entry{}; // inserted_um is left to the session
     std::string name;
 };
 
@@ -21,4 +21,4 @@ struct SceneFile {
 // the entry at the origin, towards the head.
 SceneFile read_scene(const std::string &path);
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -177,4 +177,4 @@ Json score_of(const Json &report)
             {"metrics", metrics}};
 }
 
-} // namespace seld
+} // namespace crn

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // {"points", "of", "percent", "metrics": [{"name", "title", "value", "unit", "full_marks_at", "no_marks_at", "weight", "points", "remark"}]}.
@@ -27,4 +27,4 @@ void write_score_page(const std::string &path, const nlohmann::ordered_json &rep
 std::string score_page(const nlohmann::ordered_json &report, const nlohmann::ordered_json &score,
                        const std::vector<ScorePicture> &pictures);
 
-} // namespace seld
+} // namespace crn

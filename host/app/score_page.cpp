@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -239,7 +239,7 @@ std::string tools_table(const Json &report)
 
 std::string score_page(const Json &report, const Json &score, const std::vector<ScorePicture> &pictures)
 {
-    std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Seldinger: "
+    std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Cournand: "
                        "score</title><style>";
     html += style;
     html += "</style></head><body>\n<h1>Angioplasty</h1>\n<p class=soft>Scene " + text_at(report, "scene") +
@@ -260,4 +260,4 @@ void write_score_page(const std::string &path, const Json &report, const Json &s
     write_whole_file(path, score_page(report, score, pictures));
 }
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -210,4 +210,4 @@ Session read_session(const std::string &path)
     return parse_session(read_text_file(path), path);
 }
 
-} // namespace seld
+} // namespace crn

@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 enum class HandAxis { translation, rotation };
@@ -75,7 +75,7 @@ class SessionPlayer
     // Throws FileError when the script names a tool or a vessel that is not there. `vessels`: of the scene; nullptr: none is known.
     SessionPlayer(const Session &session, std::size_t tool_count, const VesselMap *vessels = nullptr);
     bool is_done() const { return statement_ == session_.statements.size(); }
-    seld_wire_encoders next(); // input of the next tick
+    crn_wire_encoders next(); // input of the next tick
     // After each tick that is a multiple of observe_every_ticks. Tips and witness are needed only where wants_tips() says so.
     void observe(const SessionView &view);
     void observe(std::span<const double> inserted_m) { observe(SessionView{inserted_m, {}, nullptr}); }
@@ -143,4 +143,4 @@ class SessionPlayer
 // The script steers by vessels or expects something of them.
 bool names_vessels(const Session &session);
 
-} // namespace seld
+} // namespace crn

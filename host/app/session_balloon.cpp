@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -89,4 +89,4 @@ std::vector<SweptCurve> balloon_filling(const WireFrame &wire, const std::vector
     return {column};
 }
 
-} // namespace seld
+} // namespace crn

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // Medium of 350 mg/ml, diluted with as much saline.
@@ -28,4 +28,4 @@ BalloonPose balloon_pose(const WireFrame &wire, std::size_t tool);
 std::vector<SweptCurve> balloon_filling(const WireFrame &wire, const std::vector<Instrument> &tools,
                                         double iodine_mg_per_ml);
 
-} // namespace seld
+} // namespace crn

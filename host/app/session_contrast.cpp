@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -159,7 +159,7 @@ SessionContrast::SessionContrast(const VesselTree &vessels, const std::vector<In
 }
 
 // The tools inside the one that is injected through, as far as they are in the line.
-std::string SessionContrast::pressure_refusal(const Asked &asked, const seld_wire_tick_state &state) const
+std::string SessionContrast::pressure_refusal(const Asked &asked, const crn_wire_tick_state &state) const
 {
     std::vector<InnerTool> inside;
     const auto inserted_m = [&](std::size_t tool) { return units::metres(state.tools[tool].inserted_m_q30); };
@@ -169,7 +169,7 @@ std::string SessionContrast::pressure_refusal(const Asked &asked, const seld_wir
     return flow_refusal(tools_[asked.tool], inside, asked.flow_ml_s, asked.iodine_mg_per_ml);
 }
 
-void SessionContrast::tick(const seld_wire_tick_state &state)
+void SessionContrast::tick(const crn_wire_tick_state &state)
 {
     while (!asked_.empty() && asked_.front().tick <= state.tick) {
         const std::string why = pressure_refusal(asked_.front(), state);
@@ -181,7 +181,7 @@ void SessionContrast::tick(const seld_wire_tick_state &state)
     }
     if (state_ != State::flows) return;
     beats_.push_back({state.tick, core_beat(state.beat_ms, state.interval_ms,
-                                            (state.rhythm_bits & SELD_WIRE_RHYTHM_IS_RESTING) != 0)});
+                                            (state.rhythm_bits & CRN_WIRE_RHYTHM_IS_RESTING) != 0)});
 }
 
 // `next` goes on through the beats, which are in order.
@@ -445,4 +445,4 @@ void SessionContrast::colour(WireFrame &wire) const
         node.contrast_mg_per_ml = flow_.iodine_mg_per_ml(flow_.cells().nearest(node.position_m));
 }
 
-} // namespace seld
+} // namespace crn

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 inline constexpr double iodine_default_mg_per_ml =
@@ -54,7 +54,7 @@ class SessionContrast
     std::string command(std::uint32_t tick, const RoomCommand &command);
     // The core's heart, every tick before the frame of that tick. Without it the heart beats evenly, 70 times a minute. An injection is
     // refused at its tick when the tools that lie in the lumen then leave too little of it.
-    void tick(const seld_wire_tick_state &state);
+    void tick(const crn_wire_tick_state &state);
     // Injections of the session that were refused.
     const std::vector<Refusal> &refusals() const { return refusals_; }
     std::uint32_t next_tick() const; // UINT32_MAX: no look is needed
@@ -127,10 +127,10 @@ class SessionContrast
         std::size_t tool = 0;
         double flow_ml_s = 0.0, iodine_mg_per_ml = 0.0;
     };
-    std::string pressure_refusal(const Asked &asked, const seld_wire_tick_state &state) const;
+    std::string pressure_refusal(const Asked &asked, const crn_wire_tick_state &state) const;
     std::vector<Asked> asked_;
     std::vector<Refusal> refusals_;
     std::vector<SweptCurve> curves_;
 };
 
-} // namespace seld
+} // namespace crn

@@ -1,7 +1,7 @@
 #include "host/app/session_effects.hpp"
 #include <algorithm>
 
-namespace seld
+namespace crn
 {
 
 SessionEffects::SessionEffects(const PictureSettings &settings, const std::vector<Instrument> &tools)
@@ -17,7 +17,7 @@ void SessionEffects::command(std::uint32_t tick, const RoomCommand &command)
     if (stents_) stents_->command(tick, command);
 }
 
-void SessionEffects::tick(const seld_wire_encoders &input, const seld_wire_tick_state &state)
+void SessionEffects::tick(const crn_wire_encoders &input, const crn_wire_tick_state &state)
 {
     if (contrast_) contrast_->tick(state);
     if (stents_) stents_->tick(input, state);
@@ -35,14 +35,14 @@ void SessionEffects::look(const SessionFrame &frame)
     if (stents_) stents_->advance(frame.wire);
 }
 
-std::optional<seld_wire_scaffold> SessionEffects::order()
+std::optional<crn_wire_scaffold> SessionEffects::order()
 {
-    return stents_ ? stents_->order() : std::optional<seld_wire_scaffold>();
+    return stents_ ? stents_->order() : std::optional<crn_wire_scaffold>();
 }
 
-std::optional<seld_wire_strut> SessionEffects::strut_order()
+std::optional<crn_wire_strut> SessionEffects::strut_order()
 {
-    return stents_ ? stents_->strut_order() : std::optional<seld_wire_strut>();
+    return stents_ ? stents_->strut_order() : std::optional<crn_wire_strut>();
 }
 
 ReportSources report_sources(const SessionPictures &pictures)
@@ -95,4 +95,4 @@ bool needs_effects(const Session &session)
     return false;
 }
 
-} // namespace seld
+} // namespace crn

@@ -9,7 +9,7 @@
 #include "host/app/session_stents.hpp"
 #include <memory>
 
-namespace seld
+namespace crn
 {
 
 class SessionEffects final : public FrameSink
@@ -19,14 +19,14 @@ class SessionEffects final : public FrameSink
     SessionEffects(const PictureSettings &settings, const std::vector<Instrument> &tools);
 
     void command(std::uint32_t tick, const RoomCommand &command) override;
-    void tick(const seld_wire_encoders &input, const seld_wire_tick_state &state) override;
+    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state) override;
     std::uint32_t next_tick() const override { return next_look(); }
     void frame(const SessionFrame &frame) override { look(frame); }
     std::uint32_t next_look() const override;
     void look(const SessionFrame &frame) override;
     bool needs_beginning() const override { return true; }
-    std::optional<seld_wire_scaffold> order() override;
-    std::optional<seld_wire_strut> strut_order() override;
+    std::optional<crn_wire_scaffold> order() override;
+    std::optional<crn_wire_strut> strut_order() override;
     void finish() override {}
 
     const SessionContrast *contrast() const { return contrast_.get(); } // null: the scene has no vessels
@@ -56,4 +56,4 @@ SessionSinks make_sinks(const PictureSettings &settings, const std::vector<Instr
 // The script injects, or expects something of medium, lesions or stents.
 bool needs_effects(const Session &session);
 
-} // namespace seld
+} // namespace crn

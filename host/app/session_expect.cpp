@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -230,4 +230,4 @@ ExpectationResult judge(const Expectation &expectation, int line, std::size_t ve
     return result;
 }
 
-} // namespace seld
+} // namespace crn

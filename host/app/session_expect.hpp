@@ -17,7 +17,7 @@
 #include <span>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 class SessionContrast;
@@ -89,4 +89,4 @@ struct ExpectationResult {
 ExpectationResult judge(const Expectation &expectation, int line, std::size_t vessel, const VesselMap &map,
                         const SessionView &view, double turned_deg);
 
-} // namespace seld
+} // namespace crn

@@ -1,7 +1,7 @@
 #include "host/app/session_line.hpp"
 #include <cctype>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -32,4 +32,4 @@ std::vector<Token> split_line(std::string_view line)
     return tokens;
 }
 
-} // namespace seld
+} // namespace crn

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct Token {
@@ -119,4 +119,4 @@ class LineParser
     const std::string nothing_;
 };
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -31,7 +31,7 @@ RadiopaqueInstrument instrument_look(const Instrument &instrument)
             {layer.arc_begin_m, layer.arc_end_m, *material, layer.fill, layer.radius_share});
     }
     for (std::uint16_t i = 0; i < instrument.table.knots_count; i++) {
-        const seld_wire_knot &knot = instrument.table.knots[i];
+        const crn_wire_knot &knot = instrument.table.knots[i];
         look.radii.push_back({knot.arc_um * 1e-6, knot.radius_outer_um * 1e-6, knot.radius_inner_um * 1e-6});
     }
     return look;
@@ -156,7 +156,7 @@ std::vector<Refusal> SessionPictures::refusals() const
     return all;
 }
 
-void SessionPictures::tick(const seld_wire_encoders &input, const seld_wire_tick_state &state)
+void SessionPictures::tick(const crn_wire_encoders &input, const crn_wire_tick_state &state)
 {
     monitor_.tick(state);
     const std::size_t refusals = contrast_->refusals().size();
@@ -177,14 +177,14 @@ void SessionPictures::look(const SessionFrame &frame)
     if (stents_) stents_->advance(frame.wire);
 }
 
-std::optional<seld_wire_strut> SessionPictures::strut_order()
+std::optional<crn_wire_strut> SessionPictures::strut_order()
 {
-    return stents_ ? stents_->strut_order() : std::optional<seld_wire_strut>();
+    return stents_ ? stents_->strut_order() : std::optional<crn_wire_strut>();
 }
 
-std::optional<seld_wire_scaffold> SessionPictures::order()
+std::optional<crn_wire_scaffold> SessionPictures::order()
 {
-    return stents_ ? stents_->order() : std::optional<seld_wire_scaffold>();
+    return stents_ ? stents_->order() : std::optional<crn_wire_scaffold>();
 }
 
 // Only with a balloon; its stent by what has become of it.
@@ -277,7 +277,7 @@ void SessionPictures::tell_failure()
 {
     if (told_failure_ || xray_->back_end_error().empty()) return;
     told_failure_ = true;
-    say(stderr, "seldinger: %s; the rasteriser draws from here on\n", xray_->back_end_error().c_str());
+    say(stderr, "cournand: %s; the rasteriser draws from here on\n", xray_->back_end_error().c_str());
 }
 
 // A run is what one press of a pedal gave. Called before the room takes the picture.
@@ -336,7 +336,7 @@ void SessionPictures::finish_export()
 {
     export_->end();
     if (export_->run_count() == 0) {
-        say(stderr, "seldinger: --dicom %s: no file, because the pedal was never down\n",
+        say(stderr, "cournand: --dicom %s: no file, because the pedal was never down\n",
             settings_.dicom.folder.c_str());
         export_.reset();
         return;
@@ -362,10 +362,10 @@ void SessionPictures::finish_export()
     });
     was_stopped_ = written.size() < files;
     if (was_stopped_)
-        say(stderr, "seldinger: stopped: %zu of %zu DICOM files were written, each of them whole\n",
+        say(stderr, "cournand: stopped: %zu of %zu DICOM files were written, each of them whole\n",
             written.size(), files);
     files_.insert(files_.end(), written.begin(), written.end());
     export_.reset();
 }
 
-} // namespace seld
+} // namespace crn

@@ -21,7 +21,7 @@
 #include <optional>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 // Throws std::runtime_error naming the section and the known materials when a material is unknown.
@@ -71,9 +71,9 @@ class SessionPictures final : public FrameSink
     std::uint32_t next_look() const override;
     void look(const SessionFrame &frame) override;
     bool needs_beginning() const override { return stents_ != nullptr; }
-    std::optional<seld_wire_scaffold> order() override;
-    std::optional<seld_wire_strut> strut_order() override;
-    void tick(const seld_wire_encoders &input, const seld_wire_tick_state &state) override;
+    std::optional<crn_wire_scaffold> order() override;
+    std::optional<crn_wire_strut> strut_order() override;
+    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state) override;
     void finish() override;
     const PulseMonitor &monitor() const { return monitor_; }
     const Room &room() const { return room_; }
@@ -123,7 +123,7 @@ class SessionPictures final : public FrameSink
     std::unique_ptr<SessionContrast> contrast_;
     const std::vector<Instrument> tools_;
     std::unique_ptr<SessionStents> stents_;
-    seld_wire_tick_state state_{}; // of the last tick
+    crn_wire_tick_state state_{}; // of the last tick
     bool has_begun_ = false;
     PulseMonitor monitor_;
     XrayMemory memory_;
@@ -140,4 +140,4 @@ class SessionPictures final : public FrameSink
     std::uint32_t count_ = 0;
 };
 
-} // namespace seld
+} // namespace crn

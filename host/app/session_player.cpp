@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -82,8 +82,8 @@ void SessionPlayer::begin_inflation(const Inflation &inflation)
 void SessionPlayer::ask(const RoomCommand &command)
 {
     commands_.push_back(command);
-    const std::uint32_t pedal = command.action == RoomAction::fluoro_pedal    ? SELD_WIRE_BUTTON_XRAY
-                                : command.action == RoomAction::acquire_pedal ? SELD_WIRE_BUTTON_CINE
+    const std::uint32_t pedal = command.action == RoomAction::fluoro_pedal    ? CRN_WIRE_BUTTON_XRAY
+                                : command.action == RoomAction::acquire_pedal ? CRN_WIRE_BUTTON_CINE
                                                                               : 0;
     buttons_ = command.values[0] == 1 ? buttons_ | pedal : buttons_ & ~pedal;
 }
@@ -130,7 +130,7 @@ void SessionPlayer::finish_statement()
     enter_statement();
 }
 
-seld_wire_encoders SessionPlayer::next()
+crn_wire_encoders SessionPlayer::next()
 {
     tick_in_statement_++;
     for (const Active &active : active_) {
@@ -154,7 +154,7 @@ seld_wire_encoders SessionPlayer::next()
         inflator_kPa_ =
             static_cast<std::int32_t>(inflating_.begin_kPa + inflating_.way_kPa * done / inflating_.ticks);
     }
-    seld_wire_encoders input{};
+    crn_wire_encoders input{};
     input.hands_count = static_cast<std::uint16_t>(tool_count_);
     for (std::size_t k = 0; k < tool_count_; k++) {
         const auto counts = [&](int axis) {
@@ -251,4 +251,4 @@ double SessionPlayer::turned_deg(std::size_t tool) const
     return static_cast<double>(position_counts_[tool][1]) * 360.0 / counts_per_turn;
 }
 
-} // namespace seld
+} // namespace crn

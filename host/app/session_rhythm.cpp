@@ -1,6 +1,6 @@
 #include "host/app/session_rhythm.hpp"
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -26,17 +26,15 @@ std::uint16_t on_or_off(LineParser &line)
 RhythmOrder parse_heart(LineParser &line)
 {
     if (line.choice("word", {"rate", "variability"}) == "rate")
-        return {SELD_WIRE_RHYTHM_HEART_RATE,
-                whole(line, "heart rate", per_minute, 40, 160, "40 to 160 /min")};
-    return {SELD_WIRE_RHYTHM_VARIABILITY, whole(line, "variability", percent, 0, 100, "0 to 10 %")};
+        return {CRN_WIRE_RHYTHM_HEART_RATE, whole(line, "heart rate", per_minute, 40, 160, "40 to 160 /min")};
+    return {CRN_WIRE_RHYTHM_VARIABILITY, whole(line, "variability", percent, 0, 100, "0 to 10 %")};
 }
 
 RhythmOrder parse_breath(LineParser &line)
 {
     if (line.choice("word", {"rate", "hold"}) == "rate")
-        return {SELD_WIRE_RHYTHM_BREATH_RATE,
-                whole(line, "breath rate", per_minute, 10, 20, "10 to 20 /min")};
-    return {SELD_WIRE_RHYTHM_BREATH_HOLD, on_or_off(line)};
+        return {CRN_WIRE_RHYTHM_BREATH_RATE, whole(line, "breath rate", per_minute, 10, 20, "10 to 20 /min")};
+    return {CRN_WIRE_RHYTHM_BREATH_HOLD, on_or_off(line)};
 }
 
 } // namespace
@@ -51,11 +49,11 @@ RhythmOrder parse_rhythm(LineParser &line, const std::string &verb)
 {
     if (verb == "heart") return parse_heart(line);
     if (verb == "breath") return parse_breath(line);
-    if (verb == "asystole") return {SELD_WIRE_RHYTHM_ASYSTOLE, on_or_off(line)};
+    if (verb == "asystole") return {CRN_WIRE_RHYTHM_ASYSTOLE, on_or_off(line)};
     line.expect("beat");
-    if (!line.accept("at")) return {SELD_WIRE_RHYTHM_PREMATURE, premature_usual_milli};
-    return {SELD_WIRE_RHYTHM_PREMATURE,
+    if (!line.accept("at")) return {CRN_WIRE_RHYTHM_PREMATURE, premature_usual_milli};
+    return {CRN_WIRE_RHYTHM_PREMATURE,
             whole(line, "coupling", percent, 400, 900, "40 to 90 % of the interval")};
 }
 
-} // namespace seld
+} // namespace crn

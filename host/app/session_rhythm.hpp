@@ -4,7 +4,7 @@
 #include "host/app/rhythm_order.hpp"
 #include "host/app/session_line.hpp"
 
-namespace seld
+namespace crn
 {
 
 const std::vector<std::string> &rhythm_verbs();
@@ -12,4 +12,4 @@ const std::vector<std::string> &rhythm_verbs();
 // The rest of a line that begins with one of them. Throws FileError with place and range.
 RhythmOrder parse_rhythm(LineParser &line, const std::string &verb);
 
-} // namespace seld
+} // namespace crn

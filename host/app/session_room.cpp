@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -288,4 +288,4 @@ void RoomParser::review(LineParser &line)
     add(RoomAction::review, mode, run, frame);
 }
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include "host/room/command.hpp"
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 const std::vector<std::string> &room_verbs();
@@ -37,4 +37,4 @@ class RoomParser
     std::int32_t width_permille_ = 970, height_permille_ = 970;
 };
 
-} // namespace seld
+} // namespace crn

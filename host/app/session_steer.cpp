@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -281,4 +281,4 @@ std::string Steerer::failure() const
     return text;
 }
 
-} // namespace seld
+} // namespace crn

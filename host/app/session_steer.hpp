@@ -15,7 +15,7 @@
 #include <optional>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 struct Steering {
@@ -106,4 +106,4 @@ class Steerer
     std::int64_t turns_ = 0;
 };
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -35,10 +35,10 @@ std::string millimetres(double mm)
 // Diameter of the free balloon at its nominal pressure; without a label, of its table's first row.
 double nominal_diameter_mm(const Instrument &tool)
 {
-    const seld_wire_instrument &table = tool.table;
+    const crn_wire_instrument &table = tool.table;
     const double kPa = tool.balloon ? tool.balloon->nominal_kPa : 0.0;
     for (std::uint16_t i = 1; i < table.balloon_count; ++i) {
-        const seld_wire_balloon_point &a = table.balloon[i - 1], &b = table.balloon[i];
+        const crn_wire_balloon_point &a = table.balloon[i - 1], &b = table.balloon[i];
         if (kPa > b.pressure_kPa) continue;
         const double share = std::clamp((kPa - a.pressure_kPa) / (b.pressure_kPa - a.pressure_kPa), 0.0, 1.0);
         return (a.diameter_um + share * (double{1} * b.diameter_um - a.diameter_um)) * 1e-3;
@@ -75,8 +75,8 @@ std::int32_t micrometres(double mm)
     return static_cast<std::int32_t>(std::lround(std::clamp(mm, -1900.0, 1900.0) * 1e3));
 }
 
-seld_wire_strut ring_of(const StentCircle &circle, std::uint8_t number, bool is_joined,
-                        const StentDesign &design)
+crn_wire_strut ring_of(const StentCircle &circle, std::uint8_t number, bool is_joined,
+                       const StentDesign &design)
 {
     return {number,
             static_cast<std::uint8_t>(is_joined),
@@ -88,7 +88,7 @@ seld_wire_strut ring_of(const StentCircle &circle, std::uint8_t number, bool is_
 }
 
 // Enough for the core to be told.
-bool has_changed(const seld_wire_strut &known, const seld_wire_strut &now)
+bool has_changed(const crn_wire_strut &known, const crn_wire_strut &now)
 {
     if (known.inside_um == 0 || now.inside_um == 0) return known.inside_um != now.inside_um;
     const double moved_um = std::hypot(double{1} * known.x_um - now.x_um, double{1} * known.y_um - now.y_um,
@@ -184,7 +184,7 @@ void SessionStents::load(std::uint32_t tick)
     next_look_ = std::min(next_look_, due);
 }
 
-void SessionStents::tick(const seld_wire_encoders &input, const seld_wire_tick_state &state)
+void SessionStents::tick(const crn_wire_encoders &input, const crn_wire_tick_state &state)
 {
     if (tool_ && *tool_ < state.tools_count) inserted_m_ = units::metres(state.tools[*tool_].inserted_m_q30);
     if (input.strut_number >= 1 && input.strut_number <= struts_max)
@@ -336,7 +336,7 @@ void SessionStents::ask_for_struts(const WireFrame &wire)
         const std::vector<StentCircle> circles = stent_circles(stents_[i], share, to_reference);
         for (std::size_t k = 0; k < share; ++k) {
             const auto number = static_cast<std::uint8_t>(i * share + k + 1);
-            seld_wire_strut ring{};
+            crn_wire_strut ring{};
             ring.number = number;
             if (k < circles.size())
                 ring = ring_of(circles[k], number, k + 1 < circles.size(), stents_[i].design());
@@ -345,18 +345,18 @@ void SessionStents::ask_for_struts(const WireFrame &wire)
     }
 }
 
-std::optional<seld_wire_strut> SessionStents::strut_order()
+std::optional<crn_wire_strut> SessionStents::strut_order()
 {
     if (strut_orders_.empty()) return {};
-    const seld_wire_strut order = strut_orders_.front();
+    const crn_wire_strut order = strut_orders_.front();
     strut_orders_.pop_front();
     return order;
 }
 
-std::optional<seld_wire_scaffold> SessionStents::order()
+std::optional<crn_wire_scaffold> SessionStents::order()
 {
     if (orders_.empty()) return {};
-    const seld_wire_scaffold order = orders_.front();
+    const crn_wire_scaffold order = orders_.front();
     orders_.pop_front();
     return order;
 }
@@ -432,4 +432,4 @@ std::vector<StentResult> SessionStents::results()
     return results;
 }
 
-} // namespace seld
+} // namespace crn

@@ -23,7 +23,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 inline constexpr std::size_t stents_max = 8;  // of a session
@@ -65,14 +65,14 @@ class SessionStents final : public FrameSink
 
     // Only load_stent means something here. What cannot be done is kept in refusals(), and the last one said by notice().
     void command(std::uint32_t tick, const RoomCommand &command) override;
-    void tick(const seld_wire_encoders &input, const seld_wire_tick_state &state) override;
+    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state) override;
     std::uint32_t next_tick() const override { return next_look_; }
     void frame(const SessionFrame &frame) override { advance(frame.wire); }
     std::uint32_t next_look() const override { return next_look_; }
     void look(const SessionFrame &frame) override { advance(frame.wire); }
     bool needs_beginning() const override { return true; }
-    std::optional<seld_wire_scaffold> order() override;
-    std::optional<seld_wire_strut> strut_order() override;
+    std::optional<crn_wire_scaffold> order() override;
+    std::optional<crn_wire_strut> strut_order() override;
     void finish() override {}
     void advance(const WireFrame &wire);
 
@@ -126,10 +126,10 @@ class SessionStents final : public FrameSink
     double inserted_m_ = 0.0;                           // of the balloon's tool
     WireFrame seen_;                                    // of the last look, without its nodes
     std::vector<std::vector<std::uint32_t>> known_256_; // what the core was told, per lesion and station
-    std::deque<seld_wire_scaffold> orders_;
-    std::array<seld_wire_strut, struts_max> known_struts_{}; // rings that the core has; inside_um 0: none
-    std::deque<seld_wire_strut> strut_orders_;
+    std::deque<crn_wire_scaffold> orders_;
+    std::array<crn_wire_strut, struts_max> known_struts_{}; // rings that the core has; inside_um 0: none
+    std::deque<crn_wire_strut> strut_orders_;
     std::vector<std::string> refusals_;
 };
 
-} // namespace seld
+} // namespace crn

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-namespace seld
+namespace crn
 {
 
 void print_tools(const std::vector<Instrument> &tools, const SessionFigures &figures,
@@ -58,10 +58,10 @@ void print_result(const RunResult &result, const std::vector<Instrument> &tools)
         std::printf("%-21s line %d: %s: %s\n", expected.is_held ? "held" : "NOT HELD", expected.line,
                     printable(expected.text).c_str(), printable(expected.found).c_str());
     for (std::uint16_t i = 0; i < result.faults.entries_count; i++) {
-        const seld_wire_fault_entry &fault = result.faults.entries[i];
+        const crn_wire_fault_entry &fault = result.faults.entries[i];
         std::printf("fault                 %s at tick %u, %u in all: %s; remedy: %s\n",
-                    seld_wire_fault_name(fault.code), unsigned{fault.tick_first}, unsigned{fault.count},
-                    seld_wire_fault_text(fault.code), seld_wire_fault_remedy(fault.code));
+                    crn_wire_fault_name(fault.code), unsigned{fault.tick_first}, unsigned{fault.count},
+                    crn_wire_fault_text(fault.code), crn_wire_fault_remedy(fault.code));
     }
     if (result.resumes > 0) {
         std::printf("device                went and came back %u times; the session went on bit for bit\n",
@@ -190,4 +190,4 @@ void write_session_files(const SessionFiles &files, const RunResult &result, con
     if (!files.json.empty()) write_report(files.json, report);
 }
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // Name, lengths, force and torque of every tool, one below the other; `tips`: where they are.
@@ -25,4 +25,4 @@ void write_session_files(const SessionFiles &files, const RunResult &result, con
                          const std::vector<Instrument> &tools, const std::string &session,
                          const ReportSources &sources);
 
-} // namespace seld
+} // namespace crn

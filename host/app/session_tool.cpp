@@ -1,7 +1,7 @@
 #include "host/app/session_tool.hpp"
 #include <algorithm>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -74,4 +74,4 @@ VesselName vessel_name(LineParser &line)
     return name;
 }
 
-} // namespace seld
+} // namespace crn

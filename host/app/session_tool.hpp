@@ -5,11 +5,11 @@
 #include "shared/wire/wire.h"
 #include <optional>
 
-namespace seld
+namespace crn
 {
 
 // Tools are numbered from the innermost, 0, as on the wire; a script says wire, catheter, guide, or tool 1 to 3.
-inline constexpr std::size_t session_tools_max = SELD_WIRE_TOOL_MAX;
+inline constexpr std::size_t session_tools_max = CRN_WIRE_TOOL_MAX;
 
 // Whom a statement moves.
 struct ToolChoice {
@@ -35,4 +35,4 @@ struct VesselName {
 // One or more words up to `at`, `below`, `until`, `within` or the end of the line.
 VesselName vessel_name(LineParser &line);
 
-} // namespace seld
+} // namespace crn

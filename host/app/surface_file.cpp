@@ -10,7 +10,7 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -225,4 +225,4 @@ void SurfaceSink::finish()
         throw std::runtime_error(error);
 }
 
-} // namespace seld
+} // namespace crn

@@ -9,7 +9,7 @@
 #include "host/app/surface_picture.hpp"
 #include "host/model/opened_bodies.hpp"
 
-namespace seld
+namespace crn
 {
 
 struct SurfaceSettings {
@@ -52,4 +52,4 @@ class SurfaceSink final : public FrameSink
     std::vector<SurfacePanel> panels_;
 };
 
-} // namespace seld
+} // namespace crn

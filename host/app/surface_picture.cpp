@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <limits>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -193,4 +193,4 @@ Image draw_surfaces(const std::vector<SurfacePanel> &panels, const SurfaceView &
     return sheet.image();
 }
 
-} // namespace seld
+} // namespace crn

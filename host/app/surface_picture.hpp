@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 enum class SurfaceKind { wall, calcium, balloon };
@@ -33,4 +33,4 @@ struct SurfaceView {
 // Panels of size * size pixels, all on one scale.
 Image draw_surfaces(const std::vector<SurfacePanel> &panels, const SurfaceView &view, int size);
 
-} // namespace seld
+} // namespace crn

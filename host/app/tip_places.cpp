@@ -2,7 +2,7 @@
 #include "host/model/wire_place.hpp"
 #include <stdexcept>
 
-namespace seld
+namespace crn
 {
 
 std::vector<TipPlace> TipPlaces::at(const WireFrame &wire) const
@@ -37,4 +37,4 @@ std::unique_ptr<TipPlaces> read_tip_places(const std::string &bodies_path, const
     return std::make_unique<TipPlaces>(bodies.vessels, std::move(motion));
 }
 
-} // namespace seld
+} // namespace crn

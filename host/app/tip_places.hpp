@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct TipPlace {
@@ -42,4 +42,4 @@ class TipPlaces
 // std::runtime_error.
 std::unique_ptr<TipPlaces> read_tip_places(const std::string &bodies_path, const std::string &scene_path);
 
-} // namespace seld
+} // namespace crn

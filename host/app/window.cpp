@@ -18,7 +18,7 @@
 #include <string>
 #include <thread>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -45,7 +45,7 @@ std::string kept_recording()
     std::filesystem::path folder = state && *state ? std::filesystem::path(state)
                                    : home && *home ? std::filesystem::path(home) / ".local" / "state"
                                                    : std::filesystem::path(".");
-    folder /= "seldinger";
+    folder /= "cournand";
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error)
@@ -118,7 +118,7 @@ class Window
         : options_(options), scene_(read_scene(options.scene)),
           tools_(read_tools(options.instrument, options.tools)),
           entry_(entry_with(scene_, tools_.size(), options.inserted_mm)),
-          keys_(tools_.size(), options.shows_help), screen_("Seldinger", window_edge)
+          keys_(tools_.size(), options.shows_help), screen_("Cournand", window_edge)
     {
         choice_ = options.free_run ? free_run_device(options.device, options.motors, options.yes)
                                    : parse_device(options.device);
@@ -153,7 +153,7 @@ class Window
             throw std::runtime_error(error);
         end_session();
         if (is_interrupted() || session_->was_stopped())
-            std::fprintf(stderr, "seldinger: interrupted; what was written up to here is complete\n");
+            std::fprintf(stderr, "cournand: interrupted; what was written up to here is complete\n");
         else
             return !tell_fault() ? 0 : session_->range().is_left() ? exit_out_of_range : 1;
         return 1;
@@ -166,9 +166,9 @@ class Window
         if (session_->fault().empty()) return false;
         const auto &left = session_->range().left();
         if (!is_fault_told_ && left)
-            say(stderr, "seldinger: %s\n", range_text(*left).c_str());
+            say(stderr, "cournand: %s\n", range_text(*left).c_str());
         else if (!is_fault_told_)
-            say(stderr, "seldinger: the session ended by a fault: %s\n", session_->fault().c_str());
+            say(stderr, "cournand: the session ended by a fault: %s\n", session_->fault().c_str());
         return is_fault_told_ = true;
     }
 
@@ -229,7 +229,7 @@ class Window
     const WindowOptions &options_;
     SceneFile scene_;
     std::vector<Instrument> tools_;
-    seld_wire_entry entry_;
+    crn_wire_entry entry_;
     DeviceChoice choice_;
     WindowKeys keys_;
     Screen screen_;
@@ -264,4 +264,4 @@ int command_view(WindowOptions options)
     return run_window(options);
 }
 
-} // namespace seld
+} // namespace crn

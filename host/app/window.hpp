@@ -1,4 +1,4 @@
-// The window of `seldinger view`: hand, pedal and C-arm by keyboard, the same pictures as everywhere else.
+// The window of `cournand view`: hand, pedal and C-arm by keyboard, the same pictures as everywhere else.
 // Live input is recorded like a session; the recording replays bit for bit.
 // May include: all host. Called by: cli.
 #pragma once
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct WindowOptions {
@@ -37,4 +37,4 @@ struct WindowOptions {
 // exit code 1.
 int run_window(const WindowOptions &options);
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <utility>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -277,15 +277,15 @@ void WindowKeys::take_rhythm(int key)
     case GLFW_KEY_4:
     case GLFW_KEY_5:
         heart_rate_per_min_ = std::clamp(heart_rate_per_min_ + (key == GLFW_KEY_5 ? 10 : -10), 40, 160);
-        return order(SELD_WIRE_RHYTHM_HEART_RATE, heart_rate_per_min_);
+        return order(CRN_WIRE_RHYTHM_HEART_RATE, heart_rate_per_min_);
     case GLFW_KEY_6:
-        return order(SELD_WIRE_RHYTHM_PREMATURE, premature_usual_milli);
+        return order(CRN_WIRE_RHYTHM_PREMATURE, premature_usual_milli);
     case GLFW_KEY_7:
         is_asystole_ = !is_asystole_;
-        return order(SELD_WIRE_RHYTHM_ASYSTOLE, is_asystole_);
+        return order(CRN_WIRE_RHYTHM_ASYSTOLE, is_asystole_);
     case GLFW_KEY_8:
         holds_breath_ = !holds_breath_;
-        return order(SELD_WIRE_RHYTHM_BREATH_HOLD, holds_breath_);
+        return order(CRN_WIRE_RHYTHM_BREATH_HOLD, holds_breath_);
     default:
         break;
     }
@@ -423,4 +423,4 @@ void WindowKeys::shift_mask(const Room &room, double right_px, double up_px)
     ask(RoomAction::shift, held(status.shift_right_px + right_px), held(status.shift_up_px + up_px));
 }
 
-} // namespace seld
+} // namespace crn

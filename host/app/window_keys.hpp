@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 class WindowKeys
@@ -75,4 +75,4 @@ class WindowKeys
 
 std::vector<std::string> help_panel(std::size_t tool_count);
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 
 constexpr std::int32_t inflator_max_kPa = 4000; // what a device takes (docs/wire.md)
@@ -15,7 +15,7 @@ namespace
 {
 
 RecordingHeader header_of(const Device &device, const SceneFile &scene, const std::vector<Instrument> &tools,
-                          const seld_wire_entry &entry, const std::vector<StentDesign> &stents)
+                          const crn_wire_entry &entry, const std::vector<StentDesign> &stents)
 {
     return {device.identity().core_version,
             device.identity().schema_hash,
@@ -32,7 +32,7 @@ RecordingHeader header_of(const Device &device, const SceneFile &scene, const st
 } // namespace
 
 LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools,
-                         const seld_wire_entry &entry, const std::string &record,
+                         const crn_wire_entry &entry, const std::string &record,
                          const PictureSettings &pictures, const std::vector<RoomCommand> &begin,
                          const DeviceChoice &choice)
     : settings_(pictures), choice_(choice), device_(scene, tools, entry, host_rig(), choice),
@@ -67,8 +67,8 @@ void LiveSession::pass(std::uint32_t tick, const RoomCommand &command)
 // The picture of the present tick is made already.
 void LiveSession::command(const RoomCommand &command)
 {
-    const std::uint32_t pedal = command.action == RoomAction::fluoro_pedal    ? SELD_WIRE_BUTTON_XRAY
-                                : command.action == RoomAction::acquire_pedal ? SELD_WIRE_BUTTON_CINE
+    const std::uint32_t pedal = command.action == RoomAction::fluoro_pedal    ? CRN_WIRE_BUTTON_XRAY
+                                : command.action == RoomAction::acquire_pedal ? CRN_WIRE_BUTTON_CINE
                                                                               : 0;
     buttons_ = command.values[0] == 1 ? buttons_ | pedal : buttons_ & ~pedal;
     pass((choice_.free_run ? led_tick_ : device_.link().tick()) + 1, command);
@@ -88,7 +88,7 @@ void LiveSession::order(const RhythmOrder &order)
 void LiveSession::look_at_pedals()
 {
     if (!choice_.is_usb) return;
-    seld_wire_sensors sensors{};
+    crn_wire_sensors sensors{};
     device_.ask([&](Link &link) { sensors = link.read_sensors(); });
     for (const RoomCommand &change : rig_pedals_.changes(sensors.buttons)) command(change);
     if (const auto injection = rig_syringe_.change(device_.link().tick(), sensors.syringe_counts))
@@ -135,7 +135,7 @@ void LiveSession::batch(std::uint32_t count)
     Link &link = device_.link();
     inputs_.clear();
     for (std::uint32_t i = 0; i < count; ++i) {
-        seld_wire_encoders input{};
+        crn_wire_encoders input{};
         input.hands_count = static_cast<std::uint16_t>(hands_.size());
         input.buttons = buttons_;
         for (std::size_t k = 0; k < hands_.size(); ++k) {
@@ -192,7 +192,7 @@ void LiveSession::stop_out_of_range()
     }
 }
 
-void LiveSession::tick(const seld_wire_live_tick &tick)
+void LiveSession::tick(const crn_wire_live_tick &tick)
 {
     led_tick_ = tick.state.tick;
     state_ = tick.state;
@@ -230,7 +230,7 @@ void LiveSession::record_state()
 
 void LiveSession::picture()
 {
-    const seld_wire_encoders input = inputs_.empty() ? seld_wire_encoders{} : inputs_.back();
+    const crn_wire_encoders input = inputs_.empty() ? crn_wire_encoders{} : inputs_.back();
     frame_ = session_frame(device_, state_, input);
     const Presence presence(choice_.free_run && device_.has_its_own_clock() ? &device_.link() : nullptr);
     pictures_.frame(frame_);
@@ -247,7 +247,7 @@ void LiveSession::finish()
             link.read_nodes();
             faults_ = link.read_fault_log();
         });
-        frame_ = session_frame(device_, state_, inputs_.empty() ? seld_wire_encoders{} : inputs_.back());
+        frame_ = session_frame(device_, state_, inputs_.empty() ? crn_wire_encoders{} : inputs_.back());
     } catch (const LinkError &) {
         if (fault_.empty()) throw; // of a device that went the recording ends where it went
     }
@@ -270,4 +270,4 @@ RunResult LiveSession::result(const TipPlaces &tips) const
     return result;
 }
 
-} // namespace seld
+} // namespace crn

@@ -16,14 +16,14 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 class LiveSession final : private FreeRunSink
 {
   public:
     // `tools` from the innermost. `begin`: what the room is asked for at the start. `record` empty: none. Throws what Device, Recorder and SessionPictures throw.
-    LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools, const seld_wire_entry &entry,
+    LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
                 const std::string &record, const PictureSettings &pictures,
                 const std::vector<RoomCommand> &begin, const DeviceChoice &choice = {});
 
@@ -54,7 +54,7 @@ class LiveSession final : private FreeRunSink
     std::uint32_t batch_size(std::uint32_t wanted);
     void batch(std::uint32_t count);
     void advance_rig(std::uint32_t ticks);
-    void tick(const seld_wire_live_tick &tick) override;
+    void tick(const crn_wire_live_tick &tick) override;
     void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes) override;
     void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes) override;
     void record_state();
@@ -73,7 +73,7 @@ class LiveSession final : private FreeRunSink
     SessionFigures figures_;
     ContactFigures contacts_;
     bool measures_contacts_ = false;
-    seld_wire_fault_log faults_{};
+    crn_wire_fault_log faults_{};
     std::uint64_t end_hash_ = 0;
     const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
     RigPedals rig_pedals_;
@@ -82,8 +82,8 @@ class LiveSession final : private FreeRunSink
     const bool has_balloon_;
     std::int32_t inflation_kPa_per_s_ = 0, inflator_milli_kPa_ = 0; // 1/1000 kPa
     std::uint32_t buttons_ = 0;                                     // pedals by key, as a rig would send them
-    std::vector<seld_wire_encoders> inputs_;
-    seld_wire_tick_state state_{};
+    std::vector<crn_wire_encoders> inputs_;
+    crn_wire_tick_state state_{};
     SessionFrame frame_;
     std::uint32_t hash_tick_ = 0;
     std::uint32_t led_tick_ = 0; // FREE_RUN: the last tick that came
@@ -91,4 +91,4 @@ class LiveSession final : private FreeRunSink
     bool has_stopped_ = false; // by itself, out of range
 };
 
-} // namespace seld
+} // namespace crn

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -52,7 +52,7 @@ Screen::Screen(const std::string &title, int edge)
 {
     if (!glfwInit())
         throw std::runtime_error("window: no display (" + glfw_reason() +
-                                 "); set DISPLAY, or make a film with `seldinger run --mp4 FILE`");
+                                 "); set DISPLAY, or make a film with `cournand run --mp4 FILE`");
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -65,7 +65,7 @@ Screen::Screen(const std::string &title, int edge)
         throw std::runtime_error(
             "window: no OpenGL 3.3 window (" + reason +
             "); install a graphics driver (Debian: libgl1-mesa-dri), or make a film with "
-            "`seldinger run --mp4 FILE`");
+            "`cournand run --mp4 FILE`");
     }
     try {
         glfwMakeContextCurrent(window_);
@@ -216,4 +216,4 @@ Image Screen::read_back()
     return image;
 }
 
-} // namespace seld
+} // namespace crn

@@ -9,7 +9,7 @@
 
 struct GLFWwindow;
 
-namespace seld
+namespace crn
 {
 
 class Screen
@@ -60,4 +60,4 @@ class Screen
     int texture_edge_ = 0;
 };
 
-} // namespace seld
+} // namespace crn

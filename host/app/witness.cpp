@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -15,15 +15,15 @@ std::string hex(std::uint64_t value)
     return text;
 }
 
-std::string lanes(const seld_wire_tick_state &state)
+std::string lanes(const crn_wire_tick_state &state)
 {
     return hex(std::uint64_t{state.hash_lane0} << 32 | state.hash_lane1);
 }
 
 template <class Message, class Put> std::vector<std::uint8_t> bytes_of(const Message &message, Put put)
 {
-    std::vector<std::uint8_t> bytes(SELD_WIRE_PAYLOAD_MAX);
-    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
+    std::vector<std::uint8_t> bytes(CRN_WIRE_PAYLOAD_MAX);
+    crn_wire_writer writer = crn_wire_writer_make(bytes.data(), bytes.size());
     put(&writer, &message);
     bytes.resize(writer.length);
     return bytes;
@@ -43,11 +43,11 @@ std::uint32_t own_core_version()
     return Link(pipe).hello().core_version;
 }
 
-Witness::Witness(const SceneFile &scene, const std::vector<Instrument> &tools, const seld_wire_entry &entry,
-                 const seld_wire_rig &rig, const std::string &who)
+Witness::Witness(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
+                 const crn_wire_rig &rig, const std::string &who)
     : link_(pipe_), who_(who)
 {
-    std::vector<seld_wire_instrument> tables;
+    std::vector<crn_wire_instrument> tables;
     for (const Instrument &tool : tools) tables.push_back(tool.table);
     link_.hello();
     link_.load_scene(scene.bytes);
@@ -65,7 +65,7 @@ void Witness::differ(const char *what, std::uint32_t tick, const std::string &to
     throw LinkError(
         who_ + " says a false " + what + " of tick " + std::to_string(tick) + ": " + told +
         ", and this machine's core has " + ours +
-        ". What was recorded before is true. Remedy: seldinger rig selftest; install this release's "
+        ". What was recorded before is true. Remedy: cournand rig selftest; install this release's "
         "firmware; if it stays so, do not use the rig");
 }
 
@@ -77,27 +77,26 @@ void Witness::keep_hash()
     if (hashes_.size() > hashes_kept) hashes_.pop_front();
 }
 
-void Witness::step(std::span<const seld_wire_encoders> inputs, std::span<const seld_wire_tick_state> states,
-                   const seld_wire_nodes *nodes)
+void Witness::step(std::span<const crn_wire_encoders> inputs, std::span<const crn_wire_tick_state> states,
+                   const crn_wire_nodes *nodes)
 {
     const auto ours = link_.step(inputs, nodes != nullptr);
     for (std::size_t i = 0; i < states.size(); i++) {
         if (ours[i].hash_lane0 != states[i].hash_lane0 || ours[i].hash_lane1 != states[i].hash_lane1)
             differ("hash", ours[i].tick, lanes(states[i]), lanes(ours[i]));
-        const auto told = bytes_of(states[i], seld_wire_put_tick_state),
-                   own = bytes_of(ours[i], seld_wire_put_tick_state);
+        const auto told = bytes_of(states[i], crn_wire_put_tick_state),
+                   own = bytes_of(ours[i], crn_wire_put_tick_state);
         if (told != own) differ("result", ours[i].tick, place_of_difference(told, own), "its own");
     }
     keep_hash();
     if (nodes == nullptr) return;
-    const auto told = bytes_of(*nodes, seld_wire_put_nodes),
-               own = bytes_of(link_.nodes(), seld_wire_put_nodes);
+    const auto told = bytes_of(*nodes, crn_wire_put_nodes), own = bytes_of(link_.nodes(), crn_wire_put_nodes);
     if (told != own) differ("shape", link_.tick(), place_of_difference(told, own), "its own");
 }
 
-void Witness::tick(const seld_wire_encoders &input, const seld_wire_tick_state &state)
+void Witness::tick(const crn_wire_encoders &input, const crn_wire_tick_state &state)
 {
-    const seld_wire_tick_state ours = link_.step({&input, 1}, false).front();
+    const crn_wire_tick_state ours = link_.step({&input, 1}, false).front();
     if (ours.tick != state.tick)
         differ("tick", ours.tick, std::to_string(state.tick), std::to_string(ours.tick));
     if (ours.hash_lane0 != state.hash_lane0 || ours.hash_lane1 != state.hash_lane1)
@@ -144,4 +143,4 @@ void Witness::restore(std::span<const std::uint8_t> bytes)
     link_.start();
 }
 
-} // namespace seld
+} // namespace crn

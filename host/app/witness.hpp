@@ -12,22 +12,22 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 class Witness
 {
   public:
     // As replay sets its device up. `who` is the rig in messages. Throws LinkError.
-    Witness(const SceneFile &scene, const std::vector<Instrument> &tools, const seld_wire_entry &entry,
-            const seld_wire_rig &rig, const std::string &who);
+    Witness(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
+            const crn_wire_rig &rig, const std::string &who);
 
     // Each throws LinkError that names tick, both values and what to do when the rig says something else.
     // LOCKSTEP: whole results, and the line's shape where it was asked for (`nodes`, else nullptr).
-    void step(std::span<const seld_wire_encoders> inputs, std::span<const seld_wire_tick_state> states,
-              const seld_wire_nodes *nodes);
+    void step(std::span<const crn_wire_encoders> inputs, std::span<const crn_wire_tick_state> states,
+              const crn_wire_nodes *nodes);
     // FREE_RUN: the hashes; forces of motors are the rig's own.
-    void tick(const seld_wire_encoders &input, const seld_wire_tick_state &state);
+    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state);
     // Of the present tick, or of one of the last hundreds.
     void hash(const Hash64 &told);
     // Of the present tick, which the session may go on from. LOCKSTEP: every byte; else the core's state in it.
@@ -51,4 +51,4 @@ class Witness
 // The release of the core on this machine.
 std::uint32_t own_core_version();
 
-} // namespace seld
+} // namespace crn

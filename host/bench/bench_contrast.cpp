@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-using namespace seld;
+using namespace crn;
 
 namespace
 {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-using namespace seld;
+using namespace crn;
 
 namespace
 {

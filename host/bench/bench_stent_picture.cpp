@@ -13,7 +13,7 @@
 #include <cstring>
 #include <memory>
 
-using namespace seld;
+using namespace crn;
 using Eigen::Vector3d;
 
 namespace

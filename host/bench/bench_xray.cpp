@@ -13,7 +13,7 @@
 #include <iterator>
 #include <string>
 
-using namespace seld;
+using namespace crn;
 
 namespace
 {

@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-using namespace seld;
+using namespace crn;
 
 namespace
 {
@@ -197,7 +197,7 @@ int main(int argc, char **argv)
             times_ms.push_back(now_ms() - begin);
             processor_times_ms.push_back(processor_ms() - processor_begin);
         }
-    std::printf("code=seldinger version=1 size=%d triangles=%zu views=%zu ms_min=%.4f ms_median=%.4f "
+    std::printf("code=cournand version=1 size=%d triangles=%zu views=%zu ms_min=%.4f ms_median=%.4f "
                 "processor_ms_median=%.4f\n",
                 size, scene.triangle_count(), std::size(looks),
                 *std::min_element(times_ms.begin(), times_ms.end()), median(times_ms),

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -66,4 +66,4 @@ std::string Digest::uid() const
     return "2.25." + digits;
 }
 
-} // namespace seld
+} // namespace crn

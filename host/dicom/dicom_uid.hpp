@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace seld
+namespace crn
 {
 
 // FNV-1a with 128 bits (draft-eastlake-fnv): of everything given to it, in order.
@@ -24,4 +24,4 @@ class Digest
         (static_cast<unsigned __int128>(0x6c62272e07bb0142ULL) << 64) | 0x62b821756295c58dULL;
 };
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <dcmtk/dcmdata/dcuid.h>
 #include <stdexcept>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -23,7 +23,7 @@ std::string kind_name(RunKind kind)
 std::string derived_uid(const XaStudy &study, std::string_view what)
 {
     Digest digest;
-    digest.add("seldinger " + std::string(what));
+    digest.add("cournand " + std::string(what));
     digest.add(study.key);
     digest.add(study.patient_name);
     digest.add(study.patient_id);
@@ -61,8 +61,8 @@ void put_study(XaItem &item, const XrayRun &run, const XaStudy &study)
     item.text(DCM_SeriesInstanceUID, derived_uid(study, "series"));
     item.whole(DCM_SeriesNumber, 1);
     item.empty(DCM_Laterality); // the whole person is on the table
-    item.text(DCM_Manufacturer, "Seldinger");
-    item.text(DCM_ManufacturerModelName, "Seldinger simulator");
+    item.text(DCM_Manufacturer, "Cournand");
+    item.text(DCM_ManufacturerModelName, "Cournand simulator");
     item.text(DCM_SeriesDescription, "Simulated angiography");
     item.text(DCM_ProtocolName, kind_name(run.kind));
 }
@@ -95,7 +95,7 @@ void put_image(XaItem &item, const XrayRun &run, const Digest &content, const Xa
     item.whole(DCM_AcquisitionNumber, run.number);
     item.text(DCM_PatientOrientation, direction_letters(view.right) + "\\" + direction_letters(-view.up));
     item.text(DCM_ImageType, "ORIGINAL\\PRIMARY\\SINGLE PLANE");
-    item.text(DCM_ImageComments, "Simulated by Seldinger; not a picture of a person");
+    item.text(DCM_ImageComments, "Simulated by Cournand; not a picture of a person");
     item.text(DCM_QualityControlImage, "YES"); // a phantom, in the words of the standard
     item.text(DCM_BurnedInAnnotation, "NO");
     item.text(DCM_LossyImageCompression, "00");
@@ -288,4 +288,4 @@ void put_attributes(DcmDataset &dataset, const XrayRun &run, const XaStudy &stud
     put_frames_private(item, run);
 }
 
-} // namespace seld
+} // namespace crn

@@ -4,7 +4,7 @@
 #include <dcmtk/config/osconfig.h>
 #include <dcmtk/dcmdata/dcdatset.h>
 
-namespace seld
+namespace crn
 {
 
 // Throws std::invalid_argument, with what contradicts what, when the run is not one.
@@ -14,4 +14,4 @@ void check_run(const XrayRun &run);
 void put_attributes(DcmDataset &dataset, const XrayRun &run, const XaStudy &study, const Digest &content,
                     int instance);
 
-} // namespace seld
+} // namespace crn

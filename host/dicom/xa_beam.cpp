@@ -5,7 +5,7 @@
 #include <cctype>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -220,4 +220,4 @@ void put_frames_private(XaItem &item, const XrayRun &run)
     item.private_doubles(0x1008, distances_mm);
 }
 
-} // namespace seld
+} // namespace crn

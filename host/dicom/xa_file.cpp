@@ -11,7 +11,7 @@
 #include <dcmtk/dcmdata/dcwcache.h>
 #include <unistd.h>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -158,4 +158,4 @@ void write_xa(const std::string &path, const XrayRun &run, const XaStudy &study,
     write_xa(path, run, spool, pixels, study, instance, progress);
 }
 
-} // namespace seld
+} // namespace crn

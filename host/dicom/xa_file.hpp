@@ -14,7 +14,7 @@
 #include <memory>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 // What all files of one export share.
@@ -85,4 +85,4 @@ void write_xa(const std::string &path, const XrayRun &run, XaSpool &spool, const
 void write_xa(const std::string &path, const XrayRun &run, const XaStudy &study, int instance = 1,
               const XaProgress &progress = nullptr);
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -87,4 +87,4 @@ void XaItem::private_doubles(std::uint16_t element, const std::vector<double> &v
     check(item_.putAndInsertFloat64Array(tag, values.data(), values.size()), tag);
 }
 
-} // namespace seld
+} // namespace crn

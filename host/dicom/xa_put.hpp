@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // "0.625": as many digits as say something, at most the 16 characters of a DS.
@@ -37,7 +37,7 @@ class XaItem
 
 // The private block: what the classic XA object has no attribute for, one value per frame (docs/output.md).
 inline constexpr std::uint16_t private_group = 0x0023;
-inline constexpr const char *private_creator = "SELDINGER 1.0";
+inline constexpr const char *private_creator = "COURNAND 1.0";
 
 // The beam: tube, dose, filter, collimator, table, C-arm (xa_beam.cpp).
 struct XrayRun;
@@ -47,4 +47,4 @@ void put_table(XaItem &item, const XrayRun &run);
 void put_positioner(XaItem &item, const XrayRun &run);
 void put_frames_private(XaItem &item, const XrayRun &run);
 
-} // namespace seld
+} // namespace crn

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -69,4 +69,4 @@ BeatPhase steady_beat(std::uint32_t tick, double beats_per_min)
     return phase;
 }
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace seld
+namespace crn
 {
 
 inline constexpr double mean_pressure_mmHg = 88.0; // aorta less veins
@@ -38,4 +38,4 @@ BeatPhase core_beat(double beat_ms, double interval_ms, bool is_resting);
 // et al., Circulation 37 (1968) 149, men).
 BeatPhase steady_beat(std::uint32_t tick, double beats_per_min);
 
-} // namespace seld
+} // namespace crn

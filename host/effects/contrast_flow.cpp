@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -313,4 +313,4 @@ bool ContrastFlow::restore(std::span<const std::uint8_t> bytes)
     return true;
 }
 
-} // namespace seld
+} // namespace crn

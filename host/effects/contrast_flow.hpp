@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct ContrastSettings {
@@ -113,4 +113,4 @@ class ContrastFlow
     std::vector<double> least_ml_;                 // of cells, while they change
 };
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -188,4 +188,4 @@ std::size_t FlowCells::nearest(const Eigen::Vector3d &place_m) const
     return best;
 }
 
-} // namespace seld
+} // namespace crn

@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct FlowCell {
@@ -77,4 +77,4 @@ class FlowCells
 // Mean flow out of a vessel of this radius by Murray's law: wall shear rate 500/s, so pi/4 500/s r^3.
 double murray_flow_ml_s(double radius_mm);
 
-} // namespace seld
+} // namespace crn

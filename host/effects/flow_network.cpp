@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -234,4 +234,4 @@ void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sour
         throat_flows_[k] += 0.5 * (std::fabs(flows_[run_of_[throats_[k].cell]].in_ml_s) - throat_flows_[k]);
 }
 
-} // namespace seld
+} // namespace crn

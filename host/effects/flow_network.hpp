@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // Share of its conductance that a round tube keeps with a round rod of `share` of its radius in its middle, 0 from 0.98 on:
@@ -93,4 +93,4 @@ class FlowNetwork
     std::vector<Flow> flows_;
 };
 
-} // namespace seld
+} // namespace crn

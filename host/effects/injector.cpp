@@ -1,7 +1,7 @@
 #include "host/effects/injector.hpp"
 #include <algorithm>
 
-namespace seld
+namespace crn
 {
 
 std::uint64_t Injector::inject(std::uint32_t tick, std::int32_t volume_ul, std::int32_t rate_ul_s,
@@ -53,4 +53,4 @@ InjectedFluid Injector::take(std::uint32_t tick)
     return {static_cast<double>(sum_nl) * 1e-3, iodine / static_cast<double>(sum_nl)}; // nl per ms are ul/s
 }
 
-} // namespace seld
+} // namespace crn

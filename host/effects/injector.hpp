@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 class Injector
@@ -37,4 +37,4 @@ class Injector
     std::uint64_t asked_ = 0; // injections
 };
 
-} // namespace seld
+} // namespace crn

@@ -1,6 +1,6 @@
 #include "host/effects/lesion_figures.hpp"
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -64,4 +64,4 @@ std::vector<LesionFigures> lesion_figures(const VesselTree &tree, double viscosi
     return all;
 }
 
-} // namespace seld
+} // namespace crn

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct LesionFigures {
@@ -31,4 +31,4 @@ constexpr double hyperaemia_openness = 4.0;
 std::vector<LesionFigures> lesion_figures(const VesselTree &tree, double viscosity_mPa_s,
                                           const VesselTree *opened = nullptr);
 
-} // namespace seld
+} // namespace crn

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -21,9 +21,9 @@ constexpr Viscosity label[] = {{0.0, 0.69},  {140.0, 1.5}, {180.0, 2.0},
                                {240.0, 3.4}, {300.0, 6.3}, {350.0, 10.4}};
 
 // A radius of the tool at an arc length from its tip: linear between knots, constant beyond them.
-double radius_m(const Instrument &tool, double arc_m, std::uint32_t seld_wire_knot::*radius_um)
+double radius_m(const Instrument &tool, double arc_m, std::uint32_t crn_wire_knot::*radius_um)
 {
-    const seld_wire_knot *knots = tool.table.knots;
+    const crn_wire_knot *knots = tool.table.knots;
     const std::size_t count = tool.table.knots_count;
     if (count == 0) return 0.0;
     const double arc_um = arc_m * 1e6;
@@ -44,7 +44,7 @@ double inner_radius_m(std::span<const InnerTool> inside, double arc_m)
     for (const InnerTool &inner : inside) {
         const double inner_arc_m = arc_m - inner.tip_behind_m;
         if (inner_arc_m < 0.0 || inner_arc_m > inner.tool->length_m) continue;
-        widest_m = std::max(widest_m, radius_m(*inner.tool, inner_arc_m, &seld_wire_knot::radius_outer_um));
+        widest_m = std::max(widest_m, radius_m(*inner.tool, inner_arc_m, &crn_wire_knot::radius_outer_um));
     }
     return widest_m;
 }
@@ -80,7 +80,7 @@ double injection_pressure_kPa(const Instrument &tool, std::span<const InnerTool>
     double per_m4 = 0.0; // integral of ds / (share R^4)
     for (int i = 0; i < steps; ++i) {
         const double arc_m = (i + 0.5) * length_m;
-        const double lumen_m = radius_m(tool, arc_m, &seld_wire_knot::radius_inner_um);
+        const double lumen_m = radius_m(tool, arc_m, &crn_wire_knot::radius_inner_um);
         const double share = lumen_m > 0.0 ? gap_share(inner_radius_m(inside, arc_m) / lumen_m) : 0.0;
         if (share <= 0.0) return std::numeric_limits<double>::infinity();
         per_m4 += length_m / (share * std::pow(lumen_m, 4));
@@ -90,4 +90,4 @@ double injection_pressure_kPa(const Instrument &tool, std::span<const InnerTool>
     return 8.0 * viscosity_Pa_s * flow_m3_s / std::numbers::pi * per_m4 * 1e-3;
 }
 
-} // namespace seld
+} // namespace crn

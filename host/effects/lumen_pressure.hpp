@@ -10,7 +10,7 @@
 #include "host/model/instrument.hpp"
 #include <span>
 
-namespace seld
+namespace crn
 {
 
 // Machines stop at 1200 psi, and so do high-pressure catheters.
@@ -30,4 +30,4 @@ struct InnerTool {
 double injection_pressure_kPa(const Instrument &tool, std::span<const InnerTool> inside, double flow_ml_s,
                               double iodine_mg_per_ml);
 
-} // namespace seld
+} // namespace crn

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -36,13 +36,13 @@ double ecg_mV(double phase, double beat_ms, double interval_ms, std::uint8_t bit
 {
     const double to_next_ms = interval_ms - beat_ms;
     double mV = 0.0;
-    if ((bits & (SELD_WIRE_RHYTHM_NEXT_PREMATURE | SELD_WIRE_RHYTHM_IS_RESTING)) == 0 &&
-        (bits & SELD_WIRE_RHYTHM_WANTS_ASYSTOLE) == 0)
+    if ((bits & (CRN_WIRE_RHYTHM_NEXT_PREMATURE | CRN_WIRE_RHYTHM_IS_RESTING)) == 0 &&
+        (bits & CRN_WIRE_RHYTHM_WANTS_ASYSTOLE) == 0)
         mV += 0.14 * bell(to_next_ms - 118.0, 20.0); // P
-    if ((bits & SELD_WIRE_RHYTHM_IS_RESTING) != 0) return mV;
+    if ((bits & CRN_WIRE_RHYTHM_IS_RESTING) != 0) return mV;
     // T peaks at four fifths of systole and is over soon after it.
     const double t = bell(phase / phase_systole_end - 0.8, 0.105);
-    if ((bits & SELD_WIRE_RHYTHM_IS_PREMATURE) != 0)
+    if ((bits & CRN_WIRE_RHYTHM_IS_PREMATURE) != 0)
         return mV + 1.5 * bell(beat_ms - 62.0, 24.0) - 0.5 * bell(beat_ms - 128.0, 26.0) - 0.42 * t;
     return mV - 0.12 * bell(beat_ms - 12.0, 6.0) + 1.25 * bell(beat_ms - 36.0, 9.0) -
            0.28 * bell(beat_ms - 60.0, 8.0) + 0.30 * t;
@@ -56,10 +56,10 @@ double ejection_shape(double share)
     return 20.0 * s * (1.0 - s) * (1.0 - s) * (1.0 - s); // beta function B(2,4) = 1/20
 }
 
-double PulseMonitor::ejection_ml_per_s(const seld_wire_tick_state &state) const
+double PulseMonitor::ejection_ml_per_s(const crn_wire_tick_state &state) const
 {
     const double phase = phase_of(state.heart_phase32);
-    if ((state.rhythm_bits & SELD_WIRE_RHYTHM_IS_RESTING) != 0 || phase >= phase_systole_end) return 0.0;
+    if ((state.rhythm_bits & CRN_WIRE_RHYTHM_IS_RESTING) != 0 || phase >= phase_systole_end) return 0.0;
     const double share = phase / phase_systole_end;
     const double stroke = stroke_ml * filled_share(filling_ms_);
     const double ejection_s = systole_ms_ * 1e-3 * (valve_closes_share - valve_opens_share);
@@ -68,10 +68,10 @@ double PulseMonitor::ejection_ml_per_s(const seld_wire_tick_state &state) const
     return stroke * (1.0 + backflow_share) * ejection_shape(share) / ejection_s;
 }
 
-void PulseMonitor::begin_beat(const seld_wire_tick_state &state)
+void PulseMonitor::begin_beat(const crn_wire_tick_state &state)
 {
     beats_++;
-    premature_beats_ += (state.rhythm_bits & SELD_WIRE_RHYTHM_IS_PREMATURE) != 0;
+    premature_beats_ += (state.rhythm_bits & CRN_WIRE_RHYTHM_IS_PREMATURE) != 0;
     if (beat_ms_ < 1e6) {
         filling_ms_ = std::max(beat_ms_ - systole_ms_, 0.0);
         intervals_ms_[interval_count_++ % intervals_ms_.size()] = beat_ms_ + 1.0;
@@ -82,7 +82,7 @@ void PulseMonitor::begin_beat(const seld_wire_tick_state &state)
     lowest_mmHg_ = 1e9;
 }
 
-void PulseMonitor::tick(const seld_wire_tick_state &state)
+void PulseMonitor::tick(const crn_wire_tick_state &state)
 {
     if (state.beat_ms < beat_ms_) begin_beat(state);
     beat_ms_ = state.beat_ms;
@@ -111,4 +111,4 @@ double PulseMonitor::rate_per_min() const
     return 60e3 * static_cast<double>(count) / sum;
 }
 
-} // namespace seld
+} // namespace crn

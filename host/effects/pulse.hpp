@@ -9,7 +9,7 @@
 #include <array>
 #include <cstdint>
 
-namespace seld
+namespace crn
 {
 
 // 10 / 24 of a cycle: the phase at which the aortic valve closes.
@@ -20,7 +20,7 @@ inline double phase_of(std::uint32_t phase32)
     return phase32 * 0x1p-32;
 }
 
-// Lead II, mV. `beat_ms` since the QRS, `interval_ms` to the next one, `bits` SELD_WIRE_RHYTHM_*.
+// Lead II, mV. `beat_ms` since the QRS, `interval_ms` to the next one, `bits` CRN_WIRE_RHYTHM_*.
 double ecg_mV(double phase, double beat_ms, double interval_ms, std::uint8_t bits);
 
 // Flow out of the ventricle, of area 1 over the ejection and 0 where the valve is shut; `share` 0 .. 1 of systole.
@@ -35,7 +35,7 @@ class PulseMonitor
         float ecg_mV = 0.0f, pressure_mmHg = 0.0f;
     };
 
-    void tick(const seld_wire_tick_state &state);
+    void tick(const crn_wire_tick_state &state);
 
     double pressure_mmHg() const { return aortic_mmHg_; }
     // Of the last whole beat.
@@ -45,7 +45,7 @@ class PulseMonitor
     double rate_per_min() const;
     std::uint32_t beats() const { return beats_; }
     std::uint32_t premature_beats() const { return premature_beats_; }
-    bool holds_breath() const { return (bits_ & SELD_WIRE_RHYTHM_HOLDS_BREATH) != 0; }
+    bool holds_breath() const { return (bits_ & CRN_WIRE_RHYTHM_HOLDS_BREATH) != 0; }
 
     // The last 4 s as a monitor draws them: a ring that is written over from the left; `newest` is the place written last.
     const std::array<Sample, sample_count> &samples() const { return samples_; }
@@ -54,8 +54,8 @@ class PulseMonitor
     bool is_full() const { return ticks_ >= sample_ticks * sample_count; }
 
   private:
-    void begin_beat(const seld_wire_tick_state &state);
-    double ejection_ml_per_s(const seld_wire_tick_state &state) const;
+    void begin_beat(const crn_wire_tick_state &state);
+    double ejection_ml_per_s(const crn_wire_tick_state &state) const;
 
     std::array<Sample, sample_count> samples_{};
     std::size_t newest_ = 0;
@@ -69,4 +69,4 @@ class PulseMonitor
     double highest_mmHg_ = 0.0, lowest_mmHg_ = 1e9, systolic_mmHg_ = 0.0, diastolic_mmHg_ = 0.0;
 };
 
-} // namespace seld
+} // namespace crn

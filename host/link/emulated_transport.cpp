@@ -2,7 +2,7 @@
 #include "host/link/link.hpp"
 #include <algorithm>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -84,4 +84,4 @@ void EmulatedDevice::pass_time_ms(std::uint32_t milliseconds)
     }
 }
 
-} // namespace seld
+} // namespace crn

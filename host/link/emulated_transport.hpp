@@ -5,7 +5,7 @@
 #include "host/link/transport.hpp"
 #include <functional>
 
-namespace seld
+namespace crn
 {
 
 class EmulatedTransport final : public Transport
@@ -44,4 +44,4 @@ class EmulatedDevice final : public Transport
     EmulatedTransport pipe_;
 };
 
-} // namespace seld
+} // namespace crn

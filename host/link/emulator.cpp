@@ -16,7 +16,7 @@
 #include <unistd.h>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -34,9 +34,9 @@ constexpr int not_found = 127; // exit code, as a shell's
 std::string image_path(const std::string &given)
 {
     if (!given.empty()) return given;
-    if (const char *image = std::getenv("SELD_IMAGE")) return image;
+    if (const char *image = std::getenv("CRN_IMAGE")) return image;
     const char *build = std::getenv("BUILD");
-    return std::string(build ? build : "build") + "/firmware/seldinger-mps2_an500.elf";
+    return std::string(build ? build : "build") + "/firmware/cournand-mps2_an500.elf";
 }
 
 [[noreturn]] void become(const std::vector<std::string> &command, const std::string &log, pid_t parent)
@@ -71,11 +71,11 @@ Emulator::Emulator(const EmulatorOptions &options) : options_(options)
     options_.image = image_path(options.image);
     if (!std::filesystem::exists(options_.image))
         throw EmulatorError(options_.image +
-                            " does not exist. Remedy: make firmware, or SELD_IMAGE=the image");
+                            " does not exist. Remedy: make firmware, or CRN_IMAGE=the image");
     std::string pattern =
         (std::filesystem::exists("/dev/shm") ? std::string("/dev/shm")
                                              : std::filesystem::temp_directory_path().string()) +
-        "/seldinger_XXXXXX";
+        "/cournand_XXXXXX";
     if (mkdtemp(pattern.data()) == nullptr) refuse("cannot make a folder for the emulator's memory");
     folder_ = pattern;
     try {
@@ -213,4 +213,4 @@ std::string Emulator::console() const
     return read_text(folder_ + "/console") + read_text(folder_ + "/log");
 }
 
-} // namespace seld
+} // namespace crn

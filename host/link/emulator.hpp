@@ -14,7 +14,7 @@
 #include <string>
 #include <sys/types.h>
 
-namespace seld
+namespace crn
 {
 
 // The emulator did not start, died, or did not do in time what it had to; the text ends with its console.
@@ -25,7 +25,7 @@ class EmulatorError : public LinkError
 };
 
 struct EmulatorOptions {
-    std::string image{}; // empty: $SELD_IMAGE, else the one below $BUILD (default build)
+    std::string image{}; // empty: $CRN_IMAGE, else the one below $BUILD (default build)
     int icount_shift = 7;
     std::string serial{}; // of the device; empty: its own
     std::string
@@ -76,4 +76,4 @@ class Emulator
     pid_t process_ = -1;
 };
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <dlfcn.h>
 #include <hidapi/hidapi.h>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -117,11 +117,11 @@ HidRig::HidRig(const HidApi &api, const std::string &serial) : api_(api)
                         "install-udev, then plug the rig in again (docs/rig.md)");
     }
     serial_ = entry.serial;
-    identity_ = get<seld_hid_identity>(SELD_HID_ID_identity, SELD_HID_BYTES_identity,
-                                       seld_hid_decode_identity, "identity");
-    if (identity_.report_hash != seld_hid_report_hash()) {
+    identity_ = get<crn_hid_identity>(CRN_HID_ID_identity, CRN_HID_BYTES_identity, crn_hid_decode_identity,
+                                      "identity");
+    if (identity_.report_hash != crn_hid_report_hash()) {
         throw LinkError("the rig '" + serial_ + "' has other reports: device " + hex(identity_.report_hash) +
-                        ", host " + hex(seld_hid_report_hash()) +
+                        ", host " + hex(crn_hid_report_hash()) +
                         ". Remedy: install the same release on both");
     }
 }
@@ -140,42 +140,42 @@ void HidRig::lost(const char *doing) const
                      ". Remedy: check cable and power");
 }
 
-std::optional<seld_hid_state> HidRig::read_state(std::uint32_t milliseconds)
+std::optional<crn_hid_state> HidRig::read_state(std::uint32_t milliseconds)
 {
     const Clock::time_point end = Clock::now() + std::chrono::milliseconds(milliseconds);
     for (;;) {
         const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
-        unsigned char bytes[SELD_HID_REPORT_BYTES_MAX];
+        unsigned char bytes[CRN_HID_REPORT_BYTES_MAX];
         const int count =
             api_.read_timeout(device_.get(), bytes, sizeof bytes, left > 0 ? static_cast<int>(left) : 0);
         if (count < 0) lost("its state was read");
-        seld_hid_state state;
+        crn_hid_state state;
         // The system may pad a report to the longest one; a shorter one is none.
-        if (count > SELD_HID_BYTES_state && count <= static_cast<int>(sizeof bytes) &&
-            bytes[0] == SELD_HID_ID_state && seld_hid_decode_state(bytes + 1, SELD_HID_BYTES_state, &state))
+        if (count > CRN_HID_BYTES_state && count <= static_cast<int>(sizeof bytes) &&
+            bytes[0] == CRN_HID_ID_state && crn_hid_decode_state(bytes + 1, CRN_HID_BYTES_state, &state))
             return state;
         if (count > 0) reports_bad_++;
         if (left <= 0) return std::nullopt;
     }
 }
 
-seld_hid_state HidRig::command(std::uint8_t action, std::int32_t value1, std::int32_t value2,
-                               std::uint32_t milliseconds)
+crn_hid_state HidRig::command(std::uint8_t action, std::int32_t value1, std::int32_t value2,
+                              std::uint32_t milliseconds)
 {
-    unsigned char bytes[1 + SELD_HID_BYTES_command] = {SELD_HID_ID_command};
+    unsigned char bytes[1 + CRN_HID_BYTES_command] = {CRN_HID_ID_command};
     number_ = static_cast<std::uint8_t>(number_ % 255 + 1);
-    const seld_hid_command command = {number_, action, 0, value1, value2};
-    seld_wire_writer writer = seld_wire_writer_make(bytes + 1, sizeof bytes - 1);
-    seld_hid_put_command(&writer, &command);
+    const crn_hid_command command = {number_, action, 0, value1, value2};
+    crn_wire_writer writer = crn_wire_writer_make(bytes + 1, sizeof bytes - 1);
+    crn_hid_put_command(&writer, &command);
     if (api_.write(device_.get(), bytes, sizeof bytes) != static_cast<int>(sizeof bytes))
         lost("a command was sent");
     const Clock::time_point end = Clock::now() + std::chrono::milliseconds(milliseconds);
     while (Clock::now() < end) {
-        const std::optional<seld_hid_state> state = read_state(100);
+        const std::optional<crn_hid_state> state = read_state(100);
         if (!state || state->command_number != number_) continue;
         if (state->command_result == 0) return *state;
-        throw LinkError(describe({SELD_WIRE_TYPE_command, state->command_result, 0, 0}),
-                        {SELD_WIRE_TYPE_command, state->command_result, 0, 0});
+        throw LinkError(describe({CRN_WIRE_TYPE_command, state->command_result, 0, 0}),
+                        {CRN_WIRE_TYPE_command, state->command_result, 0, 0});
     }
     throw LinkError("the rig '" + serial_ + "' did not answer a command within " +
                     std::to_string(milliseconds) + " ms. Remedy: plug it out and in");
@@ -186,7 +186,7 @@ seld_hid_state HidRig::command(std::uint8_t action, std::int32_t value1, std::in
 template <class Report, class Decode>
 Report HidRig::get(std::uint8_t id, std::size_t bytes, Decode decode, const char *what)
 {
-    unsigned char report[SELD_HID_REPORT_BYTES_MAX] = {id};
+    unsigned char report[CRN_HID_REPORT_BYTES_MAX] = {id};
     const int count = api_.get_feature_report(device_.get(), report, sizeof report);
     if (count < 0) lost(what);
     Report value{};
@@ -203,48 +203,48 @@ Report HidRig::get(std::uint8_t id, std::size_t bytes, Decode decode, const char
 template <class Report, class Put>
 void HidRig::set(std::uint8_t id, const Report &report, Put put, const char *what)
 {
-    unsigned char bytes[SELD_HID_REPORT_BYTES_MAX] = {id};
-    seld_wire_writer writer = seld_wire_writer_make(bytes + 1, sizeof bytes - 1);
+    unsigned char bytes[CRN_HID_REPORT_BYTES_MAX] = {id};
+    crn_wire_writer writer = crn_wire_writer_make(bytes + 1, sizeof bytes - 1);
     put(&writer, &report);
     if (api_.send_feature_report(device_.get(), bytes, writer.length + 1) < 0) {
         throw LinkError(std::string("the rig refused to change its ") + what + reason() +
-                        ": only in READY, in range, and limits only downwards. Remedy: seldinger rig info");
+                        ": only in READY, in range, and limits only downwards. Remedy: cournand rig info");
     }
 }
 
-seld_hid_capabilities HidRig::read_capabilities()
+crn_hid_capabilities HidRig::read_capabilities()
 {
-    return get<seld_hid_capabilities>(SELD_HID_ID_capabilities, SELD_HID_BYTES_capabilities,
-                                      seld_hid_decode_capabilities, "capabilities");
+    return get<crn_hid_capabilities>(CRN_HID_ID_capabilities, CRN_HID_BYTES_capabilities,
+                                     crn_hid_decode_capabilities, "capabilities");
 }
 
-seld_hid_calibration HidRig::read_calibration()
+crn_hid_calibration HidRig::read_calibration()
 {
-    return get<seld_hid_calibration>(SELD_HID_ID_calibration, SELD_HID_BYTES_calibration,
-                                     seld_hid_decode_calibration, "calibration");
+    return get<crn_hid_calibration>(CRN_HID_ID_calibration, CRN_HID_BYTES_calibration,
+                                    crn_hid_decode_calibration, "calibration");
 }
 
-seld_hid_limits HidRig::read_limits()
+crn_hid_limits HidRig::read_limits()
 {
-    return get<seld_hid_limits>(SELD_HID_ID_limits, SELD_HID_BYTES_limits, seld_hid_decode_limits, "limits");
+    return get<crn_hid_limits>(CRN_HID_ID_limits, CRN_HID_BYTES_limits, crn_hid_decode_limits, "limits");
 }
 
-seld_hid_calibration HidRig::write_calibration(const seld_hid_calibration &calibration)
+crn_hid_calibration HidRig::write_calibration(const crn_hid_calibration &calibration)
 {
-    set(SELD_HID_ID_calibration, calibration, seld_hid_put_calibration, "calibration");
-    const seld_hid_calibration back = read_calibration();
+    set(CRN_HID_ID_calibration, calibration, crn_hid_put_calibration, "calibration");
+    const crn_hid_calibration back = read_calibration();
     if (std::memcmp(&back, &calibration, sizeof back) != 0)
-        throw LinkError("the rig keeps another calibration than it was given. Remedy: seldinger rig info");
+        throw LinkError("the rig keeps another calibration than it was given. Remedy: cournand rig info");
     return back;
 }
 
-seld_hid_limits HidRig::write_limits(const seld_hid_limits &limits)
+crn_hid_limits HidRig::write_limits(const crn_hid_limits &limits)
 {
-    set(SELD_HID_ID_limits, limits, seld_hid_put_limits, "limits");
-    const seld_hid_limits back = read_limits();
+    set(CRN_HID_ID_limits, limits, crn_hid_put_limits, "limits");
+    const crn_hid_limits back = read_limits();
     if (std::memcmp(&back, &limits, sizeof back) != 0)
-        throw LinkError("the rig keeps other limits than it was given. Remedy: seldinger rig info");
+        throw LinkError("the rig keeps other limits than it was given. Remedy: cournand rig info");
     return back;
 }
 
-} // namespace seld
+} // namespace crn

@@ -15,7 +15,7 @@
 struct hid_device_;
 struct hid_device_info;
 
-namespace seld
+namespace crn
 {
 
 enum class HidBackEnd { hidraw, libusb };
@@ -55,21 +55,21 @@ class HidRig
     HidRig(const HidRig &) = delete;
     HidRig &operator=(const HidRig &) = delete;
 
-    const seld_hid_identity &identity() const { return identity_; }
+    const crn_hid_identity &identity() const { return identity_; }
     const std::string &serial() const { return serial_; }
     // The next state report; none within the time. Throws DeviceLost when the rig went, LinkError for what is no report.
-    std::optional<seld_hid_state> read_state(std::uint32_t milliseconds);
+    std::optional<crn_hid_state> read_state(std::uint32_t milliseconds);
     std::uint32_t reports_bad() const { return reports_bad_; } // too short, or with another id: left out
     // Asks for something and waits for the state report that answers it. Throws LinkError with the device's reason.
-    seld_hid_state command(std::uint8_t action, std::int32_t value1, std::int32_t value2,
-                           std::uint32_t milliseconds = 1000);
+    crn_hid_state command(std::uint8_t action, std::int32_t value1, std::int32_t value2,
+                          std::uint32_t milliseconds = 1000);
 
-    seld_hid_capabilities read_capabilities();
-    seld_hid_calibration read_calibration();
-    seld_hid_limits read_limits();
+    crn_hid_capabilities read_capabilities();
+    crn_hid_calibration read_calibration();
+    crn_hid_limits read_limits();
     // What the device has afterwards is returned, as read back. Throws LinkError when it refuses or keeps another value.
-    seld_hid_calibration write_calibration(const seld_hid_calibration &calibration);
-    seld_hid_limits write_limits(const seld_hid_limits &limits);
+    crn_hid_calibration write_calibration(const crn_hid_calibration &calibration);
+    crn_hid_limits write_limits(const crn_hid_limits &limits);
 
   private:
     template <class Report, class Decode>
@@ -86,9 +86,9 @@ class HidRig
     const HidApi &api_;
     std::unique_ptr<hid_device_, End> device_;
     std::string serial_;
-    seld_hid_identity identity_{};
+    crn_hid_identity identity_{};
     std::uint8_t number_ = 0;
     std::uint32_t reports_bad_ = 0;
 };
 
-} // namespace seld
+} // namespace crn

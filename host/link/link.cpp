@@ -4,22 +4,22 @@
 #include <algorithm>
 #include <utility>
 
-namespace seld
+namespace crn
 {
 
-std::string describe(const seld_wire_reject &reject)
+std::string describe(const crn_wire_reject &reject)
 {
     return format("device refused %s: %s: %s [%lu, %lu]. Remedy: %s",
-                  seld_wire_message_name(reject.request_type), seld_wire_reject_name(reject.code),
-                  seld_wire_reject_text(reject.code), static_cast<unsigned long>(reject.detail1),
-                  static_cast<unsigned long>(reject.detail2), seld_wire_reject_remedy(reject.code));
+                  crn_wire_message_name(reject.request_type), crn_wire_reject_name(reject.code),
+                  crn_wire_reject_text(reject.code), static_cast<unsigned long>(reject.detail1),
+                  static_cast<unsigned long>(reject.detail2), crn_wire_reject_remedy(reject.code));
 }
 
 Link::Link(Transport &transport, Patience::Span patience)
-    : transport_(transport), patience_(patience), incoming_(1 << 16), outgoing_(SELD_WIRE_PAYLOAD_MAX),
-      frame_(SELD_WIRE_FRAME_MAX)
+    : transport_(transport), patience_(patience), incoming_(1 << 16), outgoing_(CRN_WIRE_PAYLOAD_MAX),
+      frame_(CRN_WIRE_FRAME_MAX)
 {
-    seld_wire_decoder_init(&decoder_);
+    crn_wire_decoder_init(&decoder_);
 }
 
 // --- frames out (link_receive.cpp: frames in) ---
@@ -35,21 +35,20 @@ void Link::write(std::span<const std::uint8_t> bytes)
 template <class Message, class Put>
 void Link::send_message(std::uint16_t type, const Message &message, Put put, bool goes_on)
 {
-    seld_wire_writer writer = seld_wire_writer_make(outgoing_.data(), outgoing_.size());
+    crn_wire_writer writer = crn_wire_writer_make(outgoing_.data(), outgoing_.size());
     if (!put(&writer, &message)) {
-        throw LinkError(
-            format("%s does not fit a message: a list is too long", seld_wire_message_name(type)));
+        throw LinkError(format("%s does not fit a message: a list is too long", crn_wire_message_name(type)));
     }
     send(type, writer);
     if (!goes_on) asked_from_ = sequence_;
 }
 
-void Link::send(std::uint16_t type, const seld_wire_writer &payload)
+void Link::send(std::uint16_t type, const crn_wire_writer &payload)
 {
     sequence_ = static_cast<std::uint16_t>(sequence_ == UINT16_MAX ? 1 : sequence_ + 1);
-    const seld_wire_header header = {sequence_, 0, type};
+    const crn_wire_header header = {sequence_, 0, type};
     const std::size_t bytes =
-        seld_wire_frame_encode(&header, payload.bytes, payload.length, frame_.data(), frame_.size());
+        crn_wire_frame_encode(&header, payload.bytes, payload.length, frame_.data(), frame_.size());
     has_spoken_ = true;
     write({frame_.data(), bytes});
 }
@@ -57,21 +56,21 @@ void Link::send(std::uint16_t type, const seld_wire_writer &payload)
 // --- handshake and set-up ---
 
 // True: answered. What else comes belongs to a conversation that is over, whole or torn.
-bool Link::ask_hello(const seld_wire_hello &hello)
+bool Link::ask_hello(const crn_wire_hello &hello)
 {
     const std::uint8_t end_of_frame = 0; // of one that a host before us, or a cut cable, left unfinished
-    seld_wire_decoder_init(&decoder_);
+    crn_wire_decoder_init(&decoder_);
     incoming_position_ = incoming_count_ = 0;
     bytes_without_frame_ = 0;
     live_tick_.reset();
     write({&end_of_frame, 1});
-    send_message(SELD_WIRE_TYPE_hello, hello, seld_wire_put_hello);
+    send_message(CRN_WIRE_TYPE_hello, hello, crn_wire_put_hello);
     patience_.begin();
-    waits_for_ = SELD_WIRE_TYPE_hello_reply;
+    waits_for_ = CRN_WIRE_TYPE_hello_reply;
     for (std::uint32_t frames = frames_at_once_max; receive_one_of(frames);) {
         if (decoder_.header.answers != sequence_) continue;
         file_frame();
-        if (decoder_.header.type != SELD_WIRE_TYPE_hello_reply) continue;
+        if (decoder_.header.type != CRN_WIRE_TYPE_hello_reply) continue;
         patience_.end();
         return true;
     }
@@ -81,14 +80,13 @@ bool Link::ask_hello(const seld_wire_hello &hello)
 
 // Whatever was lost or torn before, both sides begin anew. The reply itself is lost where it follows half a frame of a device
 // that started again: then it is asked for once more.
-seld_wire_hello_reply Link::hello_once()
+crn_wire_hello_reply Link::hello_once()
 {
-    const seld_wire_hello hello = {SELD_WIRE_PROTOCOL_MAJOR, SELD_WIRE_PROTOCOL_MINOR,
-                                   seld_wire_schema_hash()};
+    const crn_wire_hello hello = {CRN_WIRE_PROTOCOL_MAJOR, CRN_WIRE_PROTOCOL_MINOR, crn_wire_schema_hash()};
     bool is_answered = ask_hello(hello);
     const std::uint32_t *counts = decoder_.event_counts;
-    const bool is_torn = counts[SELD_WIRE_BAD_COBS] + counts[SELD_WIRE_BAD_SIZE] + counts[SELD_WIRE_BAD_CRC] +
-                             counts[SELD_WIRE_BAD_LENGTH] >
+    const bool is_torn = counts[CRN_WIRE_BAD_COBS] + counts[CRN_WIRE_BAD_SIZE] + counts[CRN_WIRE_BAD_CRC] +
+                             counts[CRN_WIRE_BAD_LENGTH] >
                          0;
     if (!is_answered && is_torn) is_answered = ask_hello(hello);
     if (!is_answered) silent();
@@ -108,138 +106,138 @@ void Link::load_scene(std::span<const std::uint8_t> scene)
 {
     if (scene.size() > UINT32_MAX) throw LinkError("the scene is larger than 4 GiB");
     const auto bytes = static_cast<std::uint32_t>(scene.size());
-    const seld_wire_scene_begin begin = {bytes, seld_wire_crc32(0, scene.data(), scene.size())};
-    const seld_wire_set_up there = read_set_up();
+    const crn_wire_scene_begin begin = {bytes, crn_wire_crc32(0, scene.data(), scene.size())};
+    const crn_wire_set_up there = read_set_up();
     if (bytes > 0 && there.scene_bytes == bytes && there.scene_crc32 == begin.crc32) return;
     const bool goes_on = there.upload_bytes == bytes && there.upload_crc32 == begin.crc32;
-    send_message(SELD_WIRE_TYPE_scene_begin, begin, seld_wire_put_scene_begin);
-    receive_answer(SELD_WIRE_TYPE_status);
+    send_message(CRN_WIRE_TYPE_scene_begin, begin, crn_wire_put_scene_begin);
+    receive_answer(CRN_WIRE_TYPE_status);
     if (bytes == 0) return;
-    seld_wire_scene_chunk chunk;
+    crn_wire_scene_chunk chunk;
     for (std::uint32_t offset = goes_on ? there.upload_received : 0; offset < bytes;
          offset += chunk.data_count) {
         chunk.offset = offset;
         chunk.data_count =
             static_cast<std::uint16_t>(std::min<std::size_t>(sizeof chunk.data, bytes - offset));
         std::copy_n(scene.data() + offset, chunk.data_count, chunk.data);
-        send_message(SELD_WIRE_TYPE_scene_chunk, chunk, seld_wire_put_scene_chunk, true);
+        send_message(CRN_WIRE_TYPE_scene_chunk, chunk, crn_wire_put_scene_chunk, true);
         if (is_interrupted())
             throw LinkError("interrupted while the scene was sent; a session begun again goes on from there");
     }
-    const seld_wire_scene_end end = {bytes};
-    send_message(SELD_WIRE_TYPE_scene_end, end, seld_wire_put_scene_end, true);
-    receive_answer(SELD_WIRE_TYPE_status);
+    const crn_wire_scene_end end = {bytes};
+    send_message(CRN_WIRE_TYPE_scene_end, end, crn_wire_put_scene_end, true);
+    receive_answer(CRN_WIRE_TYPE_status);
 }
 
-void Link::load_tools(std::span<const seld_wire_instrument> tools)
+void Link::load_tools(std::span<const crn_wire_instrument> tools)
 {
-    seld_wire_tools message{};
-    if (tools.empty() || tools.size() > SELD_WIRE_TOOL_MAX) {
-        throw LinkError(format("a line holds 1 to %d tools, not %zu", int{SELD_WIRE_TOOL_MAX}, tools.size()));
+    crn_wire_tools message{};
+    if (tools.empty() || tools.size() > CRN_WIRE_TOOL_MAX) {
+        throw LinkError(format("a line holds 1 to %d tools, not %zu", int{CRN_WIRE_TOOL_MAX}, tools.size()));
     }
     message.tools_count = static_cast<std::uint16_t>(tools.size());
     std::copy(tools.begin(), tools.end(), message.tools);
-    send_message(SELD_WIRE_TYPE_tools, message, seld_wire_put_tools);
-    receive_answer(SELD_WIRE_TYPE_status);
+    send_message(CRN_WIRE_TYPE_tools, message, crn_wire_put_tools);
+    receive_answer(CRN_WIRE_TYPE_status);
 }
 
-void Link::set_entry(const seld_wire_entry &entry)
+void Link::set_entry(const crn_wire_entry &entry)
 {
-    send_message(SELD_WIRE_TYPE_entry, entry, seld_wire_put_entry);
-    receive_answer(SELD_WIRE_TYPE_status);
+    send_message(CRN_WIRE_TYPE_entry, entry, crn_wire_put_entry);
+    receive_answer(CRN_WIRE_TYPE_status);
 }
 
-void Link::set_rig(const seld_wire_rig &rig)
+void Link::set_rig(const crn_wire_rig &rig)
 {
-    send_message(SELD_WIRE_TYPE_rig, rig, seld_wire_put_rig);
-    receive_answer(SELD_WIRE_TYPE_status);
+    send_message(CRN_WIRE_TYPE_rig, rig, crn_wire_put_rig);
+    receive_answer(CRN_WIRE_TYPE_status);
 }
 
-seld_wire_status Link::command(std::uint8_t action)
+crn_wire_status Link::command(std::uint8_t action)
 {
-    const seld_wire_command command = {action, 0, 0};
+    const crn_wire_command command = {action, 0, 0};
     last_input_.reset();
-    send_message(SELD_WIRE_TYPE_command, command, seld_wire_put_command);
-    receive_answer(SELD_WIRE_TYPE_status);
+    send_message(CRN_WIRE_TYPE_command, command, crn_wire_put_command);
+    receive_answer(CRN_WIRE_TYPE_status);
     tick_ = status_.tick;
     return status_;
 }
 
-seld_wire_status Link::arm()
+crn_wire_status Link::arm()
 {
-    const seld_wire_status status = command(SELD_WIRE_ACTION_ARM);
+    const crn_wire_status status = command(CRN_WIRE_ACTION_ARM);
     ticks_given_ = live_ticks_.size(); // of a session before
     drop_given();
-    get(SELD_WIRE_GET_NODE_TABLE, SELD_WIRE_TYPE_node_table);
+    get(CRN_WIRE_GET_NODE_TABLE, CRN_WIRE_TYPE_node_table);
     hash64_.reset();
     return status;
 }
 
-seld_wire_status Link::start()
+crn_wire_status Link::start()
 {
-    command(SELD_WIRE_ACTION_START);
+    command(CRN_WIRE_ACTION_START);
     live_tick_ = tick_;
     return status_;
 }
 
-seld_wire_status Link::stop()
+crn_wire_status Link::stop()
 {
-    return command(SELD_WIRE_ACTION_STOP);
+    return command(CRN_WIRE_ACTION_STOP);
 }
 
-seld_wire_status Link::reset()
+crn_wire_status Link::reset()
 {
-    return command(SELD_WIRE_ACTION_RESET);
+    return command(CRN_WIRE_ACTION_RESET);
 }
 
-seld_wire_status Link::use_lockstep()
+crn_wire_status Link::use_lockstep()
 {
-    return command(SELD_WIRE_ACTION_LOCKSTEP);
+    return command(CRN_WIRE_ACTION_LOCKSTEP);
 }
 
-seld_wire_status Link::use_free_run()
+crn_wire_status Link::use_free_run()
 {
-    return command(SELD_WIRE_ACTION_FREE_RUN);
+    return command(CRN_WIRE_ACTION_FREE_RUN);
 }
 
 // Two steps, so that no stray frame powers a motor: the device's code comes back in CONFIRM.
-seld_wire_status Link::arm_motors()
+crn_wire_status Link::arm_motors()
 {
-    const seld_wire_status asked = command(SELD_WIRE_ACTION_ARM_MOTORS);
-    const seld_wire_command confirm = {SELD_WIRE_ACTION_CONFIRM, asked.arm_code, 0};
-    send_message(SELD_WIRE_TYPE_command, confirm, seld_wire_put_command);
-    receive_answer(SELD_WIRE_TYPE_status);
+    const crn_wire_status asked = command(CRN_WIRE_ACTION_ARM_MOTORS);
+    const crn_wire_command confirm = {CRN_WIRE_ACTION_CONFIRM, asked.arm_code, 0};
+    send_message(CRN_WIRE_TYPE_command, confirm, crn_wire_put_command);
+    receive_answer(CRN_WIRE_TYPE_status);
     return status_;
 }
 
-seld_wire_status Link::stop_at(std::uint32_t tick)
+crn_wire_status Link::stop_at(std::uint32_t tick)
 {
-    const seld_wire_command stop = {SELD_WIRE_ACTION_STOP, 0, tick};
-    send_message(SELD_WIRE_TYPE_command, stop, seld_wire_put_command);
-    receive_answer(SELD_WIRE_TYPE_status);
+    const crn_wire_command stop = {CRN_WIRE_ACTION_STOP, 0, tick};
+    send_message(CRN_WIRE_TYPE_command, stop, crn_wire_put_command);
+    receive_answer(CRN_WIRE_TYPE_status);
     return status_;
 }
 
-void Link::set_stream(const seld_wire_stream &stream)
+void Link::set_stream(const crn_wire_stream &stream)
 {
-    send_message(SELD_WIRE_TYPE_stream, stream, seld_wire_put_stream);
-    receive_answer(SELD_WIRE_TYPE_status);
+    send_message(CRN_WIRE_TYPE_stream, stream, crn_wire_put_stream);
+    receive_answer(CRN_WIRE_TYPE_status);
 }
 
 // --- ticks ---
 
-std::span<const seld_wire_tick_state> Link::step(std::span<const seld_wire_encoders> inputs, bool want_nodes)
+std::span<const crn_wire_tick_state> Link::step(std::span<const crn_wire_encoders> inputs, bool want_nodes)
 {
     if (inputs.empty() || inputs.size() > steps_max) {
         throw LinkError(format("a step takes 1 .. %zu inputs, not %zu", steps_max, inputs.size()));
     }
-    seld_wire_step step;
+    crn_wire_step step;
     step.tick = tick_;
     step.want_nodes = want_nodes;
     step.inputs_count = static_cast<std::uint16_t>(inputs.size());
     std::copy(inputs.begin(), inputs.end(), step.inputs);
-    send_message(SELD_WIRE_TYPE_step, step, seld_wire_put_step);
-    receive_answer(SELD_WIRE_TYPE_ticks, inputs.size());
+    send_message(CRN_WIRE_TYPE_step, step, crn_wire_put_step);
+    receive_answer(CRN_WIRE_TYPE_ticks, inputs.size());
     if (ticks_.states_count > inputs.size()) broken("ticks");
     for (std::uint16_t i = 0; i < ticks_.states_count; i++) {
         if (ticks_.states[i].tick != tick_ + i + 1) broken("ticks");
@@ -248,42 +246,42 @@ std::span<const seld_wire_tick_state> Link::step(std::span<const seld_wire_encod
     if (ticks_.states_count != inputs.size()) {
         const std::uint16_t code = read_status().fault_code;
         throw LinkError(format("device fault at tick %lu: %s: %s. Remedy: %s",
-                               static_cast<unsigned long>(tick_), seld_wire_fault_name(code),
-                               seld_wire_fault_text(code), seld_wire_fault_remedy(code)));
+                               static_cast<unsigned long>(tick_), crn_wire_fault_name(code),
+                               crn_wire_fault_text(code), crn_wire_fault_remedy(code)));
     }
     return {ticks_.states, ticks_.states_count};
 }
 
-void Link::send_input(const seld_wire_encoders &encoders)
+void Link::send_input(const crn_wire_encoders &encoders)
 {
-    const seld_wire_input message = {encoders};
-    send_message(SELD_WIRE_TYPE_input, message, seld_wire_put_input);
+    const crn_wire_input message = {encoders};
+    send_message(CRN_WIRE_TYPE_input, message, crn_wire_put_input);
     last_input_ = encoders;
 }
 
 void Link::ask_rhythm(std::uint8_t action, std::uint16_t value)
 {
-    const seld_wire_rhythm order = {action, value};
-    send_message(SELD_WIRE_TYPE_rhythm, order, seld_wire_put_rhythm);
-    receive_answer(SELD_WIRE_TYPE_status);
+    const crn_wire_rhythm order = {action, value};
+    send_message(CRN_WIRE_TYPE_rhythm, order, crn_wire_put_rhythm);
+    receive_answer(CRN_WIRE_TYPE_status);
 }
 
-void Link::hold_open(const seld_wire_scaffold &scaffold)
+void Link::hold_open(const crn_wire_scaffold &scaffold)
 {
-    send_message(SELD_WIRE_TYPE_scaffold, scaffold, seld_wire_put_scaffold);
-    receive_answer(SELD_WIRE_TYPE_status);
+    send_message(CRN_WIRE_TYPE_scaffold, scaffold, crn_wire_put_scaffold);
+    receive_answer(CRN_WIRE_TYPE_status);
 }
 
-void Link::place_strut(const seld_wire_strut &strut)
+void Link::place_strut(const crn_wire_strut &strut)
 {
-    send_message(SELD_WIRE_TYPE_strut, strut, seld_wire_put_strut);
-    receive_answer(SELD_WIRE_TYPE_status);
+    send_message(CRN_WIRE_TYPE_strut, strut, crn_wire_put_strut);
+    receive_answer(CRN_WIRE_TYPE_status);
 }
 
 // Says that the host is there, unless it has spoken since this was last asked. An answer is filed with what else comes.
 void Link::beat()
 {
-    const seld_wire_get request = {SELD_WIRE_GET_STATUS};
+    const crn_wire_get request = {CRN_WIRE_GET_STATUS};
     if (has_spoken_) {
         has_spoken_ = false;
         return;
@@ -291,7 +289,7 @@ void Link::beat()
     if (last_input_) {
         send_input(*last_input_);
     } else {
-        send_message(SELD_WIRE_TYPE_get, request, seld_wire_put_get);
+        send_message(CRN_WIRE_TYPE_get, request, crn_wire_put_get);
     }
     has_spoken_ = false;
 }
@@ -319,7 +317,7 @@ void Link::take_what_came(std::uint32_t &frames)
     patience_.end();
 }
 
-std::vector<seld_wire_tick_state> Link::free_run(std::uint32_t milliseconds)
+std::vector<crn_wire_tick_state> Link::free_run(std::uint32_t milliseconds)
 {
     drop_given();
     std::uint32_t frames = frames_at_once_max;
@@ -346,92 +344,91 @@ std::vector<seld_wire_tick_state> Link::free_run(std::uint32_t milliseconds)
 
 void Link::get(std::uint8_t what, std::uint16_t answer)
 {
-    const seld_wire_get request = {what};
-    send_message(SELD_WIRE_TYPE_get, request, seld_wire_put_get);
+    const crn_wire_get request = {what};
+    send_message(CRN_WIRE_TYPE_get, request, crn_wire_put_get);
     receive_answer(answer);
 }
 
-const seld_wire_nodes &Link::read_nodes()
+const crn_wire_nodes &Link::read_nodes()
 {
-    get(SELD_WIRE_GET_NODES, SELD_WIRE_TYPE_nodes);
+    get(CRN_WIRE_GET_NODES, CRN_WIRE_TYPE_nodes);
     return nodes_;
 }
 
-const seld_wire_contacts &Link::read_contacts()
+const crn_wire_contacts &Link::read_contacts()
 {
-    get(SELD_WIRE_GET_CONTACTS, SELD_WIRE_TYPE_contacts);
+    get(CRN_WIRE_GET_CONTACTS, CRN_WIRE_TYPE_contacts);
     return contacts_;
 }
 
 Hash64 Link::read_hash64()
 {
-    get(SELD_WIRE_GET_HASH64, SELD_WIRE_TYPE_hash64);
+    get(CRN_WIRE_GET_HASH64, CRN_WIRE_TYPE_hash64);
     return *hash64_;
 }
 
-seld_wire_status Link::read_status()
+crn_wire_status Link::read_status()
 {
-    get(SELD_WIRE_GET_STATUS, SELD_WIRE_TYPE_status);
+    get(CRN_WIRE_GET_STATUS, CRN_WIRE_TYPE_status);
     return status_;
 }
 
-seld_wire_fault_log Link::read_fault_log()
+crn_wire_fault_log Link::read_fault_log()
 {
-    get(SELD_WIRE_GET_FAULT_LOG, SELD_WIRE_TYPE_fault_log);
+    get(CRN_WIRE_GET_FAULT_LOG, CRN_WIRE_TYPE_fault_log);
     return fault_log_;
 }
 
-seld_wire_rig Link::read_rig()
+crn_wire_rig Link::read_rig()
 {
-    get(SELD_WIRE_GET_RIG, SELD_WIRE_TYPE_rig);
+    get(CRN_WIRE_GET_RIG, CRN_WIRE_TYPE_rig);
     return rig_;
 }
 
-seld_wire_set_up Link::read_set_up()
+crn_wire_set_up Link::read_set_up()
 {
-    get(SELD_WIRE_GET_SET_UP, SELD_WIRE_TYPE_set_up);
+    get(CRN_WIRE_GET_SET_UP, CRN_WIRE_TYPE_set_up);
     return set_up_;
 }
 
-seld_wire_sensors Link::read_sensors()
+crn_wire_sensors Link::read_sensors()
 {
-    get(SELD_WIRE_GET_SENSORS, SELD_WIRE_TYPE_sensors);
+    get(CRN_WIRE_GET_SENSORS, CRN_WIRE_TYPE_sensors);
     return sensors_;
 }
 
-std::vector<seld_wire_notice> Link::take_notices()
+std::vector<crn_wire_notice> Link::take_notices()
 {
     return std::exchange(notices_, {});
 }
 
 std::vector<std::uint8_t> Link::read_snapshot()
 {
-    get(SELD_WIRE_GET_SNAPSHOT, SELD_WIRE_TYPE_snapshot_end);
+    get(CRN_WIRE_GET_SNAPSHOT, CRN_WIRE_TYPE_snapshot_end);
     return snapshot_;
 }
 
 void Link::write_snapshot(std::span<const std::uint8_t> snapshot)
 {
-    seld_wire_reader reader = seld_wire_reader_make(snapshot.data(), snapshot.size());
-    seld_wire_read(&reader, 4);
-    const auto tick = static_cast<std::uint32_t>(seld_wire_read(&reader, 4));
+    crn_wire_reader reader = crn_wire_reader_make(snapshot.data(), snapshot.size());
+    crn_wire_read(&reader, 4);
+    const auto tick = static_cast<std::uint32_t>(crn_wire_read(&reader, 4));
     const auto bytes = static_cast<std::uint32_t>(snapshot.size());
-    const seld_wire_snapshot_begin begin = {tick, bytes,
-                                            seld_wire_crc32(0, snapshot.data(), snapshot.size())};
-    send_message(SELD_WIRE_TYPE_snapshot_begin, begin, seld_wire_put_snapshot_begin);
-    receive_answer(SELD_WIRE_TYPE_status);
-    seld_wire_snapshot_chunk chunk;
+    const crn_wire_snapshot_begin begin = {tick, bytes, crn_wire_crc32(0, snapshot.data(), snapshot.size())};
+    send_message(CRN_WIRE_TYPE_snapshot_begin, begin, crn_wire_put_snapshot_begin);
+    receive_answer(CRN_WIRE_TYPE_status);
+    crn_wire_snapshot_chunk chunk;
     for (std::uint32_t offset = 0; offset < bytes; offset += chunk.data_count) {
         chunk.offset = offset;
         chunk.data_count =
             static_cast<std::uint16_t>(std::min<std::size_t>(sizeof chunk.data, bytes - offset));
         std::copy_n(snapshot.data() + offset, chunk.data_count, chunk.data);
-        send_message(SELD_WIRE_TYPE_snapshot_chunk, chunk, seld_wire_put_snapshot_chunk, true);
+        send_message(CRN_WIRE_TYPE_snapshot_chunk, chunk, crn_wire_put_snapshot_chunk, true);
     }
-    const seld_wire_snapshot_end end = {bytes};
-    send_message(SELD_WIRE_TYPE_snapshot_end, end, seld_wire_put_snapshot_end, true);
-    receive_answer(SELD_WIRE_TYPE_status);
+    const crn_wire_snapshot_end end = {bytes};
+    send_message(CRN_WIRE_TYPE_snapshot_end, end, crn_wire_put_snapshot_end, true);
+    receive_answer(CRN_WIRE_TYPE_status);
     tick_ = status_.tick;
 }
 
-} // namespace seld
+} // namespace crn

@@ -21,18 +21,18 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // `reject` is the refusal behind it; its code is 0 when there was none (silence, other version, fault).
 class LinkError : public std::runtime_error
 {
   public:
-    explicit LinkError(const std::string &text, const seld_wire_reject &reject_ = {})
+    explicit LinkError(const std::string &text, const crn_wire_reject &reject_ = {})
         : std::runtime_error(text), reject(reject_)
     {
     }
-    seld_wire_reject reject;
+    crn_wire_reject reject;
 };
 
 struct Hash64 {
@@ -43,7 +43,7 @@ struct Hash64 {
 class Link
 {
   public:
-    static constexpr std::size_t steps_max = SELD_WIRE_MAX_step_inputs;
+    static constexpr std::size_t steps_max = CRN_WIRE_MAX_step_inputs;
     // What no honest device exceeds: frames without an answer among them, bytes of a snapshot, notices nobody took.
     static constexpr std::uint32_t frames_at_once_max = 10000, snapshot_bytes_max = 1 << 20,
                                    notices_max = 4096, live_ticks_max = 1 << 16;
@@ -54,62 +54,62 @@ class Link
     explicit Link(Transport &transport, Patience::Span patience = Patience::budget_default);
 
     // Refused for as long as another program leads motors with power; one that is gone is forgotten within 50 ms.
-    seld_wire_hello_reply hello();
+    crn_wire_hello_reply hello();
     void load_scene(std::span<const std::uint8_t> scene);
-    void load_tools(std::span<const seld_wire_instrument> tools);
-    void set_entry(const seld_wire_entry &entry);
-    void set_rig(const seld_wire_rig &rig);
-    seld_wire_status arm();        // also reads the node table
-    seld_wire_status arm_motors(); // FREE_RUN with a rig: the next start() powers the motors
-    seld_wire_status start();
-    seld_wire_status stop();
-    seld_wire_status stop_at(std::uint32_t tick); // once that many ticks are done
-    seld_wire_status reset();
-    void set_stream(const seld_wire_stream &stream); // events and pictures that come by themselves
-    seld_wire_status use_lockstep();
-    seld_wire_status use_free_run();
+    void load_tools(std::span<const crn_wire_instrument> tools);
+    void set_entry(const crn_wire_entry &entry);
+    void set_rig(const crn_wire_rig &rig);
+    crn_wire_status arm();        // also reads the node table
+    crn_wire_status arm_motors(); // FREE_RUN with a rig: the next start() powers the motors
+    crn_wire_status start();
+    crn_wire_status stop();
+    crn_wire_status stop_at(std::uint32_t tick); // once that many ticks are done
+    crn_wire_status reset();
+    void set_stream(const crn_wire_stream &stream); // events and pictures that come by themselves
+    crn_wire_status use_lockstep();
+    crn_wire_status use_free_run();
 
     // LOCKSTEP: one tick per input. The result is valid until the next call. A fault makes it shorter and throws after
     // the ticks done were taken over (tick() tells).
-    std::span<const seld_wire_tick_state> step(std::span<const seld_wire_encoders> inputs, bool want_nodes);
+    std::span<const crn_wire_tick_state> step(std::span<const crn_wire_encoders> inputs, bool want_nodes);
     std::uint32_t tick() const { return tick_; }
 
     // FREE_RUN: send the newest input; let time pass and take what the device sent meanwhile. While time passes the device
     // hears of the host at least every heartbeat_ms, with the last input again: after 30 ms of silence it fades the forces.
     static constexpr std::uint32_t heartbeat_ms = 10;
-    void send_input(const seld_wire_encoders &encoders);
+    void send_input(const crn_wire_encoders &encoders);
     void say_present(); // one heartbeat; nothing is received
-    std::vector<seld_wire_tick_state> free_run(std::uint32_t milliseconds);
-    // FREE_RUN: the next tick asks this of heart and breath (SELD_WIRE_RHYTHM_*); in LOCKSTEP the input itself does.
+    std::vector<crn_wire_tick_state> free_run(std::uint32_t milliseconds);
+    // FREE_RUN: the next tick asks this of heart and breath (CRN_WIRE_RHYTHM_*); in LOCKSTEP the input itself does.
     void ask_rhythm(std::uint8_t action, std::uint16_t value);
     // FREE_RUN: stations of a lesion are held open from the next tick on (docs/lesions.md); `lesion` is 1 and its number. Throws LinkError.
-    void hold_open(const seld_wire_scaffold &scaffold);
-    void place_strut(const seld_wire_strut &strut); // FREE_RUN: a ring of a stent's struts, as well
+    void hold_open(const crn_wire_scaffold &scaffold);
+    void place_strut(const crn_wire_strut &strut); // FREE_RUN: a ring of a stent's struts, as well
     // The same ticks with their inputs, sensors and flags, also when it threw; and what happened since it was last asked.
-    const std::vector<seld_wire_live_tick> &live_ticks() const { return live_ticks_; }
+    const std::vector<crn_wire_live_tick> &live_ticks() const { return live_ticks_; }
     std::uint32_t ticks_lost() const { return live_.ticks_lost; }
     std::uint32_t ticks_missing() const
     {
         return ticks_missing_;
     } // never came, whoever lost them: device or cable
-    std::vector<seld_wire_notice> take_notices();
+    std::vector<crn_wire_notice> take_notices();
 
-    const seld_wire_nodes &nodes() const { return nodes_; } // last received
-    const seld_wire_nodes &read_nodes();
-    const seld_wire_node_table &node_table() const { return node_table_; } // read by arm()
-    const seld_wire_contacts &read_contacts(); // where the wall holds the line now
+    const crn_wire_nodes &nodes() const { return nodes_; } // last received
+    const crn_wire_nodes &read_nodes();
+    const crn_wire_node_table &node_table() const { return node_table_; } // read by arm()
+    const crn_wire_contacts &read_contacts();                             // where the wall holds the line now
     Hash64 read_hash64();
     std::optional<Hash64> last_hash64() const { return hash64_; } // last that came by, every 100 ticks
-    seld_wire_status read_status();
-    seld_wire_fault_log read_fault_log();
-    seld_wire_rig read_rig();         // the configuration in force
-    seld_wire_set_up read_set_up();   // what the device holds already
-    seld_wire_sensors read_sensors(); // the rig's last sample
+    crn_wire_status read_status();
+    crn_wire_fault_log read_fault_log();
+    crn_wire_rig read_rig();         // the configuration in force
+    crn_wire_set_up read_set_up();   // what the device holds already
+    crn_wire_sensors read_sensors(); // the rig's last sample
     std::vector<std::uint8_t> read_snapshot();
     void write_snapshot(std::span<const std::uint8_t> snapshot); // LOCKSTEP, armed
 
   private:
-    void send(std::uint16_t type, const seld_wire_writer &payload);
+    void send(std::uint16_t type, const crn_wire_writer &payload);
     template <class Message, class Put>
     void send_message(std::uint16_t type, const Message &message, Put put, bool goes_on = false);
     void write(std::span<const std::uint8_t> bytes);
@@ -120,8 +120,8 @@ class Link
     bool receive(); // next frame into decoder_; false when the device is silent
     bool receive_one_of(std::uint32_t &frames);
     bool is_late_refusal() const;
-    bool ask_hello(const seld_wire_hello &hello);
-    seld_wire_hello_reply hello_once();
+    bool ask_hello(const crn_wire_hello &hello);
+    crn_wire_hello_reply hello_once();
     // Until this type came, after `ticks` of work; others are filed, refusals throw.
     void receive_answer(std::uint16_t type, std::size_t ticks = 0);
     void file_frame();
@@ -129,44 +129,44 @@ class Link
     void file_live();
     void beat();
     void drop_given();
-    seld_wire_status command(std::uint8_t action);
+    crn_wire_status command(std::uint8_t action);
     void get(std::uint8_t what, std::uint16_t answer);
 
     Transport &transport_;
     Patience patience_;
     std::uint16_t waits_for_ = 0; // type of the answer; 0: none in particular
     std::size_t bytes_without_frame_ = 0;
-    seld_wire_decoder decoder_;
+    crn_wire_decoder decoder_;
     std::vector<std::uint8_t> incoming_, outgoing_, frame_;
     std::size_t incoming_position_ = 0, incoming_count_ = 0;
     std::uint16_t sequence_ = 0, asked_from_ = 0; // last frame sent, and the first one of this request
     std::uint32_t tick_ = 0;
     std::optional<std::uint32_t>
         live_tick_; // last that came by itself; none: the next batch says where the device is
-    std::vector<seld_wire_tick_state> free_run_states_;
-    std::vector<seld_wire_live_tick> live_ticks_;
+    std::vector<crn_wire_tick_state> free_run_states_;
+    std::vector<crn_wire_live_tick> live_ticks_;
     std::size_t ticks_given_ = 0; // of both, by the last free_run()
-    std::vector<seld_wire_notice> notices_;
-    seld_wire_live live_{};
+    std::vector<crn_wire_notice> notices_;
+    crn_wire_live live_{};
     std::uint32_t ticks_missing_ = 0;
-    std::optional<seld_wire_encoders> last_input_;
+    std::optional<crn_wire_encoders> last_input_;
     bool has_spoken_ = false; // since the last heartbeat was due
-    seld_wire_rig rig_{};
-    seld_wire_set_up set_up_{};
-    seld_wire_sensors sensors_{};
-    seld_wire_hello_reply hello_reply_{};
-    seld_wire_status status_{};
-    seld_wire_ticks ticks_{};
-    seld_wire_nodes nodes_{};
-    seld_wire_node_table node_table_{};
-    seld_wire_contacts contacts_{};
-    seld_wire_fault_log fault_log_{};
+    crn_wire_rig rig_{};
+    crn_wire_set_up set_up_{};
+    crn_wire_sensors sensors_{};
+    crn_wire_hello_reply hello_reply_{};
+    crn_wire_status status_{};
+    crn_wire_ticks ticks_{};
+    crn_wire_nodes nodes_{};
+    crn_wire_node_table node_table_{};
+    crn_wire_contacts contacts_{};
+    crn_wire_fault_log fault_log_{};
     std::optional<Hash64> hash64_;
-    seld_wire_snapshot_begin snapshot_begin_{};
+    crn_wire_snapshot_begin snapshot_begin_{};
     std::vector<std::uint8_t> snapshot_;
 };
 
 // "SCENE_CRC: the scene's CRC-32 differs ... (0x1, 0x2); upload again"
-std::string describe(const seld_wire_reject &reject);
+std::string describe(const crn_wire_reject &reject);
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include "host/model/interrupt.hpp"
 #include <algorithm>
 
-namespace seld
+namespace crn
 {
 
 void Link::broken(const char *what) const
@@ -16,7 +16,7 @@ void Link::broken(const char *what) const
 
 void Link::silent() const
 {
-    const std::string wait = " (waiting for " + std::string(seld_wire_message_name(waits_for_)) + ")";
+    const std::string wait = " (waiting for " + std::string(crn_wire_message_name(waits_for_)) + ")";
     if (is_interrupted()) throw LinkError(transport_.name() + " did not answer before Ctrl-C" + wait);
     throw LinkError(transport_.name() + " does not answer" + wait + "; check cable, power and port");
 }
@@ -31,7 +31,7 @@ void Link::check_patience()
         transport_.name() +
         format(" kept the host waiting for %.1f s%s%s; take it off the bus, and use another firmware",
                static_cast<double>(patience_.spent().count()) * 1e-3, waits_for_ != 0 ? ", at last for " : "",
-               waits_for_ != 0 ? seld_wire_message_name(waits_for_) : ""));
+               waits_for_ != 0 ? crn_wire_message_name(waits_for_) : ""));
 }
 
 // A device that talks without end is as bad as a silent one: `frames` counts down to what no honest one says at once.
@@ -47,8 +47,7 @@ bool Link::receive()
 {
     for (;;) {
         while (incoming_position_ < incoming_count_) {
-            if (seld_wire_decoder_push(&decoder_, incoming_[incoming_position_++]) != SELD_WIRE_FRAME)
-                continue;
+            if (crn_wire_decoder_push(&decoder_, incoming_[incoming_position_++]) != CRN_WIRE_FRAME) continue;
             bytes_without_frame_ = 0;
             return true;
         }
@@ -75,45 +74,45 @@ void Link::file_frame()
     const std::uint8_t *payload = decoder_.payload;
     const std::size_t length = decoder_.payload_bytes;
     switch (decoder_.header.type) {
-    case SELD_WIRE_TYPE_hello_reply:
-        if (!seld_wire_decode_hello_reply(payload, length, &hello_reply_)) broken("hello_reply");
+    case CRN_WIRE_TYPE_hello_reply:
+        if (!crn_wire_decode_hello_reply(payload, length, &hello_reply_)) broken("hello_reply");
         break;
-    case SELD_WIRE_TYPE_status:
-        if (!seld_wire_decode_status(payload, length, &status_)) broken("status");
+    case CRN_WIRE_TYPE_status:
+        if (!crn_wire_decode_status(payload, length, &status_)) broken("status");
         break;
-    case SELD_WIRE_TYPE_ticks:
-        if (!seld_wire_decode_ticks(payload, length, &ticks_)) broken("ticks");
+    case CRN_WIRE_TYPE_ticks:
+        if (!crn_wire_decode_ticks(payload, length, &ticks_)) broken("ticks");
         break;
-    case SELD_WIRE_TYPE_rig:
-        if (!seld_wire_decode_rig(payload, length, &rig_)) broken("rig");
+    case CRN_WIRE_TYPE_rig:
+        if (!crn_wire_decode_rig(payload, length, &rig_)) broken("rig");
         break;
-    case SELD_WIRE_TYPE_set_up:
-        if (!seld_wire_decode_set_up(payload, length, &set_up_)) broken("set_up");
+    case CRN_WIRE_TYPE_set_up:
+        if (!crn_wire_decode_set_up(payload, length, &set_up_)) broken("set_up");
         break;
-    case SELD_WIRE_TYPE_sensors:
-        if (!seld_wire_decode_sensors(payload, length, &sensors_)) broken("sensors");
+    case CRN_WIRE_TYPE_sensors:
+        if (!crn_wire_decode_sensors(payload, length, &sensors_)) broken("sensors");
         break;
-    case SELD_WIRE_TYPE_nodes:
-        if (!seld_wire_decode_nodes(payload, length, &nodes_)) broken("nodes");
+    case CRN_WIRE_TYPE_nodes:
+        if (!crn_wire_decode_nodes(payload, length, &nodes_)) broken("nodes");
         break;
-    case SELD_WIRE_TYPE_node_table:
-        if (!seld_wire_decode_node_table(payload, length, &node_table_)) broken("node_table");
+    case CRN_WIRE_TYPE_node_table:
+        if (!crn_wire_decode_node_table(payload, length, &node_table_)) broken("node_table");
         break;
-    case SELD_WIRE_TYPE_contacts:
-        if (!seld_wire_decode_contacts(payload, length, &contacts_)) broken("contacts");
+    case CRN_WIRE_TYPE_contacts:
+        if (!crn_wire_decode_contacts(payload, length, &contacts_)) broken("contacts");
         break;
-    case SELD_WIRE_TYPE_fault_log:
-        if (!seld_wire_decode_fault_log(payload, length, &fault_log_)) broken("fault_log");
+    case CRN_WIRE_TYPE_fault_log:
+        if (!crn_wire_decode_fault_log(payload, length, &fault_log_)) broken("fault_log");
         break;
-    case SELD_WIRE_TYPE_hash64: {
-        seld_wire_hash64 hash;
-        if (!seld_wire_decode_hash64(payload, length, &hash)) broken("hash64");
+    case CRN_WIRE_TYPE_hash64: {
+        crn_wire_hash64 hash;
+        if (!crn_wire_decode_hash64(payload, length, &hash)) broken("hash64");
         hash64_ = Hash64{hash.tick, hash.hash};
         break;
     }
-    case SELD_WIRE_TYPE_reject: {
-        seld_wire_reject reject;
-        if (!seld_wire_decode_reject(payload, length, &reject)) broken("reject");
+    case CRN_WIRE_TYPE_reject: {
+        crn_wire_reject reject;
+        if (!crn_wire_decode_reject(payload, length, &reject)) broken("reject");
         throw LinkError(describe(reject), reject);
     }
     default:
@@ -124,8 +123,8 @@ void Link::file_frame()
 // Ticks of a batch follow each other. A batch that came before is not taken twice; one that never came is counted.
 void Link::file_live()
 {
-    seld_wire_live live;
-    if (!seld_wire_decode_live(decoder_.payload, decoder_.payload_bytes, &live)) broken("live");
+    crn_wire_live live;
+    if (!crn_wire_decode_live(decoder_.payload, decoder_.payload_bytes, &live)) broken("live");
     for (std::uint16_t i = 1; i < live.ticks_count; i++) {
         if (live.ticks[i].state.tick != live.ticks[0].state.tick + i) broken("live");
     }
@@ -151,36 +150,36 @@ void Link::file_stream()
     const std::uint8_t *payload = decoder_.payload;
     const std::size_t length = decoder_.payload_bytes;
     switch (decoder_.header.type) {
-    case SELD_WIRE_TYPE_live:
+    case CRN_WIRE_TYPE_live:
         file_live();
         break;
-    case SELD_WIRE_TYPE_notice: {
-        seld_wire_notice notice;
-        if (!seld_wire_decode_notice(payload, length, &notice)) broken("notice");
+    case CRN_WIRE_TYPE_notice: {
+        crn_wire_notice notice;
+        if (!crn_wire_decode_notice(payload, length, &notice)) broken("notice");
         if (notices_.size() == notices_max) notices_.erase(notices_.begin());
         notices_.push_back(notice);
         break;
     }
-    case SELD_WIRE_TYPE_snapshot_begin:
-        if (!seld_wire_decode_snapshot_begin(payload, length, &snapshot_begin_) ||
+    case CRN_WIRE_TYPE_snapshot_begin:
+        if (!crn_wire_decode_snapshot_begin(payload, length, &snapshot_begin_) ||
             snapshot_begin_.snapshot_bytes > snapshot_bytes_max) {
             snapshot_begin_ = {};
             broken("snapshot_begin");
         }
         snapshot_.clear();
         break;
-    case SELD_WIRE_TYPE_snapshot_chunk: {
-        seld_wire_snapshot_chunk chunk;
-        if (!seld_wire_decode_snapshot_chunk(payload, length, &chunk) || chunk.offset != snapshot_.size() ||
+    case CRN_WIRE_TYPE_snapshot_chunk: {
+        crn_wire_snapshot_chunk chunk;
+        if (!crn_wire_decode_snapshot_chunk(payload, length, &chunk) || chunk.offset != snapshot_.size() ||
             chunk.data_count > snapshot_begin_.snapshot_bytes - snapshot_.size()) {
             broken("snapshot_chunk");
         }
         snapshot_.insert(snapshot_.end(), chunk.data, chunk.data + chunk.data_count);
         break;
     }
-    case SELD_WIRE_TYPE_snapshot_end:
+    case CRN_WIRE_TYPE_snapshot_end:
         if (snapshot_.size() != snapshot_begin_.snapshot_bytes ||
-            seld_wire_crc32(0, snapshot_.data(), snapshot_.size()) != snapshot_begin_.crc32) {
+            crn_wire_crc32(0, snapshot_.data(), snapshot_.size()) != snapshot_begin_.crc32) {
             broken("snapshot_end");
         }
         break;
@@ -194,7 +193,7 @@ void Link::file_stream()
 // About an earlier request, whose answer came too late, or about an order that did not come in a frame.
 bool Link::is_late_refusal() const
 {
-    if (decoder_.header.type != SELD_WIRE_TYPE_reject) return false;
+    if (decoder_.header.type != CRN_WIRE_TYPE_reject) return false;
     const auto since = static_cast<std::uint16_t>(decoder_.header.answers - asked_from_);
     const auto asked = static_cast<std::uint16_t>(sequence_ - asked_from_);
     return decoder_.header.answers == 0 || since > asked;
@@ -217,4 +216,4 @@ void Link::receive_answer(std::uint16_t type, std::size_t ticks)
     }
 }
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 inline std::string format(const char *pattern, auto... values)
@@ -13,4 +13,4 @@ inline std::string format(const char *pattern, auto... values)
     return text;
 }
 
-} // namespace seld
+} // namespace crn

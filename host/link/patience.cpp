@@ -2,7 +2,7 @@
 #include "host/model/interrupt.hpp"
 #include <algorithm>
 
-namespace seld
+namespace crn
 {
 
 Patience::Span Patience::since(Clock::time_point begin) const
@@ -53,4 +53,4 @@ Patience::Span Patience::spent() const
     return budget_ - left_;
 }
 
-} // namespace seld
+} // namespace crn

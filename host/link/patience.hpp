@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cstdint>
 
-namespace seld
+namespace crn
 {
 
 class Patience
@@ -37,4 +37,4 @@ class Patience
     Clock::time_point begin_{};
 };
 
-} // namespace seld
+} // namespace crn

@@ -2,15 +2,15 @@
 #include "firmware/port/sim/sim.h"
 #include <new>
 
-namespace seld
+namespace crn
 {
 
-void SimTransport::Close::operator()(seld_sim *sim) const
+void SimTransport::Close::operator()(crn_sim *sim) const
 {
-    seld_sim_destroy(sim);
+    crn_sim_destroy(sim);
 }
 
-SimTransport::SimTransport(std::uint32_t scene_slot_bytes) : sim_(seld_sim_create(scene_slot_bytes))
+SimTransport::SimTransport(std::uint32_t scene_slot_bytes) : sim_(crn_sim_create(scene_slot_bytes))
 {
     if (!sim_) throw std::bad_alloc();
 }
@@ -19,24 +19,24 @@ SimTransport::~SimTransport() = default;
 
 void SimTransport::write(std::span<const std::uint8_t> bytes)
 {
-    seld_sim_write(sim_.get(), bytes.data(), bytes.size());
+    crn_sim_write(sim_.get(), bytes.data(), bytes.size());
 }
 
 std::size_t SimTransport::read(std::span<std::uint8_t> bytes)
 {
-    return seld_sim_read(sim_.get(), bytes.data(), bytes.size());
+    return crn_sim_read(sim_.get(), bytes.data(), bytes.size());
 }
 
 void SimTransport::pass_time_ms(std::uint32_t milliseconds)
 {
-    seld_sim_timer(sim_.get(), milliseconds);
+    crn_sim_timer(sim_.get(), milliseconds);
 }
 
 void SimTransport::attach_rig()
 {
-    const seld_port_inputs inputs = seld_sim_healthy_inputs();
-    seld_sim_set_inputs(sim_.get(), &inputs);
-    seld_sim_timer(sim_.get(), 1);
+    const crn_port_inputs inputs = crn_sim_healthy_inputs();
+    crn_sim_set_inputs(sim_.get(), &inputs);
+    crn_sim_timer(sim_.get(), 1);
 }
 
-} // namespace seld
+} // namespace crn

@@ -3,9 +3,9 @@
 #include "host/link/transport.hpp"
 #include <memory>
 
-struct seld_sim;
+struct crn_sim;
 
-namespace seld
+namespace crn
 {
 
 class SimTransport final : public Transport
@@ -22,9 +22,9 @@ class SimTransport final : public Transport
 
   private:
     struct Close {
-        void operator()(seld_sim *sim) const;
+        void operator()(crn_sim *sim) const;
     };
-    std::unique_ptr<seld_sim, Close> sim_;
+    std::unique_ptr<crn_sim, Close> sim_;
 };
 
-} // namespace seld
+} // namespace crn

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 class Transport
@@ -25,4 +25,4 @@ class Transport
     virtual bool has_own_clock() const { return true; }
 };
 
-} // namespace seld
+} // namespace crn

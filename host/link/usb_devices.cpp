@@ -7,7 +7,7 @@
 #include <span>
 #include <thread>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -215,7 +215,7 @@ UsbHandle usb_open(libusb_context *context, const std::string &serial)
     }
     if (rigs.empty()) {
         throw DeviceLost("no rig is on USB (looked for " + id_text() +
-                         "). Remedy: check cable and power; seldinger rig list");
+                         "). Remedy: check cable and power; cournand rig list");
     }
     throw DeviceLost("no rig has the serial number '" + serial + "'; there are" + list_of(rigs) +
                      "\nRemedy: name one of these, or check the cable of the other");
@@ -265,4 +265,4 @@ bool UsbWatch::wait_for(const std::string &serial, std::uint32_t milliseconds,
     }
 }
 
-} // namespace seld
+} // namespace crn

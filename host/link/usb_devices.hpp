@@ -11,18 +11,18 @@
 struct libusb_context;
 struct libusb_device_handle;
 
-namespace seld
+namespace crn
 {
 
 // The number a rig shows on the bus; the firmware is built with the same one (make USB_ID=1209:0001).
-#ifndef SELD_USB_VENDOR_ID
-#define SELD_USB_VENDOR_ID 0x1209
+#ifndef CRN_USB_VENDOR_ID
+#define CRN_USB_VENDOR_ID 0x1209
 #endif
-#ifndef SELD_USB_PRODUCT_ID
-#define SELD_USB_PRODUCT_ID 0x0001
+#ifndef CRN_USB_PRODUCT_ID
+#define CRN_USB_PRODUCT_ID 0x0001
 #endif
-inline constexpr std::uint16_t usb_vendor_id = SELD_USB_VENDOR_ID;
-inline constexpr std::uint16_t usb_product_id = SELD_USB_PRODUCT_ID;
+inline constexpr std::uint16_t usb_vendor_id = CRN_USB_VENDOR_ID;
+inline constexpr std::uint16_t usb_product_id = CRN_USB_PRODUCT_ID;
 
 // The device went away in the middle of a conversation: cable, power, or a restart. It may come back.
 class DeviceLost : public LinkError
@@ -86,4 +86,4 @@ class UsbWatch
     int changed_ = 0; // set by libusb, inside wait_ms
 };
 
-} // namespace seld
+} // namespace crn

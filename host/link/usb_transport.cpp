@@ -4,7 +4,7 @@
 #include <chrono>
 #include <libusb-1.0/libusb.h>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -337,4 +337,4 @@ void UsbTransport::pass_time_ms(std::uint32_t milliseconds)
     takes_only_what_came_ = true;
 }
 
-} // namespace seld
+} // namespace crn

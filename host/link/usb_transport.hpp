@@ -17,7 +17,7 @@
 
 struct libusb_transfer;
 
-namespace seld
+namespace crn
 {
 
 struct UsbLimits {
@@ -87,4 +87,4 @@ class UsbTransport final : public Transport
     std::thread thread_;
 };
 
-} // namespace seld
+} // namespace crn

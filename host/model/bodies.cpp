@@ -1,7 +1,7 @@
 // Checks of bodies; the reader of body files is in bodies_file.cpp.
 #include "host/model/bodies.hpp"
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -74,4 +74,4 @@ bool check_bodies(const Bodies &bodies, std::string &error)
     return true;
 }
 
-} // namespace seld
+} // namespace crn

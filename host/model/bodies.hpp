@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct Body {
@@ -48,4 +48,4 @@ bool read_bodies_of(const std::string &scene_path, const std::string &path, Bodi
 // range, at most 8 million triangles in all, coordinates within 2 m.
 bool check_bodies(const Bodies &bodies, std::string &error);
 
-} // namespace seld
+} // namespace crn

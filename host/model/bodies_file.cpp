@@ -5,12 +5,12 @@
 #include "shared/wire/wire_frame.h"
 #include <cstdio>
 
-namespace seld
+namespace crn
 {
 namespace
 {
 
-Body read_body(const seld_scene_body_view &view)
+Body read_body(const crn_scene_body_view &view)
 {
     Body body;
     body.name = view.name;
@@ -20,12 +20,12 @@ Body read_body(const seld_scene_body_view &view)
     body.vertices_um.resize(view.vertex_count);
     for (std::size_t i = 0; i < view.vertex_count; ++i) {
         const std::uint8_t *at = view.vertices_um + 12 * i;
-        body.vertices_um[i] = {seld_scene_i32(at), seld_scene_i32(at + 4), seld_scene_i32(at + 8)};
+        body.vertices_um[i] = {crn_scene_i32(at), crn_scene_i32(at + 4), crn_scene_i32(at + 8)};
     }
     body.triangles.resize(view.triangle_count);
     for (std::size_t i = 0; i < view.triangle_count; ++i) {
         const std::uint8_t *at = view.triangles + 12 * i;
-        body.triangles[i] = {seld_scene_u32(at), seld_scene_u32(at + 4), seld_scene_u32(at + 8)};
+        body.triangles[i] = {crn_scene_u32(at), crn_scene_u32(at + 4), crn_scene_u32(at + 8)};
     }
     return body;
 }
@@ -34,14 +34,14 @@ void read_points(const std::uint8_t *points, std::size_t count, std::vector<Eige
                  std::vector<double> &radii_m)
 {
     for (std::size_t i = 0; i < count; ++i) {
-        const std::uint8_t *at = points + SELD_SCENE_TREE_POINT_BYTES * i;
-        places_m.push_back(
-            Eigen::Vector3d(seld_scene_i32(at), seld_scene_i32(at + 4), seld_scene_i32(at + 8)) * 1e-6);
-        radii_m.push_back(seld_scene_u32(at + 12) * 1e-6);
+        const std::uint8_t *at = points + CRN_SCENE_TREE_POINT_BYTES * i;
+        places_m.push_back(Eigen::Vector3d(crn_scene_i32(at), crn_scene_i32(at + 4), crn_scene_i32(at + 8)) *
+                           1e-6);
+        radii_m.push_back(crn_scene_u32(at + 12) * 1e-6);
     }
 }
 
-VesselBranch read_branch(const seld_scene_branch_view &view)
+VesselBranch read_branch(const crn_scene_branch_view &view)
 {
     VesselBranch branch;
     branch.name = view.name;
@@ -53,7 +53,7 @@ VesselBranch read_branch(const seld_scene_branch_view &view)
     return branch;
 }
 
-VesselLesion read_lesion(const seld_scene_lesion_view &view)
+VesselLesion read_lesion(const crn_scene_lesion_view &view)
 {
     VesselLesion lesion;
     lesion.name = view.name;
@@ -93,24 +93,24 @@ bool read_bodies(const std::string &path, Bodies &bodies, std::string &error)
         error = fault.what();
         return false;
     }
-    seld_scene scene;
+    crn_scene scene;
     std::uint32_t where_byte = 0;
-    const seld_scene_status status = seld_scene_open(bytes.data(), bytes.size(), &scene, &where_byte);
-    if (status != SELD_SCENE_OK) {
-        error = path + ": byte " + std::to_string(where_byte) + ": " + seld_scene_status_text(status);
+    const crn_scene_status status = crn_scene_open(bytes.data(), bytes.size(), &scene, &where_byte);
+    if (status != CRN_SCENE_OK) {
+        error = path + ": byte " + std::to_string(where_byte) + ": " + crn_scene_status_text(status);
         return false;
     }
-    if (scene.kind != SELD_SCENE_KIND_BODIES) {
+    if (scene.kind != CRN_SCENE_KIND_BODIES) {
         error = path + ": a scene for the device, not a body file; name the file that ends in .bodies";
         return false;
     }
     Bodies read;
     for (std::uint32_t i = 0; i < scene.body_count; ++i)
-        read.bodies.push_back(read_body(seld_scene_body(&scene, i)));
+        read.bodies.push_back(read_body(crn_scene_body(&scene, i)));
     for (std::uint32_t i = 0; i < scene.branch_count; ++i)
-        read.vessels.branches.push_back(read_branch(seld_scene_branch(&scene, i)));
+        read.vessels.branches.push_back(read_branch(crn_scene_branch(&scene, i)));
     for (std::uint32_t i = 0; i < scene.lesion_count; ++i)
-        read.vessels.lesions.push_back(read_lesion(seld_scene_lesion(&scene, i)));
+        read.vessels.lesions.push_back(read_lesion(crn_scene_lesion(&scene, i)));
     if (scene.has_partner) read.baked_with = SceneName{scene.partner_bytes, scene.partner_crc32};
     bodies = std::move(read);
     return true;
@@ -125,7 +125,7 @@ bool read_bodies_of(const std::string &scene_path, const std::string &path, Bodi
         SceneName scene;
         try {
             const std::vector<unsigned char> bytes = read_binary_file(scene_path);
-            scene = {bytes.size(), seld_wire_crc32(0, bytes.data(), bytes.size())};
+            scene = {bytes.size(), crn_wire_crc32(0, bytes.data(), bytes.size())};
         } catch (const FileError &fault) {
             error = fault.what();
             return false;
@@ -139,4 +139,4 @@ bool read_bodies_of(const std::string &scene_path, const std::string &path, Bodi
     return true;
 }
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 // `--json ""` is a script's empty variable, not a wish for no file: wrong usage, here and in every command below.
@@ -18,4 +18,4 @@ inline void refuse_empty_values(CLI::App &app)
     for (CLI::App *command : app.get_subcommands({})) refuse_empty_values(*command);
 }
 
-} // namespace seld
+} // namespace crn

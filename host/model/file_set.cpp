@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <unistd.h>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -98,4 +98,4 @@ void FileSet::commit()
     files_.clear();
 }
 
-} // namespace seld
+} // namespace crn

@@ -1,7 +1,7 @@
 #include "host/model/format.hpp"
 #include <cstdio>
 
-namespace seld
+namespace crn
 {
 
 std::string formatted_with(const char *format, va_list values)
@@ -57,4 +57,4 @@ std::string html_text(const std::string &text)
     return safe;
 }
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include <cstdarg>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 // As printf, of any length. A format that is no good for its values does not compile.
@@ -17,4 +17,4 @@ namespace seld
 // Text as HTML and SVG show it, in an element or in an attribute between double quotes: &, <, > and " replaced.
 std::string html_text(const std::string &text);
 
-} // namespace seld
+} // namespace crn

@@ -18,17 +18,17 @@
 
 // Address sanitizers map terabytes, which no limit on the address space allows: the parent watches the child's memory instead.
 #if defined(__SANITIZE_ADDRESS__)
-#define SELD_WATCHES_MEMORY 1
+#define CRN_WATCHES_MEMORY 1
 #elif defined(__has_feature)
 #if __has_feature(address_sanitizer)
-#define SELD_WATCHES_MEMORY 1
+#define CRN_WATCHES_MEMORY 1
 #endif
 #endif
-#ifndef SELD_WATCHES_MEMORY
-#define SELD_WATCHES_MEMORY 0
+#ifndef CRN_WATCHES_MEMORY
+#define CRN_WATCHES_MEMORY 0
 #endif
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -80,7 +80,7 @@ void set_limits(const ReadLimits &limits, std::uint64_t space_before)
     limit(RLIMIT_CPU, cpu_s, cpu_s + 1);
     limit(RLIMIT_STACK, limits.stack_bytes, limits.stack_bytes);
     limit(RLIMIT_CORE, 0, 0);
-    if (SELD_WATCHES_MEMORY) return;
+    if (CRN_WATCHES_MEMORY) return;
     const std::uint64_t space = space_before + limits.memory_bytes;
     limit(RLIMIT_AS, space, space);
     limit(RLIMIT_FSIZE, 0, 0); // it leaves no file behind (a sanitizer's report is one)
@@ -91,7 +91,7 @@ void reset_signals()
 {
     for (int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGALRM}) std::signal(number, SIG_DFL);
     // A handler of faults that leaps back into the program would go on there, in the child. A sanitizer's only reports.
-    if (!SELD_WATCHES_MEMORY)
+    if (!CRN_WATCHES_MEMORY)
         for (int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS}) std::signal(number, SIG_DFL);
     sigset_t none;
     sigemptyset(&none);
@@ -245,7 +245,7 @@ void Inbox::hear()
 void Inbox::wait()
 {
     const std::string child_memory = "/proc/" + std::to_string(child_) + "/statm";
-    const std::uint64_t before = SELD_WATCHES_MEMORY ? process_bytes("/proc/self/statm", true) : 0;
+    const std::uint64_t before = CRN_WATCHES_MEMORY ? process_bytes("/proc/self/statm", true) : 0;
     for (;;) {
         struct pollfd ends[2] = {{pipe_, POLLIN, 0}, {noise_, POLLIN, 0}};
         const int ready = ::poll(ends, 2, look_ms);
@@ -265,7 +265,7 @@ void Inbox::wait()
             fail("its reader was not done after " + rounded(limits_.wall_s) +
                  " s: the file is damaged, or this machine is too slow for it; export it again, with fewer "
                  "details");
-        if (SELD_WATCHES_MEMORY && process_bytes(child_memory.c_str(), true) > before + limits_.memory_bytes)
+        if (CRN_WATCHES_MEMORY && process_bytes(child_memory.c_str(), true) > before + limits_.memory_bytes)
             fail("reading it takes over " + std::to_string(limits_.memory_bytes >> 20) +
                  " MiB of memory: the file is damaged, or too large; export it again, with fewer details");
     }
@@ -364,4 +364,4 @@ void read_apart(const std::string &file, const ReadLimits &limits, const std::fu
     in.finish();
 }
 
-} // namespace seld
+} // namespace crn

@@ -17,7 +17,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // The message begins with the file's name and says what to do.
@@ -119,4 +119,4 @@ void stop_reading_when(bool (*is_wanted)());
 // The size of a regular file, for read_limits. Throws GuardedReadError: no such file, a folder, over `most` bytes.
 std::uint64_t regular_file_bytes(const std::string &file, std::uint64_t most);
 
-} // namespace seld
+} // namespace crn

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -221,4 +221,4 @@ Instrument read_instrument(const std::string &path)
     return *wanted;
 }
 
-} // namespace seld
+} // namespace crn

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // What the X-ray sees of one stretch: a share of the cross-section filled with a material.
@@ -65,7 +65,7 @@ struct Instrument {
     std::vector<std::string> presets; // of the file, `physical` first
     InstrumentKind kind = InstrumentKind::wire;
     double length_m = 0.0;
-    seld_wire_instrument table{}; // validated by the device
+    crn_wire_instrument table{}; // validated by the device
     std::vector<InstrumentLayer> layers;
     std::vector<InstrumentArc> shape; // from the tip; straight behind the last one
     std::vector<SideHoles> side_holes;
@@ -80,10 +80,10 @@ Instrument read_instrument(const std::string &path);
 std::pair<std::string, std::string> split_preset(const std::string &path);
 
 // Nodes of the core's mesh (docs/rod.md) of one instrument, or of one line of several: it takes the finest tip and shaft,
-// the longest fine part and the longest instrument. At most SELD_NODE_MAX of the core.
+// the longest fine part and the longest instrument. At most CRN_NODE_MAX of the core.
 inline constexpr int line_nodes_max = 384;
-int line_node_count(std::span<const seld_wire_instrument *const> tools);
-int line_node_count(const seld_wire_instrument &tool);
+int line_node_count(std::span<const crn_wire_instrument *const> tools);
+int line_node_count(const crn_wire_instrument &tool);
 
 // The unloaded centreline, tip first, every `step_m` and at every change of curvature, from the tip to `straight_m` behind
 // the last arc. The straight part lies on the x axis and ends (towards the hand) at the origin side: it enters along +x,
@@ -95,4 +95,4 @@ struct ShapePoint {
 };
 std::vector<ShapePoint> unloaded_shape(const Instrument &instrument, double step_m, double straight_m);
 
-} // namespace seld
+} // namespace crn

@@ -2,7 +2,7 @@
 #include "host/model/instrument_parts.hpp"
 #include <cmath>
 
-namespace seld::instrument_file
+namespace crn::instrument_file
 {
 
 namespace
@@ -11,10 +11,10 @@ namespace
 constexpr double mm = 1e-3, um_per_mm = 1e3, kPa_per_bar = 100.0;
 
 // [[balloon.at]] rows: { pressure_bar, diameter_mm }, increasing in both.
-void read_rows(const Place &place, const toml::table &table, seld_wire_instrument &wire)
+void read_rows(const Place &place, const toml::table &table, crn_wire_instrument &wire)
 {
     const auto rows = tables_of(place, table, "at");
-    if (rows.size() < 2 || rows.size() > SELD_WIRE_MAX_instrument_balloon)
+    if (rows.size() < 2 || rows.size() > CRN_WIRE_MAX_instrument_balloon)
         fail(place, &table,
              "the table of pressures and diameters has " + std::to_string(rows.size()) +
                  " rows: write 2 to 12 [[balloon.at]]");
@@ -26,11 +26,11 @@ void read_rows(const Place &place, const toml::table &table, seld_wire_instrumen
                      diameter_mm = to_number(place, diameter, "diameter_mm");
         check_bounds(place, pressure, "pressure_bar", bar, {1.0, 39.0});
         check_bounds(place, diameter, "diameter_mm", diameter_mm, {0.5, 20.0});
-        const seld_wire_balloon_point point = {
+        const crn_wire_balloon_point point = {
             static_cast<std::uint32_t>(std::lround(bar * kPa_per_bar)),
             static_cast<std::uint32_t>(std::lround(diameter_mm * um_per_mm))};
         if (wire.balloon_count > 0) {
-            const seld_wire_balloon_point &last = wire.balloon[wire.balloon_count - 1];
+            const crn_wire_balloon_point &last = wire.balloon[wire.balloon_count - 1];
             if (point.pressure_kPa <= last.pressure_kPa)
                 fail(place, &pressure, "'pressure_bar' must rise from row to row");
             if (point.diameter_um <= last.diameter_um)
@@ -51,7 +51,7 @@ double one(const Place &place, const toml::table &table, const char *key, Bounds
 } // namespace
 
 std::optional<BalloonLabel> read_balloon(const Place &place, const toml::table &root, InstrumentKind kind,
-                                         seld_wire_instrument &wire)
+                                         crn_wire_instrument &wire)
 {
     const toml::node *node = root.get("balloon");
     if (!node) return {};
@@ -98,4 +98,4 @@ void add_markers(Instrument &instrument)
         instrument.layers.push_back({arc_m - half_m, arc_m + half_m, "platinum", fill, share});
 }
 
-} // namespace seld::instrument_file
+} // namespace crn::instrument_file

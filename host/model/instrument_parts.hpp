@@ -4,7 +4,7 @@
 #include "host/model/instrument.hpp"
 #include "host/model/instrument_toml.hpp"
 
-namespace seld::instrument_file
+namespace crn::instrument_file
 {
 
 // A stretch between two arc lengths from the tip. Stiffness changes by equal ratios from its distal to its proximal end,
@@ -26,7 +26,7 @@ struct Preset {
 };
 
 inline constexpr Bounds stiffness_bounds = {1e-7,
-                                            3e-2};  // N m^2, of the core (firmware/core/core.h, seld_knot)
+                                            3e-2};  // N m^2, of the core (firmware/core/core.h, crn_knot)
 inline constexpr Bounds radius_bounds = {0.1, 2.0}; // mm
 inline constexpr double length_max_mm = 1600.0;
 
@@ -41,14 +41,14 @@ std::vector<SideHoles> read_side_holes(const Place &place, const toml::table &ro
 
 // [balloon] into the wire's table and the label; nothing where the key is missing.
 std::optional<BalloonLabel> read_balloon(const Place &place, const toml::table &root, InstrumentKind kind,
-                                         seld_wire_instrument &wire);
+                                         crn_wire_instrument &wire);
 
 // Its marker bands among the instrument's layers.
 void add_markers(Instrument &instrument);
 
-void read_elements(const Place &place, const toml::table &root, seld_wire_instrument &wire);
+void read_elements(const Place &place, const toml::table &root, crn_wire_instrument &wire);
 
 // Knots of sections and arcs together into the instrument's table.
 void add_profile(const Place &place, const std::vector<Section> &sections, Instrument &instrument);
 
-} // namespace seld::instrument_file
+} // namespace crn::instrument_file

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 
 namespace instrument_file
@@ -31,7 +31,7 @@ std::uint32_t rounded(double value)
     return static_cast<std::uint32_t>(std::lround(value));
 }
 
-bool has_same_properties(const seld_wire_knot &a, const seld_wire_knot &b)
+bool has_same_properties(const crn_wire_knot &a, const crn_wire_knot &b)
 {
     return a.bend_stiffness_nN_m2 == b.bend_stiffness_nN_m2 &&
            a.twist_stiffness_nN_m2 == b.twist_stiffness_nN_m2 && a.mass_mg_per_m == b.mass_mg_per_m &&
@@ -42,10 +42,10 @@ bool has_same_properties(const seld_wire_knot &a, const seld_wire_knot &b)
            a.rest_curvature2_per_m_milli == b.rest_curvature2_per_m_milli;
 }
 
-seld_wire_knot knot_at(const Section &section, const InstrumentArc *arc, double arc_mm)
+crn_wire_knot knot_at(const Section &section, const InstrumentArc *arc, double arc_mm)
 {
     const double u = (arc_mm - section.from_mm) / (section.to_mm - section.from_mm);
-    seld_wire_knot knot{};
+    crn_wire_knot knot{};
     knot.arc_um = rounded(arc_mm * 1e3);
     knot.bend_stiffness_nN_m2 = rounded(by_ratio(section.bend_N_m2, u) * 1e9);
     knot.twist_stiffness_nN_m2 = rounded(by_ratio(section.twist_N_m2, u) * 1e9);
@@ -92,7 +92,7 @@ const InstrumentArc *arc_at(const std::vector<InstrumentArc> &shape, double arc_
 }
 
 // Adds a knot, without knots that change nothing: twice the same one, or the middle one of three alike.
-void append(std::vector<seld_wire_knot> &knots, const seld_wire_knot &knot)
+void append(std::vector<crn_wire_knot> &knots, const crn_wire_knot &knot)
 {
     const std::size_t count = knots.size();
     if (count > 0 && has_same_properties(knots.back(), knot)) {
@@ -106,7 +106,7 @@ void append(std::vector<seld_wire_knot> &knots, const seld_wire_knot &knot)
 
 void add_profile(const Place &place, const std::vector<Section> &sections, Instrument &instrument)
 {
-    std::vector<seld_wire_knot> knots;
+    std::vector<crn_wire_knot> knots;
     for (const Section &section : sections) {
         const std::vector<double> at_mm = boundaries_mm(section, instrument.shape);
         for (std::size_t i = 0; i + 1 < at_mm.size(); i++) {
@@ -116,12 +116,12 @@ void add_profile(const Place &place, const std::vector<Section> &sections, Instr
         }
         instrument.layers.insert(instrument.layers.end(), section.layers.begin(), section.layers.end());
     }
-    if (knots.size() > SELD_WIRE_MAX_instrument_knots) {
+    if (knots.size() > CRN_WIRE_MAX_instrument_knots) {
         fail(place, sections.front().node,
              "the profile needs " + std::to_string(knots.size()) + " knots, at most " +
-                 std::to_string(SELD_WIRE_MAX_instrument_knots) + "; use fewer steps, sections or shapes");
+                 std::to_string(CRN_WIRE_MAX_instrument_knots) + "; use fewer steps, sections or shapes");
     }
-    for (const seld_wire_knot &knot : knots) instrument.table.knots[instrument.table.knots_count++] = knot;
+    for (const crn_wire_knot &knot : knots) instrument.table.knots[instrument.table.knots_count++] = knot;
     instrument.length_m = sections.back().to_mm * 1e-3;
     if (!instrument.shape.empty() && instrument.shape.back().arc_end_m > instrument.length_m) {
         fail(place, sections.back().node, "the shape is longer than the instrument");
@@ -136,7 +136,7 @@ void add_profile(const Place &place, const std::vector<Section> &sections, Instr
 
 } // namespace instrument_file
 
-int line_node_count(std::span<const seld_wire_instrument *const> tools)
+int line_node_count(std::span<const crn_wire_instrument *const> tools)
 {
     // In the core's Q30 metres and with its rounding: a line may end on a whole element to the micrometre.
     const auto q30 = [](std::uint64_t um) {
@@ -144,7 +144,7 @@ int line_node_count(std::span<const seld_wire_instrument *const> tools)
     };
     constexpr std::int64_t rounding = 64;
     std::int64_t total = 0, tip = INT32_MAX, shaft = INT32_MAX, fine = 0;
-    for (const seld_wire_instrument *tool : tools) {
+    for (const crn_wire_instrument *tool : tools) {
         total = std::max(total, q30(tool->knots[tool->knots_count - 1].arc_um));
         tip = std::min(tip, q30(tool->element_tip_um));
         shaft = std::min(shaft, q30(tool->element_shaft_um));
@@ -160,9 +160,9 @@ int line_node_count(std::span<const seld_wire_instrument *const> tools)
     return nodes;
 }
 
-int line_node_count(const seld_wire_instrument &tool)
+int line_node_count(const crn_wire_instrument &tool)
 {
-    const seld_wire_instrument *const one[] = {&tool};
+    const crn_wire_instrument *const one[] = {&tool};
     return line_node_count(one);
 }
 
@@ -200,4 +200,4 @@ std::vector<ShapePoint> unloaded_shape(const Instrument &instrument, double step
     return points;
 }
 
-} // namespace seld
+} // namespace crn

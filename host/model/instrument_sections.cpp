@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace seld::instrument_file
+namespace crn::instrument_file
 {
 
 namespace
@@ -285,7 +285,7 @@ std::vector<SideHoles> read_side_holes(const Place &place, const toml::table &ro
     return groups;
 }
 
-void read_elements(const Place &place, const toml::table &root, seld_wire_instrument &wire)
+void read_elements(const Place &place, const toml::table &root, crn_wire_instrument &wire)
 {
     const toml::table &table = require_table(place, root, "elements");
     const Place inner = place.inside("elements");
@@ -302,4 +302,4 @@ void read_elements(const Place &place, const toml::table &root, seld_wire_instru
     }
 }
 
-} // namespace seld::instrument_file
+} // namespace crn::instrument_file

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <optional>
 
-namespace seld::instrument_file
+namespace crn::instrument_file
 {
 
 bool Sources::use(const std::string &key)
@@ -164,4 +164,4 @@ double sourced_value(const Place &place, const toml::table &table, const std::st
     return range.from;
 }
 
-} // namespace seld::instrument_file
+} // namespace crn::instrument_file

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace seld::instrument_file
+namespace crn::instrument_file
 {
 
 // A value along a section, from its distal to its proximal end.
@@ -67,4 +67,4 @@ void check_source(const Place &place, const toml::table &table);
 Range sourced(const Place &place, const toml::node &node, const std::string &key, Bounds bounds);
 double sourced_value(const Place &place, const toml::table &table, const std::string &key, Bounds bounds);
 
-} // namespace seld::instrument_file
+} // namespace crn::instrument_file

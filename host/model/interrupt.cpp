@@ -2,7 +2,7 @@
 #include "host/model/pending_file.hpp"
 #include <csignal>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -44,4 +44,4 @@ bool is_interrupted()
     return interrupted != 0;
 }
 
-} // namespace seld
+} // namespace crn

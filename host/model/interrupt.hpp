@@ -2,7 +2,7 @@
 // ended by the second signal. May include: pending_file. Called by: every program, host/link.
 #pragma once
 
-namespace seld
+namespace crn
 {
 
 // From now on the first Ctrl-C or SIGTERM only raises the flag. The second one removes files under way and ends the program
@@ -10,4 +10,4 @@ namespace seld
 void watch_for_interrupt();
 bool is_interrupted();
 
-} // namespace seld
+} // namespace crn

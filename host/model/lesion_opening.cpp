@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 
-std::vector<LesionStations> lesion_stations(const seld_scene &scene)
+std::vector<LesionStations> lesion_stations(const crn_scene &scene)
 {
     std::vector<LesionStations> stations;
     for (std::uint32_t i = 0; i < scene.plaque_count; ++i) {
-        const seld_scene_plaque_view plaque = seld_scene_plaque(&scene, i);
+        const crn_scene_plaque_view plaque = crn_scene_plaque(&scene, i);
         stations.push_back(
             {plaque.station_count, std::ldexp(1.0, static_cast<int>(plaque.spacing_log2_q30) - 30)});
     }
@@ -91,4 +91,4 @@ void LesionOpening::open(const VesselTree &tree, std::span<const double> open, V
     }
 }
 
-} // namespace seld
+} // namespace crn

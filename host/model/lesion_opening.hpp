@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-struct seld_scene;
+struct crn_scene;
 
-namespace seld
+namespace crn
 {
 
 // Of one lesion that gives way: so many stations, so far apart along the healthy vessel, the lesion in their middle.
@@ -23,7 +23,7 @@ struct LesionStations {
 };
 
 // Of a checked scene: lesion by lesion, the first of its tree's.
-std::vector<LesionStations> lesion_stations(const seld_scene &scene);
+std::vector<LesionStations> lesion_stations(const crn_scene &scene);
 // The PLAQUES section of a scene file. Nothing when it has none, or, with a message in `error`, when it cannot be read.
 std::vector<LesionStations> read_lesion_stations(const std::string &scene_path, std::string &error);
 
@@ -66,4 +66,4 @@ class LesionOpening
     std::vector<Lesion> lesions_;
 };
 
-} // namespace seld
+} // namespace crn

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -172,4 +172,4 @@ bool LesionWall::healthy_of(const Vector3d &narrowed_m, Healthy &healthy) const
     return (healthy.place_m - narrowed_m).norm() >= unmoved_m;
 }
 
-} // namespace seld
+} // namespace crn

@@ -10,7 +10,7 @@
 #include "host/model/vessel_tree.hpp"
 #include <Eigen/Geometry>
 
-namespace seld
+namespace crn
 {
 
 // A wall goes with the lesion up to so many radii from the healthy centreline; beyond the second it stays.
@@ -60,4 +60,4 @@ class LesionWall
 // Box around everything within so many radii of a lesion's healthy centreline.
 Eigen::AlignedBox3d lesion_box_m(const VesselLesion &lesion, double radii);
 
-} // namespace seld
+} // namespace crn

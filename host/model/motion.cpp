@@ -5,14 +5,14 @@
 #include <cmath>
 #include <numbers>
 
-namespace seld
+namespace crn
 {
 namespace
 {
 
 constexpr double q30 = 0x1p-30;
 constexpr double unit_m = 0x1p-19; // of a coefficient: 2^11 / 2^30
-constexpr std::size_t row_numbers = SELD_SCENE_MOTION_ROW;
+constexpr std::size_t row_numbers = CRN_SCENE_MOTION_ROW;
 constexpr std::size_t kept = motion_keyframes + 2; // of a moved vertex: keyframes 23, 0 .. 23, 0
 
 } // namespace
@@ -53,7 +53,7 @@ double motion_plane_weight(int corner, const Eigen::Vector3d &place)
     return std::max(0.0, least - most);
 }
 
-Motion::Lattice::Lattice(const seld_scene_motion &scene, std::size_t row)
+Motion::Lattice::Lattice(const crn_scene_motion &scene, std::size_t row)
 {
     std::size_t nodes = 1;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -85,7 +85,7 @@ std::size_t Motion::Lattice::corner(std::size_t node, unsigned corner) const
     return node + (corner & 1u) + ((corner >> 1 & 1u) + (corner >> 2) * ny) * nx;
 }
 
-Motion::Motion(const seld_scene &scene) : beat_(scene.motion, row_numbers)
+Motion::Motion(const crn_scene &scene) : beat_(scene.motion, row_numbers)
 {
     if (scene.has_breath) breath_.emplace(scene.breath, 1);
 }
@@ -158,7 +158,7 @@ Eigen::Vector3d Motion::push(const Eigen::Vector3d &X_m, const MotionMoment &mom
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error)
 {
     using Read = std::optional<Motion>;
-    return from_scene<Read>(scene_path, error, [](const seld_scene &scene) {
+    return from_scene<Read>(scene_path, error, [](const crn_scene &scene) {
         return scene.has_motion ? Read(Motion(scene)) : Read();
     });
 }
@@ -215,7 +215,7 @@ Eigen::Vector3f MovingPoints::way_um(std::size_t i, const MotionWeights &weights
 MovingBodies::MovingBodies(const Motion &motion, const Bodies &bodies)
 {
     for (std::size_t index = 0; index < bodies.bodies.size(); ++index) {
-        const seld::Body &body = bodies.bodies[index];
+        const crn::Body &body = bodies.bodies[index];
         if (!body.moves) continue;
         std::vector<Eigen::Vector3d> places_m;
         for (const Eigen::Vector3i &vertex_um : body.vertices_um)
@@ -240,4 +240,4 @@ const std::vector<MovingBodies::Moved> &MovingBodies::at(const MotionMoment &mom
     return moved_;
 }
 
-} // namespace seld
+} // namespace crn

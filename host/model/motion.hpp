@@ -17,10 +17,10 @@
 #include <string>
 #include <vector>
 
-struct seld_scene;
-struct seld_scene_motion;
+struct crn_scene;
+struct crn_scene_motion;
 
-namespace seld
+namespace crn
 {
 
 inline constexpr int motion_keyframes = 24;
@@ -49,7 +49,7 @@ double motion_plane_weight(int corner, const Eigen::Vector3d &place);
 class Motion
 {
   public:
-    explicit Motion(const seld_scene &scene); // a checked one that moves; copies its lattices
+    explicit Motion(const crn_scene &scene); // a checked one that moves; copies its lattices
     bool breathes() const { return breath_.has_value(); }
 
     // The reference pose's place of what is at x now.
@@ -60,7 +60,7 @@ class Motion
   private:
     // One lattice: nodes with `row` numbers for each of three components.
     struct Lattice {
-        explicit Lattice(const seld_scene_motion &scene, std::size_t row);
+        explicit Lattice(const crn_scene_motion &scene, std::size_t row);
         // The node of the cell's corner 0, strides to its others and the place in it; false outside.
         bool find(const Eigen::Vector3d &x_m, std::size_t &node, Eigen::Vector3d &place) const;
         std::size_t corner(std::size_t node, unsigned corner) const;
@@ -130,4 +130,4 @@ class MovingBodies
     std::vector<Moved> moved_;
 };
 
-} // namespace seld
+} // namespace crn

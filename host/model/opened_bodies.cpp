@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -149,4 +149,4 @@ const std::vector<MovingBodies::Moved> &OpenedBodies::at(const MotionMoment &mom
     return at_;
 }
 
-} // namespace seld
+} // namespace crn

@@ -9,7 +9,7 @@
 #include "host/model/lesion_opening.hpp"
 #include "host/model/motion.hpp"
 
-namespace seld
+namespace crn
 {
 
 class LesionWall;
@@ -53,4 +53,4 @@ class OpenedBodies
     std::vector<MovingBodies::Moved> at_;
 };
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include <cerrno>
 #include <filesystem>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -66,10 +66,10 @@ void check_output_folder(const NamedPath &output)
     while (!fs::exists(folder, failed) && folder.has_relative_path()) folder = folder.parent_path();
     if (!fs::is_directory(folder, failed)) throw OutputError(output.path, ENOTDIR);
     try {
-        probe_output((folder / ".seldinger-probe").string());
+        probe_output((folder / ".cournand-probe").string());
     } catch (const OutputError &error) {
         throw OutputError(output.option + " " + output.path + ": " + error.what());
     }
 }
 
-} // namespace seld
+} // namespace crn

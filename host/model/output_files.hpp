@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // A path and the option or argument that named it; an empty path is none.
@@ -29,4 +29,4 @@ void check_outputs(const std::vector<NamedPath> &inputs, const std::vector<Named
 // The same of a folder that will be made where it is missing.
 void check_output_folder(const NamedPath &output);
 
-} // namespace seld
+} // namespace crn

@@ -10,7 +10,7 @@
 #include <sys/random.h>
 #include <unistd.h>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -245,4 +245,4 @@ void write_whole_file(const std::string &path, std::string_view bytes)
     file.commit();
 }
 
-} // namespace seld
+} // namespace crn

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // "path: cannot be written: No space left on device; ...": what is wrong, and what to do.
@@ -86,4 +86,4 @@ class FileSet
 // The whole file at once. Throws OutputError.
 void write_whole_file(const std::string &path, std::string_view bytes);
 
-} // namespace seld
+} // namespace crn

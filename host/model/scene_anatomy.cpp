@@ -1,7 +1,7 @@
 #include "host/model/scene_anatomy.hpp"
 #include <stdexcept>
 
-namespace seld
+namespace crn
 {
 
 SceneAnatomy read_scene_anatomy(const std::string &scene_path, const std::string &bodies_path)
@@ -17,4 +17,4 @@ SceneAnatomy read_scene_anatomy(const std::string &scene_path, const std::string
     return anatomy;
 }
 
-} // namespace seld
+} // namespace crn

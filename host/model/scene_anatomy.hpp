@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct SceneAnatomy {
@@ -23,4 +23,4 @@ struct SceneAnatomy {
 // Empty paths: no bodies; nothing moves. Throws std::runtime_error, also for bodies that were not baked with this scene.
 SceneAnatomy read_scene_anatomy(const std::string &scene_path, const std::string &bodies_path);
 
-} // namespace seld
+} // namespace crn

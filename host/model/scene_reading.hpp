@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // `use` sees the checked scene, whose bytes are gone after it. What it gives; without a scene (no path, or an error that names file and byte) `{}`.
@@ -17,15 +17,15 @@ Result from_scene(const std::string &scene_path, std::string &error, Use use)
     if (scene_path.empty()) return {};
     try {
         const std::vector<unsigned char> bytes = read_binary_file(scene_path);
-        seld_scene scene;
+        crn_scene scene;
         std::uint32_t where_byte = 0;
-        const seld_scene_status status = seld_scene_open(bytes.data(), bytes.size(), &scene, &where_byte);
-        if (status == SELD_SCENE_OK) return use(scene);
-        error = scene_path + ": byte " + std::to_string(where_byte) + ": " + seld_scene_status_text(status);
+        const crn_scene_status status = crn_scene_open(bytes.data(), bytes.size(), &scene, &where_byte);
+        if (status == CRN_SCENE_OK) return use(scene);
+        error = scene_path + ": byte " + std::to_string(where_byte) + ": " + crn_scene_status_text(status);
     } catch (const FileError &fault) {
         error = fault.what();
     }
     return {};
 }
 
-} // namespace seld
+} // namespace crn

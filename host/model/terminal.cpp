@@ -3,7 +3,7 @@
 #include <cstdarg>
 #include <cstdint>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -78,4 +78,4 @@ void say(std::FILE *out, const char *format, ...)
     std::fwrite(text.data(), 1, text.size(), out);
 }
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace seld
+namespace crn
 {
 
 // A name or path in one line: control characters (C0, DEL, C1), those that turn the direction of writing, the separators of
@@ -17,4 +17,4 @@ std::string printable_lines(std::string_view text);
 // As fprintf, through printable_lines().
 [[gnu::format(printf, 2, 3)]] void say(std::FILE *out, const char *format, ...);
 
-} // namespace seld
+} // namespace crn

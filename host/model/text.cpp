@@ -7,7 +7,7 @@
 #include <numeric>
 #include <sys/stat.h>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -82,4 +82,4 @@ std::string read_text_file(const std::string &path)
     return {bytes.begin(), bytes.end()};
 }
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // "file:line:column: what is wrong". line 0: the whole file; column 0: the whole line.
@@ -22,4 +22,4 @@ std::string suggestion(std::string_view word, const std::vector<std::string> &ca
 std::string read_text_file(const std::string &path);
 std::vector<unsigned char> read_binary_file(const std::string &path);
 
-} // namespace seld
+} // namespace crn

@@ -2,24 +2,24 @@
 #include "host/model/units.hpp"
 #include <algorithm>
 
-namespace seld
+namespace crn
 {
 
-double outer_radius_m(const seld_wire_instrument &tool, double arc_m)
+double outer_radius_m(const crn_wire_instrument &tool, double arc_m)
 {
     if (tool.knots_count == 0) return 0.0;
-    const seld_wire_knot *after =
+    const crn_wire_knot *after =
         std::upper_bound(tool.knots, tool.knots + tool.knots_count, arc_m,
-                         [](double arc, const seld_wire_knot &knot) { return arc < knot.arc_um * 1e-6; });
+                         [](double arc, const crn_wire_knot &knot) { return arc < knot.arc_um * 1e-6; });
     if (after == tool.knots) return after->radius_outer_um * 1e-6;
-    const seld_wire_knot &before = after[-1];
+    const crn_wire_knot &before = after[-1];
     if (after == tool.knots + tool.knots_count) return before.radius_outer_um * 1e-6;
     const double share = (arc_m - before.arc_um * 1e-6) / ((after->arc_um - before.arc_um) * 1e-6);
     return (before.radius_outer_um + share * (double{1} * after->radius_outer_um - before.radius_outer_um)) *
            1e-6;
 }
 
-WireFrame wire_frame(const seld_wire_nodes &nodes, const seld_wire_node_table &table,
+WireFrame wire_frame(const crn_wire_nodes &nodes, const crn_wire_node_table &table,
                      std::span<const Instrument> tools)
 {
     WireFrame frame;
@@ -33,7 +33,7 @@ WireFrame wire_frame(const seld_wire_nodes &nodes, const seld_wire_node_table &t
     const std::size_t count = std::min(nodes.positions_count, table.arcs_m_q30_count);
     frame.nodes.reserve(count);
     for (std::size_t i = 0; i < count; i++) {
-        const seld_wire_node_position &p = nodes.positions[i];
+        const crn_wire_node_position &p = nodes.positions[i];
         WireNode node{units::metres(p.x_m_q30, p.y_m_q30, p.z_m_q30), units::metres(table.arcs_m_q30[i]), 0.0,
                       0.0};
         for (std::size_t k = 0; k < std::min(tools.size(), frame.tip_arc_m.size()); k++) {
@@ -52,4 +52,4 @@ WireFrame wire_frame(const seld_wire_nodes &nodes, const seld_wire_node_table &t
     return frame;
 }
 
-} // namespace seld
+} // namespace crn

@@ -6,14 +6,14 @@
 #include "shared/wire/wire.h"
 #include <span>
 
-namespace seld
+namespace crn
 {
 
 // `tools` from the innermost. Nodes that the table does not know (a device that lies) are dropped.
-WireFrame wire_frame(const seld_wire_nodes &nodes, const seld_wire_node_table &table,
+WireFrame wire_frame(const crn_wire_nodes &nodes, const crn_wire_node_table &table,
                      std::span<const Instrument> tools);
 
 // Outer radius of a tool, `arc_m` from its own tip: linear between knots, constant beyond the ends.
-double outer_radius_m(const seld_wire_instrument &tool, double arc_m);
+double outer_radius_m(const crn_wire_instrument &tool, double arc_m);
 
-} // namespace seld
+} // namespace crn

@@ -1,7 +1,7 @@
 // A look through a TOML text before its parser.
 #include "host/model/toml.hpp"
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -101,4 +101,4 @@ toml::table parse_toml(std::string_view text, const std::string &file)
     }
 }
 
-} // namespace seld
+} // namespace crn

@@ -21,7 +21,7 @@
 #define TOML_UNREACHABLE __builtin_unreachable()
 #include <toml++/toml.h>
 
-namespace seld
+namespace crn
 {
 
 inline constexpr std::size_t toml_bytes_max = std::size_t{4} << 20; // the largest honest text has 11 kB
@@ -42,4 +42,4 @@ toml::table parse_toml(std::string_view text, const std::string &file);
 // The first half of it: size, names of a key, brackets within brackets. Throws TomlError.
 void check_toml(std::string_view text);
 
-} // namespace seld
+} // namespace crn

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <stdexcept>
 
-namespace seld::units
+namespace crn::units
 {
 
 inline double from_q(std::int32_t value, int bits)
@@ -52,4 +52,4 @@ inline std::int32_t unit_to_q30(double component)
     return to_q(component, 30);
 }
 
-} // namespace seld::units
+} // namespace crn::units

@@ -4,7 +4,7 @@
 #include <cctype>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -133,7 +133,7 @@ std::optional<std::size_t> VesselMap::find(std::string_view name) const
 
 std::string VesselMap::suggestion(std::string_view name) const
 {
-    return seld::suggestion(shown(std::string(name)), names());
+    return crn::suggestion(shown(std::string(name)), names());
 }
 
 std::size_t VesselMap::vessel_of(std::size_t branch, double arc_m) const
@@ -223,4 +223,4 @@ double VesselMap::mouth_radius_m(const VesselPlace &start, std::size_t goal) con
     return branches_[vessel.branch].radii_m[i];
 }
 
-} // namespace seld
+} // namespace crn

@@ -17,7 +17,7 @@
 #include <string_view>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // A vessel: its own stretch of a branch of the tree.
@@ -83,4 +83,4 @@ class VesselMap
     std::vector<MappedVessel> vessels_;
 };
 
-} // namespace seld
+} // namespace crn

@@ -1,7 +1,7 @@
 #include "host/model/vessel_tree.hpp"
 #include <algorithm>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -133,4 +133,4 @@ bool check_vessel_tree(const VesselTree &tree, std::string &error)
     return true;
 }
 
-} // namespace seld
+} // namespace crn

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // What a vessel feeds: decides when in the beat blood flows there. The numbers stand in files.
@@ -64,4 +64,4 @@ double vessel_start_m(const VesselTree &tree, std::size_t branch);
 // False with a sentence that names the branch.
 bool check_vessel_tree(const VesselTree &tree, std::string &error);
 
-} // namespace seld
+} // namespace crn

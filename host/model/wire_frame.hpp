@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct WireNode {
@@ -31,4 +31,4 @@ struct WireFrame {
     std::vector<double> lesions_open{};
 };
 
-} // namespace seld
+} // namespace crn

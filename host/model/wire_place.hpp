@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace seld
+namespace crn
 {
 
 // At an arc length from the leading tip; straight on beyond both ends. Needs two nodes.
@@ -20,4 +20,4 @@ inline Eigen::Vector3d line_place_m(const WireFrame &wire, double arc_m)
     return a.position_m + share * (b.position_m - a.position_m);
 }
 
-} // namespace seld
+} // namespace crn

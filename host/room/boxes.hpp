@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 
 struct Box {
@@ -37,4 +37,4 @@ inline double gap_between(const Box &a, const Box &b)
     return gap;
 }
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -99,4 +99,4 @@ std::string refusal(const RoomCommand &command)
     return "";
 }
 
-} // namespace seld
+} // namespace crn

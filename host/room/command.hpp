@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 // The numbers stand in recordings and keep their meaning for ever.
@@ -68,4 +68,4 @@ inline constexpr std::int32_t fluoro_rates_centihertz[] = {375, 750, 1500, 3000}
 inline constexpr std::int32_t cine_rates_centihertz[] = {750, 1500, 3000};
 inline constexpr std::int32_t dsa_rates_centihertz[] = {50, 100, 200, 300, 600, 750};
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include <iterator>
 #include <numbers>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -81,4 +81,4 @@ void DoseMeter::end(std::uint32_t tick, int kept_as_run)
     if (irradiations_.back().dose.pulses == 0) irradiations_.pop_back();
 }
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // What one or more frames gave.
@@ -70,4 +70,4 @@ class DoseMeter
     std::optional<int> unseen_;
 };
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -189,4 +189,4 @@ void Gantry::tick()
     is_halting_ = false;
 }
 
-} // namespace seld
+} // namespace crn

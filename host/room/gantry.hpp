@@ -12,7 +12,7 @@
 #include <array>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 // The axes that have a motor, in the order of GantryPose's values.
@@ -67,4 +67,4 @@ class Gantry
     bool is_blocked_ = false, is_halting_ = false;
 };
 
-} // namespace seld
+} // namespace crn

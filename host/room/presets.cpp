@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <iterator>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -40,4 +40,4 @@ const ViewPreset *view_preset(std::string_view name)
     return found == std::end(presets) ? nullptr : found;
 }
 
-} // namespace seld
+} // namespace crn

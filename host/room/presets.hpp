@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace seld
+namespace crn
 {
 
 struct ViewPreset {
@@ -20,4 +20,4 @@ struct ViewPreset {
 std::span<const ViewPreset> view_presets();
 const ViewPreset *view_preset(std::string_view name); // nullptr: no such view
 
-} // namespace seld
+} // namespace crn

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -317,4 +317,4 @@ XrayRun Room::header(int size) const
     return run;
 }
 
-} // namespace seld
+} // namespace crn

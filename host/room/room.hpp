@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct PulseRequest {
@@ -198,4 +198,4 @@ class Room
     } mask_cache_;
 };
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -258,4 +258,4 @@ void Room::set_review(std::uint32_t tick, const RoomCommand &command)
     review_ = {true, mode == 1, stored->run.number, frame, tick};
 }
 
-} // namespace seld
+} // namespace crn

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -160,4 +160,4 @@ void Room::fill_shown(RoomStatus &status) const
     status.shift_up_px = -run.mask->shift_y_px + 0.0;
 }
 
-} // namespace seld
+} // namespace crn

@@ -2,7 +2,7 @@
 #include "host/room/command.hpp"
 #include <algorithm>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -108,4 +108,4 @@ StoredRun *RunStore::last_of(RunKind kind) const
     return found == runs_.rend() ? nullptr : found->get();
 }
 
-} // namespace seld
+} // namespace crn

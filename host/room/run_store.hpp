@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // A run as it is kept: raw values for files and masks, and how each frame was shown.
@@ -55,4 +55,4 @@ class RunStore
     std::deque<StoredFrame> passed_;
 };
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -142,4 +142,4 @@ void lay_roadmap(const std::vector<float> &peak, int size, float floor, std::vec
         }
 }
 
-} // namespace seld
+} // namespace crn

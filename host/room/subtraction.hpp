@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // log2 of raw values, smoothed by the display's [1 2 1]/4 in both directions; raw 0 counts as 1/2.
@@ -34,4 +34,4 @@ void hold_peak(const std::vector<float> &density, std::vector<float> &peak);
 // within three pixels of black: along the blades there is noise alone.
 void lay_roadmap(const std::vector<float> &peak, int size, float floor, std::vector<std::uint8_t> &grey);
 
-} // namespace seld
+} // namespace crn

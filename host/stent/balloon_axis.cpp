@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -81,4 +81,4 @@ double BalloonAxis::nearest_arc_mm(const Vector3d &place_mm, double &distance_mm
     return arc;
 }
 
-} // namespace seld
+} // namespace crn

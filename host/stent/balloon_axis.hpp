@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // One of its balls. Between two of them everything is linear; beyond the ends the axis goes on straight and there is no balloon.
@@ -52,4 +52,4 @@ class BalloonAxis
     std::vector<Station> points_;
 };
 
-} // namespace seld
+} // namespace crn

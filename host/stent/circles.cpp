@@ -2,7 +2,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -54,4 +54,4 @@ std::vector<StentCircle> stent_circles(const Stent &stent, std::size_t most,
     return circles;
 }
 
-} // namespace seld
+} // namespace crn

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct StentCircle {
@@ -20,4 +20,4 @@ std::vector<StentCircle>
 stent_circles(const Stent &stent, std::size_t most,
               const std::function<Eigen::Vector3d(const Eigen::Vector3d &)> &to_reference);
 
-} // namespace seld
+} // namespace crn

@@ -1,7 +1,7 @@
 #include "host/stent/contact.hpp"
 #include <ccd/ccd.h>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -94,4 +94,4 @@ StrutContact strut_contact(const StrutCapsule &strut, const std::array<Vector3d,
     return contact;
 }
 
-} // namespace seld
+} // namespace crn

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 
-namespace seld
+namespace crn
 {
 
 struct StrutCapsule {
@@ -23,4 +23,4 @@ inline constexpr double tissue_depth_mm = 1.0;
 StrutContact strut_contact(const StrutCapsule &strut, const std::array<Eigen::Vector3d, 3> &corners_mm,
                            const Eigen::Vector3d &outward);
 
-} // namespace seld
+} // namespace crn

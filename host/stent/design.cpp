@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -111,4 +111,4 @@ bool is_possible(const StentDesign &stent)
            stent_fault(stent).key.empty();
 }
 
-} // namespace seld
+} // namespace crn

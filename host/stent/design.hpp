@@ -11,7 +11,7 @@
 #include <span>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 enum class StentConnection { offset, facing };
@@ -72,4 +72,4 @@ bool is_possible(const StentDesign &stent);
 // Throws FileError: file, line, key, what is wrong and what to do.
 StentDesign read_stent(const std::string &path);
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include "host/model/text.hpp"
 #include "host/stent/design.hpp"
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -75,4 +75,4 @@ StentDesign read_stent(const std::string &path)
     return stent;
 }
 
-} // namespace seld
+} // namespace crn

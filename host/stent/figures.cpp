@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -274,4 +274,4 @@ std::string_view stent_stage_text(StentStage stage)
     return "";
 }
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 inline constexpr double apposed_mm = 0.1; // a strut this near the wall lies on it
@@ -73,4 +73,4 @@ std::vector<StentLine> stent_markers(const StentDesign &design, double mount_arc
 
 std::string_view stent_stage_text(StentStage stage); // for displays and reports
 
-} // namespace seld
+} // namespace crn

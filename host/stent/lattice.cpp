@@ -3,7 +3,7 @@
 #include <numbers>
 #include <set>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -121,4 +121,4 @@ double hinge_ring_stiffness(const StentLattice &lattice)
     return sum / lattice.rings;
 }
 
-} // namespace seld
+} // namespace crn

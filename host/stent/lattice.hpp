@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 enum class StentSpringKind : std::uint8_t { strut, hinge, link, brace };
@@ -58,4 +58,4 @@ struct StentLattice {
 // d F / d R of a ring, all round, by its hinges: sum over them of k (d length / d R)^2.
 double hinge_ring_stiffness(const StentLattice &lattice);
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -332,4 +332,4 @@ void StentRelaxation::bed()
     }
 }
 
-} // namespace seld
+} // namespace crn

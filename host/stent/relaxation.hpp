@@ -4,7 +4,7 @@
 #include "host/stent/contact.hpp"
 #include "host/stent/stent.hpp"
 
-namespace seld
+namespace crn
 {
 
 inline constexpr double bed_reach_mm =
@@ -56,4 +56,4 @@ class StentRelaxation
     std::vector<Eigen::Vector3d> ring_centre_, ring_axis_;
 };
 
-} // namespace seld
+} // namespace crn

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <type_traits>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -123,4 +123,4 @@ bool Stent::restore(std::span<const std::uint8_t> bytes)
     return true;
 }
 
-} // namespace seld
+} // namespace crn

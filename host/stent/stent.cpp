@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -315,4 +315,4 @@ double Stent::energy_N_mm() const
     return sum;
 }
 
-} // namespace seld
+} // namespace crn

@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 enum class StentStage : std::uint8_t {
@@ -127,4 +127,4 @@ class Stent
     StentState state_;
 };
 
-} // namespace seld
+} // namespace crn

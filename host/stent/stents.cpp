@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace seld
+namespace crn
 {
 
 void Stents::add(const StentDesign &design, double mount_arc_mm)
@@ -136,4 +136,4 @@ bool Stents::restore(std::span<const std::uint8_t> bytes)
     return true;
 }
 
-} // namespace seld
+} // namespace crn

@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // Stations first .. last of a lesion (evenly from its beginning to its end) cannot close below this: 0 as baked .. 1 healthy, in steps of
@@ -51,4 +51,4 @@ class Stents
     std::vector<Stent> stents_;
 };
 
-} // namespace seld
+} // namespace crn

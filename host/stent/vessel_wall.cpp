@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -240,4 +240,4 @@ VesselWall::Foot VesselWall::foot_of(const Vector3d &place_mm) const
     return {along, std::sqrt(least)};
 }
 
-} // namespace seld
+} // namespace crn

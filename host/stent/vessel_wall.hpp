@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 class VesselWall
@@ -92,4 +92,4 @@ class VesselWall
     std::vector<double> radius_mm_, healthy_radius_mm_;
 };
 
-} // namespace seld
+} // namespace crn

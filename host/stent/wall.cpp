@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 
 using Eigen::Vector3d;
@@ -235,4 +235,4 @@ void WallGrid::query(const Vector3d &low_mm, const Vector3d &high_mm, std::vecto
             }
 }
 
-} // namespace seld
+} // namespace crn

@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 using WallTriangle = std::array<std::uint32_t, 3>; // counter-clockwise seen from outside the blood
@@ -95,4 +95,4 @@ class WallGrid
     std::uint32_t round_ = 0;
 };
 
-} // namespace seld
+} // namespace crn

@@ -100,7 +100,7 @@ bool is_done(Flight &flight, libusb_transfer_status &status)
         if (rig.take)
             rig.take({transfer->buffer, static_cast<std::size_t>(count)});
         else
-            seld_sim_write(rig.sim, transfer->buffer, static_cast<std::size_t>(count));
+            crn_sim_write(rig.sim, transfer->buffer, static_cast<std::size_t>(count));
         rig.out_bytes += static_cast<unsigned>(count);
         transfer->actual_length = count;
         if (status != LIBUSB_TRANSFER_COMPLETED) pull(rig);
@@ -116,7 +116,7 @@ bool is_done(Flight &flight, libusb_transfer_status &status)
         } else if (rig.give) {
             bytes.resize(rig.give(bytes));
         } else {
-            bytes.resize(seld_sim_read(rig.sim, bytes.data(), bytes.size()));
+            bytes.resize(crn_sim_read(rig.sim, bytes.data(), bytes.size()));
         }
         if (bytes.empty() && rig.read_status == 0)
             return status = LIBUSB_TRANSFER_TIMED_OUT, transfer->timeout != 0 && Clock::now() >= flight.end;
@@ -162,7 +162,7 @@ namespace fake_usb
 void reset()
 {
     const std::lock_guard<std::mutex> hold(bus.lock);
-    for (Rig &rig : bus.rigs) seld_sim_destroy(rig.sim);
+    for (Rig &rig : bus.rigs) crn_sim_destroy(rig.sim);
     bus.rigs.clear();
     bus.devices.clear();
     bus.is_told = true;
@@ -173,7 +173,7 @@ Rig &add(const std::string &serial)
     const std::lock_guard<std::mutex> hold(bus.lock);
     Rig &rig = bus.rigs.emplace_back();
     rig.serial = serial;
-    rig.sim = seld_sim_create(1 << 20);
+    rig.sim = crn_sim_create(1 << 20);
     bus.devices.push_back({&rig, ++bus.generation});
     return rig;
 }
@@ -329,7 +329,7 @@ int LIBUSB_CALL libusb_control_transfer(libusb_device_handle *handle, uint8_t, u
         std::this_thread::sleep_for(std::chrono::milliseconds(timeout_ms));
         return LIBUSB_ERROR_TIMEOUT;
     }
-    const std::string text = (value & 0xff) == 3 ? rig.serial : "Seldinger rig";
+    const std::string text = (value & 0xff) == 3 ? rig.serial : "Cournand rig";
     std::vector<unsigned char> all = {0, 3};
     if ((value & 0xff) == 0) {
         all.insert(all.end(), {0x09, 0x04});
@@ -406,7 +406,7 @@ int LIBUSB_CALL libusb_clear_halt(libusb_device_handle *handle, unsigned char en
     const std::lock_guard<std::mutex> hold(bus.lock);
     if (handle->device->generation == 0) return LIBUSB_ERROR_NO_DEVICE;
     static const std::uint8_t zero = 0; // the stream begins anew: docs/usb.md
-    if ((endpoint & LIBUSB_ENDPOINT_IN) == 0) seld_sim_write(handle->device->rig->sim, &zero, 1);
+    if ((endpoint & LIBUSB_ENDPOINT_IN) == 0) crn_sim_write(handle->device->rig->sim, &zero, 1);
     return 0;
 }
 

@@ -17,7 +17,7 @@ namespace fake_usb
 
 struct Rig {
     std::string serial;
-    seld_sim *sim = nullptr;
+    crn_sim *sim = nullptr;
     bool is_plugged = true;
     int open_error = 0, claim_error = 0;
     bool has_stream = true; // its descriptors name the bulk pair

@@ -6,13 +6,13 @@
 #include <stdexcept>
 #include <string>
 
-namespace seld::tests
+namespace crn::tests
 {
 
 struct Folder {
     explicit Folder(const std::string &name)
     {
-        path = (std::filesystem::temp_directory_path() / ("seldinger-" + name + "-XXXXXX")).string();
+        path = (std::filesystem::temp_directory_path() / ("cournand-" + name + "-XXXXXX")).string();
         if (!mkdtemp(path.data())) throw std::runtime_error("no folder " + path);
     }
     ~Folder() { std::filesystem::remove_all(path); }
@@ -28,4 +28,4 @@ struct Folder {
     std::string path;
 };
 
-} // namespace seld::tests
+} // namespace crn::tests

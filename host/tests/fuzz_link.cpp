@@ -56,23 +56,23 @@ class Input
 std::uint16_t answer_of(std::uint16_t type, std::uint8_t what)
 {
     static constexpr std::uint16_t gets[] = {0,
-                                             SELD_WIRE_TYPE_status,
-                                             SELD_WIRE_TYPE_nodes,
-                                             SELD_WIRE_TYPE_node_table,
-                                             SELD_WIRE_TYPE_hash64,
-                                             SELD_WIRE_TYPE_snapshot_end,
-                                             SELD_WIRE_TYPE_fault_log,
-                                             SELD_WIRE_TYPE_contacts,
-                                             SELD_WIRE_TYPE_rig,
-                                             SELD_WIRE_TYPE_set_up,
-                                             SELD_WIRE_TYPE_sensors};
-    if (type == SELD_WIRE_TYPE_hello) return SELD_WIRE_TYPE_hello_reply;
-    if (type == SELD_WIRE_TYPE_step) return SELD_WIRE_TYPE_ticks;
-    if (type == SELD_WIRE_TYPE_get && what < std::size(gets)) return gets[what];
-    return SELD_WIRE_TYPE_status;
+                                             CRN_WIRE_TYPE_status,
+                                             CRN_WIRE_TYPE_nodes,
+                                             CRN_WIRE_TYPE_node_table,
+                                             CRN_WIRE_TYPE_hash64,
+                                             CRN_WIRE_TYPE_snapshot_end,
+                                             CRN_WIRE_TYPE_fault_log,
+                                             CRN_WIRE_TYPE_contacts,
+                                             CRN_WIRE_TYPE_rig,
+                                             CRN_WIRE_TYPE_set_up,
+                                             CRN_WIRE_TYPE_sensors};
+    if (type == CRN_WIRE_TYPE_hello) return CRN_WIRE_TYPE_hello_reply;
+    if (type == CRN_WIRE_TYPE_step) return CRN_WIRE_TYPE_ticks;
+    if (type == CRN_WIRE_TYPE_get && what < std::size(gets)) return gets[what];
+    return CRN_WIRE_TYPE_status;
 }
 
-class FuzzedDevice final : public seld::Transport
+class FuzzedDevice final : public crn::Transport
 {
   public:
     explicit FuzzedDevice(Input &in) : in_(in) {}
@@ -126,10 +126,10 @@ class FuzzedDevice final : public seld::Transport
 
     void frame(std::uint16_t type, std::uint16_t answers, std::span<const std::uint8_t> payload)
     {
-        static std::uint8_t bytes[SELD_WIRE_FRAME_MAX];
-        const seld_wire_header header = {++sequence_, answers, type};
-        const std::size_t size = seld_wire_frame_encode(
-            &header, payload.data(), std::min<std::size_t>(payload.size(), SELD_WIRE_PAYLOAD_MAX), bytes,
+        static std::uint8_t bytes[CRN_WIRE_FRAME_MAX];
+        const crn_wire_header header = {++sequence_, answers, type};
+        const std::size_t size = crn_wire_frame_encode(
+            &header, payload.data(), std::min<std::size_t>(payload.size(), CRN_WIRE_PAYLOAD_MAX), bytes,
             sizeof bytes);
         raw({bytes, size});
     }
@@ -139,12 +139,12 @@ class FuzzedDevice final : public seld::Transport
     std::uint16_t sequence_ = 0, asked_ = 0, answer_ = 0;
 };
 
-void call(seld::Link &link, std::uint8_t which)
+void call(crn::Link &link, std::uint8_t which)
 {
     static const std::vector<std::uint8_t> scene(1100, 7), snapshot(1100, 9);
-    static const seld_wire_instrument tool{};
-    static const seld_wire_encoders inputs[3] = {};
-    if (which % 21 == 20) return link.ask_rhythm(SELD_WIRE_RHYTHM_HEART_RATE, 80);
+    static const crn_wire_instrument tool{};
+    static const crn_wire_encoders inputs[3] = {};
+    if (which % 21 == 20) return link.ask_rhythm(CRN_WIRE_RHYTHM_HEART_RATE, 80);
     switch (which % 21) {
     case 0:
         promise(link.hello().accepted != 0);
@@ -209,14 +209,14 @@ void call(seld::Link &link, std::uint8_t which)
     }
 }
 
-void check_books(seld::Link &link)
+void check_books(crn::Link &link)
 {
-    promise(link.nodes().positions_count <= SELD_WIRE_MAX_nodes_positions);
-    promise(link.node_table().arcs_m_q30_count <= SELD_WIRE_MAX_node_table_arcs_m_q30);
-    promise(link.take_notices().size() <= seld::Link::notices_max);
-    promise(link.live_ticks().size() <= seld::Link::live_ticks_max);
-    for (const seld_wire_live_tick &live : link.live_ticks())
-        promise(live.state.tools_count <= SELD_WIRE_TOOL_MAX);
+    promise(link.nodes().positions_count <= CRN_WIRE_MAX_nodes_positions);
+    promise(link.node_table().arcs_m_q30_count <= CRN_WIRE_MAX_node_table_arcs_m_q30);
+    promise(link.take_notices().size() <= crn::Link::notices_max);
+    promise(link.live_ticks().size() <= crn::Link::live_ticks_max);
+    for (const crn_wire_live_tick &live : link.live_ticks())
+        promise(live.state.tools_count <= CRN_WIRE_TOOL_MAX);
 }
 
 // --- seeds: a session that goes well, and some that do not ---
@@ -231,8 +231,8 @@ class Script
     }
     template <class Message, class Put> Script &answer(const Message &message, Put put, std::uint8_t type = 0)
     {
-        std::uint8_t payload[SELD_WIRE_PAYLOAD_MAX];
-        seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
+        std::uint8_t payload[CRN_WIRE_PAYLOAD_MAX];
+        crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
         promise(put(&writer, &message));
         if (type != 0) {
             bytes.insert(bytes.end(), {6, type, static_cast<std::uint8_t>(writer.length)});
@@ -245,25 +245,25 @@ class Script
     }
     Script &status(std::uint8_t state, std::uint32_t tick)
     {
-        seld_wire_status status{};
+        crn_wire_status status{};
         status.state = state;
         status.tick = tick;
         status.arm_code = 77;
-        return answer(status, seld_wire_put_status);
+        return answer(status, crn_wire_put_status);
     }
     Script &hello()
     {
-        seld_wire_hello_reply reply{};
+        crn_wire_hello_reply reply{};
         reply.accepted = 1;
         reply.snapshot_bytes = 40000;
-        return ask(0).answer(reply, seld_wire_put_hello_reply);
+        return ask(0).answer(reply, crn_wire_put_hello_reply);
     }
     std::vector<std::uint8_t> bytes;
 };
 
-seld_wire_tick_state tick_state(std::uint32_t tick)
+crn_wire_tick_state tick_state(std::uint32_t tick)
 {
-    seld_wire_tick_state state{};
+    crn_wire_tick_state state{};
     state.tick = tick;
     state.tools_count = 1;
     return state;
@@ -272,49 +272,49 @@ seld_wire_tick_state tick_state(std::uint32_t tick)
 Script lockstep()
 {
     Script script;
-    seld_wire_node_table table{};
+    crn_wire_node_table table{};
     table.arcs_m_q30_count = 3;
-    seld_wire_ticks ticks{};
+    crn_wire_ticks ticks{};
     ticks.states_count = 3;
     for (std::uint32_t i = 0; i < 3; i++) ticks.states[i] = tick_state(i + 1);
-    script.hello().ask(1).answer(seld_wire_set_up{}, seld_wire_put_set_up).status(1, 0).status(1, 0);
+    script.hello().ask(1).answer(crn_wire_set_up{}, crn_wire_put_set_up).status(1, 0).status(1, 0);
     script.ask(2).status(1, 0).ask(3).status(1, 0).ask(4).status(1, 0);
-    script.ask(5).status(2, 0).answer(table, seld_wire_put_node_table).ask(6).status(3, 0);
-    script.ask(7).answer(ticks, seld_wire_put_ticks).ask(9).status(2, 3);
+    script.ask(5).status(2, 0).answer(table, crn_wire_put_node_table).ask(6).status(3, 0);
+    script.ask(7).answer(ticks, crn_wire_put_ticks).ask(9).status(2, 3);
     return script;
 }
 
 Script free_run()
 {
     Script script;
-    seld_wire_live live{};
+    crn_wire_live live{};
     live.ticks_count = 2;
     live.ticks[0].state = tick_state(1);
     live.ticks[1].state = tick_state(2);
-    seld_wire_notice notice{};
+    crn_wire_notice notice{};
     notice.number = 1;
     script.hello().ask(16).status(2, 0).status(2, 0).ask(6).status(3, 0).ask(20).status(3, 0).ask(8);
-    script.answer(live, seld_wire_put_live, SELD_WIRE_TYPE_live);
-    script.answer(notice, seld_wire_put_notice, SELD_WIRE_TYPE_notice);
-    script.answer(live, seld_wire_put_live, SELD_WIRE_TYPE_live);
+    script.answer(live, crn_wire_put_live, CRN_WIRE_TYPE_live);
+    script.answer(notice, crn_wire_put_notice, CRN_WIRE_TYPE_notice);
+    script.answer(live, crn_wire_put_live, CRN_WIRE_TYPE_live);
     return script;
 }
 
 Script reading()
 {
     Script script;
-    seld_wire_snapshot_chunk chunk{};
+    crn_wire_snapshot_chunk chunk{};
     chunk.data_count = 20;
-    const seld_wire_snapshot_begin begin = {5, 20, seld_wire_crc32(0, chunk.data, 20)};
-    script.hello().ask(10).answer(begin, seld_wire_put_snapshot_begin, SELD_WIRE_TYPE_snapshot_begin);
-    script.answer(chunk, seld_wire_put_snapshot_chunk, SELD_WIRE_TYPE_snapshot_chunk);
-    script.answer(seld_wire_snapshot_end{20}, seld_wire_put_snapshot_end);
-    script.ask(11).status(2, 0).status(2, 5).ask(12).answer(seld_wire_fault_log{}, seld_wire_put_fault_log);
-    script.ask(13).answer(seld_wire_contacts{}, seld_wire_put_contacts);
-    script.ask(14).answer(seld_wire_nodes{}, seld_wire_put_nodes);
-    script.ask(15).answer(seld_wire_hash64{5, 6}, seld_wire_put_hash64);
-    script.ask(17).answer(seld_wire_sensors{}, seld_wire_put_sensors);
-    script.ask(19).answer(seld_wire_rig{}, seld_wire_put_rig);
+    const crn_wire_snapshot_begin begin = {5, 20, crn_wire_crc32(0, chunk.data, 20)};
+    script.hello().ask(10).answer(begin, crn_wire_put_snapshot_begin, CRN_WIRE_TYPE_snapshot_begin);
+    script.answer(chunk, crn_wire_put_snapshot_chunk, CRN_WIRE_TYPE_snapshot_chunk);
+    script.answer(crn_wire_snapshot_end{20}, crn_wire_put_snapshot_end);
+    script.ask(11).status(2, 0).status(2, 5).ask(12).answer(crn_wire_fault_log{}, crn_wire_put_fault_log);
+    script.ask(13).answer(crn_wire_contacts{}, crn_wire_put_contacts);
+    script.ask(14).answer(crn_wire_nodes{}, crn_wire_put_nodes);
+    script.ask(15).answer(crn_wire_hash64{5, 6}, crn_wire_put_hash64);
+    script.ask(17).answer(crn_wire_sensors{}, crn_wire_put_sensors);
+    script.ask(19).answer(crn_wire_rig{}, crn_wire_put_rig);
     return script;
 }
 
@@ -322,10 +322,10 @@ Script refused()
 {
     Script script;
     script.hello().ask(6);
-    script.answer(seld_wire_reject{SELD_WIRE_TYPE_command, SELD_REJECT_WRONG_STATE, 1, 2},
-                  seld_wire_put_reject, SELD_WIRE_TYPE_reject);
+    script.answer(crn_wire_reject{CRN_WIRE_TYPE_command, CRN_REJECT_WRONG_STATE, 1, 2}, crn_wire_put_reject,
+                  CRN_WIRE_TYPE_reject);
     script.bytes.insert(script.bytes.end(),
-                        {4, SELD_WIRE_TYPE_reject, 0, 12, 0x16, 0, 4, 0, 1, 0, 0, 0, 2, 0, 0, 0});
+                        {4, CRN_WIRE_TYPE_reject, 0, 12, 0x16, 0, 4, 0, 1, 0, 0, 0, 2, 0, 0, 0});
     script.bytes.insert(script.bytes.end(), {0, 1, 5, 9, 1, 2, 3, 0});
     return script;
 }
@@ -336,11 +336,11 @@ int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
 {
     Input in(bytes, count);
     FuzzedDevice device(in);
-    seld::Link link(device);
+    crn::Link link(device);
     for (int i = 0; i < calls_max && !in.is_empty(); i++) {
         try {
             call(link, in.take());
-        } catch (const seld::LinkError &error) {
+        } catch (const crn::LinkError &error) {
             promise(*error.what() != '\0');
         }
         check_books(link);

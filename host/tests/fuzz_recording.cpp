@@ -13,8 +13,8 @@ extern "C" std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_
 namespace
 {
 
-using namespace seld;
-using namespace seld::recording_format;
+using namespace crn;
+using namespace crn::recording_format;
 
 void promise(bool kept)
 {
@@ -25,9 +25,9 @@ void walk(const Recording &recording)
 {
     const std::size_t tools = recording.header.tools.size();
     const std::size_t ticks = recording.ticks.size();
-    promise(tools >= 1 && tools <= SELD_WIRE_TOOL_MAX && recording.header.entry.inserted_um_count == tools);
+    promise(tools >= 1 && tools <= CRN_WIRE_TOOL_MAX && recording.header.entry.inserted_um_count == tools);
     for (const Instrument &tool : recording.header.tools)
-        promise(tool.table.knots_count <= SELD_WIRE_MAX_instrument_knots && tool.layers.size() <= layers_max);
+        promise(tool.table.knots_count <= CRN_WIRE_MAX_instrument_knots && tool.layers.size() <= layers_max);
     for (const RecordedTick &tick : recording.ticks) promise(tick.input.hands_count == tools);
     for (const RecordedSnapshot &snapshot : recording.snapshots) promise(snapshot.tick <= ticks);
     for (std::size_t i = 0; i < recording.commands.size(); i++) {
@@ -64,8 +64,8 @@ void seal(std::vector<std::uint8_t> &bytes)
         std::uint8_t *chunk = bytes.data() + at;
         const std::size_t count = chunk[4] | chunk[5] << 8 | chunk[6] << 16 | std::size_t{chunk[7]} << 24;
         if (count > bytes.size() - at - chunk_head_bytes - chunk_tail_bytes) return;
-        if (at == 8 && count >= 12) put(chunk + chunk_head_bytes + 4, seld_wire_schema_hash(), 8);
-        put(chunk + chunk_head_bytes + count, seld_wire_crc32(0, chunk, chunk_head_bytes + count), 4);
+        if (at == 8 && count >= 12) put(chunk + chunk_head_bytes + 4, crn_wire_schema_hash(), 8);
+        put(chunk + chunk_head_bytes + count, crn_wire_crc32(0, chunk, chunk_head_bytes + count), 4);
         at += chunk_head_bytes + count + chunk_tail_bytes;
     }
 }
@@ -91,33 +91,33 @@ class Writer
 std::vector<std::uint8_t> head(unsigned tools)
 {
     std::vector<std::uint8_t> bytes(4096);
-    seld_wire_writer writer = seld_wire_writer_make(bytes.data(), bytes.size());
-    seld_wire_write(&writer, 2, 4);
-    seld_wire_write(&writer, seld_wire_schema_hash(), 8);
-    seld_wire_write(&writer, 0, 8);
+    crn_wire_writer writer = crn_wire_writer_make(bytes.data(), bytes.size());
+    crn_wire_write(&writer, 2, 4);
+    crn_wire_write(&writer, crn_wire_schema_hash(), 8);
+    crn_wire_write(&writer, 0, 8);
     put_text(writer, "a.scene");
     put_text(writer, "b.session");
-    seld_wire_write(&writer, tools, 1);
+    crn_wire_write(&writer, tools, 1);
     for (unsigned k = 0; k < tools; k++) {
         put_text(writer, "wire");
         put_double(writer, 1.5);
-        seld_wire_instrument table{};
+        crn_wire_instrument table{};
         table.knots_count = 2;
         table.knots[1].arc_um = 1500000;
-        seld_wire_put_instrument(&writer, &table);
-        seld_wire_write(&writer, 1, 2);
+        crn_wire_put_instrument(&writer, &table);
+        crn_wire_write(&writer, 1, 2);
         put_double(writer, 0.0);
         put_double(writer, 1.5);
         put_text(writer, "steel");
         put_double(writer, 1.0);
         put_double(writer, 1.0);
     }
-    seld_wire_entry entry{};
+    crn_wire_entry entry{};
     entry.inserted_um_count = static_cast<std::uint16_t>(tools);
-    seld_wire_put_entry(&writer, &entry);
-    seld_wire_rig rig{};
+    crn_wire_put_entry(&writer, &entry);
+    crn_wire_rig rig{};
     rig.tracks_count = 1;
-    seld_wire_put_rig(&writer, &rig);
+    crn_wire_put_rig(&writer, &rig);
     bytes.resize(writer.length);
     return bytes;
 }

@@ -14,7 +14,7 @@ namespace
 
 // 32 brackets within each other, each with a key of 32 names, below a header of 32; and the values themselves.
 constexpr int depth_max =
-    seld::toml_brackets_max + (seld::toml_brackets_max + 2) * (seld::toml_key_names_max + 1);
+    crn::toml_brackets_max + (crn::toml_brackets_max + 2) * (crn::toml_key_names_max + 1);
 
 int depth(const toml::node &node)
 {
@@ -32,10 +32,10 @@ int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
 {
     const std::vector<char> exact(bytes, bytes + count);
     try {
-        const toml::table table = seld::parse_toml({exact.data(), exact.size()}, "fuzz");
+        const toml::table table = crn::parse_toml({exact.data(), exact.size()}, "fuzz");
         if (depth(table) > depth_max) std::abort();
         const toml::table copy = table;
-    } catch (const seld::TomlError &error) {
+    } catch (const crn::TomlError &error) {
         if (*error.what() == '\0') std::abort();
     }
     return 0;

@@ -2,7 +2,7 @@
 # away at the end, and `result` prints a line of TAP for the last command's exit status, with the end of $log when it failed.
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"
 build="$root/${BUILD:-build}"
-program="$build/bin/seldinger"
+program="$build/bin/cournand"
 work="$(mktemp -d)"
 log="$work/log"
 trap 'rm -rf "$work"' EXIT

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 inline constexpr double artery_middle_mm = 25.0;
@@ -35,7 +35,7 @@ struct BeatingLattice {
         constexpr int count[3] = {12, 8, 8};
         constexpr double spacing_mm = 7.8125, unit_mm = 0x1p-19 * 1e3;
         const Eigen::Vector3d origin(-17.5, -27.34375, -27.34375); // mm, before rounding
-        seld_scene_motion scene{};
+        crn_scene_motion scene{};
         scene.spacing_log2_q30 = 23;
         for (int k = 0; k < 3; ++k) {
             scene.origin_m_q30[k] = static_cast<std::int32_t>(std::lround(origin[k] * 1e-3 * 0x1p30));
@@ -51,11 +51,11 @@ struct BeatingLattice {
                                 artery_way_mm(origin + spacing_mm * Eigen::Vector3d(x, y, z), key)[axis] /
                                 unit_mm;
                         motion_prefilter(w, c);
-                        for (int i = 0; i < SELD_SCENE_MOTION_ROW; ++i)
+                        for (int i = 0; i < CRN_SCENE_MOTION_ROW; ++i)
                             rows.push_back(static_cast<std::int16_t>(std::lround(c[(i + 23) % 24])));
                     }
         scene.rows = rows.data();
-        seld_scene moving{};
+        crn_scene moving{};
         moving.has_motion = true;
         moving.motion = scene;
         motion.emplace(moving);
@@ -87,4 +87,4 @@ inline VesselTree beating_artery(bool is_diseased)
     return tree;
 }
 
-} // namespace seld
+} // namespace crn

@@ -9,7 +9,7 @@
 #include <functional>
 #include <numbers>
 
-namespace seld
+namespace crn
 {
 
 // A tube of `length` that starts at 0 along x and bends in the plane of x and y by `curvature` per mm; closed at both ends.
@@ -114,4 +114,4 @@ inline double deepest_strut_mm(const Stent &stent, const StentWall &wall)
     return deepest;
 }
 
-} // namespace seld
+} // namespace crn

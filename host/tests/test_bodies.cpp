@@ -13,12 +13,12 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld;
+using namespace crn;
 
 namespace
 {
 
-const std::string path = "/tmp/seldinger-bodies-" + std::to_string(getpid()) + ".bodies";
+const std::string path = "/tmp/cournand-bodies-" + std::to_string(getpid()) + ".bodies";
 
 // The BODY section of docs/scene.md, written here independently of tools/bake.
 std::vector<std::uint8_t> body_section(const Body &body)
@@ -26,12 +26,12 @@ std::vector<std::uint8_t> body_section(const Body &body)
     std::vector<std::uint8_t> bytes(64);
     std::memcpy(bytes.data(), body.name.data(), body.name.size());
     std::memcpy(bytes.data() + 32, body.material.data(), body.material.size());
-    seld_scene_put_u32(bytes.data() + 48, static_cast<std::uint32_t>(body.parent));
-    seld_scene_put_u32(bytes.data() + 52, static_cast<std::uint32_t>(body.vertices_um.size()));
-    seld_scene_put_u32(bytes.data() + 56, static_cast<std::uint32_t>(body.triangles.size()));
+    crn_scene_put_u32(bytes.data() + 48, static_cast<std::uint32_t>(body.parent));
+    crn_scene_put_u32(bytes.data() + 52, static_cast<std::uint32_t>(body.vertices_um.size()));
+    crn_scene_put_u32(bytes.data() + 56, static_cast<std::uint32_t>(body.triangles.size()));
     auto put = [&](std::uint32_t word) {
         bytes.resize(bytes.size() + 4);
-        seld_scene_put_u32(bytes.data() + bytes.size() - 4, word);
+        crn_scene_put_u32(bytes.data() + bytes.size() - 4, word);
     };
     for (const auto &vertex : body.vertices_um)
         for (int axis = 0; axis < 3; ++axis) put(static_cast<std::uint32_t>(vertex[axis]));
@@ -42,21 +42,21 @@ std::vector<std::uint8_t> body_section(const Body &body)
 
 std::vector<std::uint8_t> body_file(const Bodies &bodies, std::optional<SceneName> baked_with = {})
 {
-    std::vector<std::uint8_t> meta(SELD_SCENE_META_BYTES, 0);
+    std::vector<std::uint8_t> meta(CRN_SCENE_META_BYTES, 0);
     std::memcpy(meta.data(), "test", 4);
     std::vector<std::vector<std::uint8_t>> sections;
     for (const Body &body : bodies.bodies) sections.push_back(body_section(body));
-    std::vector<seld_scene_part> parts = {{SELD_SCENE_META, meta.data(), meta.size()}};
-    for (const auto &section : sections) parts.push_back({SELD_SCENE_BODY, section.data(), section.size()});
-    std::uint8_t partner[SELD_SCENE_PARTNER_BYTES];
+    std::vector<crn_scene_part> parts = {{CRN_SCENE_META, meta.data(), meta.size()}};
+    for (const auto &section : sections) parts.push_back({CRN_SCENE_BODY, section.data(), section.size()});
+    std::uint8_t partner[CRN_SCENE_PARTNER_BYTES];
     if (baked_with) {
-        seld_scene_put_u32(partner, static_cast<std::uint32_t>(baked_with->size_bytes));
-        seld_scene_put_u32(partner + 4, baked_with->crc32);
-        parts.push_back({SELD_SCENE_PARTNER, partner, sizeof partner});
+        crn_scene_put_u32(partner, static_cast<std::uint32_t>(baked_with->size_bytes));
+        crn_scene_put_u32(partner + 4, baked_with->crc32);
+        parts.push_back({CRN_SCENE_PARTNER, partner, sizeof partner});
     }
     const auto count = static_cast<std::uint32_t>(parts.size());
-    std::vector<std::uint8_t> file(seld_scene_write_bytes(parts.data(), count));
-    seld_scene_write(SELD_SCENE_KIND_BODIES, parts.data(), count, file.data(), file.size());
+    std::vector<std::uint8_t> file(crn_scene_write_bytes(parts.data(), count));
+    crn_scene_write(CRN_SCENE_KIND_BODIES, parts.data(), count, file.data(), file.size());
     return file;
 }
 

@@ -21,7 +21,7 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld;
+using namespace crn;
 namespace fs = std::filesystem;
 
 namespace
@@ -371,7 +371,7 @@ static void ticks_and_figures_of_every_frame_are_kept(void **)
     const XrayRun run = sample_run(RunKind::cine, 3);
     write_xa(folder.file("a.dcm"), run, study_of("a"));
     Reader reader(folder.file("a.dcm"));
-    assert_text(reader, DcmTagKey(0x0023, 0x0010), "SELDINGER 1.0");
+    assert_text(reader, DcmTagKey(0x0023, 0x0010), "COURNAND 1.0");
     const Uint32 *ticks = nullptr;
     unsigned long count = 0;
     assert_true(reader.item->findAndGetUint32Array(DcmTagKey(0x0023, 0x1001), ticks, &count).good());

@@ -35,7 +35,7 @@ extern "C" const char *__lsan_default_suppressions()
            "leak:libGLdispatch\n";
 }
 
-using namespace seld;
+using namespace crn;
 
 namespace
 {

@@ -14,21 +14,21 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld;
+using namespace crn;
 
 namespace
 {
 
 // A monitor fed by the core's own rhythm.
 struct Patient {
-    seld_rhythm rhythm{};
+    crn_rhythm rhythm{};
     PulseMonitor monitor;
-    Patient() { seld_rhythm_init(&rhythm); }
-    seld_wire_tick_state tick(std::uint32_t action = 0, std::uint32_t value = 0)
+    Patient() { crn_rhythm_init(&rhythm); }
+    crn_wire_tick_state tick(std::uint32_t action = 0, std::uint32_t value = 0)
     {
-        const seld_rhythm_order order{action, value};
-        seld_rhythm_step(&rhythm, &order);
-        seld_wire_tick_state state{};
+        const crn_rhythm_order order{action, value};
+        crn_rhythm_step(&rhythm, &order);
+        crn_wire_tick_state state{};
         state.heart_phase32 = rhythm.heart_phase32;
         state.beat_ms = rhythm.beat_ms;
         state.interval_ms = rhythm.interval_ms;
@@ -60,7 +60,7 @@ void a_premature_beat_is_weak_and_the_pause_after_it_long(void **)
     Patient patient;
     patient.run(15000);
     const double systolic = patient.monitor.systolic_mmHg(), diastolic = patient.monitor.diastolic_mmHg();
-    patient.tick(SELD_RHYTHM_PREMATURE, 450);
+    patient.tick(CRN_RHYTHM_PREMATURE, 450);
     const std::uint32_t beats = patient.monitor.beats();
     while (patient.monitor.premature_beats() == 0) patient.tick();
     assert_true(patient.monitor.beats() <= beats + 2);
@@ -77,14 +77,14 @@ void asystole_is_a_flat_line_and_a_falling_pressure(void **)
 {
     Patient patient;
     patient.run(5000);
-    patient.tick(SELD_RHYTHM_ASYSTOLE, 1);
-    while ((patient.rhythm.bits & SELD_RHYTHM_IS_RESTING) == 0) patient.tick();
+    patient.tick(CRN_RHYTHM_ASYSTOLE, 1);
+    while ((patient.rhythm.bits & CRN_RHYTHM_IS_RESTING) == 0) patient.tick();
     patient.run(200);
     const double before = patient.monitor.pressure_mmHg() - 6;
     patient.run(1418); // 1.05 x 1.35 s
     const double after = patient.monitor.pressure_mmHg() - 6;
     assert_true(std::abs(after / before - std::exp(-1.0)) < 0.002);
-    const seld_wire_tick_state state = patient.tick();
+    const crn_wire_tick_state state = patient.tick();
     assert_true(std::abs(ecg_mV(0, state.beat_ms, state.interval_ms, state.rhythm_bits)) < 1e-6);
     patient.run(3000);
     assert_true(patient.monitor.rate_per_min() == 0);
@@ -111,11 +111,11 @@ void the_waves_stand_where_the_beat_says(void **)
 
 struct Sample {
     alignas(16) std::uint8_t file[SAMPLE_BYTES_MAX];
-    seld_scene scene{};
+    crn_scene scene{};
     Sample()
     {
         const std::size_t bytes = sample_moving_scene(file, sizeof file);
-        if (seld_scene_open(file, bytes, &scene, nullptr) != SELD_SCENE_OK)
+        if (crn_scene_open(file, bytes, &scene, nullptr) != CRN_SCENE_OK)
             fail_msg("the sample does not open");
     }
 };

@@ -26,14 +26,14 @@ extern "C" {
 namespace
 {
 
-using seld::Instrument;
-using seld::Stiffness;
+using crn::Instrument;
+using crn::Stiffness;
 
-const std::string folder = std::string(seld::shipped_instruments) + "/";
+const std::string folder = std::string(crn::shipped_instruments) + "/";
 
 std::string temporary_path()
 {
-    return "/tmp/seldinger_test_" + std::to_string(getpid()) + ".toml";
+    return "/tmp/cournand_test_" + std::to_string(getpid()) + ".toml";
 }
 
 // What reading says of a text; empty when it is read.
@@ -43,8 +43,8 @@ std::string message_of(const std::string &text, const std::string &preset = "")
     std::ofstream(path) << text;
     std::string message;
     try {
-        seld::read_instrument(path + preset);
-    } catch (const seld::FileError &error) {
+        crn::read_instrument(path + preset);
+    } catch (const crn::FileError &error) {
         message = error.what();
     }
     std::remove(path.c_str());
@@ -63,7 +63,7 @@ void expect_in(const std::string &message, const std::string &expected)
 void expect_error_in(const std::string &file, const std::string &old_piece, const std::string &new_piece,
                      const std::string &expected)
 {
-    std::string text = seld::read_text_file(folder + file);
+    std::string text = crn::read_text_file(folder + file);
     const std::size_t place = text.find(old_piece);
     if (place == std::string::npos) fail_msg("%s does not hold '%s'", file.c_str(), old_piece.c_str());
     text.replace(place, old_piece.size(), new_piece);
@@ -85,7 +85,7 @@ void expect_near(const std::string &what, double got, double expected, double sh
 void expect_bend(const Instrument &instrument, double arc_mm, double expected_N_m2)
 {
     expect_near(instrument.name + " EI at " + std::to_string(arc_mm) + " mm",
-                seld::stiffness_at(instrument, Stiffness::bend, arc_mm * 1e-3), expected_N_m2, 0.01);
+                crn::stiffness_at(instrument, Stiffness::bend, arc_mm * 1e-3), expected_N_m2, 0.01);
 }
 
 // Figures of docs/instruments.md and of their sources, written here a second time.
@@ -116,27 +116,27 @@ void the_shipped_instruments_have_the_documented_stiffness(void **)
         {"balloon_6x20", 900, 1.66, 0.94, 8.3685e-6, 0.000502, 0.71},
     };
     for (const Expected &expected : all) {
-        const Instrument one = seld::read_instrument(folder + expected.file + ".toml");
-        const seld_wire_knot &hub = one.table.knots[one.table.knots_count - 1];
+        const Instrument one = crn::read_instrument(folder + expected.file + ".toml");
+        const crn_wire_knot &hub = one.table.knots[one.table.knots_count - 1];
         expect_near(one.name + " length", one.length_m * 1e3, expected.length_mm, 1e-9);
         expect_near(one.name + " OD", hub.radius_outer_um * 2e-3, expected.outer_mm, 2e-3);
         expect_near(one.name + " ID", one.table.knots[one.table.knots_count - 1].radius_inner_um * 2e-3,
                     expected.inner_mm, 2e-3);
         expect_bend(one, 1, expected.tip_N_m2);
         expect_bend(one, 900, expected.shaft_N_m2);
-        expect_near(one.name + " GJ", seld::stiffness_at(one, Stiffness::twist, 0.9),
+        expect_near(one.name + " GJ", crn::stiffness_at(one, Stiffness::twist, 0.9),
                     expected.shaft_ratio * expected.shaft_N_m2, 0.01);
         assert_int_equal(one.table.knots[0].arc_um, 0);
-        assert_int_equal(one.kind == seld::InstrumentKind::wire, expected.inner_mm == 0.0);
+        assert_int_equal(one.kind == crn::InstrumentKind::wire, expected.inner_mm == 0.0);
         assert_int_equal(one.table.lumen_friction_milli > 0, expected.inner_mm > 0.0);
     }
-    assert_int_equal(seld::list_instruments({}, "").size(), std::size(all));
+    assert_int_equal(crn::list_instruments({}, "").size(), std::size(all));
 }
 
 void hydrophilic_coats_have_a_third_of_the_friction_of_ptfe(void **)
 {
-    const Instrument coated = seld::read_instrument(folder + "terumo_stiff_angled.toml");
-    const Instrument ptfe = seld::read_instrument(folder + "bentson.toml");
+    const Instrument coated = crn::read_instrument(folder + "terumo_stiff_angled.toml");
+    const Instrument ptfe = crn::read_instrument(folder + "bentson.toml");
     expect_near("friction", 3.0 * coated.table.knots[0].friction_kinetic_milli,
                 ptfe.table.knots[0].friction_kinetic_milli, 0.02);
 }
@@ -160,8 +160,8 @@ void the_fits_hold_the_table_of_the_thesis(void **)
         {"terumo_5f", "Terumo ST5F", 3.54, 6.3, 11.4, 31.7},
     };
     for (const Row &row : rows) {
-        const Instrument base = seld::read_instrument(folder + row.file + ".toml");
-        const Instrument fit = seld::read_instrument(folder + row.file + ".toml:vcsim3-fit");
+        const Instrument base = crn::read_instrument(folder + row.file + ".toml");
+        const Instrument fit = crn::read_instrument(folder + row.file + ".toml:vcsim3-fit");
         assert_true(fit.thesis.has_value());
         assert_string_equal(fit.thesis->row.c_str(), row.row);
         expect_near("Eb", fit.thesis->young_modulus, row.modulus * 1e7, 1e-9);
@@ -171,63 +171,63 @@ void the_fits_hold_the_table_of_the_thesis(void **)
         const double bend = row.modulus * 1e7 * std::numbers::pi / 4.0 * std::pow(row.radius * 1e-4, 4);
         expect_bend(fit, 900, bend);
         expect_bend(fit, 1,
-                    std::max(1e-7, bend * seld::stiffness_at(base, Stiffness::bend, 1e-3) /
-                                       seld::stiffness_at(base, Stiffness::bend, 0.9)));
+                    std::max(1e-7, bend * crn::stiffness_at(base, Stiffness::bend, 1e-3) /
+                                       crn::stiffness_at(base, Stiffness::bend, 0.9)));
         assert_int_equal(fit.table.knots[0].radius_outer_um, std::lround(row.radius * 100));
-        assert_true(seld::stiffness_at(fit, Stiffness::bend, 0.9) <
-                    0.2 * seld::stiffness_at(base, Stiffness::bend, 0.9));
+        assert_true(crn::stiffness_at(fit, Stiffness::bend, 0.9) <
+                    0.2 * crn::stiffness_at(base, Stiffness::bend, 0.9));
         assert_string_equal(fit.name.c_str(), (base.name + " (vcsim3-fit)").c_str());
         assert_int_equal(fit.table.knots[0].rest_curvature1_per_m_milli,
                          base.table.knots[0].rest_curvature1_per_m_milli);
     }
-    assert_int_equal(seld::list_instruments({}, "vcsim3-fit").size(), std::size(rows));
+    assert_int_equal(crn::list_instruments({}, "vcsim3-fit").size(), std::size(rows));
 }
 
 // Half way along a taper from a to b stands their geometric mean.
 void tapers_change_by_equal_ratios(void **)
 {
-    expect_bend(seld::read_instrument(folder + "bentson.toml"), 250, 2.449e-5);
+    expect_bend(crn::read_instrument(folder + "bentson.toml"), 250, 2.449e-5);
 }
 
 void a_shape_is_that_of_its_arcs(void **)
 {
-    const Instrument wire = seld::read_instrument(folder + "j_wire.toml");
+    const Instrument wire = crn::read_instrument(folder + "j_wire.toml");
     assert_int_equal(wire.table.knots[0].rest_curvature1_per_m_milli, 333333);
     assert_int_equal(wire.table.knots[0].rest_curvature2_per_m_milli, 0);
-    const auto half_circle = seld::unloaded_shape(wire, 1e-4, 0.02);
+    const auto half_circle = crn::unloaded_shape(wire, 1e-4, 0.02);
     expect_near("J, length of arc", wire.shape.back().arc_end_m, 3e-3 * std::numbers::pi, 1e-9);
     assert_true((half_circle.front().position_m - Eigen::Vector3d(0.02, 0.006, 0.0)).norm() < 1e-9);
     assert_true((half_circle.front().forward + Eigen::Vector3d::UnitX()).norm() < 1e-9);
     // Angles add up along a shape: -90 + 180 - 35.
     const Eigen::Vector3d left =
-        seld::unloaded_shape(seld::read_instrument(folder + "guide_jl4_6f.toml"), 1e-3, 0.0).front().forward;
+        crn::unloaded_shape(crn::read_instrument(folder + "guide_jl4_6f.toml"), 1e-3, 0.0).front().forward;
     expect_near("JL4, direction of the tip", std::atan2(left.y(), left.x()), 55.0 * std::numbers::pi / 180.0,
                 1e-9);
     const Eigen::Vector3d right =
-        seld::unloaded_shape(seld::read_instrument(folder + "guide_jr4_6f.toml"), 1e-3, 0.0).front().forward;
+        crn::unloaded_shape(crn::read_instrument(folder + "guide_jr4_6f.toml"), 1e-3, 0.0).front().forward;
     expect_near("JR4, direction of the tip", std::atan2(right.y(), right.x()),
                 120.0 * std::numbers::pi / 180.0, 1e-9);
 }
 
 void every_shipped_material_is_known_to_the_xray(void **)
 {
-    for (const seld::ListedInstrument &item : seld::list_instruments({}, "")) {
-        assert_true(seld::instrument_look(item.instrument).sections.size() == item.instrument.layers.size());
+    for (const crn::ListedInstrument &item : crn::list_instruments({}, "")) {
+        assert_true(crn::instrument_look(item.instrument).sections.size() == item.instrument.layers.size());
         assert_true(item.instrument.layers.size() >= 3);
         for (const Instrument &other : item.others) {
-            assert_true(seld::instrument_look(other).sections.size() == item.instrument.layers.size());
+            assert_true(crn::instrument_look(other).sections.size() == item.instrument.layers.size());
         }
     }
 }
 
 void the_document_has_the_table_of_the_files(void **)
 {
-    const std::string text = seld::read_text_file("docs/instruments.md");
-    const std::size_t begin = text.find(seld::table_begin), end = text.find(seld::table_end);
+    const std::string text = crn::read_text_file("docs/instruments.md");
+    const std::size_t begin = text.find(crn::table_begin), end = text.find(crn::table_end);
     assert_true(begin != std::string::npos && end != std::string::npos);
     const std::string table =
-        text.substr(begin + seld::table_begin.size(), end - begin - seld::table_begin.size());
-    if (table != seld::instruments_markdown(seld::list_instruments({}, ""))) {
+        text.substr(begin + crn::table_begin.size(), end - begin - crn::table_begin.size());
+    if (table != crn::instruments_markdown(crn::list_instruments({}, ""))) {
         fail_msg("the table in docs/instruments.md is not that of the files: run `make docs`");
     }
 }
@@ -235,19 +235,19 @@ void the_document_has_the_table_of_the_files(void **)
 void a_list_has_text_json_and_picture(void **)
 {
     const auto list =
-        seld::list_instruments({folder + "j_wire.toml", folder + "beacon_5f.toml:vcsim3-fit"}, "");
+        crn::list_instruments({folder + "j_wire.toml", folder + "beacon_5f.toml:vcsim3-fit"}, "");
     assert_int_equal(list.size(), 2);
-    const std::string text = seld::instruments_text(list);
+    const std::string text = crn::instruments_text(list);
     assert_true(text.find("Cook J 0.035 in, 3 mm ") != std::string::npos);
     assert_true(text.find("5F Beacon, Kumpe (vcsim3-fit)") != std::string::npos);
-    const nlohmann::json json = nlohmann::json::parse(seld::instruments_json(list));
+    const nlohmann::json json = nlohmann::json::parse(crn::instruments_json(list));
     assert_int_equal(json.size(), 2);
     expect_near("JSON EI", json[0]["bend_stiffness_shaft_N_m2"].get<double>(), 2.9e-4, 1e-3);
     assert_string_equal(json[1]["table_5_1"]["row"].get<std::string>().c_str(), "Beacon 5FR");
-    const seld::Image one = seld::instruments_picture({list[0]}), two = seld::instruments_picture(list);
+    const crn::Image one = crn::instruments_picture({list[0]}), two = crn::instruments_picture(list);
     assert_true(two.height > one.height && two.width == one.width);
     // Ink: every row brings more dark pixels.
-    auto dark = [](const seld::Image &image) {
+    auto dark = [](const crn::Image &image) {
         return std::count_if(image.bytes.begin(), image.bytes.end(),
                              [](std::uint8_t byte) { return byte < 100; });
     };
@@ -315,7 +315,7 @@ void missing_and_contradicting_keys_are_refused(void **)
 
 void wrong_presets_are_refused(void **)
 {
-    const std::string text = seld::read_text_file(folder + "bentson.toml");
+    const std::string text = crn::read_text_file(folder + "bentson.toml");
     expect_in(message_of(text, ":vcsim-fit"), "has no preset 'vcsim-fit', did you mean 'vcsim3-fit'?");
     expect_error("based_on = \"physical\"", "based_on = \"fysical\"",
                  "preset 'vcsim3-fit': there is no preset 'fysical', did you mean 'physical'?");
@@ -356,7 +356,7 @@ void wrong_shapes_are_refused(void **)
 // What the maker prints, in the wire's units, and its marker bands among what the X-ray sees.
 void a_balloon_has_its_makers_table(void **)
 {
-    const Instrument one = seld::read_instrument(folder + "balloon_3x20.toml");
+    const Instrument one = crn::read_instrument(folder + "balloon_3x20.toml");
     assert_true(one.balloon.has_value());
     assert_int_equal(one.table.balloon_count, 7);
     assert_int_equal(one.table.balloon[2].pressure_kPa, 800);
@@ -367,9 +367,9 @@ void a_balloon_has_its_makers_table(void **)
     expect_near("rated", one.balloon->rated_burst_kPa, 1600, 1e-9);
     expect_near("profile", one.balloon->crossing_profile_m, 0.9e-3, 1e-12);
     int bands = 0;
-    for (const seld::InstrumentLayer &layer : one.layers) bands += layer.material == "platinum";
+    for (const crn::InstrumentLayer &layer : one.layers) bands += layer.material == "platinum";
     assert_int_equal(bands, 2);
-    assert_false(seld::read_instrument(folder + "coronary_014.toml").balloon.has_value());
+    assert_false(crn::read_instrument(folder + "coronary_014.toml").balloon.has_value());
 }
 
 void wrong_balloons_are_refused(void **)
@@ -416,8 +416,8 @@ void missing_files_and_folders_are_refused(void **)
     for (const char *path : {"does/not/exist.toml", "shared", "does/not/exist.toml:vcsim3-fit"}) {
         bool is_refused = false;
         try {
-            seld::read_instrument(path);
-        } catch (const seld::FileError &) {
+            crn::read_instrument(path);
+        } catch (const crn::FileError &) {
             is_refused = true;
         }
         assert_true(is_refused);

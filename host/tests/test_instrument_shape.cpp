@@ -32,9 +32,9 @@ extern "C" {
 namespace
 {
 
+using crn::Instrument;
+using crn::ShapePoint;
 using Eigen::Vector3d;
-using seld::Instrument;
-using seld::ShapePoint;
 
 const std::string folder = "shared/examples/instruments/";
 
@@ -51,13 +51,13 @@ std::vector<std::string> shipped_files()
 
 // --- the only calls of the core ---------------------------------------------------------------------------------
 
-seld_instrument core_instrument(const Instrument &instrument)
+crn_instrument core_instrument(const Instrument &instrument)
 {
-    const seld_wire_instrument &table = instrument.table;
-    seld_instrument core{};
+    const crn_wire_instrument &table = instrument.table;
+    crn_instrument core{};
     core.knot_count = table.knots_count;
     for (std::uint16_t i = 0; i < table.knots_count; i++) {
-        const seld_wire_knot &k = table.knots[i];
+        const crn_wire_knot &k = table.knots[i];
         core.knots[i] = {.arc_um = k.arc_um,
                          .bend_stiffness_nN_m2 = k.bend_stiffness_nN_m2,
                          .twist_stiffness_nN_m2 = k.twist_stiffness_nN_m2,
@@ -82,59 +82,59 @@ class FreeLine
 {
   public:
     explicit FreeLine(const std::vector<const Instrument *> &tools)
-        : model_bytes_(seld_model_size()), state_bytes_(seld_state_size())
+        : model_bytes_(crn_model_size()), state_bytes_(crn_state_size())
     {
-        std::vector<seld_instrument> core;
+        std::vector<crn_instrument> core;
         for (const Instrument *tool : tools) core.push_back(core_instrument(*tool));
-        const seld_entry entry = {{{0, 0, 0}}, {{SELD_ONE_Q30, 0, 0}}};
-        seld_build_place place{};
-        status_ = seld_model_build(model(), core.data(), static_cast<std::uint32_t>(core.size()), nullptr,
-                                   &entry, &place);
-        if (status_ == SELD_BUILD_OK) seld_model_set_gravity(model(), 0, 0, 0);
+        const crn_entry entry = {{{0, 0, 0}}, {{CRN_ONE_Q30, 0, 0}}};
+        crn_build_place place{};
+        status_ = crn_model_build(model(), core.data(), static_cast<std::uint32_t>(core.size()), nullptr,
+                                  &entry, &place);
+        if (status_ == CRN_BUILD_OK) crn_model_set_gravity(model(), 0, 0, 0);
     }
-    seld_build_status status() const { return status_; }
-    int node_count() { return static_cast<int>(seld_state_node_count(model())); }
+    crn_build_status status() const { return status_; }
+    int node_count() { return static_cast<int>(crn_state_node_count(model())); }
 
     void start(double inserted_m)
     {
-        const std::uint32_t inserted_um[SELD_TOOL_MAX] = {
+        const std::uint32_t inserted_um[CRN_TOOL_MAX] = {
             static_cast<std::uint32_t>(std::lround(inserted_m * 1e6))};
-        seld_state_init(model(), state(), inserted_um);
+        crn_state_init(model(), state(), inserted_um);
     }
     void run(int ticks)
     {
-        const seld_input input{};
+        const crn_input input{};
         for (int tick = 0; tick < ticks; tick++) {
-            seld_step(model(), state(), &input, &output_);
-            strain_max = std::max(strain_max, std::abs(seld::units::ratio(output_.strain_max_q30)));
+            crn_step(model(), state(), &input, &output_);
+            strain_max = std::max(strain_max, std::abs(crn::units::ratio(output_.strain_max_q30)));
         }
     }
-    double inserted_m() const { return seld::units::metres(output_.tools[0].inserted_m_q30); }
+    double inserted_m() const { return crn::units::metres(output_.tools[0].inserted_m_q30); }
     std::uint32_t fault_bits() const { return output_.fault_bits; }
 
     struct Node {
         double arc_m;
-        Vector3d position_m; // in the axes of seld::unloaded_shape: x forward, y along d1
+        Vector3d position_m; // in the axes of crn::unloaded_shape: x forward, y along d1
     };
     std::vector<Node> free_nodes()
     {
         std::vector<Node> nodes;
-        for (std::uint32_t i = 0; i < seld_state_free_count(state()); i++) {
-            const seld_vec3 p = seld_state_position(state(), i);
+        for (std::uint32_t i = 0; i < crn_state_free_count(state()); i++) {
+            const crn_vec3 p = crn_state_position(state(), i);
             nodes.push_back(
-                {seld::units::metres(seld_model_arc(model(), i)),
-                 {seld::units::metres(p.v[0]), -seld::units::metres(p.v[2]), seld::units::metres(p.v[1])}});
+                {crn::units::metres(crn_model_arc(model(), i)),
+                 {crn::units::metres(p.v[0]), -crn::units::metres(p.v[2]), crn::units::metres(p.v[1])}});
         }
         return nodes;
     }
     double strain_max = 0.0;
 
   private:
-    seld_model *model() { return reinterpret_cast<seld_model *>(model_bytes_.data()); }
-    seld_state *state() { return reinterpret_cast<seld_state *>(state_bytes_.data()); }
+    crn_model *model() { return reinterpret_cast<crn_model *>(model_bytes_.data()); }
+    crn_state *state() { return reinterpret_cast<crn_state *>(state_bytes_.data()); }
     std::vector<unsigned char> model_bytes_, state_bytes_;
-    seld_build_status status_ = SELD_BUILD_OK;
-    seld_output output_{};
+    crn_build_status status_ = CRN_BUILD_OK;
+    crn_output output_{};
 };
 
 // --- shapes -----------------------------------------------------------------------------------------------------
@@ -167,12 +167,12 @@ void expect_rest_shape(const Instrument &instrument)
     constexpr double allowed_deg = 2.5, allowed_strain = 1e-3;
     const double allowed_mm = 0.05 + 0.005 * shaped_m(instrument) * 1e3;
     FreeLine line({&instrument});
-    assert_int_equal(line.status(), SELD_BUILD_OK);
+    assert_int_equal(line.status(), CRN_BUILD_OK);
     line.start(shaped_m(instrument) + 0.05);
     line.run(4000);
     const std::vector<FreeLine::Node> nodes = line.free_nodes();
     const std::vector<ShapePoint> intended =
-        seld::unloaded_shape(instrument, 1e-4, line.inserted_m() - shaped_m(instrument));
+        crn::unloaded_shape(instrument, 1e-4, line.inserted_m() - shaped_m(instrument));
     double worst_mm = 0.0;
     for (const FreeLine::Node &node : nodes) {
         worst_mm =
@@ -188,29 +188,29 @@ void expect_rest_shape(const Instrument &instrument)
     if (worst_mm > allowed_mm || tip_deg > allowed_deg || line.strain_max > allowed_strain) {
         fail_msg("%s rests in another shape", instrument.name.c_str());
     }
-    assert_int_equal(line.fault_bits() & ~std::uint32_t{SELD_FAULT_STEP_CAPPED}, 0);
+    assert_int_equal(line.fault_bits() & ~std::uint32_t{CRN_FAULT_STEP_CAPPED}, 0);
 }
 
 void every_physical_instrument_rests_in_its_shape(void **)
 {
-    for (const std::string &file : shipped_files()) expect_rest_shape(seld::read_instrument(file));
+    for (const std::string &file : shipped_files()) expect_rest_shape(crn::read_instrument(file));
 }
 
 // A curve in two planes, which none of those that ship has: a quarter circle up, then one to the side.
 void a_shape_out_of_its_plane_rests_in_it(void **)
 {
-    std::string text = seld::read_text_file(folder + "simmons_2_5f.toml");
+    std::string text = crn::read_text_file(folder + "simmons_2_5f.toml");
     const std::size_t begin = text.find("shape = ["), end = text.find("]\n\n[sources]");
     assert_true(begin != std::string::npos && end != std::string::npos);
     text.replace(
         begin, end - begin,
         "shape = [ { name = \"a\", radius_mm = 12, angle_deg = 90, plane_deg = 90, source = \"@simmons\" },\n"
         "{ name = \"b\", radius_mm = 15, angle_deg = 90, source = \"@simmons\" } ");
-    const std::string path = "/tmp/seldinger_shape_" + std::to_string(getpid()) + ".toml";
+    const std::string path = "/tmp/cournand_shape_" + std::to_string(getpid()) + ".toml";
     std::ofstream(path) << text;
-    const Instrument instrument = seld::read_instrument(path);
+    const Instrument instrument = crn::read_instrument(path);
     std::remove(path.c_str());
-    const ShapePoint tip = seld::unloaded_shape(instrument, 1e-3, 0.0).front();
+    const ShapePoint tip = crn::unloaded_shape(instrument, 1e-3, 0.0).front();
     assert_true(angle_deg(tip.forward, -Vector3d::UnitZ()) <
                 0.1); // d2 is -z in the straight part, and b turns about it
     assert_true((tip.position_m - Vector3d(0.015, 0.027, -0.012)).norm() < 1e-5);
@@ -221,13 +221,13 @@ void a_shape_out_of_its_plane_rests_in_it(void **)
 
 void the_device_takes_every_preset(void **)
 {
-    const seld::SceneFile scene = seld::read_scene("");
-    const seld_wire_entry entry = seld::entry_of(scene, 1, std::vector<std::uint32_t>{30000});
+    const crn::SceneFile scene = crn::read_scene("");
+    const crn_wire_entry entry = crn::entry_of(scene, 1, std::vector<std::uint32_t>{30000});
     for (const std::string &file : shipped_files()) {
-        for (const std::string &preset : seld::read_instrument(file).presets) {
-            const Instrument instrument = seld::read_instrument(file + ":" + preset);
+        for (const std::string &preset : crn::read_instrument(file).presets) {
+            const Instrument instrument = crn::read_instrument(file + ":" + preset);
             try {
-                seld::Device(scene, {instrument}, entry, seld::host_rig());
+                crn::Device(scene, {instrument}, entry, crn::host_rig());
             } catch (const std::exception &error) {
                 fail_msg("%s: %s", instrument.name.c_str(), error.what());
             }
@@ -241,23 +241,23 @@ bool fits_into(const Instrument &inner, const Instrument &outer)
     for (std::uint16_t i = 0; i < inner.table.knots_count; i++) {
         thickest_um = std::max(thickest_um, inner.table.knots[i].radius_outer_um);
     }
-    const seld_wire_instrument &around = outer.table;
+    const crn_wire_instrument &around = outer.table;
     return std::all_of(around.knots, around.knots + around.knots_count,
-                       [&](const seld_wire_knot &knot) { return thickest_um <= knot.radius_inner_um; });
+                       [&](const crn_wire_knot &knot) { return thickest_um <= knot.radius_inner_um; });
 }
 
 void expect_line(const std::vector<const Instrument *> &tools)
 {
     std::string names;
-    std::vector<const seld_wire_instrument *> tables;
+    std::vector<const crn_wire_instrument *> tables;
     for (const Instrument *tool : tools) {
         names += (names.empty() ? "" : " in ") + tool->name;
         tables.push_back(&tool->table);
     }
     FreeLine line(tools);
-    if (line.status() != SELD_BUILD_OK) fail_msg("%s: build status %d", names.c_str(), line.status());
-    const int nodes = seld::line_node_count(tables);
-    if (nodes != line.node_count() || nodes > seld::line_nodes_max) {
+    if (line.status() != CRN_BUILD_OK) fail_msg("%s: build status %d", names.c_str(), line.status());
+    const int nodes = crn::line_node_count(tables);
+    if (nodes != line.node_count() || nodes > crn::line_nodes_max) {
         fail_msg("%s: %d nodes, in the core %d", names.c_str(), nodes, line.node_count());
     }
 }
@@ -267,13 +267,13 @@ void expect_line(const std::vector<const Instrument *> &tools)
 void every_wire_goes_with_every_catheter(void **)
 {
     std::vector<Instrument> all;
-    for (const std::string &file : shipped_files()) all.push_back(seld::read_instrument(file));
+    for (const std::string &file : shipped_files()) all.push_back(crn::read_instrument(file));
     int pairs = 0, triples = 0, balloons = 0;
     for (const Instrument &wire : all) {
-        if (wire.kind != seld::InstrumentKind::wire) continue;
+        if (wire.kind != crn::InstrumentKind::wire) continue;
         expect_line({&wire});
         for (const Instrument &catheter : all) {
-            if (catheter.kind != seld::InstrumentKind::catheter) continue;
+            if (catheter.kind != crn::InstrumentKind::catheter) continue;
             const bool fits = fits_into(wire, catheter);
             if (catheter.balloon && !fits) continue; // over a 0.014 in wire only
             balloons += catheter.balloon.has_value();
@@ -281,7 +281,7 @@ void every_wire_goes_with_every_catheter(void **)
             expect_line({&wire, &catheter});
             pairs++;
             for (const Instrument &guide : all) {
-                if (guide.kind != seld::InstrumentKind::catheter || !fits_into(catheter, guide)) continue;
+                if (guide.kind != crn::InstrumentKind::catheter || !fits_into(catheter, guide)) continue;
                 expect_line({&wire, &catheter, &guide});
                 triples++;
             }

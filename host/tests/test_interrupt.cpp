@@ -32,8 +32,8 @@ pid_t start_deaf(const std::string &file, void (*before)())
     const pid_t pid = ::fork();
     if (pid == 0) {
         before();
-        seld::watch_for_interrupt();
-        seld::PendingFile under_way(file);
+        crn::watch_for_interrupt();
+        crn::PendingFile under_way(file);
         static_cast<void>(!::write(ends[1], "!", 1));
         for (;;) ::pause();
     }
@@ -56,7 +56,7 @@ bool is_alive(pid_t pid, int &status)
 void expect_second_ends(int first, int second, void (*before)())
 {
     const std::string folder =
-        fs::temp_directory_path() / ("seldinger_interrupt_" + std::to_string(::getpid()));
+        fs::temp_directory_path() / ("cournand_interrupt_" + std::to_string(::getpid()));
     fs::create_directories(folder);
     const pid_t pid = start_deaf(folder + "/file", before);
     int status = 0;

@@ -25,15 +25,15 @@ namespace
 {
 
 // A device that says what it is told to, as answers to the last frame of the host or unasked.
-class TalkingDevice final : public seld::Transport
+class TalkingDevice final : public crn::Transport
 {
   public:
-    TalkingDevice() { seld_wire_decoder_init(&decoder_); }
+    TalkingDevice() { crn_wire_decoder_init(&decoder_); }
 
     void write(std::span<const std::uint8_t> bytes) override
     {
         for (std::uint8_t byte : bytes) {
-            if (seld_wire_decoder_push(&decoder_, byte) != SELD_WIRE_FRAME) continue;
+            if (crn_wire_decoder_push(&decoder_, byte) != CRN_WIRE_FRAME) continue;
             asked = decoder_.header.sequence;
             asked_type = decoder_.header.type;
             if (on_frame) on_frame();
@@ -53,44 +53,44 @@ class TalkingDevice final : public seld::Transport
     template <class Message, class Put>
     void say(std::uint16_t type, std::uint16_t answers, const Message &message, Put put)
     {
-        std::vector<std::uint8_t> payload(SELD_WIRE_PAYLOAD_MAX), frame(SELD_WIRE_FRAME_MAX);
-        seld_wire_writer writer = seld_wire_writer_make(payload.data(), payload.size());
+        std::vector<std::uint8_t> payload(CRN_WIRE_PAYLOAD_MAX), frame(CRN_WIRE_FRAME_MAX);
+        crn_wire_writer writer = crn_wire_writer_make(payload.data(), payload.size());
         assert_true(put(&writer, &message));
-        const seld_wire_header header = {++sequence_, answers, type};
+        const crn_wire_header header = {++sequence_, answers, type};
         frame.resize(
-            seld_wire_frame_encode(&header, payload.data(), writer.length, frame.data(), frame.size()));
+            crn_wire_frame_encode(&header, payload.data(), writer.length, frame.data(), frame.size()));
         ready_.insert(ready_.end(), frame.begin(), frame.end());
     }
     void greet()
     {
-        seld_wire_hello_reply reply{};
+        crn_wire_hello_reply reply{};
         reply.accepted = 1;
-        say(SELD_WIRE_TYPE_hello_reply, asked, reply, seld_wire_put_hello_reply);
+        say(CRN_WIRE_TYPE_hello_reply, asked, reply, crn_wire_put_hello_reply);
     }
     void status(std::uint16_t answers, std::uint32_t tick)
     {
-        seld_wire_status status{};
+        crn_wire_status status{};
         status.tick = tick;
-        say(SELD_WIRE_TYPE_status, answers, status, seld_wire_put_status);
+        say(CRN_WIRE_TYPE_status, answers, status, crn_wire_put_status);
     }
     void refuse(std::uint16_t answers)
     {
-        const seld_wire_reject reject = {SELD_WIRE_TYPE_command, SELD_REJECT_WRONG_STATE, 0, 0};
-        say(SELD_WIRE_TYPE_reject, answers, reject, seld_wire_put_reject);
+        const crn_wire_reject reject = {CRN_WIRE_TYPE_command, CRN_REJECT_WRONG_STATE, 0, 0};
+        say(CRN_WIRE_TYPE_reject, answers, reject, crn_wire_put_reject);
     }
     void live(std::uint32_t first, std::uint16_t count)
     {
-        seld_wire_live live{};
+        crn_wire_live live{};
         live.ticks_count = count;
         for (std::uint16_t i = 0; i < count; i++) live.ticks[i].state.tick = first + i;
-        say(SELD_WIRE_TYPE_live, 0, live, seld_wire_put_live);
+        say(CRN_WIRE_TYPE_live, 0, live, crn_wire_put_live);
     }
 
     std::function<void()> on_frame, on_silence;
     std::uint16_t asked = 0, asked_type = 0;
 
   private:
-    seld_wire_decoder decoder_;
+    crn_wire_decoder decoder_;
     std::deque<std::uint8_t> ready_;
     std::uint16_t sequence_ = 0;
 };
@@ -100,7 +100,7 @@ std::string error_of(const std::function<void()> &call)
 {
     try {
         call();
-    } catch (const seld::LinkError &error) {
+    } catch (const crn::LinkError &error) {
         return error.what();
     }
     return "";
@@ -115,7 +115,7 @@ bool contains(const std::string &text, const char *part)
 void hello_finds_the_device_behind_half_a_frame(void **)
 {
     TalkingDevice device;
-    seld::Link link(device);
+    crn::Link link(device);
     device.raw({7, 1, 2, 3});
     assert_true(contains(error_of([&] { link.read_status(); }), "does not answer"));
     device.on_frame = [&] { device.greet(); };
@@ -128,13 +128,13 @@ void hello_finds_the_device_behind_half_a_frame(void **)
 void hello_is_deaf_to_what_was_before(void **)
 {
     TalkingDevice device;
-    seld::Link link(device);
+    crn::Link link(device);
     device.on_frame = [&] {
         const auto old = static_cast<std::uint16_t>(device.asked - 1);
         device.refuse(old);
         device.status(old, 5);
-        device.say(SELD_WIRE_TYPE_ticks, old, seld_wire_hash64{1, 2}, seld_wire_put_hash64);
-        device.say(0x7777, 0, seld_wire_hash64{1, 2}, seld_wire_put_hash64);
+        device.say(CRN_WIRE_TYPE_ticks, old, crn_wire_hash64{1, 2}, crn_wire_put_hash64);
+        device.say(0x7777, 0, crn_wire_hash64{1, 2}, crn_wire_put_hash64);
         device.greet();
     };
     assert_string_equal(error_of([&] { link.hello(); }).c_str(), "");
@@ -147,7 +147,7 @@ void hello_is_deaf_to_what_was_before(void **)
 void a_late_refusal_is_not_taken_for_an_answer(void **)
 {
     TalkingDevice device;
-    seld::Link link(device);
+    crn::Link link(device);
     assert_true(contains(error_of([&] { link.stop(); }), "does not answer"));
     device.on_frame = [&] {
         device.refuse(static_cast<std::uint16_t>(device.asked - 1));
@@ -158,9 +158,9 @@ void a_late_refusal_is_not_taken_for_an_answer(void **)
     device.on_frame = [&] { device.refuse(device.asked); };
     assert_true(contains(error_of([&] { link.stop(); }), "WRONG_STATE"));
     device.on_frame = [&] {
-        if (device.asked_type == SELD_WIRE_TYPE_snapshot_begin) device.status(device.asked, 0);
-        if (device.asked_type == SELD_WIRE_TYPE_snapshot_chunk) device.refuse(device.asked);
-        if (device.asked_type == SELD_WIRE_TYPE_snapshot_end) device.status(device.asked, 0);
+        if (device.asked_type == CRN_WIRE_TYPE_snapshot_begin) device.status(device.asked, 0);
+        if (device.asked_type == CRN_WIRE_TYPE_snapshot_chunk) device.refuse(device.asked);
+        if (device.asked_type == CRN_WIRE_TYPE_snapshot_end) device.status(device.asked, 0);
     };
     const std::vector<std::uint8_t> snapshot(100);
     assert_true(contains(error_of([&] { link.write_snapshot(snapshot); }), "WRONG_STATE"));
@@ -169,10 +169,8 @@ void a_late_refusal_is_not_taken_for_an_answer(void **)
 void a_device_that_talks_without_end_is_left_with_an_error(void **)
 {
     TalkingDevice device;
-    seld::Link link(device);
-    device.on_silence = [&] {
-        device.say(SELD_WIRE_TYPE_notice, 0, seld_wire_notice{}, seld_wire_put_notice);
-    };
+    crn::Link link(device);
+    device.on_silence = [&] { device.say(CRN_WIRE_TYPE_notice, 0, crn_wire_notice{}, crn_wire_put_notice); };
     // On a slow machine its time is over before its frames are too many: an error all the same.
     const auto is_left = [&](const std::string &error) {
         return contains(error, "without end") ||
@@ -181,7 +179,7 @@ void a_device_that_talks_without_end_is_left_with_an_error(void **)
     assert_true(is_left(error_of([&] { link.read_status(); })));
     assert_true(is_left(error_of([&] { link.free_run(5); })));
     assert_true(is_left(error_of([&] { link.hello(); })));
-    assert_true(link.take_notices().size() == seld::Link::notices_max);
+    assert_true(link.take_notices().size() == crn::Link::notices_max);
 }
 
 // Endless zeros, endless noise, or one byte now and then: none is a message, and each ends in bounded bytes or bounded time.
@@ -189,7 +187,7 @@ void a_device_that_never_frames_is_left_with_an_error(void **)
 {
     for (const unsigned char byte : {0x00, 0x55, 0xff}) {
         TalkingDevice device;
-        seld::Link link(device);
+        crn::Link link(device);
         std::size_t given = 0;
         device.on_silence = [&] {
             for (int i = 0; i < 4096; i++) device.raw({byte});
@@ -197,8 +195,7 @@ void a_device_that_never_frames_is_left_with_an_error(void **)
         };
         const std::string text = error_of([&] { link.hello(); });
         if (!contains(text, "no message") || !contains(text, "Remedy")) fail_msg("'%s'", text.c_str());
-        assert_in_range(given, seld::Link::bytes_without_frame_max,
-                        seld::Link::bytes_without_frame_max + 8192);
+        assert_in_range(given, crn::Link::bytes_without_frame_max, crn::Link::bytes_without_frame_max + 8192);
         assert_true(contains(error_of([&] { link.read_status(); }), "no message"));
         assert_true(contains(error_of([&] { link.free_run(5); }), "no message"));
     }
@@ -208,7 +205,7 @@ void a_device_that_never_frames_is_left_with_an_error(void **)
 void a_device_that_keeps_its_host_waiting_is_left_with_an_error(void **)
 {
     TalkingDevice device;
-    seld::Link link(device, std::chrono::milliseconds(60));
+    crn::Link link(device, std::chrono::milliseconds(60));
     device.on_silence = [&] {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
         device.raw({0});
@@ -225,13 +222,13 @@ void a_device_that_keeps_its_host_waiting_is_left_with_an_error(void **)
 void a_snapshot_beyond_its_size_is_refused(void **)
 {
     TalkingDevice device;
-    seld::Link link(device);
-    seld_wire_snapshot_begin begin = {0, 1000, 0};
-    seld_wire_snapshot_chunk chunk{};
-    chunk.data_count = SELD_WIRE_MAX_snapshot_chunk_data;
+    crn::Link link(device);
+    crn_wire_snapshot_begin begin = {0, 1000, 0};
+    crn_wire_snapshot_chunk chunk{};
+    chunk.data_count = CRN_WIRE_MAX_snapshot_chunk_data;
     device.on_frame = [&] {
-        device.say(SELD_WIRE_TYPE_snapshot_begin, device.asked, begin, seld_wire_put_snapshot_begin);
-        device.say(SELD_WIRE_TYPE_snapshot_chunk, device.asked, chunk, seld_wire_put_snapshot_chunk);
+        device.say(CRN_WIRE_TYPE_snapshot_begin, device.asked, begin, crn_wire_put_snapshot_begin);
+        device.say(CRN_WIRE_TYPE_snapshot_chunk, device.asked, chunk, crn_wire_put_snapshot_chunk);
     };
     assert_true(contains(error_of([&] { link.read_snapshot(); }), "snapshot_chunk"));
     begin.snapshot_bytes = 0xffffffff;
@@ -242,7 +239,7 @@ void a_snapshot_beyond_its_size_is_refused(void **)
 void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
 {
     TalkingDevice device;
-    seld::Link link(device);
+    crn::Link link(device);
     device.on_frame = [&] { device.status(device.asked, 0); };
     link.start();
     device.on_frame = nullptr;
@@ -269,23 +266,23 @@ void a_busy_host_is_present_for_half_a_second(void **)
     TalkingDevice device;
     std::atomic<int> heard = 0;
     device.on_frame = [&] { heard++; };
-    seld::Link link(device);
+    crn::Link link(device);
     link.send_input({});
     heard = 0;
     {
-        const seld::Presence presence(&link);
+        const crn::Presence presence(&link);
         for (int i = 0; i < 1000 && heard < 3; i++)
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
         assert_true(heard >= 3);
-        assert_int_equal(device.asked_type, SELD_WIRE_TYPE_input);
-        std::this_thread::sleep_for(2 * seld::Presence::limit);
+        assert_int_equal(device.asked_type, CRN_WIRE_TYPE_input);
+        std::this_thread::sleep_for(2 * crn::Presence::limit);
         const int last = heard;
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
         assert_int_equal(heard, last);
     }
     const int last = heard;
     {
-        const seld::Presence nobody(nullptr);
+        const crn::Presence nobody(nullptr);
     }
     assert_int_equal(heard, last);
 }

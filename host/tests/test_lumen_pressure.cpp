@@ -13,7 +13,7 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld;
+using namespace crn;
 
 namespace
 {
@@ -100,9 +100,9 @@ VesselTree vessel()
     return {{branch}};
 }
 
-seld_wire_tick_state state_at(std::uint32_t tick, double wire_m, double catheter_m)
+crn_wire_tick_state state_at(std::uint32_t tick, double wire_m, double catheter_m)
 {
-    seld_wire_tick_state state{};
+    crn_wire_tick_state state{};
     state.tick = tick;
     state.tools_count = 2;
     state.tools[0].inserted_m_q30 = units::metres_to_q30(wire_m);

@@ -12,7 +12,7 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld;
+using namespace crn;
 using Eigen::Vector3d;
 
 namespace

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# seldinger --xray opengl: the same pictures as the rasteriser's, off screen and in a window, with nothing of OpenGL linked.
+# cournand --xray opengl: the same pictures as the rasteriser's, off screen and in a window, with nothing of OpenGL linked.
 set -u
 . "$(dirname "$0")/program.sh"
 wire=shared/examples/instruments/amplatz_super_stiff.toml

@@ -1,7 +1,7 @@
 #!/bin/sh
 # A lesion from text to healed vessel, on the command line: baked, opened by a balloon in a session, seen in its report, its pictures and its
 # polygons. An artery of 3 mm, 60 % narrowed; the balloon opens it wholly, and it recoils by 0.3 of that: 60 % x 0.3 = 18 % stay.
-programs="seldinger bake"
+programs="cournand bake"
 . "$(dirname "$0")/../../tools/check/tool.sh"
 line="--tool shared/examples/instruments/coronary_014.toml --tool shared/examples/instruments/balloon_3x20.toml
       --tool shared/examples/instruments/guide_ntr_6f.toml"

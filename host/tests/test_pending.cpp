@@ -24,7 +24,7 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld;
+using namespace crn;
 namespace fs = std::filesystem;
 
 namespace

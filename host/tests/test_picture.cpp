@@ -18,7 +18,7 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld;
+using namespace crn;
 
 namespace
 {

@@ -22,15 +22,15 @@ extern "C" {
 namespace
 {
 
-using seld::HandGrip;
-using seld::RangeWatch;
+using crn::HandGrip;
+using crn::RangeWatch;
 
 constexpr double q30 = 1 << 30, q22 = 1 << 22, q24 = 1 << 24;
 
-seld_wire_tick_state state_at(std::uint32_t tick, double depth_mm = 0.0, double length_pct = 0.0,
-                              std::uint32_t fault_bits = 0)
+crn_wire_tick_state state_at(std::uint32_t tick, double depth_mm = 0.0, double length_pct = 0.0,
+                             std::uint32_t fault_bits = 0)
 {
-    seld_wire_tick_state state{};
+    crn_wire_tick_state state{};
     state.tick = tick;
     state.tools_count = 1;
     state.penetration_max_m_q30 = static_cast<std::int32_t>(depth_mm * 1e-3 * q30);
@@ -98,17 +98,17 @@ void where_it_happened_is_looked_at_on_a_tick_that_every_run_has(void **)
 
 // --- the grip ---
 
-seld_wire_tick_state felt(std::uint32_t tick, double axial_N, double torque_mN_m = 0.0)
+crn_wire_tick_state felt(std::uint32_t tick, double axial_N, double torque_mN_m = 0.0)
 {
-    seld_wire_tick_state state = state_at(tick);
+    crn_wire_tick_state state = state_at(tick);
     state.tools[0].handle_axial_N_q22 = static_cast<std::int32_t>(axial_N * q22);
     state.tools[0].handle_torque_N_m_q24 = static_cast<std::int32_t>(torque_mN_m * 1e-3 * q24);
     return state;
 }
 
-seld_wire_hand told(const HandGrip &grip, std::int32_t translation, std::int32_t rotation = 0)
+crn_wire_hand told(const HandGrip &grip, std::int32_t translation, std::int32_t rotation = 0)
 {
-    seld_wire_encoders wanted{};
+    crn_wire_encoders wanted{};
     wanted.hands_count = 1;
     wanted.hands[0] = {translation, rotation};
     return grip.hold(wanted).hands[0];

@@ -27,36 +27,36 @@ extern "C" {
 namespace
 {
 
-const std::string path = "/tmp/seldinger_test_" + std::to_string(getpid()) + ".rec";
-const seld::SceneFile scene = seld::read_scene("");
+const std::string path = "/tmp/cournand_test_" + std::to_string(getpid()) + ".rec";
+const crn::SceneFile scene = crn::read_scene("");
 
 struct Recorded {
-    seld::RunResult result;
+    crn::RunResult result;
     std::vector<std::uint8_t> bytes;
 };
 
 Recorded record(const std::string &script,
                 const char *tool = "shared/examples/instruments/amplatz_super_stiff.toml")
 {
-    const std::vector<seld::Instrument> tools = {seld::read_instrument(tool)};
-    const seld::Session session = seld::parse_session(script, "test");
-    const seld_wire_entry entry = seld::entry_of(scene, tools.size(), session.inserted_um);
-    seld::Device device(scene, tools, entry, seld::host_rig());
-    const seld::RecordingHeader header = {device.identity().core_version,
-                                          device.identity().schema_hash,
-                                          0,
-                                          0,
-                                          "",
-                                          "test",
-                                          tools,
-                                          entry,
-                                          seld::host_rig()};
+    const std::vector<crn::Instrument> tools = {crn::read_instrument(tool)};
+    const crn::Session session = crn::parse_session(script, "test");
+    const crn_wire_entry entry = crn::entry_of(scene, tools.size(), session.inserted_um);
+    crn::Device device(scene, tools, entry, crn::host_rig());
+    const crn::RecordingHeader header = {device.identity().core_version,
+                                         device.identity().schema_hash,
+                                         0,
+                                         0,
+                                         "",
+                                         "test",
+                                         tools,
+                                         entry,
+                                         crn::host_rig()};
     Recorded recorded;
     {
-        seld::Recorder recorder(path, header);
-        recorded.result = seld::run_session(device, session, &recorder, nullptr, {});
+        crn::Recorder recorder(path, header);
+        recorded.result = crn::run_session(device, session, &recorder, nullptr, {});
     }
-    recorded.bytes = seld::read_binary_file(path);
+    recorded.bytes = crn::read_binary_file(path);
     std::remove(path.c_str());
     return recorded;
 }
@@ -74,17 +74,17 @@ const Recorded &session()
     return recorded;
 }
 
-seld::ReplayResult replay(const seld::Recording &recording, const seld::ReplaySettings &settings)
+crn::ReplayResult replay(const crn::Recording &recording, const crn::ReplaySettings &settings)
 {
-    const seld::RecordingHeader &header = recording.header;
-    seld::Device device(scene, header.tools, header.entry, header.rig);
-    return seld::replay_recording(device, recording, nullptr, settings);
+    const crn::RecordingHeader &header = recording.header;
+    crn::Device device(scene, header.tools, header.entry, header.rig);
+    return crn::replay_recording(device, recording, nullptr, settings);
 }
 
-seld::ReplaySettings verify(const char *speed, double from_s)
+crn::ReplaySettings verify(const char *speed, double from_s)
 {
-    seld::ReplaySettings settings;
-    settings.speed = *seld::replay_speed(speed);
+    crn::ReplaySettings settings;
+    settings.speed = *crn::replay_speed(speed);
     settings.verifies = true;
     settings.from_s = from_s;
     return settings;
@@ -92,11 +92,11 @@ seld::ReplaySettings verify(const char *speed, double from_s)
 
 void a_session_replays_bit_for_bit_at_any_speed(void **)
 {
-    const seld::Recording recording = seld::parse_recording(session().bytes, "test");
+    const crn::Recording recording = crn::parse_recording(session().bytes, "test");
     assert_true(recording.is_complete);
     assert_int_equal(recording.ticks.size(), session().result.figures.ticks);
     for (const char *speed : {"fast", "paused", "50"}) {
-        const seld::ReplayResult result = replay(recording, verify(speed, 0));
+        const crn::ReplayResult result = replay(recording, verify(speed, 0));
         assert_false(result.first_difference_tick.has_value());
         assert_true(result.hash == session().result.hash);
         assert_int_equal(result.ticks_compared, recording.ticks.size());
@@ -105,27 +105,27 @@ void a_session_replays_bit_for_bit_at_any_speed(void **)
 
 void a_replay_from_a_snapshot_ends_in_the_same_state(void **)
 {
-    const seld::Recording recording = seld::parse_recording(session().bytes, "test");
+    const crn::Recording recording = crn::parse_recording(session().bytes, "test");
     assert_int_equal(recording.snapshots.size(), 1);
     for (double from_s : {4.999, 5.0, 5.5}) {
-        const seld::ReplayResult result = replay(recording, verify("fast", from_s));
+        const crn::ReplayResult result = replay(recording, verify("fast", from_s));
         assert_false(result.first_difference_tick.has_value());
         assert_true(result.hash == session().result.hash);
     }
 }
 
 // A sink that keeps the flow of a straight vessel along the line, as a session's pictures do.
-class Medium final : public seld::FrameSink
+class Medium final : public crn::FrameSink
 {
   public:
     Medium() : contrast_(vessel(), {catheter()}) {}
-    static seld::Instrument catheter()
+    static crn::Instrument catheter()
     {
-        return seld::read_instrument("shared/examples/instruments/pigtail_5f.toml");
+        return crn::read_instrument("shared/examples/instruments/pigtail_5f.toml");
     }
-    static seld::VesselTree vessel()
+    static crn::VesselTree vessel()
     {
-        seld::VesselBranch branch;
+        crn::VesselBranch branch;
         branch.name = "aorta";
         branch.flow_ml_s = 20.0;
         for (int i = 0; i <= 30; ++i) {
@@ -134,32 +134,32 @@ class Medium final : public seld::FrameSink
         }
         return {{branch}};
     }
-    void command(std::uint32_t tick, const seld::RoomCommand &command) override
+    void command(std::uint32_t tick, const crn::RoomCommand &command) override
     {
         contrast_.command(tick, command);
     }
     std::uint32_t next_tick() const override { return contrast_.next_tick(); }
-    void frame(const seld::SessionFrame &frame) override { contrast_.advance(frame.wire); }
+    void frame(const crn::SessionFrame &frame) override { contrast_.advance(frame.wire); }
     std::uint32_t next_look() const override { return contrast_.next_tick(); }
-    void look(const seld::SessionFrame &frame) override { contrast_.advance(frame.wire); }
+    void look(const crn::SessionFrame &frame) override { contrast_.advance(frame.wire); }
     void finish() override {}
-    const seld::ContrastFlow &flow() const { return contrast_.flow(); }
+    const crn::ContrastFlow &flow() const { return contrast_.flow(); }
 
   private:
-    seld::SessionContrast contrast_;
+    crn::SessionContrast contrast_;
 };
 
 void a_replay_from_later_on_knows_what_was_injected_before(void **)
 {
     const Recorded recorded = record("wait 1 s\ninject 8 ml at 4 ml/s\nadvance 60 mm at 60 mm/s\nwait 1 s",
                                      "shared/examples/instruments/pigtail_5f.toml");
-    const seld::Recording recording = seld::parse_recording(recorded.bytes, "test");
-    const seld::RecordingHeader &header = recording.header;
+    const crn::Recording recording = crn::parse_recording(recorded.bytes, "test");
+    const crn::RecordingHeader &header = recording.header;
     std::vector<std::uint8_t> whole;
     for (double from_s : {0.0, 1.5, 2.9}) {
-        seld::Device device(scene, header.tools, header.entry, header.rig);
+        crn::Device device(scene, header.tools, header.entry, header.rig);
         Medium medium;
-        seld::replay_recording(device, recording, &medium, verify("fast", from_s));
+        crn::replay_recording(device, recording, &medium, verify("fast", from_s));
         assert_true(medium.flow().held_mg() > 100.0);
         if (whole.empty()) whole = medium.flow().snapshot();
         if (medium.flow().snapshot() != whole)
@@ -170,9 +170,9 @@ void a_replay_from_later_on_knows_what_was_injected_before(void **)
 void side_holes_are_recorded(void **)
 {
     const Recorded recorded = record("wait 10 ms", "shared/examples/instruments/pigtail_5f.toml");
-    const seld::Recording recording = seld::parse_recording(recorded.bytes, "test");
-    const std::vector<seld::SideHoles> expected = Medium::catheter().side_holes,
-                                       &read = recording.header.tools[0].side_holes;
+    const crn::Recording recording = crn::parse_recording(recorded.bytes, "test");
+    const std::vector<crn::SideHoles> expected = Medium::catheter().side_holes,
+                                      &read = recording.header.tools[0].side_holes;
     assert_int_equal(read.size(), 1);
     assert_int_equal(read[0].count, expected[0].count);
     assert_true(read[0].arc_begin_m == expected[0].arc_begin_m && read[0].arc_end_m == expected[0].arc_end_m);
@@ -181,23 +181,22 @@ void side_holes_are_recorded(void **)
 
 void a_changed_input_is_found_at_its_tick(void **)
 {
-    seld::Recording recording = seld::parse_recording(session().bytes, "test");
+    crn::Recording recording = crn::parse_recording(session().bytes, "test");
     recording.ticks[1234].input.hands[0].translation_counts += 40;
-    const seld::ReplayResult result = replay(recording, verify("fast", 0));
+    const crn::ReplayResult result = replay(recording, verify("fast", 0));
     assert_true(result.first_difference_tick.has_value());
     assert_int_equal(*result.first_difference_tick, 1235);
 }
 
 void commands_to_the_room_are_recorded_with_their_ticks(void **)
 {
-    const seld::Recording recording = seld::parse_recording(session().bytes, "test");
+    const crn::Recording recording = crn::parse_recording(session().bytes, "test");
     assert_int_equal(recording.commands.size(), 2);
     assert_int_equal(recording.commands[0].tick, 0);
     assert_true(recording.commands[0].command ==
-                (seld::RoomCommand{seld::RoomAction::fluoro_pedal, {1, 0, 0}}));
+                (crn::RoomCommand{crn::RoomAction::fluoro_pedal, {1, 0, 0}}));
     assert_int_equal(recording.commands[1].tick, 5200);
-    assert_true(recording.commands[1].command ==
-                (seld::RoomCommand{seld::RoomAction::angles, {20000, 0, 0}}));
+    assert_true(recording.commands[1].command == (crn::RoomCommand{crn::RoomAction::angles, {20000, 0, 0}}));
 }
 
 // Chunks of version 2 in place of ours: tick, fluoro, follows, primary, secondary, table, field.
@@ -222,18 +221,18 @@ void recordings_of_version_2_still_load(void **)
             chunk.insert(chunk.end(), {1, 1}); // fluoroscopy on, following
             for (std::uint32_t value : {tick > 0 ? 20000u : 0u, 0u, 1000u, 2000u, 3000u, 320000u})
                 put(chunk, value);
-            put(chunk, seld_wire_crc32(0, chunk.data(), chunk.size()));
+            put(chunk, crn_wire_crc32(0, chunk.data(), chunk.size()));
             bytes.insert(bytes.end(), chunk.begin(), chunk.end());
         }
         at += size;
     }
-    const seld::Recording old = seld::parse_recording(bytes, "old");
+    const crn::Recording old = crn::parse_recording(bytes, "old");
     assert_true(old.is_complete);
     assert_int_equal(old.ticks.size(), session().result.figures.ticks);
     assert_int_equal(old.commands.size(),
                      6); // angles, field, table, follow, pedal; then the angles that changed
-    assert_true(old.commands[2].command == (seld::RoomCommand{seld::RoomAction::table, {1000, 2000, 3000}}));
-    assert_true(old.commands[5].command == (seld::RoomCommand{seld::RoomAction::angles, {20000, 0, 0}}));
+    assert_true(old.commands[2].command == (crn::RoomCommand{crn::RoomAction::table, {1000, 2000, 3000}}));
+    assert_true(old.commands[5].command == (crn::RoomCommand{crn::RoomAction::angles, {20000, 0, 0}}));
     assert_false(replay(old, verify("fast", 0)).first_difference_tick.has_value());
 }
 
@@ -245,13 +244,13 @@ void a_recording_cut_off_anywhere_keeps_its_whole_chunks(void **)
     constexpr std::size_t step = 11 - REFERENCE_RUN(10); // near the end; under the sanitizers every tenth cut
     for (std::size_t length = 0; length < whole.size(); length += length + 3000 < whole.size() ? 977 : step) {
         try {
-            const seld::Recording recording = seld::parse_recording({whole.data(), length}, "cut");
+            const crn::Recording recording = crn::parse_recording({whole.data(), length}, "cut");
             assert_false(recording.is_complete);
             assert_true(recording.ticks.size() >= ticks_before);
             ticks_before = recording.ticks.size();
-        } catch (const seld::RecordingError &error) {
-            assert_true(error.fault == seld::RecordingFault::truncated ||
-                        error.fault == seld::RecordingFault::not_a_recording);
+        } catch (const crn::RecordingError &error) {
+            assert_true(error.fault == crn::RecordingFault::truncated ||
+                        error.fault == crn::RecordingFault::not_a_recording);
             assert_int_equal(ticks_before, 0);
         }
     }
@@ -268,10 +267,10 @@ void a_flipped_high_bit_of_a_length_is_no_cut(void **)
             std::uint8_t &byte = bytes[at + 4 + bit / 8];
             byte = static_cast<std::uint8_t>(byte ^ 1u << bit % 8);
             try {
-                seld::parse_recording(bytes, "x.rec");
+                crn::parse_recording(bytes, "x.rec");
                 fail_msg("bit %u of the length of chunk %d reads as a file that was cut off", bit, chunks);
-            } catch (const seld::RecordingError &error) {
-                assert_true(error.fault == seld::RecordingFault::damaged);
+            } catch (const crn::RecordingError &error) {
+                assert_true(error.fault == crn::RecordingFault::damaged);
                 assert_non_null(strstr(error.what(), "x.rec: is damaged: a chunk of kind"));
             }
             byte = static_cast<std::uint8_t>(byte ^ 1u << bit % 8);
@@ -288,8 +287,8 @@ void a_flipped_bit_is_never_taken_for_a_complete_recording(void **)
         const auto bit = static_cast<std::uint8_t>(1u << (byte % 8));
         bytes[byte] ^= bit;
         try {
-            assert_false(seld::parse_recording(bytes, "flipped").is_complete);
-        } catch (const seld::RecordingError &) {
+            assert_false(crn::parse_recording(bytes, "flipped").is_complete);
+        } catch (const crn::RecordingError &) {
         }
         bytes[byte] ^= bit;
     }
@@ -300,19 +299,30 @@ void other_files_and_newer_versions_are_refused_by_name(void **)
     std::vector<std::uint8_t> bytes = session().bytes;
     bytes[7] = '4';
     try {
-        seld::parse_recording(bytes, "x.rec");
+        crn::parse_recording(bytes, "x.rec");
         fail_msg("a newer version was accepted");
-    } catch (const seld::RecordingError &error) {
-        assert_true(error.fault == seld::RecordingFault::newer_version);
+    } catch (const crn::RecordingError &error) {
+        assert_true(error.fault == crn::RecordingFault::newer_version);
         assert_non_null(strstr(error.what(), "x.rec: is a recording of version '4'"));
     }
     bytes[0] = 'X';
     try {
-        seld::parse_recording(bytes, "x.rec");
+        crn::parse_recording(bytes, "x.rec");
         fail_msg("another file was accepted");
-    } catch (const seld::RecordingError &error) {
-        assert_true(error.fault == seld::RecordingFault::not_a_recording);
+    } catch (const crn::RecordingError &error) {
+        assert_true(error.fault == crn::RecordingFault::not_a_recording);
     }
+}
+
+void a_recording_from_before_the_renaming_is_read(void **)
+{
+    std::vector<std::uint8_t> bytes = session().bytes;
+    const std::uint8_t earlier[4] = {0x53, 0x45, 0x4c, 0x44};
+    std::copy(earlier, earlier + 4, bytes.begin());
+    const crn::Recording recording = crn::parse_recording(bytes, "earlier.rec");
+    assert_true(recording.is_complete);
+    assert_int_equal(recording.ticks.size(), session().result.figures.ticks);
+    assert_true(recording.hashes.back().hash == session().result.hash);
 }
 
 // A chunk with a right CRC and a wrong place: the ticks of the second chunk come first.
@@ -323,34 +333,34 @@ void ticks_out_of_order_are_refused(void **)
     while (word(bytes, at) != 2) at += 12 + word(bytes, at + 4);
     bytes[at + 8] = 1;
     const std::uint32_t covered = 8 + word(bytes, at + 4);
-    const std::uint32_t crc = seld_wire_crc32(0, bytes.data() + at, covered);
+    const std::uint32_t crc = crn_wire_crc32(0, bytes.data() + at, covered);
     for (unsigned i = 0; i < 4; i++) bytes[at + covered + i] = static_cast<std::uint8_t>(crc >> (8 * i));
     try {
-        seld::parse_recording(bytes, "x.rec");
+        crn::parse_recording(bytes, "x.rec");
         fail_msg("ticks out of order were accepted");
-    } catch (const seld::RecordingError &error) {
-        assert_true(error.fault == seld::RecordingFault::inconsistent);
+    } catch (const crn::RecordingError &error) {
+        assert_true(error.fault == crn::RecordingFault::inconsistent);
     }
 }
 
 void a_recording_cannot_be_written_into_a_missing_folder(void **)
 {
     try {
-        seld::Recorder recorder("/does/not/exist/a.rec", {});
+        crn::Recorder recorder("/does/not/exist/a.rec", {});
         fail_msg("a recording was opened in a missing folder");
-    } catch (const seld::RecordingError &error) {
+    } catch (const crn::RecordingError &error) {
         assert_non_null(strstr(error.what(), "/does/not/exist/a.rec: cannot be written"));
     }
 }
 
 // Pictures split the batches; the session must not notice.
-class CountingSink final : public seld::SteadySink
+class CountingSink final : public crn::SteadySink
 {
   public:
     CountingSink() : SteadySink(15) {}
-    void picture(const seld::SessionFrame &frame) override
+    void picture(const crn::SessionFrame &frame) override
     {
-        assert_int_equal(frame.wire.tick, seld::picture_tick(count++, 15));
+        assert_int_equal(frame.wire.tick, crn::picture_tick(count++, 15));
         assert_true(frame.wire.nodes.size() > 3);
     }
     void finish() override {}
@@ -359,11 +369,11 @@ class CountingSink final : public seld::SteadySink
 
 void pictures_do_not_change_the_session(void **)
 {
-    const seld::Recording recording = seld::parse_recording(session().bytes, "test");
-    const seld::RecordingHeader &header = recording.header;
-    seld::Device device(scene, header.tools, header.entry, header.rig);
+    const crn::Recording recording = crn::parse_recording(session().bytes, "test");
+    const crn::RecordingHeader &header = recording.header;
+    crn::Device device(scene, header.tools, header.entry, header.rig);
     CountingSink sink;
-    const seld::ReplayResult result = seld::replay_recording(device, recording, &sink, verify("fast", 0));
+    const crn::ReplayResult result = crn::replay_recording(device, recording, &sink, verify("fast", 0));
     assert_true(result.hash == session().result.hash);
     assert_int_equal(sink.count, session().result.figures.ticks * 15 / 1000 + 1);
 }
@@ -384,6 +394,7 @@ int main()
         cmocka_unit_test(a_flipped_high_bit_of_a_length_is_no_cut),
         cmocka_unit_test(a_flipped_bit_is_never_taken_for_a_complete_recording),
         cmocka_unit_test(other_files_and_newer_versions_are_refused_by_name),
+        cmocka_unit_test(a_recording_from_before_the_renaming_is_read),
         cmocka_unit_test(ticks_out_of_order_are_refused),
         cmocka_unit_test(a_recording_cannot_be_written_into_a_missing_folder),
         cmocka_unit_test(pictures_do_not_change_the_session),

@@ -1,4 +1,4 @@
-// Claims: every `seldinger rig` command says what the device says, writes only what was confirmed and read back, powers a
+// Claims: every `cournand rig` command says what the device says, writes only what was confirmed and read back, powers a
 // motor only after a typed yes, and leaves the rig as it was when it is stopped; the HID side survives a rig that lies.
 #include <cmath>
 #include <csetjmp>
@@ -27,18 +27,18 @@ namespace
 {
 
 // A rig whose sensors a test moves.
-class Rig final : public seld::Transport
+class Rig final : public crn::Transport
 {
   public:
-    Rig() : sim(seld_sim_create(1 << 20)), inputs(seld_sim_healthy_inputs()) { sample(); }
-    ~Rig() override { seld_sim_destroy(sim); }
+    Rig() : sim(crn_sim_create(1 << 20)), inputs(crn_sim_healthy_inputs()) { sample(); }
+    ~Rig() override { crn_sim_destroy(sim); }
     void write(std::span<const std::uint8_t> bytes) override
     {
-        seld_sim_write(sim, bytes.data(), bytes.size());
+        crn_sim_write(sim, bytes.data(), bytes.size());
     }
     std::size_t read(std::span<std::uint8_t> bytes) override
     {
-        return seld_sim_read(sim, bytes.data(), bytes.size());
+        return crn_sim_read(sim, bytes.data(), bytes.size());
     }
     void pass_time_ms(std::uint32_t milliseconds) override
     {
@@ -46,19 +46,19 @@ class Rig final : public seld::Transport
             inputs.hands[0].translation_counts += push_counts_per_ms;
             if (powered_ms == stop_after_ms) inputs.emergency_stop = true;
             sample();
-            const seld_sim_motors motors = seld_sim_read_motors(sim);
+            const crn_sim_motors motors = crn_sim_read_motors(sim);
             largest_mN = std::max(largest_mN, std::abs(motors.axial_mN[0]));
             powered_ms += static_cast<unsigned>(motors.drive);
         }
     }
     void sample()
     {
-        seld_sim_set_inputs(sim, &inputs);
-        seld_sim_timer(sim, 1);
+        crn_sim_set_inputs(sim, &inputs);
+        crn_sim_timer(sim, 1);
     }
 
-    seld_sim *sim;
-    seld_port_inputs inputs;
+    crn_sim *sim;
+    crn_port_inputs inputs;
     std::int32_t push_counts_per_ms = 0, largest_mN = 0;
     unsigned powered_ms = 0, stop_after_ms = ~0u; // then somebody presses the emergency stop
 };
@@ -71,9 +71,9 @@ struct User {
     char *buffer = nullptr;
     std::size_t bytes = 0;
 
-    int run(const std::function<int(const seld::RigTalk &)> &command)
+    int run(const std::function<int(const crn::RigTalk &)> &command)
     {
-        seld::RigTalk talk;
+        crn::RigTalk talk;
         talk.out = open_memstream(&buffer, &bytes);
         talk.is_interrupted = [this] { return is_interrupted; };
         talk.read_line = [this](std::string &line) {
@@ -103,22 +103,22 @@ struct User {
 
 struct Bench {
     Rig rig;
-    seld::Link link{rig};
-    seld_wire_hello_reply hello = link.hello();
-    seld::RigOptions options;
+    crn::Link link{rig};
+    crn_wire_hello_reply hello = link.hello();
+    crn::RigOptions options;
     User user;
     int selftest()
     {
         return user.run(
-            [&](const seld::RigTalk &talk) { return seld::rig_selftest(link, hello, options, talk); });
+            [&](const crn::RigTalk &talk) { return crn::rig_selftest(link, hello, options, talk); });
     }
     int calibrate()
     {
-        return user.run([&](const seld::RigTalk &talk) { return seld::rig_calibrate(link, options, talk); });
+        return user.run([&](const crn::RigTalk &talk) { return crn::rig_calibrate(link, options, talk); });
     }
     int force()
     {
-        return user.run([&](const seld::RigTalk &talk) { return seld::rig_force(link, options, talk); });
+        return user.run([&](const crn::RigTalk &talk) { return crn::rig_force(link, options, talk); });
     }
 };
 
@@ -127,19 +127,17 @@ struct Bench {
 void info_and_log_say_what_the_device_says(void **)
 {
     Bench b;
-    assert_int_equal(b.user.run([&](const seld::RigTalk &talk) {
-        return seld::rig_info(b.link, b.hello, b.options, talk);
-    }),
-                     0);
+    assert_int_equal(
+        b.user.run([&](const crn::RigTalk &talk) { return crn::rig_info(b.link, b.hello, b.options, talk); }),
+        0);
     for (const char *part : {"protocol 4.", "LOCKSTEP, FREE_RUN", "READY", "track 3", "8.000 N, 20.000 N mm"})
         b.user.expect(part);
     b.options.json = true;
-    assert_int_equal(b.user.run([&](const seld::RigTalk &talk) {
-        return seld::rig_info(b.link, b.hello, b.options, talk);
-    }),
-                     0);
+    assert_int_equal(
+        b.user.run([&](const crn::RigTalk &talk) { return crn::rig_info(b.link, b.hello, b.options, talk); }),
+        0);
     b.user.expect("\"force_limit_mN\": 8000");
-    b.user.run([&](const seld::RigTalk &talk) { return seld::rig_log(b.link, talk); });
+    b.user.run([&](const crn::RigTalk &talk) { return crn::rig_log(b.link, talk); });
     b.user.expect("no faults since power-up");
 }
 
@@ -158,20 +156,20 @@ void selftest_passes_on_a_healthy_rig_and_powers_nothing(void **)
 void selftest_names_each_thing_that_is_wrong(void **)
 {
     const struct {
-        std::function<void(seld_port_inputs &)> spoil;
+        std::function<void(crn_port_inputs &)> spoil;
         const char *line;
     } cases[] = {
-        {[](seld_port_inputs &in) { in.tracks[1].translation_sensor = SELD_PORT_SENSOR_ERROR; },
+        {[](crn_port_inputs &in) { in.tracks[1].translation_sensor = CRN_PORT_SENSOR_ERROR; },
          "FAIL  track 2 translation encoder: signal error"},
-        {[](seld_port_inputs &in) { in.tracks[2].rotation_sensor = SELD_PORT_SENSOR_RANGE; },
+        {[](crn_port_inputs &in) { in.tracks[2].rotation_sensor = CRN_PORT_SENSOR_RANGE; },
          "FAIL  track 3 rotation encoder: out of its electrical range"},
-        {[](seld_port_inputs &in) { in.tracks[0].force_sensor = SELD_PORT_SENSOR_ABSENT; },
+        {[](crn_port_inputs &in) { in.tracks[0].force_sensor = CRN_PORT_SENSOR_ABSENT; },
          "track 1 force sensor: absent"},
-        {[](seld_port_inputs &in) { in.tracks[0].force_raw = 700; }, "FAIL  track 1 force at rest: 700 mN"},
-        {[](seld_port_inputs &in) { in.tracks[0].over_current = true; }, "FAIL  track 1 motor driver"},
-        {[](seld_port_inputs &in) { in.emergency_stop = true; }, "FAIL  emergency stop"},
-        {[](seld_port_inputs &in) { in.supply_good = false; }, "FAIL  motors' supply"},
-        {[](seld_port_inputs &in) { in.syringe_sensor = SELD_PORT_SENSOR_ERROR; },
+        {[](crn_port_inputs &in) { in.tracks[0].force_raw = 700; }, "FAIL  track 1 force at rest: 700 mN"},
+        {[](crn_port_inputs &in) { in.tracks[0].over_current = true; }, "FAIL  track 1 motor driver"},
+        {[](crn_port_inputs &in) { in.emergency_stop = true; }, "FAIL  emergency stop"},
+        {[](crn_port_inputs &in) { in.supply_good = false; }, "FAIL  motors' supply"},
+        {[](crn_port_inputs &in) { in.syringe_sensor = CRN_PORT_SENSOR_ERROR; },
          "FAIL  contrast syringe: signal error"},
     };
     for (const auto &one : cases) {
@@ -198,7 +196,7 @@ void selftest_powers_a_motor_after_a_typed_yes_only(void **)
         const bool is_yes = std::string(answer) == "yes";
         b.user.expect(is_yes ? "motor: powered in" : "not confirmed, not powered");
         assert_true((b.rig.powered_ms > 900) == is_yes);
-        assert_int_equal(seld_sim_read_motors(b.rig.sim).drive, 0);
+        assert_int_equal(crn_sim_read_motors(b.rig.sim).drive, 0);
     }
 }
 
@@ -212,15 +210,15 @@ void force_resists_a_push_by_what_was_asked_and_gives_the_rig_back(void **)
     b.options.force_mN = 300;
     b.options.damping_N_s_per_m = 1.0;
     b.rig.push_counts_per_ms = 20; // 20 mm/s
-    const seld_wire_rig before = b.link.read_rig();
+    const crn_wire_rig before = b.link.read_rig();
     assert_int_equal(b.force(), 0);
     b.user.expect("done after");
     b.user.expect("8.000 N, 20.000 N mm"); // the limits are shown
     assert_in_range(b.rig.largest_mN, 200, 330);
-    const seld_wire_rig after = b.link.read_rig();
+    const crn_wire_rig after = b.link.read_rig();
     assert_memory_equal(&before, &after, sizeof before);
-    assert_int_equal(b.link.read_status().state, SELD_WIRE_STATE_READY);
-    assert_int_equal(seld_sim_read_motors(b.rig.sim).drive, 0);
+    assert_int_equal(b.link.read_status().state, CRN_WIRE_STATE_READY);
+    assert_int_equal(crn_sim_read_motors(b.rig.sim).drive, 0);
 }
 
 void force_gives_nothing_without_a_yes_and_ends_at_ctrl_c(void **)
@@ -234,7 +232,7 @@ void force_gives_nothing_without_a_yes_and_ends_at_ctrl_c(void **)
     b.user.answers = {{"yes", [&] { b.user.is_interrupted = true; }}};
     assert_int_equal(b.force(), -1);
     b.user.expect("interrupted; the motor is off");
-    assert_int_equal(seld_sim_read_motors(b.rig.sim).drive, 0);
+    assert_int_equal(crn_sim_read_motors(b.rig.sim).drive, 0);
     assert_int_equal(b.link.read_rig().tracks[0].coupling_N_per_m, 0);
     b.options.damping_N_s_per_m = 0.0;
     assert_int_equal(b.force(), -1);
@@ -250,8 +248,8 @@ void a_fault_in_the_trial_is_told_and_logged(void **)
     assert_int_equal(b.force(), -1);
     b.user.expect("EMERGENCY_STOP: the emergency stop was pressed");
     b.user.expect("Remedy: release it");
-    assert_int_equal(seld_sim_read_motors(b.rig.sim).drive, 0);
-    b.user.run([&](const seld::RigTalk &talk) { return seld::rig_log(b.link, talk); });
+    assert_int_equal(crn_sim_read_motors(b.rig.sim).drive, 0);
+    b.user.run([&](const crn::RigTalk &talk) { return crn::rig_log(b.link, talk); });
     b.user.expect("EMERGENCY_STOP");
     b.user.expect("remedy: release it");
 }
@@ -277,10 +275,10 @@ void calibration_is_measured_written_and_read_back(void **)
     script_motion(b);
     assert_int_equal(b.calibrate(), 0);
     b.user.expect("written and read back");
-    const seld_wire_track track = b.link.read_rig().tracks[0];
+    const crn_wire_track track = b.link.read_rig().tracks[0];
     assert_int_equal(track.translation_pm_per_count, 25000000);
     assert_int_equal(track.rotation_counts_per_turn, 1024);
-    assert_int_equal(track.options, SELD_WIRE_OPTION_TRANSLATION_REVERSED);
+    assert_int_equal(track.options, CRN_WIRE_OPTION_TRANSLATION_REVERSED);
     assert_int_equal(track.force_zero_counts, -120);
     assert_int_equal(track.force_uN_per_count, 981); // 0.980665 N / 1 000
 }
@@ -289,12 +287,12 @@ void a_calibration_that_is_stopped_anywhere_changes_nothing(void **)
 {
     for (std::size_t stop = 0; stop < 7; stop++) {
         Bench b;
-        const seld_wire_rig before = b.link.read_rig();
+        const crn_wire_rig before = b.link.read_rig();
         script_motion(b);
         b.user.answers.resize(stop);
         assert_int_equal(b.calibrate(), -1);
         b.user.expect("nothing was changed");
-        const seld_wire_rig after = b.link.read_rig();
+        const crn_wire_rig after = b.link.read_rig();
         assert_memory_equal(&before, &after, sizeof before);
     }
 }
@@ -313,7 +311,7 @@ void a_motion_that_cannot_be_meant_is_refused(void **)
 
 void a_calibration_is_saved_and_loaded(void **)
 {
-    const std::string path = "/tmp/seldinger_test_rig_" + std::to_string(rand()) + ".json";
+    const std::string path = "/tmp/cournand_test_rig_" + std::to_string(rand()) + ".json";
     Bench b;
     script_motion(b);
     b.options.save = path;
@@ -339,7 +337,7 @@ void a_calibration_is_saved_and_loaded(void **)
 struct FakeHid {
     std::deque<std::vector<unsigned char>> reports;
     std::vector<unsigned char> identity;
-    seld_hid_limits limits{};
+    crn_hid_limits limits{};
     bool is_gone = false, is_refusing = false, is_deaf = false, is_forbidden = false;
     unsigned rigs = 1, opens = 0;
     std::uint32_t tick = 0;
@@ -349,26 +347,26 @@ FakeHid hid;
 
 std::vector<unsigned char> state_report(std::uint32_t tick)
 {
-    std::vector<unsigned char> bytes(1 + SELD_HID_BYTES_state, SELD_HID_ID_state);
-    seld_hid_state state{};
+    std::vector<unsigned char> bytes(1 + CRN_HID_BYTES_state, CRN_HID_ID_state);
+    crn_hid_state state{};
     state.tick = tick;
-    state.state = SELD_WIRE_STATE_READY;
+    state.state = CRN_WIRE_STATE_READY;
     state.command_number = hid.command;
     state.command_result = hid.result;
     state.tracks[1].translation_counts = -5;
-    seld_wire_writer writer = seld_wire_writer_make(bytes.data() + 1, bytes.size() - 1);
-    seld_hid_put_state(&writer, &state);
+    crn_wire_writer writer = crn_wire_writer_make(bytes.data() + 1, bytes.size() - 1);
+    crn_hid_put_state(&writer, &state);
     return bytes;
 }
 
-seld::HidApi fake_api()
+crn::HidApi fake_api()
 {
     hid = {};
-    hid.identity.assign(1 + SELD_HID_BYTES_identity, SELD_HID_ID_identity);
-    const seld_hid_identity identity = {3, 0, seld_wire_schema_hash(), seld_hid_report_hash(), 1};
-    seld_wire_writer writer = seld_wire_writer_make(hid.identity.data() + 1, hid.identity.size() - 1);
-    seld_hid_put_identity(&writer, &identity);
-    seld::HidApi api;
+    hid.identity.assign(1 + CRN_HID_BYTES_identity, CRN_HID_ID_identity);
+    const crn_hid_identity identity = {3, 0, crn_wire_schema_hash(), crn_hid_report_hash(), 1};
+    crn_wire_writer writer = crn_wire_writer_make(hid.identity.data() + 1, hid.identity.size() - 1);
+    crn_hid_put_identity(&writer, &identity);
+    crn::HidApi api;
     api.name = "fake";
     api.enumerate = [](unsigned short, unsigned short) {
         hid_device_info *list = nullptr;
@@ -411,17 +409,17 @@ seld::HidApi fake_api()
         return static_cast<int>(count);
     };
     api.get_feature_report = [](hid_device_ *, unsigned char *bytes, std::size_t capacity) {
-        if (bytes[0] == SELD_HID_ID_limits) {
-            seld_wire_writer out = seld_wire_writer_make(bytes + 1, capacity - 1);
-            seld_hid_put_limits(&out, &hid.limits);
-            return 1 + SELD_HID_BYTES_limits;
+        if (bytes[0] == CRN_HID_ID_limits) {
+            crn_wire_writer out = crn_wire_writer_make(bytes + 1, capacity - 1);
+            crn_hid_put_limits(&out, &hid.limits);
+            return 1 + CRN_HID_BYTES_limits;
         }
         std::copy(hid.identity.begin(), hid.identity.end(), bytes);
         return static_cast<int>(hid.identity.size());
     };
     api.send_feature_report = [](hid_device_ *, const unsigned char *bytes, std::size_t count) {
         if (hid.is_refusing) return -1;
-        seld_hid_decode_limits(bytes + 1, count - 1, &hid.limits);
+        crn_hid_decode_limits(bytes + 1, count - 1, &hid.limits);
         return static_cast<int>(count);
     };
     api.error = [](hid_device_ *) -> const wchar_t * { return L"no such thing"; };
@@ -432,7 +430,7 @@ void expect_hid_error(const std::function<void()> &action, const std::string &pa
 {
     try {
         action();
-    } catch (const seld::LinkError &error) {
+    } catch (const crn::LinkError &error) {
         if (std::string(error.what()).find(part) == std::string::npos)
             fail_msg("'%s' does not hold '%s'", error.what(), part.c_str());
         return;
@@ -442,15 +440,15 @@ void expect_hid_error(const std::function<void()> &action, const std::string &pa
 
 void reports_are_decoded_commands_answered_and_limits_read_back(void **)
 {
-    const seld::HidApi api = fake_api();
-    seld::HidRig rig(api, "");
+    const crn::HidApi api = fake_api();
+    crn::HidRig rig(api, "");
     const auto state = rig.read_state(10);
-    assert_true(state && state->tick == 1 && state->state == SELD_WIRE_STATE_READY);
+    assert_true(state && state->tick == 1 && state->state == CRN_WIRE_STATE_READY);
     assert_int_equal(state->tracks[1].translation_counts, -5);
-    assert_int_equal(rig.command(SELD_WIRE_ACTION_STOP, 0, 0).state, SELD_WIRE_STATE_READY);
-    hid.result = SELD_REJECT_WRONG_STATE;
-    expect_hid_error([&] { rig.command(SELD_WIRE_ACTION_START, 0, 0); }, "WRONG_STATE");
-    seld_hid_limits limits{};
+    assert_int_equal(rig.command(CRN_WIRE_ACTION_STOP, 0, 0).state, CRN_WIRE_STATE_READY);
+    hid.result = CRN_REJECT_WRONG_STATE;
+    expect_hid_error([&] { rig.command(CRN_WIRE_ACTION_START, 0, 0); }, "WRONG_STATE");
+    crn_hid_limits limits{};
     limits.tracks[0].force_limit_mN = 1000;
     assert_int_equal(rig.write_limits(limits).tracks[0].force_limit_mN, 1000);
     hid.is_refusing = true;
@@ -459,9 +457,9 @@ void reports_are_decoded_commands_answered_and_limits_read_back(void **)
 
 void a_lying_hid_rig_leaves_the_host_alive(void **)
 {
-    const seld::HidApi api = fake_api();
+    const crn::HidApi api = fake_api();
     {
-        seld::HidRig rig(api, "");
+        crn::HidRig rig(api, "");
         hid.is_deaf = true;
         hid.reports = {{},
                        {1},
@@ -477,33 +475,33 @@ void a_lying_hid_rig_leaves_the_host_alive(void **)
     }
     assert_int_equal(hid.opens, 0);
     hid.identity[20]++; // the report hash
-    expect_hid_error([&] { seld::HidRig(api, ""); }, "has other reports");
+    expect_hid_error([&] { crn::HidRig(api, ""); }, "has other reports");
     hid.identity.resize(5);
-    expect_hid_error([&] { seld::HidRig(api, ""); }, "does not have its form (5 bytes");
+    expect_hid_error([&] { crn::HidRig(api, ""); }, "does not have its form (5 bytes");
     hid.is_forbidden = true;
-    expect_hid_error([&] { seld::HidRig(api, ""); }, "sudo make install-udev");
+    expect_hid_error([&] { crn::HidRig(api, ""); }, "sudo make install-udev");
     hid.rigs = 2;
-    expect_hid_error([&] { seld::HidRig(api, ""); }, "several rigs");
-    expect_hid_error([&] { seld::HidRig(api, "RIG-0009"); }, "RIG-0002 at /dev/hidraw2");
+    expect_hid_error([&] { crn::HidRig(api, ""); }, "several rigs");
+    expect_hid_error([&] { crn::HidRig(api, "RIG-0009"); }, "RIG-0002 at /dev/hidraw2");
     hid.rigs = 0;
-    expect_hid_error([&] { seld::HidRig(api, ""); }, "no rig is on USB");
+    expect_hid_error([&] { crn::HidRig(api, ""); }, "no rig is on USB");
     assert_int_equal(hid.opens, 0);
 }
 
 void monitor_shows_counts_and_keeps_every_report(void **)
 {
-    const std::string path = "/tmp/seldinger_test_rig_" + std::to_string(rand()) + ".csv";
-    seld::RigOptions options;
+    const std::string path = "/tmp/cournand_test_rig_" + std::to_string(rand()) + ".csv";
+    crn::RigOptions options;
     options.csv = path;
     std::uint32_t tick = 0;
     User user;
-    const int code = user.run([&](const seld::RigTalk &talk) {
-        return seld::rig_monitor(
-            [&]() -> std::optional<seld_hid_state> {
+    const int code = user.run([&](const crn::RigTalk &talk) {
+        return crn::rig_monitor(
+            [&]() -> std::optional<crn_hid_state> {
                 if (tick >= 1000) user.is_interrupted = true;
-                seld_hid_state state{};
+                crn_hid_state state{};
                 state.tick = tick += tick == 500 ? 4 : 1; // three are lost
-                state.state = SELD_WIRE_STATE_RUNNING;
+                state.state = CRN_WIRE_STATE_RUNNING;
                 state.tracks[2].translation_counts = 77;
                 return state;
             },
@@ -524,13 +522,13 @@ void monitor_shows_counts_and_keeps_every_report(void **)
 void monitor_tells_silence_and_a_rig_that_went(void **)
 {
     User user;
-    const seld::RigOptions options;
-    const auto silent = []() -> std::optional<seld_hid_state> { return std::nullopt; };
+    const crn::RigOptions options;
+    const auto silent = []() -> std::optional<crn_hid_state> { return std::nullopt; };
     assert_int_equal(
-        user.run([&](const seld::RigTalk &talk) { return seld::rig_monitor(silent, options, talk); }), 1);
-    const auto gone = []() -> std::optional<seld_hid_state> { throw seld::DeviceLost("gone"); };
+        user.run([&](const crn::RigTalk &talk) { return crn::rig_monitor(silent, options, talk); }), 1);
+    const auto gone = []() -> std::optional<crn_hid_state> { throw crn::DeviceLost("gone"); };
     assert_int_equal(
-        user.run([&](const seld::RigTalk &talk) { return seld::rig_monitor(gone, options, talk); }), 1);
+        user.run([&](const crn::RigTalk &talk) { return crn::rig_monitor(gone, options, talk); }), 1);
     user.expect("0 reports");
 }
 

@@ -43,12 +43,12 @@ const Json &metric(const Json &score, const std::string &name)
 
 double points(const Json &report, const char *name)
 {
-    return metric(seld::score_of(report), name)["points"].get<double>();
+    return metric(crn::score_of(report), name)["points"].get<double>();
 }
 
 void a_good_result_has_full_marks(void **)
 {
-    const Json score = seld::score_of(good_report());
+    const Json score = crn::score_of(good_report());
     assert_float_equal(score["of"].get<double>(), 100.0, 1e-9);
     assert_float_equal(score["percent"].get<double>(), 100.0, 1e-9);
 }
@@ -83,11 +83,11 @@ void a_fault_is_seen_by_the_metric_that_should_notice(void **)
         {"time_min", [](Json &r) { r["ticks"] = 3000000; }},
         {"contact_impulse_N_s", [](Json &r) { r["contact"]["impulse_N_s"] = 1800.0; }},
     };
-    const Json good = seld::score_of(good_report());
+    const Json good = crn::score_of(good_report());
     for (const auto &fault : faults) {
         Json report = good_report();
         fault.spoil(report);
-        const Json score = seld::score_of(report);
+        const Json score = crn::score_of(report);
         for (const Json &one : score["metrics"]) {
             const Json before = metric(good, one["name"])["points"];
             if (one["name"] == fault.metric)
@@ -103,12 +103,12 @@ void what_is_not_known_is_not_judged(void **)
 {
     Json report = good_report();
     report["stents"] = Json::array();
-    const Json score = seld::score_of(report);
+    const Json score = crn::score_of(report);
     assert_true(metric(score, "apposition_pct")["points"].is_null());
     assert_true(metric(score, "geographic_miss_mm")["value"].is_null());
     assert_float_equal(score["of"].get<double>(), 55.0, 1e-9);
     assert_float_equal(score["percent"].get<double>(), 100.0, 1e-9);
-    assert_true(seld::score_of(Json::object())["percent"].is_null());
+    assert_true(crn::score_of(Json::object())["percent"].is_null());
 }
 
 // Two stents, one for either end: nothing is left between what each covers best.
@@ -118,8 +118,7 @@ void stents_cover_a_lesion_together(void **)
     report["stents"].push_back(report["stents"][0]);
     report["stents"][0]["lesions"][0]["missed_behind_mm"] = 6.0;
     report["stents"][1]["lesions"][0]["missed_before_mm"] = 5.0;
-    assert_float_equal(metric(seld::score_of(report), "geographic_miss_mm")["value"].get<double>(), 0.0,
-                       1e-9);
+    assert_float_equal(metric(crn::score_of(report), "geographic_miss_mm")["value"].get<double>(), 0.0, 1e-9);
 }
 
 bool has(const std::string &page, const std::string &text)
@@ -131,15 +130,15 @@ void the_page_stands_alone(void **)
 {
     Json report = good_report();
     report["tools"][0]["name"] = "<b>\"wire\" & co";
-    const seld::Image image{2, 2, 1, {0, 64, 128, 255}};
-    const std::string page = seld::score_page(report, seld::score_of(report), {{"Run 1", image}});
+    const crn::Image image{2, 2, 1, {0, 64, 128, 255}};
+    const std::string page = crn::score_page(report, crn::score_of(report), {{"Run 1", image}});
     assert_true(has(page, "&lt;b&gt;&quot;wire&quot; &amp; co") && !has(page, "<b>"));
     assert_true(has(page, ">100</span> of 100"));
     assert_true(has(page, "data:image/png;base64,iVBORw0KGgo")); // a PNG's first bytes
     assert_true(has(page, "Pressure, bar") && has(page, "Force of the wall on the line") &&
                 has(page, "<path"));
     assert_false(has(page, "http") || has(page, "<script"));
-    assert_true(has(seld::score_page(report, seld::score_of(report), {}), "</html>"));
+    assert_true(has(crn::score_page(report, crn::score_of(report), {}), "</html>"));
 }
 
 } // namespace

@@ -21,11 +21,11 @@ extern "C" {
 namespace
 {
 
-std::vector<seld_wire_encoders> play(const std::string &text)
+std::vector<crn_wire_encoders> play(const std::string &text)
 {
-    const seld::Session session = seld::parse_session(text, "test");
-    seld::SessionPlayer player(session, 1);
-    std::vector<seld_wire_encoders> inputs;
+    const crn::Session session = crn::parse_session(text, "test");
+    crn::SessionPlayer player(session, 1);
+    std::vector<crn_wire_encoders> inputs;
     while (!player.is_done() && inputs.size() < 1000000) inputs.push_back(player.next());
     return inputs;
 }
@@ -33,8 +33,8 @@ std::vector<seld_wire_encoders> play(const std::string &text)
 void expect_error(const std::string &text, const std::string &expected)
 {
     try {
-        seld::parse_session(text, "a.session");
-    } catch (const seld::FileError &error) {
+        crn::parse_session(text, "a.session");
+    } catch (const crn::FileError &error) {
         if (std::string(error.what()).find(expected) == std::string::npos) {
             fail_msg("message '%s' does not hold '%s'", error.what(), expected.c_str());
         }
@@ -99,13 +99,13 @@ void moves_joined_by_while_run_together(void **)
 // The condition is met at 100 mm; after it the hand may run on for one ramp: 30 mm/s x 0.1 s = 3 mm.
 void until_stops_within_one_ramp(void **)
 {
-    const seld::Session session = seld::parse_session("advance until inserted 100 mm at 30 mm/s", "test");
-    seld::SessionPlayer player(session, 1);
+    const crn::Session session = crn::parse_session("advance until inserted 100 mm at 30 mm/s", "test");
+    crn::SessionPlayer player(session, 1);
     double inserted_m = 0.02;
     std::uint32_t tick = 0;
     while (!player.is_done() && tick < 100000) {
         inserted_m = 0.02 + player.next().hands[0].translation_counts * 1e-6;
-        if (++tick % seld::SessionPlayer::observe_every_ticks == 0) player.observe({&inserted_m, 1});
+        if (++tick % crn::SessionPlayer::observe_every_ticks == 0) player.observe({&inserted_m, 1});
     }
     assert_true(inserted_m >= 0.1 && inserted_m < 0.1 + 0.003 + 16 * 30e-6);
     assert_int_equal(player.given_up_lines().size(), 0);
@@ -113,12 +113,12 @@ void until_stops_within_one_ramp(void **)
 
 void until_that_is_never_reached_is_given_up_and_reported(void **)
 {
-    const seld::Session session = seld::parse_session("\nadvance until inserted 100 mm", "test");
-    seld::SessionPlayer player(session, 1);
+    const crn::Session session = crn::parse_session("\nadvance until inserted 100 mm", "test");
+    crn::SessionPlayer player(session, 1);
     std::uint32_t tick = 0;
     while (!player.is_done() && tick < 100000) {
         player.next();
-        if (++tick % seld::SessionPlayer::observe_every_ticks == 0) player.observe(std::array{0.02});
+        if (++tick % crn::SessionPlayer::observe_every_ticks == 0) player.observe(std::array{0.02});
     }
     assert_true(tick < 61000);
     assert_int_equal(player.given_up_lines().size(), 1);
@@ -127,11 +127,11 @@ void until_that_is_never_reached_is_given_up_and_reported(void **)
 
 void views_change_between_moves(void **)
 {
-    const seld::Session session = seld::parse_session(
+    const crn::Session session = crn::parse_session(
         "fluoro on\nc-arm LAO 30 CAU 10\nwait 1 s\nc-arm RAO 20\ntable y 25 cm\nfield 20 cm\nwait 1 s",
         "test");
-    seld::SessionPlayer player(session, 1);
-    using seld::RoomAction, seld::RoomCommand;
+    crn::SessionPlayer player(session, 1);
+    using crn::RoomAction, crn::RoomCommand;
     const std::vector<RoomCommand> first = player.take_commands();
     assert_int_equal(player.next().buttons, 1);
     assert_true(first == (std::vector<RoomCommand>{{RoomAction::fluoro_pedal, {1, 0, 0}},
@@ -148,7 +148,7 @@ void views_change_between_moves(void **)
 // What a script says to the room, as the room hears it.
 void the_room_is_asked_in_words(void **)
 {
-    using seld::RoomAction, seld::RoomCommand;
+    using crn::RoomAction, crn::RoomCommand;
     const struct {
         const char *text;
         std::vector<RoomCommand> commands;
@@ -183,8 +183,8 @@ void the_room_is_asked_in_words(void **)
         {"stop", {{RoomAction::halt, {0, 0, 0}}}},
     };
     for (const auto &c : cases) {
-        const seld::Session session = seld::parse_session(c.text, "test");
-        seld::SessionPlayer player(session, 1);
+        const crn::Session session = crn::parse_session(c.text, "test");
+        crn::SessionPlayer player(session, 1);
         if (player.take_commands() != c.commands) fail_msg("'%s' was understood otherwise", c.text);
     }
     expect_error("dsa rate 4 f/s", "a.session:1:10: no such rate; there are 0.5, 1, 2, 3, 6, 7.5 per second");
@@ -203,10 +203,10 @@ void heart_and_breath_are_asked_at_their_ticks(void **)
              "premature beat\nwait 10 ms\nasystole on\nwait 10 ms\nbreath rate 12/min\nbreath hold on\nwait "
              "10 ms\n");
     const std::vector<std::array<int, 3>> wanted = {
-        {0, SELD_WIRE_RHYTHM_HEART_RATE, 90},   {1, SELD_WIRE_RHYTHM_VARIABILITY, 25},
-        {100, SELD_WIRE_RHYTHM_PREMATURE, 450}, {110, SELD_WIRE_RHYTHM_PREMATURE, 600},
-        {120, SELD_WIRE_RHYTHM_ASYSTOLE, 1},    {130, SELD_WIRE_RHYTHM_BREATH_RATE, 12},
-        {131, SELD_WIRE_RHYTHM_BREATH_HOLD, 1}};
+        {0, CRN_WIRE_RHYTHM_HEART_RATE, 90},   {1, CRN_WIRE_RHYTHM_VARIABILITY, 25},
+        {100, CRN_WIRE_RHYTHM_PREMATURE, 450}, {110, CRN_WIRE_RHYTHM_PREMATURE, 600},
+        {120, CRN_WIRE_RHYTHM_ASYSTOLE, 1},    {130, CRN_WIRE_RHYTHM_BREATH_RATE, 12},
+        {131, CRN_WIRE_RHYTHM_BREATH_HOLD, 1}};
     std::vector<std::array<int, 3>> found;
     for (std::size_t i = 0; i < inputs.size(); i++) {
         if (inputs[i].rhythm_action != 0)
@@ -276,11 +276,11 @@ void comments_commas_and_joined_units_are_understood(void **)
 }
 
 // Every hand has its own counts; those that are not named rest.
-std::vector<seld_wire_encoders> play(const std::string &text, std::size_t tool_count)
+std::vector<crn_wire_encoders> play(const std::string &text, std::size_t tool_count)
 {
-    const seld::Session session = seld::parse_session(text, "test");
-    seld::SessionPlayer player(session, tool_count);
-    std::vector<seld_wire_encoders> inputs;
+    const crn::Session session = crn::parse_session(text, "test");
+    crn::SessionPlayer player(session, tool_count);
+    std::vector<crn_wire_encoders> inputs;
     while (!player.is_done() && inputs.size() < 1000000) inputs.push_back(player.next());
     return inputs;
 }
@@ -291,7 +291,7 @@ void a_move_names_its_tool_or_moves_the_selected_one(void **)
         play("advance catheter 10 mm\nadvance tool 3 5 mm\nrotate guide 90 deg\nadvance 1 mm\n"
              "select 2\nadvance 2 mm\ntool guide\nwithdraw 1 mm\nselect wire\nrotate -90 deg",
              3);
-    const seld_wire_encoders &end = inputs.back();
+    const crn_wire_encoders &end = inputs.back();
     assert_int_equal(end.hands_count, 3);
     assert_int_equal(end.hands[0].translation_counts, 1000);
     assert_int_equal(end.hands[0].rotation_counts, -16384);
@@ -326,23 +326,22 @@ void together_moves_every_tool_of_the_line(void **)
 // The condition looks at the named tool's own length.
 void until_looks_at_its_own_tool(void **)
 {
-    const seld::Session session =
-        seld::parse_session("withdraw wire until inserted 100 mm at 30 mm/s", "test");
-    seld::SessionPlayer player(session, 2);
+    const crn::Session session = crn::parse_session("withdraw wire until inserted 100 mm at 30 mm/s", "test");
+    crn::SessionPlayer player(session, 2);
     double inserted_m[2] = {0.2, 0.02};
     for (std::uint32_t tick = 1; !player.is_done() && tick < 100000; tick++) {
-        const seld_wire_encoders input = player.next();
+        const crn_wire_encoders input = player.next();
         inserted_m[0] = 0.2 + input.hands[0].translation_counts * 1e-6;
         assert_int_equal(input.hands[1].translation_counts, 0);
-        if (tick % seld::SessionPlayer::observe_every_ticks == 0) player.observe(inserted_m);
+        if (tick % crn::SessionPlayer::observe_every_ticks == 0) player.observe(inserted_m);
     }
     assert_true(inserted_m[0] <= 0.1 && inserted_m[0] > 0.1 - 0.003 - 16 * 30e-6);
 }
 
 void every_tool_may_begin_at_its_own_length(void **)
 {
-    const seld::Session all = seld::parse_session("begin inserted 40 mm\nwait 1 s", "test");
-    const seld::Session each = seld::parse_session(
+    const crn::Session all = crn::parse_session("begin inserted 40 mm\nwait 1 s", "test");
+    const crn::Session each = crn::parse_session(
         "begin inserted 40 mm\nbegin wire inserted 120 mm\nbegin tool 3 inserted 0 mm\nwait 1 s", "test");
     for (std::uint32_t um : all.inserted_um) assert_int_equal(um, 40000);
     assert_int_equal(all.tools_named, 1);
@@ -355,13 +354,13 @@ void every_tool_may_begin_at_its_own_length(void **)
 // A script that needs more tools than are given says where and what to do.
 void a_tool_that_is_not_there_is_named_with_its_line(void **)
 {
-    const seld::Session session =
-        seld::parse_session("advance 1 mm\nadvance catheter 1 mm\nadvance wire 1 mm", "a.session");
-    seld::SessionPlayer with_two(session, 2);
+    const crn::Session session =
+        crn::parse_session("advance 1 mm\nadvance catheter 1 mm\nadvance wire 1 mm", "a.session");
+    crn::SessionPlayer with_two(session, 2);
     try {
-        seld::SessionPlayer with_one(session, 1);
+        crn::SessionPlayer with_one(session, 1);
         fail_msg("a missing tool was accepted");
-    } catch (const seld::FileError &error) {
+    } catch (const crn::FileError &error) {
         assert_non_null(
             std::strstr(error.what(), "a.session:2:1: moves tool 2, but there is only one; name the tools"));
     }
@@ -370,7 +369,7 @@ void a_tool_that_is_not_there_is_named_with_its_line(void **)
 // Keyboard: a speed is reached by steps and left by steps; the counters follow.
 void a_live_hand_comes_to_rest(void **)
 {
-    seld::LiveHand hand;
+    crn::LiveHand hand;
     hand.set_speed(60000, 0);
     for (int i = 0; i < 1000; i++) hand.advance_tick();
     assert_in_range(hand.translation_counts(), 55000, 60000);

@@ -17,7 +17,7 @@ extern "C" {
 #include "shared/scene/tests/scene_sample.h"
 }
 
-using namespace seld;
+using namespace crn;
 using Eigen::Vector3d;
 
 namespace
@@ -245,11 +245,11 @@ void blood_flows_with_the_cores_heart(void **)
         contrast.command(0, {RoomAction::inject, {200, 4000, 0}});
         go_on(contrast, 0, 40, 40);
         for (std::uint32_t tick = 41; tick <= 4000; ++tick) {
-            seld_wire_tick_state state{};
+            crn_wire_tick_state state{};
             state.tick = tick;
             state.beat_ms = tick % 857;
             state.interval_ms = 857;
-            state.rhythm_bits = is_resting ? SELD_WIRE_RHYTHM_IS_RESTING : 0;
+            state.rhythm_bits = is_resting ? CRN_WIRE_RHYTHM_IS_RESTING : 0;
             contrast.tick(state);
             if (tick % 40 == 0) contrast.advance(line_at(tick));
         }
@@ -262,8 +262,8 @@ void blood_flows_with_the_cores_heart(void **)
 void medium_moves_with_the_vessels(void **)
 {
     alignas(16) static std::uint8_t file[SAMPLE_BYTES_MAX];
-    seld_scene scene{};
-    if (seld_scene_open(file, sample_moving_scene(file, sizeof file), &scene, nullptr) != SELD_SCENE_OK)
+    crn_scene scene{};
+    if (crn_scene_open(file, sample_moving_scene(file, sizeof file), &scene, nullptr) != CRN_SCENE_OK)
         fail_msg("the sample does not open");
     const Motion motion(scene);
     VesselTree vessel = aorta();
@@ -357,8 +357,8 @@ void a_lesion_that_gives_way_widens_cells_and_columns(void **)
 void an_open_lesion_moves_with_the_heart(void **)
 {
     alignas(16) static std::uint8_t file[SAMPLE_BYTES_MAX];
-    seld_scene scene{};
-    if (seld_scene_open(file, sample_moving_scene(file, sizeof file), &scene, nullptr) != SELD_SCENE_OK)
+    crn_scene scene{};
+    if (crn_scene_open(file, sample_moving_scene(file, sizeof file), &scene, nullptr) != CRN_SCENE_OK)
         fail_msg("the sample does not open");
     const Motion motion(scene);
     VesselTree narrow = aorta();

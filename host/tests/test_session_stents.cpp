@@ -18,7 +18,7 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld;
+using namespace crn;
 using Eigen::Vector3d;
 
 namespace
@@ -132,13 +132,13 @@ void the_core_is_asked_once_for_what_it_does_not_know(void **)
     SessionStents stents = session_stents();
     carry_out(stents, 1000);
     std::vector<int> asked(stations, 0);
-    seld_wire_tick_state state{};
+    crn_wire_tick_state state{};
     std::size_t orders = 0;
     while (const auto order = stents.order()) {
         assert_true(order->lesion == 1 && order->first <= order->last && order->last < stations);
         assert_true(order->open_q15 >= 1 && order->open_q15 <= 32768 && order->open_q15 % 128 == 0);
         for (std::size_t k = order->first; k <= order->last; ++k) asked[k] = order->open_q15;
-        seld_wire_encoders input{};
+        crn_wire_encoders input{};
         input.scaffold_lesion = order->lesion;
         input.scaffold_first = order->first;
         input.scaffold_last = order->last;
@@ -155,11 +155,11 @@ void the_core_is_asked_once_for_what_it_does_not_know(void **)
 }
 
 // Takes up all that is asked of struts; returns the rings.
-std::vector<seld_wire_strut> take_struts(SessionStents &stents)
+std::vector<crn_wire_strut> take_struts(SessionStents &stents)
 {
-    std::vector<seld_wire_strut> rings;
+    std::vector<crn_wire_strut> rings;
     while (const auto order = stents.strut_order()) {
-        seld_wire_encoders input{};
+        crn_wire_encoders input{};
         input.strut_number = order->number;
         input.strut_joined = order->joined;
         input.strut_x_um = order->x_um;
@@ -181,7 +181,7 @@ void struts_are_told_once_the_stent_is_let_go(void **)
     for (std::uint32_t tick = 0; tick <= 400; tick += 40) stents.advance(line_at(tick, 1.55, 1.0));
     assert_false(stents.strut_order().has_value());
     for (std::uint32_t tick = 440; tick <= 800; tick += 40) stents.advance(line_at(tick, 0.45, 1.0));
-    const std::vector<seld_wire_strut> rings = take_struts(stents);
+    const std::vector<crn_wire_strut> rings = take_struts(stents);
     const StentFigures figures = stent_figures(stents.stents()[0], nullptr);
     assert_int_equal(rings.size(), figures.rings.size());
     double length_mm = 0.0;
@@ -214,7 +214,7 @@ void struts_that_are_widened_are_told_again(void **)
     stents.command(0, load);
     for (std::uint32_t tick = 0; tick <= 800; tick += 40)
         stents.advance(line_at(tick, tick > 200 && tick <= 500 ? 1.38 : 0.45, 1.0));
-    const std::vector<seld_wire_strut> rings = take_struts(stents);
+    const std::vector<crn_wire_strut> rings = take_struts(stents);
     stents.command(801, load);
     for (std::uint32_t tick = 840; tick <= 1000; tick += 40) stents.advance(line_at(tick, 1.35, 1.0));
     const auto first = stents.strut_order();
@@ -239,12 +239,12 @@ void stents_share_the_rings_of_the_core(void **)
 {
     SessionStents stents = session_stents(8);
     carry_out(stents, 1000);
-    const std::vector<seld_wire_strut> rings = take_struts(stents);
+    const std::vector<crn_wire_strut> rings = take_struts(stents);
     assert_int_equal(rings.size(), struts_max / 8);
     assert_true(rings.back().number == struts_max / 8 && rings.back().joined == 0);
     SessionStents alone = session_stents();
     carry_out(alone, 1000);
-    const std::vector<seld_wire_strut> all = take_struts(alone);
+    const std::vector<crn_wire_strut> all = take_struts(alone);
     assert_true(all.front().x_um == rings.front().x_um && all.back().y_um == rings.back().y_um);
 }
 
@@ -274,7 +274,7 @@ void a_stent_holds_no_more_than_is_open(void **)
 void another_one_is_loaded_outside_only(void **)
 {
     SessionStents stents = session_stents(2);
-    seld_wire_tick_state state{};
+    crn_wire_tick_state state{};
     state.tools_count = 2;
     state.tools[1].inserted_m_q30 = 1 << 24; // 15.6 mm: the balloon begins 5 mm behind the tip
     stents.command(0, load);
@@ -339,7 +339,7 @@ void balloon_figures_say_how_far_how_hard_and_how_long(void **)
 {
     BalloonFigures figures;
     for (std::uint32_t tick = 1; tick <= 400; ++tick) {
-        seld_wire_tick_state state{};
+        crn_wire_tick_state state{};
         const bool is_up = (tick > 100 && tick <= 150) || (tick > 200 && tick <= 300);
         state.tick = tick;
         state.balloon_kPa = is_up ? (tick == 250 ? 1200 : 800) : 0;
@@ -372,7 +372,7 @@ void scripts_load_stents(void **)
 std::vector<std::uint8_t> recorded(const std::string &path, const StentDesign &stent)
 {
     RecordingHeader header;
-    header.schema_hash = seld_wire_schema_hash();
+    header.schema_hash = crn_wire_schema_hash();
     header.tools = wire_and_balloon();
     header.entry.inserted_um_count = 2;
     header.stents = {stent};

@@ -26,16 +26,16 @@ namespace
 using Eigen::Vector3d;
 
 // The root runs up along y; "brachiocephalic" leaves it at 80 mm and "left subclavian" at 120; the root ends at 300. Tools come in at its far end.
-seld::VesselTree tree()
+crn::VesselTree tree()
 {
-    seld::VesselTree tree;
-    seld::VesselBranch root{"aorta", -1, 0, {}, {}};
+    crn::VesselTree tree;
+    crn::VesselBranch root{"aorta", -1, 0, {}, {}};
     for (int i = 0; i <= 30; i++) {
         root.points_m.push_back({0.0, 0.01 * i, 0.0});
         root.radii_m.push_back(0.012);
     }
     const auto branch = [](const char *name, std::size_t point) {
-        seld::VesselBranch side{name, 0, point, {}, {}};
+        crn::VesselBranch side{name, 0, point, {}, {}};
         for (int i = 0; i <= 8; i++) {
             side.points_m.push_back({0.01 * i, 0.01 * static_cast<double>(point), 0.0});
             side.radii_m.push_back(0.005);
@@ -70,26 +70,26 @@ struct World {
 
 struct Played {
     std::vector<std::string> failures;
-    std::vector<seld::SteeringResult> steered;
-    std::vector<seld::ExpectationResult> expected;
+    std::vector<crn::SteeringResult> steered;
+    std::vector<crn::ExpectationResult> expected;
     std::string vessel;
 };
 
 Played play(const std::string &script, World world)
 {
-    const seld::Session session = seld::parse_session(script, "case");
-    const seld::VesselMap map(tree());
-    seld::SessionPlayer player(session, 1, &map);
-    seld::TipPlace tip;
+    const crn::Session session = crn::parse_session(script, "case");
+    const crn::VesselMap map(tree());
+    crn::SessionPlayer player(session, 1, &map);
+    crn::TipPlace tip;
     for (std::uint32_t tick = 1; !player.is_done() && tick < 600000; tick++) {
-        const seld_wire_hand hand = player.next().hands[0];
+        const crn_wire_hand hand = player.next().hands[0];
         const double pushed_m = hand.translation_counts * 1e-6 + 0.02;
         tip.is_known = true;
         tip.place = map.at(world.tip(pushed_m, hand.rotation_counts * 360.0 / 65536.0));
         tip.sheath = map.at({0.0, 0.29, 0.0});
         tip.vessel = map.vessels()[tip.place.vessel].name;
         tip.inside_m = map.inside_m(tip.place, tip.sheath);
-        if (tick % seld::SessionPlayer::observe_every_ticks == 0)
+        if (tick % crn::SessionPlayer::observe_every_ticks == 0)
             player.observe({{&pushed_m, 1}, {&tip, 1}, nullptr});
     }
     return {player.failures(), player.steered(), player.expected(), tip.vessel};
@@ -98,10 +98,10 @@ Played play(const std::string &script, World world)
 std::string error_of(const std::string &script)
 {
     try {
-        const seld::Session session = seld::parse_session(script, "case");
-        const seld::VesselMap map(tree());
-        seld::SessionPlayer player(session, 1, &map);
-    } catch (const seld::FileError &error) {
+        const crn::Session session = crn::parse_session(script, "case");
+        const crn::VesselMap map(tree());
+        crn::SessionPlayer player(session, 1, &map);
+    } catch (const crn::FileError &error) {
         return error.what();
     }
     return "";
@@ -109,7 +109,7 @@ std::string error_of(const std::string &script)
 
 void an_aorta_is_three_vessels(void **)
 {
-    const seld::VesselMap map(tree());
+    const crn::VesselMap map(tree());
     assert_string_equal(map.vessels()[map.at({0, 0.05, 0}).vessel].name.c_str(), "ascending aorta");
     assert_string_equal(map.vessels()[map.at({0, 0.10, 0}).vessel].name.c_str(), "aortic arch");
     assert_string_equal(map.vessels()[map.at({0, 0.20, 0}).vessel].name.c_str(), "descending aorta");
@@ -119,11 +119,11 @@ void an_aorta_is_three_vessels(void **)
 // 1 um: what is rounded.
 void inside_is_measured_from_where_the_tools_come_in(void **)
 {
-    const seld::VesselMap map(tree());
-    const seld::VesselPlace sheath = map.at({0, 0.29, 0}), tip = map.at({0, 0.05, 0});
+    const crn::VesselMap map(tree());
+    const crn::VesselPlace sheath = map.at({0, 0.29, 0}), tip = map.at({0, 0.05, 0});
     assert_float_equal(tip.along_m, 0.05, 1e-6);
     assert_float_equal(map.inside_m(tip, sheath), 0.03, 1e-6);
-    const seld::VesselWay way = map.way(map.at({0.05, 0.12, 0}), sheath, *map.find("ascending aorta"));
+    const crn::VesselWay way = map.way(map.at({0.05, 0.12, 0}), sheath, *map.find("ascending aorta"));
     assert_int_equal(way.ahead_um, 40000);
     assert_true(way.astray_um > 37000 &&
                 way.astray_um <= 50000); // blood of its own begins in the aorta's wall
@@ -131,7 +131,7 @@ void inside_is_measured_from_where_the_tools_come_in(void **)
 
 void names_are_found_however_they_are_written(void **)
 {
-    const seld::VesselMap map(tree());
+    const crn::VesselMap map(tree());
     assert_true(map.find("Left_Subclavian artery").has_value());
     assert_true(map.find("left-subclavian").has_value());
     assert_false(map.find("left subclavia").has_value());

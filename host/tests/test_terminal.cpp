@@ -9,7 +9,7 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld;
+using namespace crn;
 
 static void letters_of_any_language_stay(void **)
 {

@@ -24,8 +24,8 @@ std::string repeated(const std::string &text, int count)
 std::string refusal(const std::string &text)
 {
     try {
-        seld::parse_toml(text, "a.toml");
-    } catch (const seld::TomlError &error) {
+        crn::parse_toml(text, "a.toml");
+    } catch (const crn::TomlError &error) {
         return std::to_string(error.line) + ":" + std::to_string(error.column) + " " + error.what();
     }
     return "";
@@ -54,7 +54,7 @@ void brackets_without_end_are_refused(void **)
 
 void a_text_of_data_is_refused(void **)
 {
-    begins_with(refusal(std::string(seld::toml_bytes_max + 1, '\n')), "0:0 has 4 MiB");
+    begins_with(refusal(std::string(crn::toml_bytes_max + 1, '\n')), "0:0 has 4 MiB");
 }
 
 void what_looks_deep_in_strings_and_comments_is_read(void **)
@@ -74,7 +74,7 @@ void the_deepest_text_that_is_allowed_is_read(void **)
     std::string text = "[" + key + "]\n" + key + " = ";
     for (int i = 0; i < 31; ++i) text += "{" + key + " = ";
     text += "1" + std::string(31, '}') + "\n";
-    const toml::table table = seld::parse_toml(text, "a.toml");
+    const toml::table table = crn::parse_toml(text, "a.toml");
     int depth = 0;
     for (const toml::table *at = &table; at; at = (*at)["a"].as_table()) ++depth;
     assert_int_equal(depth, 32 + 32 * 32);
@@ -86,7 +86,7 @@ void a_letter_outside_ascii_is_no_blank(void **)
     begins_with(refusal("\xEF\xBB\x9F\x07"), "1:1 ");
     begins_with(refusal("a = 1\nb = 2 \u00e4\n"), "2:7 ");
     begins_with(refusal("a = [1\"\"\"\uFD7F\"\"\"]\n"), "1:");
-    const toml::table table = seld::parse_toml(
+    const toml::table table = crn::parse_toml(
         "\uFEFF\"\u00e4\" = '\u00f6' # \u00fc\nb = \"\"\"\\\n \u00e4 \uFD7F\"\"\"\n", "a.toml");
     assert_string_equal(table["\u00e4"].value_or(std::string()).c_str(), "\u00f6");
     assert_string_equal(table["b"].value_or(std::string()).c_str(), "\u00e4 \uFD7F");

@@ -36,13 +36,13 @@ extern "C" {
 namespace
 {
 
-const std::string folder = "/tmp/seldinger_test_tools_" + std::to_string(getpid());
-const seld::SceneFile scene = seld::read_scene("");
+const std::string folder = "/tmp/cournand_test_tools_" + std::to_string(getpid());
+const crn::SceneFile scene = crn::read_scene("");
 
 // A straight tool of 300 mm with one layer of steel.
-seld::Instrument straight(const std::string &name, std::uint32_t outer_um, std::uint32_t inner_um)
+crn::Instrument straight(const std::string &name, std::uint32_t outer_um, std::uint32_t inner_um)
 {
-    seld::Instrument tool;
+    crn::Instrument tool;
     tool.name = name;
     tool.length_m = 0.3;
     tool.table.lumen_friction_milli = 100;
@@ -52,7 +52,7 @@ seld::Instrument straight(const std::string &name, std::uint32_t outer_um, std::
     tool.table.element_fine_um = 20000;
     tool.table.knots_count = 2;
     for (int i = 0; i < 2; i++) {
-        seld_wire_knot &knot = tool.table.knots[i];
+        crn_wire_knot &knot = tool.table.knots[i];
         knot.arc_um = static_cast<std::uint32_t>(i) * 300000;
         knot.bend_stiffness_nN_m2 = 500000;
         knot.twist_stiffness_nN_m2 = 400000;
@@ -66,38 +66,38 @@ seld::Instrument straight(const std::string &name, std::uint32_t outer_um, std::
     return tool;
 }
 
-std::vector<seld::Instrument> three_tools()
+std::vector<crn::Instrument> three_tools()
 {
     return {straight("wire A", 445, 0), straight("catheter B", 835, 500), straight("guide C", 1100, 900)};
 }
 
 struct Recorded {
-    seld::RunResult result;
+    crn::RunResult result;
     std::vector<std::uint8_t> bytes;
 };
 
 Recorded record(const std::string &script)
 {
-    const std::vector<seld::Instrument> tools = three_tools();
-    const seld::Session session = seld::parse_session(script, "test");
-    const seld_wire_entry entry = seld::entry_of(scene, tools.size(), session.inserted_um);
-    seld::Device device(scene, tools, entry, seld::host_rig());
-    const seld::RecordingHeader header = {device.identity().core_version,
-                                          device.identity().schema_hash,
-                                          0,
-                                          0,
-                                          "",
-                                          "test",
-                                          tools,
-                                          entry,
-                                          seld::host_rig()};
+    const std::vector<crn::Instrument> tools = three_tools();
+    const crn::Session session = crn::parse_session(script, "test");
+    const crn_wire_entry entry = crn::entry_of(scene, tools.size(), session.inserted_um);
+    crn::Device device(scene, tools, entry, crn::host_rig());
+    const crn::RecordingHeader header = {device.identity().core_version,
+                                         device.identity().schema_hash,
+                                         0,
+                                         0,
+                                         "",
+                                         "test",
+                                         tools,
+                                         entry,
+                                         crn::host_rig()};
     const std::string path = folder + ".rec";
     Recorded recorded;
     {
-        seld::Recorder recorder(path, header);
-        recorded.result = seld::run_session(device, session, &recorder, nullptr, {});
+        crn::Recorder recorder(path, header);
+        recorded.result = crn::run_session(device, session, &recorder, nullptr, {});
     }
-    recorded.bytes = seld::read_binary_file(path);
+    recorded.bytes = crn::read_binary_file(path);
     std::remove(path.c_str());
     return recorded;
 }
@@ -115,13 +115,13 @@ const Recorded &session()
 
 // --- the device ---
 
-void expect_refusal(const std::vector<seld::Instrument> &tools, const std::vector<std::uint32_t> &inserted_um,
+void expect_refusal(const std::vector<crn::Instrument> &tools, const std::vector<std::uint32_t> &inserted_um,
                     const char *expected)
 {
     try {
-        seld::Device device(scene, tools, seld::entry_of(scene, tools.size(), inserted_um), seld::host_rig());
+        crn::Device device(scene, tools, crn::entry_of(scene, tools.size(), inserted_um), crn::host_rig());
         fail_msg("accepted, expected '%s'", expected);
-    } catch (const seld::LinkError &error) {
+    } catch (const crn::LinkError &error) {
         if (!std::strstr(error.what(), expected))
             fail_msg("message '%s' does not hold '%s'", error.what(), expected);
     }
@@ -129,7 +129,7 @@ void expect_refusal(const std::vector<seld::Instrument> &tools, const std::vecto
 
 void a_refused_tool_is_named_with_place_and_rule(void **)
 {
-    std::vector<seld::Instrument> tools = three_tools();
+    std::vector<crn::Instrument> tools = three_tools();
     tools[1].table.knots[1].radius_inner_um = 400;
     expect_refusal(
         tools, {},
@@ -147,11 +147,11 @@ void a_refused_tool_is_named_with_place_and_rule(void **)
 // Free space holds nothing; the answer belongs to the tick at which it was asked for.
 void contact_forces_are_read_at_any_tick(void **)
 {
-    const std::vector<seld::Instrument> tools = three_tools();
-    seld::Device device(scene, tools, seld::entry_of(scene, 3, {}), seld::host_rig());
-    seld_wire_encoders rest{};
+    const std::vector<crn::Instrument> tools = three_tools();
+    crn::Device device(scene, tools, crn::entry_of(scene, 3, {}), crn::host_rig());
+    crn_wire_encoders rest{};
     rest.hands_count = 3;
-    device.link().step(std::vector<seld_wire_encoders>(7, rest), false);
+    device.link().step(std::vector<crn_wire_encoders>(7, rest), false);
     assert_int_equal(device.link().read_contacts().tick, 7);
     assert_int_equal(device.link().read_contacts().contacts_count, 0);
 }
@@ -160,18 +160,18 @@ void contact_forces_are_read_at_any_tick(void **)
 
 void a_session_of_three_tools_replays_bit_for_bit(void **)
 {
-    const seld::Recording recording = seld::parse_recording(session().bytes, "test");
+    const crn::Recording recording = crn::parse_recording(session().bytes, "test");
     assert_true(recording.is_complete);
     assert_int_equal(recording.header.tools.size(), 3);
     assert_string_equal(recording.header.tools[2].name.c_str(), "guide C");
     assert_true(recording.snapshots.size() >= 1);
     for (double from_s : {0.0, recording.snapshots[0].tick * 1e-3 + 0.1}) {
-        const seld::RecordingHeader &header = recording.header;
-        seld::Device device(scene, header.tools, header.entry, header.rig);
-        seld::ReplaySettings settings;
+        const crn::RecordingHeader &header = recording.header;
+        crn::Device device(scene, header.tools, header.entry, header.rig);
+        crn::ReplaySettings settings;
         settings.verifies = true;
         settings.from_s = from_s;
-        const seld::ReplayResult result = seld::replay_recording(device, recording, nullptr, settings);
+        const crn::ReplayResult result = crn::replay_recording(device, recording, nullptr, settings);
         assert_false(result.first_difference_tick.has_value());
         assert_true(result.ticks_compared > 100);
         assert_true(result.hash == session().result.hash);
@@ -182,13 +182,13 @@ void a_session_of_three_tools_replays_bit_for_bit(void **)
 void a_changed_input_of_any_tool_is_found(void **)
 {
     for (std::size_t k = 0; k < 3; k++) {
-        seld::Recording recording = seld::parse_recording(session().bytes, "test");
+        crn::Recording recording = crn::parse_recording(session().bytes, "test");
         recording.ticks[700].input.hands[k].translation_counts += 40;
-        const seld::RecordingHeader &header = recording.header;
-        seld::Device device(scene, header.tools, header.entry, header.rig);
-        seld::ReplaySettings settings;
+        const crn::RecordingHeader &header = recording.header;
+        crn::Device device(scene, header.tools, header.entry, header.rig);
+        crn::ReplaySettings settings;
         settings.verifies = true;
-        const seld::ReplayResult result = seld::replay_recording(device, recording, nullptr, settings);
+        const crn::ReplayResult result = crn::replay_recording(device, recording, nullptr, settings);
         assert_true(result.first_difference_tick.has_value());
         assert_int_equal(*result.first_difference_tick, 701);
     }
@@ -199,26 +199,26 @@ void a_changed_input_of_any_tool_is_found(void **)
 // The frame of a device whose tools stand at different lengths: tips at the right arc, the outermost tool's radius.
 void each_tool_covers_the_line_from_its_own_tip(void **)
 {
-    const std::vector<seld::Instrument> tools = three_tools();
-    const seld_wire_entry entry = seld::entry_of(scene, 3, std::vector<std::uint32_t>{100000, 120000, 40000});
-    seld::Device device(scene, tools, entry, seld::host_rig());
+    const std::vector<crn::Instrument> tools = three_tools();
+    const crn_wire_entry entry = crn::entry_of(scene, 3, std::vector<std::uint32_t>{100000, 120000, 40000});
+    crn::Device device(scene, tools, entry, crn::host_rig());
     device.link().read_nodes();
-    const seld::SessionFrame frame = seld::session_frame(device, {}, {});
+    const crn::SessionFrame frame = crn::session_frame(device, {}, {});
     const double tips_mm[] = {20, 0, 80};
     for (std::size_t k = 0; k < 3; k++) {
         assert_true(std::abs(frame.wire.tip_arc_m[k] * 1e3 - tips_mm[k]) < 0.01);
         assert_true(std::abs(frame.tools[k].inserted_m * 1e3 - entry.inserted_um[k] * 1e-3) < 0.01);
     }
-    for (const seld::WireNode &node : frame.wire.nodes) {
+    for (const crn::WireNode &node : frame.wire.nodes) {
         const double expected_mm = node.arc_m >= frame.wire.tip_arc_m[2] ? 1.1 : 0.835;
         assert_true(std::abs(node.radius_m * 1e3 - expected_mm) < 1e-6);
     }
 }
 
 // A straight line along x, 4 mm nodes, 200 mm above the table; three tools whose tips lie inside elements.
-seld::WireFrame line_frame()
+crn::WireFrame line_frame()
 {
-    seld::WireFrame wire;
+    crn::WireFrame wire;
     wire.tick = 5;
     for (int i = 0; i <= 30; i++)
         wire.nodes.push_back({{-0.06 + i * 0.004, 0.0, 0.0}, i * 0.004, 0.001, 0.0});
@@ -226,23 +226,23 @@ seld::WireFrame line_frame()
     return wire;
 }
 
-seld::XraySettings close_view()
+crn::XraySettings close_view()
 {
-    seld::XraySettings settings;
+    crn::XraySettings settings;
     settings.carm.field_m = 0.2;
     settings.size = 512;
     return settings;
 }
 
 // Volume of a material, mm^3: chords summed over the picture, at the magnification of the isocentre's plane.
-double volume_mm3(const std::vector<seld::RadiopaqueInstrument> &tools, const seld::WireFrame &wire,
-                  seld::Material material)
+double volume_mm3(const std::vector<crn::RadiopaqueInstrument> &tools, const crn::WireFrame &wire,
+                  crn::Material material)
 {
-    const seld::XrayScene empty;
-    seld::Xray xray(empty, 1);
-    seld::XrayPicture picture;
+    const crn::XrayScene empty;
+    crn::Xray xray(empty, 1);
+    crn::XrayPicture picture;
     xray.render(close_view(), tools, wire, 1, picture);
-    const seld::CArm carm = close_view().carm;
+    const crn::CArm carm = close_view().carm;
     const double pixel_mm =
         carm.field_m * 1e3 / close_view().size * carm.source_isocentre_m / carm.source_detector_m;
     double sum = 0.0;
@@ -261,34 +261,33 @@ void expect_volume(const char *what, double value_mm3, double expected_mm3)
 void each_tool_is_drawn_over_its_own_part_with_its_own_layers(void **)
 {
     const double pi = std::acos(-1.0);
-    const std::vector<seld::RadiopaqueInstrument> tools = {
-        {{{0.0, 1.0, seld::Material::steel, 1.0, 1.0}}, {{0.0, 0.0004, 0.0}, {1.0, 0.0004, 0.0}}},
-        {{{0.0, 0.0015, seld::Material::platinum, 0.3, 1.0},
-          {0.0015, 1.0, seld::Material::polymer_barium, 0.64, 1.0}},
+    const std::vector<crn::RadiopaqueInstrument> tools = {
+        {{{0.0, 1.0, crn::Material::steel, 1.0, 1.0}}, {{0.0, 0.0004, 0.0}, {1.0, 0.0004, 0.0}}},
+        {{{0.0, 0.0015, crn::Material::platinum, 0.3, 1.0},
+          {0.0015, 1.0, crn::Material::polymer_barium, 0.64, 1.0}},
          {{0.0, 0.001, 0.0006}, {1.0, 0.001, 0.0006}}},
-        {{{0.0, 1.0, seld::Material::nitinol, 0.19, 1.0}}, {{0.0, 0.0015, 0.00135}, {1.0, 0.0015, 0.00135}}},
+        {{{0.0, 1.0, crn::Material::nitinol, 0.19, 1.0}}, {{0.0, 0.0015, 0.00135}, {1.0, 0.0015, 0.00135}}},
     };
-    const seld::WireFrame wire = line_frame();
-    expect_volume("wire", volume_mm3(tools, wire, seld::Material::steel), 120.0 * pi * 0.16);
-    expect_volume("marker", volume_mm3(tools, wire, seld::Material::platinum), 1.5 * pi * 0.3);
-    expect_volume("wall", volume_mm3(tools, wire, seld::Material::polymer_barium),
-                  (120.0 - 32.0) * pi * 0.64);
-    expect_volume("guide", volume_mm3(tools, wire, seld::Material::nitinol), 50.0 * pi * 0.19 * 2.25);
+    const crn::WireFrame wire = line_frame();
+    expect_volume("wire", volume_mm3(tools, wire, crn::Material::steel), 120.0 * pi * 0.16);
+    expect_volume("marker", volume_mm3(tools, wire, crn::Material::platinum), 1.5 * pi * 0.3);
+    expect_volume("wall", volume_mm3(tools, wire, crn::Material::polymer_barium), (120.0 - 32.0) * pi * 0.64);
+    expect_volume("guide", volume_mm3(tools, wire, crn::Material::nitinol), 50.0 * pi * 0.19 * 2.25);
 }
 
 // Across a hollow tool the chord is longest beside the lumen, not in the middle.
 void a_lumen_is_seen_as_a_brighter_middle(void **)
 {
-    const std::vector<seld::RadiopaqueInstrument> tools = {
-        {{{0.0, 1.0, seld::Material::polymer_barium, 0.64, 1.0}},
+    const std::vector<crn::RadiopaqueInstrument> tools = {
+        {{{0.0, 1.0, crn::Material::polymer_barium, 0.64, 1.0}},
          {{0.0, 0.002, 0.0012}, {1.0, 0.002, 0.0012}}}};
-    seld::WireFrame wire = line_frame();
+    crn::WireFrame wire = line_frame();
     wire.tip_arc_m = {0.0};
-    const seld::XrayScene empty;
-    seld::Xray xray(empty, 1);
-    seld::XrayPicture picture;
+    const crn::XrayScene empty;
+    crn::Xray xray(empty, 1);
+    crn::XrayPicture picture;
     xray.render(close_view(), tools, wire, 1, picture);
-    const std::vector<std::int32_t> path = xray.instrument_path_q10mm(seld::Material::polymer_barium);
+    const std::vector<std::int32_t> path = xray.instrument_path_q10mm(crn::Material::polymer_barium);
     std::int32_t middle = 0, largest = 0;
     for (int y = 0; y < 512; y++) {
         const std::int32_t here = path[static_cast<std::size_t>(y) * 512 + 256];
@@ -303,33 +302,33 @@ void a_lumen_is_seen_as_a_brighter_middle(void **)
 // Tips that coincide with nodes, lie beyond the line, or are no numbers: nothing is lost, nothing crashes.
 void tips_anywhere_are_drawn_or_left_out(void **)
 {
-    const std::vector<seld::RadiopaqueInstrument> tools = {
-        {{{0.0, 1.0, seld::Material::steel, 1.0, 1.0}}, {{0.0, 0.0004, 0.0}, {1.0, 0.0004, 0.0}}}};
-    seld::WireFrame wire = line_frame();
+    const std::vector<crn::RadiopaqueInstrument> tools = {
+        {{{0.0, 1.0, crn::Material::steel, 1.0, 1.0}}, {{0.0, 0.0004, 0.0}, {1.0, 0.0004, 0.0}}}};
+    crn::WireFrame wire = line_frame();
     const double pi = std::acos(-1.0);
     for (double tip_m : {0.004, 0.004 + 1e-9, 0.004 - 1e-9, 0.0401}) {
         wire.tip_arc_m = {tip_m};
-        expect_volume("tip at a node", volume_mm3(tools, wire, seld::Material::steel),
+        expect_volume("tip at a node", volume_mm3(tools, wire, crn::Material::steel),
                       (120.0 - tip_m * 1e3) * pi * 0.16);
     }
     for (double tip_m : {0.12, 0.5, std::nan(""), 1e300}) {
         wire.tip_arc_m = {tip_m};
-        assert_true(volume_mm3(tools, wire, seld::Material::steel) < 1e-6);
+        assert_true(volume_mm3(tools, wire, crn::Material::steel) < 1e-6);
     }
 }
 
 void a_tool_takes_its_radii_from_its_knots(void **)
 {
-    seld::Instrument tool = straight("stepped", 400, 200);
+    crn::Instrument tool = straight("stepped", 400, 200);
     tool.table.knots_count = 3;
     tool.table.knots[2] = tool.table.knots[1];
     tool.table.knots[1].arc_um = 100000;
     tool.table.knots[2].radius_outer_um = 600;
-    assert_true(std::abs(seld::outer_radius_m(tool.table, -1.0) - 400e-6) < 1e-12);
-    assert_true(std::abs(seld::outer_radius_m(tool.table, 0.05) - 400e-6) < 1e-12);
-    assert_true(std::abs(seld::outer_radius_m(tool.table, 0.2) - 500e-6) < 1e-12);
-    assert_true(std::abs(seld::outer_radius_m(tool.table, 9.0) - 600e-6) < 1e-12);
-    const seld::RadiopaqueInstrument look = seld::instrument_look(tool);
+    assert_true(std::abs(crn::outer_radius_m(tool.table, -1.0) - 400e-6) < 1e-12);
+    assert_true(std::abs(crn::outer_radius_m(tool.table, 0.05) - 400e-6) < 1e-12);
+    assert_true(std::abs(crn::outer_radius_m(tool.table, 0.2) - 500e-6) < 1e-12);
+    assert_true(std::abs(crn::outer_radius_m(tool.table, 9.0) - 600e-6) < 1e-12);
+    const crn::RadiopaqueInstrument look = crn::instrument_look(tool);
     assert_int_equal(look.radii.size(), 3);
     assert_true(std::abs(look.radii[2].outer_m - 600e-6) < 1e-12 &&
                 std::abs(look.radii[2].inner_m - 200e-6) < 1e-12);
@@ -340,8 +339,8 @@ void a_tool_takes_its_radii_from_its_knots(void **)
 void the_report_has_every_tool(void **)
 {
     const std::string path = folder + ".json";
-    seld::write_report(path, seld::report_of(session().result, "", three_tools(), "test", {}));
-    const nlohmann::json report = nlohmann::json::parse(seld::read_text_file(path));
+    crn::write_report(path, crn::report_of(session().result, "", three_tools(), "test", {}));
+    const nlohmann::json report = nlohmann::json::parse(crn::read_text_file(path));
     std::remove(path.c_str());
     assert_int_equal(report["tools"].size(), 3);
     assert_true(report["tools"][1]["name"] == "catheter B");
@@ -352,15 +351,15 @@ void the_report_has_every_tool(void **)
     assert_true(report["tools"][1]["handle_torque_max_mN_m"].get<double>() > 0.0);
 }
 
-seld::Screen::KeyEvent press(int key)
+crn::Screen::KeyEvent press(int key)
 {
     return {key, true, false, false};
 }
 
 void keys_choose_the_tool_they_move(void **)
 {
-    const seld::Room room;
-    seld::WindowKeys keys(2, false);
+    const crn::Room room;
+    crn::WindowKeys keys(2, false);
     assert_int_equal(keys.chosen_tool(), 0);
     keys.take(press(GLFW_KEY_2), room);
     assert_int_equal(keys.chosen_tool(), 1);
@@ -372,17 +371,17 @@ void keys_choose_the_tool_they_move(void **)
     assert_true(keys.moves_all());
     keys.take(press(GLFW_KEY_1), room);
     assert_false(keys.moves_all());
-    seld::WindowKeys alone(1, false);
+    crn::WindowKeys alone(1, false);
     for (int key : {GLFW_KEY_TAB, GLFW_KEY_G, GLFW_KEY_2}) alone.take(press(key), room);
     assert_int_equal(alone.chosen_tool(), 0);
     assert_false(alone.moves_all());
-    assert_true(seld::help_panel(2).size() > seld::help_panel(1).size());
+    assert_true(crn::help_panel(2).size() > crn::help_panel(1).size());
 }
 
 void pedals_of_a_rig_are_commands_when_they_change(void **)
 {
-    using seld::RoomAction, seld::RoomCommand;
-    seld::RigPedals pedals;
+    using crn::RoomAction, crn::RoomCommand;
+    crn::RigPedals pedals;
     assert_true(pedals.changes(0).empty());
     assert_true(pedals.changes(1) == (std::vector<RoomCommand>{{RoomAction::fluoro_pedal, {1, 0, 0}}}));
     assert_true(pedals.changes(1).empty());
@@ -394,9 +393,9 @@ void pedals_of_a_rig_are_commands_when_they_change(void **)
 // A standard view is three commands: distance, angles, field.
 void every_standard_view_has_a_key(void **)
 {
-    using seld::RoomAction, seld::RoomCommand;
-    const seld::Room room;
-    seld::WindowKeys keys(1, false);
+    using crn::RoomAction, crn::RoomCommand;
+    const crn::Room room;
+    crn::WindowKeys keys(1, false);
     std::vector<std::vector<RoomCommand>> reached;
     for (int shift : {0, 1}) {
         keys.take({GLFW_KEY_RIGHT_SHIFT, shift == 1, false, shift == 0}, room);
@@ -405,7 +404,7 @@ void every_standard_view_has_a_key(void **)
             reached.push_back(keys.take_commands());
         }
     }
-    for (const seld::ViewPreset &view : seld::view_presets()) {
+    for (const crn::ViewPreset &view : crn::view_presets()) {
         const std::vector<RoomCommand> wanted = {
             {RoomAction::distance, {view.sid_um, 750'000, 0}},
             {RoomAction::angles, {view.primary_mdeg, view.secondary_mdeg, 0}},
@@ -418,11 +417,11 @@ void every_standard_view_has_a_key(void **)
 // Each key as the command that the room hears; steps go from where the motors go, and end at the limits.
 void keys_are_commands_to_the_room(void **)
 {
-    using seld::RoomAction, seld::RoomCommand;
-    seld::Room room;
+    using crn::RoomAction, crn::RoomCommand;
+    crn::Room room;
     room.give(0, {RoomAction::angles, {118000, 0, 0}});
     room.advance(0, nullptr);
-    seld::WindowKeys keys(1, false);
+    crn::WindowKeys keys(1, false);
     const struct {
         int key;
         RoomCommand command;
@@ -451,7 +450,7 @@ void keys_are_commands_to_the_room(void **)
         keys.take(press(c.key), room);
         const std::vector<RoomCommand> commands = keys.take_commands();
         if (commands != std::vector<RoomCommand>{c.command}) fail_msg("key %d is another command", c.key);
-        assert_true(seld::refusal(c.command).empty());
+        assert_true(crn::refusal(c.command).empty());
     }
     keys.take(press(GLFW_KEY_F3), room); // spider: distance, angles, field
     assert_int_equal(keys.take_commands().size(), 3);

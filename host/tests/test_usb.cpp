@@ -25,7 +25,7 @@ extern "C" {
 namespace
 {
 
-constexpr seld::UsbLimits short_limits = {.read_ms = 100, .write_ms = 100};
+constexpr crn::UsbLimits short_limits = {.read_ms = 100, .write_ms = 100};
 
 int begin(void **)
 {
@@ -40,7 +40,7 @@ int end(void **)
     return is_clean ? 0 : -1; // transfers, handles or contexts were left behind
 }
 
-template <class Error = seld::LinkError>
+template <class Error = crn::LinkError>
 void expect_error(const std::function<void()> &action, const std::vector<std::string> &parts)
 {
     try {
@@ -55,19 +55,19 @@ void expect_error(const std::function<void()> &action, const std::vector<std::st
     fail_msg("no error, expected one with '%s'", parts.front().c_str());
 }
 
-void hello(const std::string &serial, const seld::UsbLimits &limits = short_limits)
+void hello(const std::string &serial, const crn::UsbLimits &limits = short_limits)
 {
-    seld::UsbTransport pipe(serial, limits);
-    seld::Link link(pipe);
+    crn::UsbTransport pipe(serial, limits);
+    crn::Link link(pipe);
     link.hello();
     link.read_status();
 }
 
 // --- sessions ---
 
-seld::Instrument wire()
+crn::Instrument wire()
 {
-    seld::Instrument tool;
+    crn::Instrument tool;
     tool.name = "wire";
     tool.length_m = 0.3;
     tool.table.axial_stiffness_max_N = 5000;
@@ -75,7 +75,7 @@ seld::Instrument wire()
     tool.table.element_shaft_um = 4000;
     tool.table.element_fine_um = 20000;
     tool.table.knots_count = 2;
-    seld_wire_knot knot{};
+    crn_wire_knot knot{};
     knot.bend_stiffness_nN_m2 = 1000000;
     knot.twist_stiffness_nN_m2 = 800000;
     knot.mass_mg_per_m = 4000;
@@ -88,9 +88,9 @@ seld::Instrument wire()
     return tool;
 }
 
-seld::DeviceChoice usb_choice(const std::string &serial = "", std::uint32_t return_limit_ms = 5000)
+crn::DeviceChoice usb_choice(const std::string &serial = "", std::uint32_t return_limit_ms = 5000)
 {
-    seld::DeviceChoice choice;
+    crn::DeviceChoice choice;
     choice.is_usb = true;
     choice.serial = serial;
     choice.return_limit_ms = return_limit_ms;
@@ -100,16 +100,16 @@ seld::DeviceChoice usb_choice(const std::string &serial = "", std::uint32_t retu
 constexpr unsigned session_ticks = 2400, batch_ticks = 40;
 
 // The last hash of a session; `before_batch` may do something to the bus.
-std::uint64_t play(const seld::DeviceChoice &choice, std::uint32_t &resumes,
+std::uint64_t play(const crn::DeviceChoice &choice, std::uint32_t &resumes,
                    const std::function<void(unsigned)> &before_batch = {})
 {
-    const seld::SceneFile scene = seld::read_scene("");
-    seld::Device device(scene, {wire()}, seld::entry_of(scene, 1, {}), seld::host_rig(), choice);
+    const crn::SceneFile scene = crn::read_scene("");
+    crn::Device device(scene, {wire()}, crn::entry_of(scene, 1, {}), crn::host_rig(), choice);
     for (unsigned tick = 0; tick < session_ticks; tick += batch_ticks) {
         if (before_batch) before_batch(tick);
-        std::vector<seld_wire_encoders> inputs;
+        std::vector<crn_wire_encoders> inputs;
         for (unsigned i = tick; i < tick + batch_ticks; i++) {
-            seld_wire_encoders input{};
+            crn_wire_encoders input{};
             input.hands_count = 1;
             input.hands[0] = {static_cast<std::int32_t>(i * 20), static_cast<std::int32_t>(i * 10)};
             inputs.push_back(input);
@@ -119,7 +119,7 @@ std::uint64_t play(const seld::DeviceChoice &choice, std::uint32_t &resumes,
         assert_int_equal(states.back().tick, tick + batch_ticks);
     }
     std::uint64_t hash = 0;
-    device.ask([&](seld::Link &link) { hash = link.read_hash64().hash; });
+    device.ask([&](crn::Link &link) { hash = link.read_hash64().hash; });
     resumes = device.resumes();
     return hash;
 }
@@ -154,7 +154,7 @@ void a_session_goes_on_bit_for_bit_after_every_cut(void **)
                 bool is_out = false;
                 fake_usb::change([&] {
                     is_out = !rig.is_plugged;
-                    if (is_out && loses_power) seld_sim_reset(rig.sim);
+                    if (is_out && loses_power) crn_sim_reset(rig.sim);
                 });
                 std::this_thread::sleep_for(std::chrono::milliseconds(5));
                 if (is_out) fake_usb::plug("RIG-0001");
@@ -211,17 +211,17 @@ void rigs_are_told_apart_by_their_serial_numbers(void **)
     hello("RIG-0002");
     assert_true(first.out_bytes == 0 && second.out_bytes > 0);
     expect_error([] { hello(""); }, {"several rigs", "RIG-0001", "RIG-0002", "--device usb:SERIAL"});
-    expect_error<seld::DeviceLost>([] { hello("RIG-0003"); }, {"'RIG-0003'", "RIG-0001", "RIG-0002"});
-    const seld::UsbContext context = seld::usb_context();
-    assert_int_equal(seld::usb_rigs(context.get()).size(), 2);
+    expect_error<crn::DeviceLost>([] { hello("RIG-0003"); }, {"'RIG-0003'", "RIG-0001", "RIG-0002"});
+    const crn::UsbContext context = crn::usb_context();
+    assert_int_equal(crn::usb_rigs(context.get()).size(), 2);
 }
 
 void both_rigs_work_at_the_same_time(void **)
 {
     fake_usb::add("RIG-0001");
     fake_usb::add("RIG-0002");
-    seld::UsbTransport one("RIG-0001", short_limits), two("RIG-0002", short_limits);
-    seld::Link first(one), second(two);
+    crn::UsbTransport one("RIG-0001", short_limits), two("RIG-0002", short_limits);
+    crn::Link first(one), second(two);
     first.hello();
     second.hello();
     for (int i = 0; i < 20; i++) {
@@ -232,8 +232,8 @@ void both_rigs_work_at_the_same_time(void **)
 
 void no_rig_is_told(void **)
 {
-    expect_error<seld::DeviceLost>([] { hello(""); },
-                                   {"no rig is on USB", "1209:0001", "cable", "seldinger rig list"});
+    expect_error<crn::DeviceLost>([] { hello(""); },
+                                  {"no rig is on USB", "1209:0001", "cable", "cournand rig list"});
 }
 
 void a_refusal_to_open_tells_the_fix(void **)
@@ -241,8 +241,8 @@ void a_refusal_to_open_tells_the_fix(void **)
     fake_usb::Rig &rig = fake_usb::add("RIG-0001");
     rig.open_error = LIBUSB_ERROR_ACCESS;
     expect_error([] { hello(""); }, {"may not be opened by this user", "ACCESS", "sudo make install-udev"});
-    const seld::UsbContext context = seld::usb_context();
-    const auto rigs = seld::usb_rigs(context.get());
+    const crn::UsbContext context = crn::usb_context();
+    const auto rigs = crn::usb_rigs(context.get());
     assert_int_equal(rigs.size(), 1);
     assert_true(rigs[0].trouble.find("install-udev") != std::string::npos);
     rig.open_error = 0;
@@ -256,17 +256,17 @@ void a_refusal_to_open_tells_the_fix(void **)
 void two_hosts_do_not_share_a_rig(void **)
 {
     fake_usb::add("RIG-0001");
-    const seld::UsbTransport first("", short_limits);
+    const crn::UsbTransport first("", short_limits);
     expect_error([] { hello(""); }, {"used by another program"});
 }
 
 void device_names_are_parsed(void **)
 {
-    assert_false(seld::parse_device("sim").is_usb);
-    assert_true(seld::parse_device("usb").is_usb);
-    assert_string_equal(seld::parse_device("usb:RIG-0001").serial.c_str(), "RIG-0001");
+    assert_false(crn::parse_device("sim").is_usb);
+    assert_true(crn::parse_device("usb").is_usb);
+    assert_string_equal(crn::parse_device("usb:RIG-0001").serial.c_str(), "RIG-0001");
     for (const char *text : {"", "usb:", "hid", "USB", "usb RIG"})
-        expect_error<seld::UsageError>([&] { seld::parse_device(text); }, {"usb:SERIAL"});
+        expect_error<crn::UsageError>([&] { crn::parse_device(text); }, {"usb:SERIAL"});
 }
 
 void a_rig_is_seen_coming(void **)
@@ -275,7 +275,7 @@ void a_rig_is_seen_coming(void **)
         fake_usb::set_hotplug(is_told);
         if (is_told) fake_usb::add("RIG-0001");
         fake_usb::unplug("RIG-0001");
-        seld::UsbWatch watch;
+        crn::UsbWatch watch;
         assert_true(watch.is_told() == is_told);
         assert_false(watch.wait_for("", 50, [] { return false; }));
         std::thread hand([] {
@@ -300,7 +300,7 @@ void a_silent_rig_is_told_in_time(void **)
     rig.takes_bytes = false;
     expect_error(
         [] {
-            seld::UsbTransport pipe("", short_limits);
+            crn::UsbTransport pipe("", short_limits);
             const std::vector<std::uint8_t> bytes(1 << 20, 1);
             pipe.write(bytes);
         },
@@ -312,8 +312,8 @@ void a_rig_that_does_not_say_its_name_is_told(void **)
 {
     fake_usb::add("RIG-0001").answers_control = false;
     const auto begin = std::chrono::steady_clock::now();
-    const seld::UsbContext context = seld::usb_context();
-    const auto rigs = seld::usb_rigs(context.get());
+    const crn::UsbContext context = crn::usb_context();
+    const auto rigs = crn::usb_rigs(context.get());
     assert_int_equal(rigs.size(), 1);
     assert_true(rigs[0].trouble.find("does not answer") != std::string::npos);
     assert_true(rigs[0].trouble.find("bus 1, address 4") != std::string::npos);
@@ -324,14 +324,14 @@ void a_rig_that_does_not_say_its_name_is_told(void **)
 void an_unplugged_rig_ends_every_wait(void **)
 {
     fake_usb::add("RIG-0001");
-    seld::UsbTransport pipe("", {.read_ms = 10000, .write_ms = 10000});
+    crn::UsbTransport pipe("", {.read_ms = 10000, .write_ms = 10000});
     std::thread hand([] {
         std::this_thread::sleep_for(std::chrono::milliseconds(30));
         fake_usb::unplug("RIG-0001");
     });
     std::uint8_t bytes[16];
     const auto begin = std::chrono::steady_clock::now();
-    expect_error<seld::DeviceLost>(
+    expect_error<crn::DeviceLost>(
         [&] {
             while (pipe.read(bytes) < 100) {
             }
@@ -339,7 +339,7 @@ void an_unplugged_rig_ends_every_wait(void **)
         {"RIG-0001", "gone or started anew", "cable and power"});
     hand.join();
     assert_true(std::chrono::steady_clock::now() - begin < std::chrono::seconds(5));
-    expect_error<seld::DeviceLost>([&] { pipe.write({bytes, 4}); }, {"gone"});
+    expect_error<crn::DeviceLost>([&] { pipe.write({bytes, 4}); }, {"gone"});
 }
 
 void a_longer_packet_than_fits_is_told(void **)
@@ -364,7 +364,7 @@ void a_lying_rig_leaves_the_host_alive(void **)
         };
         try {
             hello("", {.read_ms = 5, .write_ms = 100});
-        } catch (const seld::LinkError &error) {
+        } catch (const crn::LinkError &error) {
             errors++;
             assert_true(std::string(error.what()).size() > 20);
         }
@@ -381,7 +381,7 @@ void bytes_come_in_order_and_a_slow_host_holds_the_rig(void **)
         fake_usb::Rig &rig = fake_usb::add("RIG-0001");
         rig.in_bytes_max = packet;
         rig.flood_bytes = total;
-        seld::UsbTransport pipe("", {.read_ms = 2000, .write_ms = 300});
+        crn::UsbTransport pipe("", {.read_ms = 2000, .write_ms = 300});
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
         std::size_t left = 0;
         fake_usb::change([&] { left = rig.flood_bytes; });

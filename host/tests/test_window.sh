@@ -38,8 +38,8 @@ result $? "a session that the rig leads is shown, recorded and replays bit for b
 
 # A session that nobody named is kept all the same, and says at its end what it was.
 XDG_STATE_HOME="$work/state" "$program" view --instrument "$wire" --fluoro --frames 40 --json "$work/view.json" --size 128 >"$work/view" 2>&1 &&
-    "$program" replay "$work"/state/seldinger/*.rec --verify --json "$work/again.json" --png "$work/again.png" --size 128 >"$work/log" 2>&1 &&
-    grep -q "^final hash" "$work/view" && grep -q "^dose " "$work/view" && grep -q "^written .*state/seldinger" "$work/view" &&
+    "$program" replay "$work"/state/cournand/*.rec --verify --json "$work/again.json" --png "$work/again.png" --size 128 >"$work/log" 2>&1 &&
+    grep -q "^final hash" "$work/view" && grep -q "^dose " "$work/view" && grep -q "^written .*state/cournand" "$work/view" &&
     python3 - "$work/view.json" "$work/again.json" >>"$work/log" 2>&1 <<'PY'
 import json, sys
 view, again = (json.load(open(path)) for path in sys.argv[1:])
@@ -56,7 +56,7 @@ cat >"$work/keys.sh" <<'EOF'
 "$program" view --instrument "$wire" --record "$work/live.rec" >"$work/live" 2>&1 &
 window=$!
 ticks_pass "$work/live.rec" 1
-xdotool search --name Seldinger windowfocus >/dev/null 2>&1
+xdotool search --name Cournand windowfocus >/dev/null 2>&1
 xdotool keydown Up keydown space; ticks_pass "$work/live.rec" 2; xdotool keyup Up keyup space key d key h
 ticks_pass "$work/live.rec" 1
 xdotool key Escape
@@ -83,7 +83,7 @@ done
 ticks_pass "$work/gone.rec" 1
 kill -9 $emulator
 for _ in $(seq 100); do grep -q "the emulator ended" "$work/gone" && break; sleep 0.1; done
-xdotool search --name Seldinger windowfocus key Escape >/dev/null 2>&1
+xdotool search --name Cournand windowfocus key Escape >/dev/null 2>&1
 wait "$window"
 EOF
 timeout 300 bash "$work/gone.sh"
@@ -99,7 +99,7 @@ cat >"$work/two.sh" <<'EOF'
     --screenshot "$work/two.png" >"$work/two" 2>&1 &
 window=$!
 ticks_pass "$work/two.rec" 1
-xdotool search --name Seldinger windowfocus >/dev/null 2>&1
+xdotool search --name Cournand windowfocus >/dev/null 2>&1
 xdotool key 2; xdotool keydown Up; ticks_pass "$work/two.rec" 3; xdotool keyup Up; ticks_pass "$work/two.rec" 1
 xdotool key g; xdotool keydown Up; ticks_pass "$work/two.rec" 2; xdotool keyup Up; ticks_pass "$work/two.rec" 1
 xdotool key Escape

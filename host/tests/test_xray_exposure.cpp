@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <vector>
 
-using namespace seld;
+using namespace crn;
 
 // A single picture has settled: the signal over the measuring field is the dose asked for, through thin and thick.
 static void exposure_holds_the_dose_behind_thin_and_thick(void **)

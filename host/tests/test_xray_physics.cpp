@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdio>
 
-using namespace seld;
+using namespace crn;
 
 namespace
 {

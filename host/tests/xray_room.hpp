@@ -11,7 +11,7 @@ extern "C" {
 #include <cmocka.h>
 }
 
-namespace seld
+namespace crn
 {
 
 struct Room {
@@ -66,4 +66,4 @@ inline double measured_raw(const XrayPicture &picture)
     return std::exp(sum / count);
 }
 
-} // namespace seld
+} // namespace crn

@@ -4,7 +4,7 @@
 #include "host/xray/run.hpp"
 #include "host/xray/xray.hpp"
 
-namespace seld
+namespace crn
 {
 
 inline constexpr int run_size = 64;
@@ -58,4 +58,4 @@ inline XrayRun sample_run(RunKind kind, int frame_count, bool moves = false)
     return run;
 }
 
-} // namespace seld
+} // namespace crn

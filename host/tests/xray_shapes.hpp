@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 inline Eigen::Vector3i to_um(const Eigen::Vector3d &m)
@@ -54,4 +54,4 @@ inline Body box_body(const std::string &name, const std::string &material, int p
     return body;
 }
 
-} // namespace seld
+} // namespace crn

@@ -2,7 +2,7 @@
 #include "host/xray/attenuation.hpp"
 
 // clang-format off
-namespace seld {
+namespace crn {
 
 const float attenuation_per_cm[material_count][energy_count] = {
     // soft_tissue: 1 g/cm3, ICRP 23
@@ -286,4 +286,4 @@ const float air_absorption_cm2_per_g[energy_count] = {
      0.023693f};
 
 // clang-format on
-} // namespace seld
+} // namespace crn

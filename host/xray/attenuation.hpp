@@ -3,7 +3,7 @@
 #pragma once
 #include "host/xray/materials.hpp"
 
-namespace seld
+namespace crn
 {
 
 inline constexpr int energy_count = 110;
@@ -25,4 +25,4 @@ extern const float caesium_iodide_per_cm[energy_count];
 extern const float anode_cm2_per_g[energy_count];
 extern const float air_absorption_cm2_per_g[energy_count];
 
-} // namespace seld
+} // namespace crn

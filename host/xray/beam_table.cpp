@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -220,4 +220,4 @@ BeamTable make_line_table(std::span<const double> energies_keV, std::span<const 
     return table;
 }
 
-} // namespace seld
+} // namespace crn

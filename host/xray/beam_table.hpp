@@ -9,7 +9,7 @@
 #include <array>
 #include <span>
 
-namespace seld
+namespace crn
 {
 
 inline constexpr int beam_energy_count = 6;
@@ -35,4 +35,4 @@ BeamTable make_beam_table(double tube_voltage_kV, double copper_mm);
 // A beam of given lines, at most beam_energy_count, with their shares of the signal; for comparisons with other programs.
 BeamTable make_line_table(std::span<const double> energies_keV, std::span<const double> shares);
 
-} // namespace seld
+} // namespace crn

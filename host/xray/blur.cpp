@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -159,16 +159,16 @@ BlurKernel kernel_of_scintillator(double pixel_mm)
     return fit_kernel([&](double cycles) { return mtf_of_scintillator(cycles / pixel_mm); });
 }
 
-SELD_WIDE void blur_row(const float *picture, int size, int row, const BlurKernel &kernel, float *scratch,
-                        float *out)
+CRN_WIDE void blur_row(const float *picture, int size, int row, const BlurKernel &kernel, float *scratch,
+                       float *out)
 {
     blur_row_of(picture, size, row, kernel, scratch, out);
 }
 
-SELD_WIDE void blur_row(const std::uint32_t *picture, int size, int row, const BlurKernel &kernel,
-                        float *scratch, float *out)
+CRN_WIDE void blur_row(const std::uint32_t *picture, int size, int row, const BlurKernel &kernel,
+                       float *scratch, float *out)
 {
     blur_row_of(picture, size, row, kernel, scratch, out);
 }
 
-} // namespace seld
+} // namespace crn

@@ -12,7 +12,7 @@
 #include <array>
 #include <cstdint>
 
-namespace seld
+namespace crn
 {
 
 inline constexpr int blur_radius_max = 12;
@@ -46,4 +46,4 @@ void blur_row(const float *picture, int size, int row, const BlurKernel &kernel,
 void blur_row(const std::uint32_t *picture, int size, int row, const BlurKernel &kernel, float *scratch,
               float *out);
 
-} // namespace seld
+} // namespace crn

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -113,4 +113,4 @@ std::string patient_side(const Eigen::Vector3d &direction)
     return side;
 }
 
-} // namespace seld
+} // namespace crn

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 struct CArm {
@@ -44,4 +44,4 @@ std::string patient_side(const Eigen::Vector3d &direction);
 // Holds the angles, SID, SOD and field inside what a C-arm can do.
 CArm clamp_carm(const CArm &carm);
 
-} // namespace seld
+} // namespace crn

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -49,7 +49,7 @@ void scatter(XrayChain &chain, const CoarseSums &transmitted, bool is_on)
     for (float &value : chain.scatter_cells) value *= grid_scatter_to_primary;
 }
 
-SELD_WIDE void add_row(int size, float *primary, float *signal, float *logarithm)
+CRN_WIDE void add_row(int size, float *primary, float *signal, float *logarithm)
 {
     for (int x = 0; x < size; ++x) {
         primary[x] = primary[x] > 0.0f ? primary[x] : 0.0f; // the kernels have negative taps
@@ -70,7 +70,7 @@ OpenColumns measured_columns(const XrayChain &chain, int row)
 }
 
 // Logarithms are added in 1/65536, so that their sum is exact in any order.
-SELD_WIDE std::int64_t sum_of_logarithms(const float *logarithm, int count)
+CRN_WIDE std::int64_t sum_of_logarithms(const float *logarithm, int count)
 {
     std::int64_t sum = 0;
     for (int x = 0; x < count; ++x) sum += static_cast<std::int32_t>(logarithm[x] * 65536.0f);
@@ -317,4 +317,4 @@ void attenuate_tools(XrayChain &chain)
     }
 }
 
-} // namespace seld
+} // namespace crn

@@ -11,7 +11,7 @@
 #include "host/xray/sparse_blur.hpp"
 #include "host/xray/xray.hpp"
 
-namespace seld
+namespace crn
 {
 
 struct XrayScene::Meshes {
@@ -81,4 +81,4 @@ void see_signal(XrayChain &chain, const XraySettings &settings, const XrayTechni
 // Signal behind the tools, for each pixel that their shadow touches: chain.tool_signal.
 void attenuate_tools(XrayChain &chain);
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <unordered_map>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -123,4 +123,4 @@ std::vector<Eigen::Vector3i> body_vertices_um(const BodyMeshes &meshes, int body
     return vertices;
 }
 
-} // namespace seld
+} // namespace crn

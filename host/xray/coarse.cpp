@@ -3,7 +3,7 @@
 #include "host/xray/lanes.hpp"
 #include <algorithm>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -27,7 +27,7 @@ void blur_five(std::vector<float> &grid, int cells, int dx, int dy)
 } // namespace
 
 // A cell's part of a row, its pixels added in order.
-SELD_WIDE static void add_cells(const float *values, int cells, float *sum)
+CRN_WIDE static void add_cells(const float *values, int cells, float *sum)
 {
     for (int c = 0; c < cells; ++c) {
         float part = 0.0f;
@@ -97,4 +97,4 @@ void slow_row(const std::vector<float> &grid, int size, int row, float *out)
     std::fill(out + size - half, out + size, left);
 }
 
-} // namespace seld
+} // namespace crn

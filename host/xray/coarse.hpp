@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 inline constexpr int coarse_cell = 8; // pixels
@@ -33,4 +33,4 @@ std::vector<float> slow_part(CoarseSums sums, int cells);
 // Row of the bilinear continuation of a grid to full size.
 void slow_row(const std::vector<float> &grid, int size, int row, float *out);
 
-} // namespace seld
+} // namespace crn

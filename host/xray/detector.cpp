@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -97,7 +97,7 @@ inline __attribute__((always_inline)) void exp2_negative_lanes(Lanes_f &x)
 }
 
 // Not 0 when any of them is.
-SELD_WIDE std::int32_t any_of(const std::int32_t *from, int count)
+CRN_WIDE std::int32_t any_of(const std::int32_t *from, int count)
 {
     std::int32_t any = 0;
     for (int i = 0; i < count; ++i) any |= from[i];
@@ -105,7 +105,7 @@ SELD_WIDE std::int32_t any_of(const std::int32_t *from, int count)
 }
 
 // All energies at once, so that each path is read once.
-SELD_WIDE void pass_block(const PresentPaths &present, const float *weight, int columns, float *share)
+CRN_WIDE void pass_block(const PresentPaths &present, const float *weight, int columns, float *share)
 {
     for (int i = 0; i < columns; i += lane_count) {
         Lanes_f exponent[beam_energy_count] = {};
@@ -153,8 +153,8 @@ std::uint32_t count_photons(float expected, std::uint32_t key, std::uint32_t pix
     return static_cast<std::uint32_t>(count_many(expected, bell(key, pixel)) + 0.5f);
 }
 
-SELD_WIDE void count_row(const float *expected, int size, std::uint32_t key, std::uint32_t first_pixel,
-                         std::uint32_t *photons)
+CRN_WIDE void count_row(const float *expected, int size, std::uint32_t key, std::uint32_t first_pixel,
+                        std::uint32_t *photons)
 {
     for (int x = 0; x < size; x += lanes) {
         float counts[lanes];
@@ -191,4 +191,4 @@ OpenColumns open_columns(const XrayBeam &beam, int size, int row)
     return {std::max(begin, 0), std::min(size - begin, size)};
 }
 
-} // namespace seld
+} // namespace crn

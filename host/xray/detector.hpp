@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // Share of the open beam's signal that passes these path lengths (1/1024 mm per material).
@@ -38,4 +38,4 @@ void count_row(const float *expected, int size, std::uint32_t key, std::uint32_t
 // The open part of a row of the field.
 OpenColumns open_columns(const XrayBeam &beam, int size, int row);
 
-} // namespace seld
+} // namespace crn

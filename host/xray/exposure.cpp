@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -194,4 +194,4 @@ void Exposure::jump(const XrayTechnique &technique, double signal_share, Exposur
     state.water_cm = estimate_water_cm(technique, signal_share);
 }
 
-} // namespace seld
+} // namespace crn

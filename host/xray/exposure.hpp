@@ -18,7 +18,7 @@
 #include <span>
 #include <utility>
 
-namespace seld
+namespace crn
 {
 
 enum class ExposureMode : std::uint8_t { fluoro, cine, dsa };
@@ -108,4 +108,4 @@ XrayTechnique held_technique(const XrayTechnique &technique);
 // Air kerma at the reference point, uGy per pulse.
 double reference_kerma_uGy(const BeamTable &table, const XrayTechnique &technique, double source_isocentre_m);
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include <bit>
 #include <cstdint>
 
-namespace seld
+namespace crn
 {
 
 // 2^f on [0, 1): minimax-like polynomial (Taylor of degree 6 about 1/2), relative error 1.2e-7.
@@ -90,4 +90,4 @@ inline double cos_pi(double x)
     return 1.0 - 2.0 * s * s;
 }
 
-} // namespace seld
+} // namespace crn

@@ -2,7 +2,7 @@
 #include "host/xray/lag.hpp"
 #include "host/xray/float_math.hpp"
 
-namespace seld
+namespace crn
 {
 
 float lag_released_share(std::uint32_t elapsed_ms)
@@ -21,4 +21,4 @@ void lag_row(float released_share, int size, float *trapped, float *signal)
     }
 }
 
-} // namespace seld
+} // namespace crn

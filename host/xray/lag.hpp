@@ -8,7 +8,7 @@
 #pragma once
 #include <cstdint>
 
-namespace seld
+namespace crn
 {
 
 inline constexpr float lag_trapped_share = 0.03f;
@@ -20,4 +20,4 @@ float lag_released_share(std::uint32_t elapsed_ms);
 // Takes a row of signals through the traps.
 void lag_row(float released_share, int size, float *trapped, float *signal);
 
-} // namespace seld
+} // namespace crn

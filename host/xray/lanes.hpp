@@ -3,7 +3,7 @@
 #pragma once
 #include <cstdint>
 
-namespace seld
+namespace crn
 {
 
 inline constexpr int lane_count = 8;
@@ -14,30 +14,29 @@ typedef std::int32_t Lanes_i_anywhere __attribute__((vector_size(32), aligned(4)
 inline constexpr Lanes_i lane_index = {0, 1, 2, 3, 4, 5, 6, 7};
 
 #if defined(__x86_64__)
-#define SELD_HAS_AVX2 1
+#define CRN_HAS_AVX2 1
 // Functions in between may use AVX2; call them only where the processor has it.
 #if defined(__clang__)
-#define SELD_AVX2_BEGIN                                                                                      \
-    _Pragma("clang attribute push(__attribute__((target(\"avx2\"))), apply_to = function)")
-#define SELD_AVX2_END _Pragma("clang attribute pop")
+#define CRN_AVX2_BEGIN _Pragma("clang attribute push(__attribute__((target(\"avx2\"))), apply_to = function)")
+#define CRN_AVX2_END _Pragma("clang attribute pop")
 #else
-#define SELD_AVX2_BEGIN _Pragma("GCC push_options") _Pragma("GCC target(\"avx2\")")
-#define SELD_AVX2_END _Pragma("GCC pop_options")
+#define CRN_AVX2_BEGIN _Pragma("GCC push_options") _Pragma("GCC target(\"avx2\")")
+#define CRN_AVX2_END _Pragma("GCC pop_options")
 #endif
 #endif
 
-// SELD_WIDE: a function of plain loops that the compiler turns into vectors is compiled twice, the second time for AVX2, and
+// CRN_WIDE: a function of plain loops that the compiler turns into vectors is compiled twice, the second time for AVX2, and
 // the processor chooses when the program starts: too early for the sanitizers.
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define SELD_WIDE
+#define CRN_WIDE
 #endif
 #endif
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__x86_64__)
-#define SELD_WIDE
+#define CRN_WIDE
 #endif
-#ifndef SELD_WIDE
-#define SELD_WIDE __attribute__((target_clones("avx2", "default")))
+#ifndef CRN_WIDE
+#define CRN_WIDE __attribute__((target_clones("avx2", "default")))
 #endif
 
-} // namespace seld
+} // namespace crn

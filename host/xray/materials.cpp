@@ -2,7 +2,7 @@
 #include "host/xray/materials.hpp"
 #include <utility>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -53,4 +53,4 @@ std::string material_names()
     return list;
 }
 
-} // namespace seld
+} // namespace crn

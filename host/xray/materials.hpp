@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace seld
+namespace crn
 {
 
 enum class Material : std::uint8_t {
@@ -40,4 +40,4 @@ std::optional<Material> material_from_name(std::string_view name);
 // All accepted names, comma separated, for error messages.
 std::string material_names();
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // Bodies of one material inside one other share a channel: a sum is theirs, and is taken from the parent's material.
@@ -48,4 +48,4 @@ void move_body(BodyMeshes &meshes, int body, std::span<const Eigen::Vector3i> ve
 // The body's vertices as they are, in the order of Body::vertices_um; those that no triangle uses are 0.
 std::vector<Eigen::Vector3i> body_vertices_um(const BodyMeshes &meshes, int body);
 
-} // namespace seld
+} // namespace crn

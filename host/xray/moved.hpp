@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // One stretch of a tool by arc length from its own tip. A coil is a tube that metal fills partly; a braided wall is two
@@ -68,4 +68,4 @@ struct XrayFrame {
     std::span<const MovedBody> bodies = {};
 };
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // work(index) for index 0 .. count-1, one thread each; the caller's thread takes index 0.
@@ -36,4 +36,4 @@ template <class Work> void run_on_rows(int threads, int rows, int step, const Wo
     });
 }
 
-} // namespace seld
+} // namespace crn

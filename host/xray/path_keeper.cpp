@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -190,4 +190,4 @@ bool PathKeeper::see(const CArm &carm, int size, const XrayFrame &frame)
     return is_new || have_moved;
 }
 
-} // namespace seld
+} // namespace crn

@@ -4,7 +4,7 @@
 #include "host/xray/moved.hpp"
 #include "host/xray/paths.hpp"
 
-namespace seld
+namespace crn
 {
 
 class PathKeeper
@@ -48,4 +48,4 @@ class PathKeeper
     Material displaced_ = Material::blood;
 };
 
-} // namespace seld
+} // namespace crn

@@ -22,7 +22,7 @@
 #include <string_view>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // One picture per material, size*size, row 0 on top, in 1/1024 mm; empty where the scene has none of the material.
@@ -83,4 +83,4 @@ struct ToolPaths {
     }
 };
 
-} // namespace seld
+} // namespace crn

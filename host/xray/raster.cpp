@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -31,8 +31,8 @@ bool is_outside(const Camera &camera, const MeshChunk &chunk)
 }
 
 // Projects whole lanes of corners. False when one lies beyond the guard or nearer than near_um.
-SELD_WIDE bool project_corners(const Camera &camera, const float *x_um, const float *y_um, const float *z_um,
-                               int count, Corner *corners)
+CRN_WIDE bool project_corners(const Camera &camera, const float *x_um, const float *y_um, const float *z_um,
+                              int count, Corner *corners)
 {
     const Eigen::Vector3f source = camera.source, right = camera.right, up = camera.up,
                           forward = camera.forward;
@@ -64,9 +64,9 @@ SELD_WIDE bool project_corners(const Camera &camera, const float *x_um, const fl
 }
 
 // The pixels of `rect` whose centres the box of each triangle holds; triangles without any are left out.
-SELD_WIDE void keep_triangles(const std::array<std::uint16_t, 3> *triangles, std::uint32_t count,
-                              const Corner *corners, const PixelRect &rect, KeptTriangle *kept,
-                              Projection::OfChunk &of_chunk)
+CRN_WIDE void keep_triangles(const std::array<std::uint16_t, 3> *triangles, std::uint32_t count,
+                             const Corner *corners, const PixelRect &rect, KeptTriangle *kept,
+                             Projection::OfChunk &of_chunk)
 {
     const std::int32_t first[2] = {rect.x0, rect.y0}, last[2] = {rect.x1 - 1, rect.y1 - 1};
     std::int32_t least[2] = {INT16_MAX, INT16_MAX}, greatest[2] = {-1, -1};
@@ -166,4 +166,4 @@ void project_chunk(const BodyMeshes &meshes, const RasterVertices &vertices, std
                     0};
 }
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #pragma once
 #include "host/xray/paths.hpp"
 
-namespace seld
+namespace crn
 {
 
 inline constexpr int subpixel_bits = 8;
@@ -82,4 +82,4 @@ inline constexpr int tile_ints = tile_rows * tile_stride;
 void raster_clipped(const Camera &camera, const std::array<Eigen::Vector3f, 3> &vertices_um,
                     const PixelRect &tile, std::int32_t *sums);
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -170,4 +170,4 @@ void raster_clipped(const Camera &camera, const std::array<Eigen::Vector3f, 3> &
     for (int i = 2; i < count; ++i) draw(corners[0], corners[i - 1], corners[i], tile, sums);
 }
 
-} // namespace seld
+} // namespace crn

@@ -6,13 +6,13 @@
 #include <atomic>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
 
 // How much longer the way along each ray is than that along the axis.
-SELD_WIDE void oblique_row(const View &view, int row, int begin, int end, float *oblique)
+CRN_WIDE void oblique_row(const View &view, int row, int begin, int end, float *oblique)
 {
     const float half = 0.5f * static_cast<float>(view.size);
     const float focal = static_cast<float>(view.source_detector_m / view.pixel_m);
@@ -30,7 +30,7 @@ struct SignedRow {
     std::int32_t sign; // 0: added, -1: taken
 };
 
-SELD_WIDE void add_rows(std::span<const SignedRow> rows, int count, std::int32_t *to)
+CRN_WIDE void add_rows(std::span<const SignedRow> rows, int count, std::int32_t *to)
 {
     for (int x = 0; x < count; ++x) to[x] = (rows[0].line[x] ^ rows[0].sign) - rows[0].sign;
     for (const SignedRow &row : rows.subspan(1)) {
@@ -40,14 +40,14 @@ SELD_WIDE void add_rows(std::span<const SignedRow> rows, int count, std::int32_t
 }
 
 // Most pictures lack most materials in most tiles: reading that is cheaper than writing it again, which memory pays twice.
-SELD_WIDE void clear_row(int count, std::int32_t *to)
+CRN_WIDE void clear_row(int count, std::int32_t *to)
 {
     std::int32_t any = 0;
     for (int x = 0; x < count; ++x) any |= to[x];
     if (any != 0) std::fill_n(to, count, 0);
 }
 
-SELD_WIDE void lengthen_row(const std::int32_t *from, const float *oblique, int count, std::int32_t *to)
+CRN_WIDE void lengthen_row(const std::int32_t *from, const float *oblique, int count, std::int32_t *to)
 {
     for (int x = 0; x < count; ++x) {
         const float length = static_cast<float>(from[x]) * oblique[x] + 0.5f;
@@ -184,4 +184,4 @@ bool RasterPaths::draw(const View &view, std::span<const std::uint8_t> is_drawn,
     return true;
 }
 
-} // namespace seld
+} // namespace crn

@@ -2,7 +2,7 @@
 #pragma once
 #include "host/xray/raster.hpp"
 
-namespace seld
+namespace crn
 {
 
 class RasterPaths : public BodyPaths
@@ -38,4 +38,4 @@ class RasterPaths : public BodyPaths
     std::vector<Tile> tiles_; // of each thread
 };
 
-} // namespace seld
+} // namespace crn

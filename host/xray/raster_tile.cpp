@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -16,12 +16,12 @@ namespace plain
 #include "host/xray/raster_batch.inc"
 } // namespace plain
 
-#ifdef SELD_HAS_AVX2
+#ifdef CRN_HAS_AVX2
 namespace avx2
 {
-SELD_AVX2_BEGIN
+CRN_AVX2_BEGIN
 #include "host/xray/raster_batch.inc"
-SELD_AVX2_END
+CRN_AVX2_END
 } // namespace avx2
 #endif
 
@@ -29,7 +29,7 @@ using DrawBatch = void (*)(Batch &batch, const PixelRect &tile);
 
 DrawBatch choose_draw_batch()
 {
-#ifdef SELD_HAS_AVX2
+#ifdef CRN_HAS_AVX2
     if (__builtin_cpu_supports("avx2")) return avx2::draw_batch;
 #endif
     return plain::draw_batch;
@@ -102,4 +102,4 @@ void TileRaster::add(std::size_t index, std::int32_t *sums)
     }
 }
 
-} // namespace seld
+} // namespace crn

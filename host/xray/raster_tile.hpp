@@ -3,7 +3,7 @@
 #include "host/xray/lanes.hpp"
 #include "host/xray/raster.hpp"
 
-namespace seld
+namespace crn
 {
 
 // Eight triangles set up together: edges and depth at the first pixel of each one's part of the tile.
@@ -51,4 +51,4 @@ class TileRaster
     Batch batch_{};
 };
 
-} // namespace seld
+} // namespace crn

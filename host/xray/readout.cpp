@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -31,7 +31,7 @@ Curve make_curve(const XrayChain &chain, const XrayDisplay &display, const XrayP
     return curve;
 }
 
-SELD_WIDE void quantise_row(const float *signal, int size, float gain, std::uint16_t *raw)
+CRN_WIDE void quantise_row(const float *signal, int size, float gain, std::uint16_t *raw)
 {
     for (int x = 0; x < size; ++x) {
         const float value = signal[x] * gain + 0.5f;
@@ -42,8 +42,8 @@ SELD_WIDE void quantise_row(const float *signal, int size, float gain, std::uint
 }
 
 // Log image, slow changes held down, then an S-curve: few photons (bone, metal) are dark. Then window and level.
-SELD_WIDE void display_row(const Curve &curve, const std::uint16_t *raw, const float *slow, int size,
-                           std::uint16_t *shown, std::uint8_t *grey)
+CRN_WIDE void display_row(const Curve &curve, const std::uint16_t *raw, const float *slow, int size,
+                          std::uint16_t *shown, std::uint8_t *grey)
 {
     for (int x = 0; x < size; ++x) {
         const float signal = static_cast<float>(static_cast<std::int32_t>(raw[x])) + 0.5f;
@@ -92,4 +92,4 @@ void read_out(const XrayChain &chain, const XrayDisplay &display, XrayMemory *me
     });
 }
 
-} // namespace seld
+} // namespace crn

@@ -3,11 +3,11 @@
 #pragma once
 #include "host/xray/chain.hpp"
 
-namespace seld
+namespace crn
 {
 
 // Fills raw, shown and grey of a picture whose photons are counted. `memory` may be nullptr: no lag; else its traps fit
 // the picture's size.
 void read_out(const XrayChain &chain, const XrayDisplay &display, XrayMemory *memory, XrayPicture &picture);
 
-} // namespace seld
+} // namespace crn

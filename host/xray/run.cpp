@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -57,4 +57,4 @@ void make_logarithmic(XrayRun &run)
     if (run.window_width > 0.0) move_window(run);
 }
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 enum class RunKind { fluoro, cine, dsa };
@@ -85,4 +85,4 @@ void make_logarithmic(XrayRun &run);
 // The table by which it does so, 65,536 entries, and the one back.
 const std::vector<std::uint16_t> &logarithm_table();
 
-} // namespace seld
+} // namespace crn

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -48,4 +48,4 @@ std::vector<float> scatter_part(const CoarseSums &primary, int cells, double cel
     return grid;
 }
 
-} // namespace seld
+} // namespace crn

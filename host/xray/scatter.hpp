@@ -14,7 +14,7 @@
 #pragma once
 #include "host/xray/coarse.hpp"
 
-namespace seld
+namespace crn
 {
 
 // Share of scattered photons that the grid lets through, over that of primary ones.
@@ -23,4 +23,4 @@ inline constexpr float grid_scatter_to_primary = 0.21f / 0.706f;
 // Scatter in each cell of the coarse grid, in the units of the primary sums (1: the open beam), in front of a grid.
 std::vector<float> scatter_part(const CoarseSums &primary, int cells, double cell_mm);
 
-} // namespace seld
+} // namespace crn

@@ -2,7 +2,7 @@
 #include "host/xray/sparse_blur.hpp"
 #include <algorithm>
 
-namespace seld
+namespace crn
 {
 
 void SparseBlur::run(int size, std::span<const std::int32_t> pixels, std::span<const float> values,
@@ -52,4 +52,4 @@ void SparseBlur::pass(const Line &line, const BlurKernel &kernel)
     std::swap(pixels_, reached_);
 }
 
-} // namespace seld
+} // namespace crn

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 class SparseBlur
@@ -35,4 +35,4 @@ class SparseBlur
     std::vector<std::int32_t> reached_;    // pixels of the pass under way
 };
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include "host/xray/float_math.hpp"
 #include <algorithm>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -112,4 +112,4 @@ double scintillator_absorption(int energy_index)
     return 1.0 - exp_double(-0.055 * caesium_iodide_per_cm[energy_index]);
 }
 
-} // namespace seld
+} // namespace crn

@@ -9,7 +9,7 @@
 #include "host/xray/attenuation.hpp"
 #include <array>
 
-namespace seld
+namespace crn
 {
 
 inline constexpr double tube_voltage_min_kV = 40.0, tube_voltage_max_kV = 125.0;
@@ -31,4 +31,4 @@ double air_kerma_uGy(const Spectrum &photons_mm2);
 // needles about 0.6 mm thick).
 double scintillator_absorption(int energy_index);
 
-} // namespace seld
+} // namespace crn

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -82,4 +82,4 @@ void add_surface(const std::array<SurfaceCorner, 3> &corners, int size, int row_
     }
 }
 
-} // namespace seld
+} // namespace crn

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct SurfaceCorner {
@@ -22,4 +22,4 @@ SurfaceCorner surface_corner(const View &view, const Eigen::Vector3d &point_m, s
 void add_surface(const std::array<SurfaceCorner, 3> &corners, int size, int row_begin, int row_end,
                  std::int32_t *sums);
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 
 using Eigen::Vector3d;
@@ -314,4 +314,4 @@ const std::vector<std::int32_t> &Vcsim3Look::body_density_q16() const
     return scene_->sums;
 }
 
-} // namespace seld
+} // namespace crn

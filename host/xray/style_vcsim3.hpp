@@ -8,7 +8,7 @@
 #pragma once
 #include "host/xray/xray.hpp"
 
-namespace seld
+namespace crn
 {
 
 // Opacity of a surface seen edge-on, and how fast it falls towards the front view.
@@ -49,4 +49,4 @@ class Vcsim3Look
     std::unique_ptr<SurfaceScene> scene_;
 };
 
-} // namespace seld
+} // namespace crn

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -253,4 +253,4 @@ RadiopaqueInstrument guidewire_look(double tip_m)
             {}};
 }
 
-} // namespace seld
+} // namespace crn

@@ -4,11 +4,11 @@
 #include "host/xray/moved.hpp"
 #include "host/xray/paths.hpp"
 
-namespace seld
+namespace crn
 {
 
 // Replaces `paths` by those of the frame's tools and curves in this view. They take the place of `displaced` (blood, or the
 // tissue where no blood is drawn), with the iodine that the wire's nodes say is in it.
 void draw_tubes(const XrayFrame &frame, const View &view, Material displaced, ToolPaths &paths);
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 
 using Eigen::Vector3d;
@@ -46,7 +46,7 @@ float greatest(float a, float b)
 }
 
 // Filled chords, in 1/1024 mm, of `count` rays in a row: (u + i step, v), in pixels from the piece's middle.
-SELD_WIDE void chords_of_row(const Chords &c, float u, float v, float step, int count, std::int32_t *out)
+CRN_WIDE void chords_of_row(const Chords &c, float u, float v, float step, int count, std::int32_t *out)
 {
     const float dy = c.middle_v + v, dz = c.focal, ey = -c.t0 * v;
     for (int i = 0; i < count; ++i) {
@@ -227,4 +227,4 @@ void TubePainter::paint(const TubePiece &piece)
     }
 }
 
-} // namespace seld
+} // namespace crn

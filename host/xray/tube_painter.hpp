@@ -2,7 +2,7 @@
 #pragma once
 #include "host/xray/paths.hpp"
 
-namespace seld
+namespace crn
 {
 
 // In camera axes: x right, y up, z away from the source. Cylinder about the line from a to b, cut by the planes through a and b.
@@ -35,4 +35,4 @@ class TubePainter
     std::vector<std::int32_t> rows_; // of three rows of rays
 };
 
-} // namespace seld
+} // namespace crn

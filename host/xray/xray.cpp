@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -239,4 +239,4 @@ bool Xray::last_render_used_cache() const
     return chain_->was_kept;
 }
 
-} // namespace seld
+} // namespace crn

@@ -24,7 +24,7 @@
 #include <string_view>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 struct XrayBeam {
@@ -156,4 +156,4 @@ class Xray
     std::unique_ptr<XrayChain> chain_;
 };
 
-} // namespace seld
+} // namespace crn

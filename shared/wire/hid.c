@@ -3,9 +3,9 @@
 
 /* --- plain values --- */
 #define PLAIN(type, bytes)                                                                                   \
-    static void put_##type(seld_wire_writer *writer, const seld_hid_##type *value)                           \
+    static void put_##type(crn_wire_writer *writer, const crn_hid_##type *value)                             \
     {                                                                                                        \
-        seld_wire_write(writer, (uint64_t)*value, bytes);                                                    \
+        crn_wire_write(writer, (uint64_t)*value, bytes);                                                     \
     }
 PLAIN(u8, 1)
 PLAIN(u16, 2)
@@ -15,29 +15,29 @@ PLAIN(i16, 2)
 PLAIN(i32, 4)
 
 #define UNSIGNED(type, bytes)                                                                                \
-    static void get_##type(seld_wire_reader *reader, seld_hid_##type *value)                                 \
+    static void get_##type(crn_wire_reader *reader, crn_hid_##type *value)                                   \
     {                                                                                                        \
-        *value = (seld_hid_##type)seld_wire_read(reader, bytes);                                             \
+        *value = (crn_hid_##type)crn_wire_read(reader, bytes);                                               \
     }
 UNSIGNED(u8, 1)
 UNSIGNED(u16, 2)
 UNSIGNED(u32, 4)
 UNSIGNED(u64, 8)
 
-static void get_i16(seld_wire_reader *reader, int16_t *value)
+static void get_i16(crn_wire_reader *reader, int16_t *value)
 {
-    uint32_t word = (uint32_t)seld_wire_read(reader, 2);
+    uint32_t word = (uint32_t)crn_wire_read(reader, 2);
     *value = (int16_t)(word < 0x8000u ? (int32_t)word : (int32_t)word - 0x10000);
 }
 
-static void get_i32(seld_wire_reader *reader, int32_t *value)
+static void get_i32(crn_wire_reader *reader, int32_t *value)
 {
-    *value = seld_wire_i32_from_u32((uint32_t)seld_wire_read(reader, 4));
+    *value = crn_wire_i32_from_u32((uint32_t)crn_wire_read(reader, 4));
 }
 
 /* --- records and reports --- */
 /* clang-format off */
-#define HID_RECORD(name, text) static void put_##name(seld_wire_writer *writer, const seld_hid_##name *value) {
+#define HID_RECORD(name, text) static void put_##name(crn_wire_writer *writer, const crn_hid_##name *value) {
 #define HID_REPORT(name, id, kind, text) HID_RECORD(name, text)
 #define HID_FIELD(owner, type, name, unit, text) put_##type(writer, &value->name);
 #define HID_ARRAY(owner, type, name, count, unit, text) \
@@ -45,7 +45,7 @@ static void get_i32(seld_wire_reader *reader, int32_t *value)
 #define HID_END(owner) }
 #include "shared/wire/hid_reports.def"
 
-#define HID_RECORD(name, text) static void get_##name(seld_wire_reader *reader, seld_hid_##name *value) {
+#define HID_RECORD(name, text) static void get_##name(crn_wire_reader *reader, crn_hid_##name *value) {
 #define HID_REPORT(name, id, kind, text) HID_RECORD(name, text)
 #define HID_FIELD(owner, type, name, unit, text) get_##type(reader, &value->name);
 #define HID_ARRAY(owner, type, name, count, unit, text) \
@@ -54,14 +54,14 @@ static void get_i32(seld_wire_reader *reader, int32_t *value)
 #include "shared/wire/hid_reports.def"
 
 #define HID_REPORT(name, id, kind, text) \
-    bool seld_hid_put_##name(seld_wire_writer *writer, const seld_hid_##name *value) \
+    bool crn_hid_put_##name(crn_wire_writer *writer, const crn_hid_##name *value) \
     { \
         put_##name(writer, value); \
         return !writer->overflowed; \
     } \
-    bool seld_hid_decode_##name(const uint8_t *bytes, size_t length, seld_hid_##name *value) \
+    bool crn_hid_decode_##name(const uint8_t *bytes, size_t length, crn_hid_##name *value) \
     { \
-        seld_wire_reader reader = seld_wire_reader_make(bytes, length); \
+        crn_wire_reader reader = crn_wire_reader_make(bytes, length); \
         get_##name(&reader, value); \
         return !reader.failed; \
     }
@@ -72,7 +72,7 @@ enum {
     INPUT = 0x81, OUTPUT = 0x91, FEATURE = 0xb1, /* main items; 0x02: data, variable, absolute */
 };
 
-const uint8_t seld_hid_descriptor[SELD_HID_DESCRIPTOR_BYTES] = {
+const uint8_t crn_hid_descriptor[CRN_HID_DESCRIPTOR_BYTES] = {
     0x06, 0x00, 0xff, /* usage page: vendor-defined 0xff00 */
     0x09, 0x01,       /* usage 1 */
     0xa1, 0x01,       /* collection: application */
@@ -80,14 +80,14 @@ const uint8_t seld_hid_descriptor[SELD_HID_DESCRIPTOR_BYTES] = {
     0x26, 0xff, 0x00, /* logical maximum 255 */
     0x75, 0x08,       /* report size: 8 bits */
 #define HID_REPORT(name, id, kind, text) \
-    0x85, id, 0x09, id, 0x95, SELD_HID_BYTES_##name, kind, 0x02, /* report id, usage, report count, main */
+    0x85, id, 0x09, id, 0x95, CRN_HID_BYTES_##name, kind, 0x02, /* report id, usage, report count, main */
 #include "shared/wire/hid_reports.def"
     0xc0, /* end collection */
 };
 
 #define HID_REPORT(name, id, kind, text) \
-    _Static_assert(SELD_HID_BYTES_##name < 256, "the report count of " #name " fits one byte"); \
-    _Static_assert(kind == FEATURE || 1 + SELD_HID_BYTES_##name <= SELD_HID_REPORT_BYTES_MAX, #name " fits one packet");
+    _Static_assert(CRN_HID_BYTES_##name < 256, "the report count of " #name " fits one byte"); \
+    _Static_assert(kind == FEATURE || 1 + CRN_HID_BYTES_##name <= CRN_HID_REPORT_BYTES_MAX, #name " fits one packet");
 #include "shared/wire/hid_reports.def"
 /* clang-format on */
 
@@ -100,7 +100,7 @@ static uint64_t hash_text(uint64_t hash, const char *text)
     return hash;
 }
 
-uint64_t seld_hid_report_hash(void)
+uint64_t crn_hid_report_hash(void)
 {
     uint64_t hash = 0xcbf29ce484222325u;
     /* clang-format off */

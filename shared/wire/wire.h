@@ -1,16 +1,16 @@
 /* The wire's messages as structs and codecs, made from wire_messages.def and wire_faults.def.
  *
- *   seld_wire_<name>                the struct of a record or message
- *   SELD_WIRE_TYPE_<name>           its number on the wire
- *   SELD_WIRE_BYTES_<name>          its largest payload
- *   seld_wire_put_<name>            append to a writer; false when it does not fit or a count exceeds its array
- *   seld_wire_get_<name>            read from a reader; false when bytes are missing or a count exceeds its array
- *   seld_wire_decode_<name>         read a whole payload; false unless it fits to the byte
+ *   crn_wire_<name>                the struct of a record or message
+ *   CRN_WIRE_TYPE_<name>           its number on the wire
+ *   CRN_WIRE_BYTES_<name>          its largest payload
+ *   crn_wire_put_<name>            append to a writer; false when it does not fit or a count exceeds its array
+ *   crn_wire_get_<name>            read from a reader; false when bytes are missing or a count exceeds its array
+ *   crn_wire_decode_<name>         read a whole payload; false unless it fits to the byte
  *
  * May include: shared/wire. Called by: firmware/app, host/link, host/app. C11 and C++20.
  */
-#ifndef SELD_WIRE_H
-#define SELD_WIRE_H
+#ifndef CRN_WIRE_H
+#define CRN_WIRE_H
 
 #include "shared/wire/wire_bytes.h"
 
@@ -20,164 +20,164 @@ extern "C" {
 
 /* clang-format off */
 enum {
-    SELD_WIRE_PROTOCOL_MAJOR = 4, /* changes when old and new cannot talk */
-    SELD_WIRE_PROTOCOL_MINOR = 0,
+    CRN_WIRE_PROTOCOL_MAJOR = 4, /* changes when old and new cannot talk */
+    CRN_WIRE_PROTOCOL_MINOR = 0,
 };
 
-typedef uint8_t seld_wire_u8;
-typedef uint16_t seld_wire_u16;
-typedef uint32_t seld_wire_u32;
-typedef uint64_t seld_wire_u64;
-typedef int32_t seld_wire_i32;
+typedef uint8_t crn_wire_u8;
+typedef uint16_t crn_wire_u16;
+typedef uint32_t crn_wire_u32;
+typedef uint64_t crn_wire_u64;
+typedef int32_t crn_wire_i32;
 
 enum {
-    SELD_WIRE_BYTES_u8 = 1,
-    SELD_WIRE_BYTES_u16 = 2,
-    SELD_WIRE_BYTES_u32 = 4,
-    SELD_WIRE_BYTES_u64 = 8,
-    SELD_WIRE_BYTES_i32 = 4,
+    CRN_WIRE_BYTES_u8 = 1,
+    CRN_WIRE_BYTES_u16 = 2,
+    CRN_WIRE_BYTES_u32 = 4,
+    CRN_WIRE_BYTES_u64 = 8,
+    CRN_WIRE_BYTES_i32 = 4,
 };
 
 /* The structs. */
-#define RECORD(name, text) typedef struct seld_wire_##name {
-#define MESSAGE(name, type, direction, text) typedef struct seld_wire_##name {
-#define FIELD(owner, type, name, unit, text) seld_wire_##type name;
-#define ARRAY(owner, type, name, max, unit, text) uint16_t name##_count; seld_wire_##type name[max];
-#define END(owner) } seld_wire_##owner;
+#define RECORD(name, text) typedef struct crn_wire_##name {
+#define MESSAGE(name, type, direction, text) typedef struct crn_wire_##name {
+#define FIELD(owner, type, name, unit, text) crn_wire_##type name;
+#define ARRAY(owner, type, name, max, unit, text) uint16_t name##_count; crn_wire_##type name[max];
+#define END(owner) } crn_wire_##owner;
 #include "shared/wire/wire_messages.def"
 
 /* Largest sizes in bytes. */
-#define RECORD(name, text) enum { SELD_WIRE_BYTES_##name = 0
-#define MESSAGE(name, type, direction, text) enum { SELD_WIRE_BYTES_##name = 0
-#define FIELD(owner, type, name, unit, text) + (int)SELD_WIRE_BYTES_##type
-#define ARRAY(owner, type, name, max, unit, text) + 2 + (max) * (int)SELD_WIRE_BYTES_##type
+#define RECORD(name, text) enum { CRN_WIRE_BYTES_##name = 0
+#define MESSAGE(name, type, direction, text) enum { CRN_WIRE_BYTES_##name = 0
+#define FIELD(owner, type, name, unit, text) + (int)CRN_WIRE_BYTES_##type
+#define ARRAY(owner, type, name, max, unit, text) + 2 + (max) * (int)CRN_WIRE_BYTES_##type
 #define END(owner) };
 #include "shared/wire/wire_messages.def"
 
 /* Largest counts of arrays. */
-#define ARRAY(owner, type, name, max, unit, text) enum { SELD_WIRE_MAX_##owner##_##name = max };
+#define ARRAY(owner, type, name, max, unit, text) enum { CRN_WIRE_MAX_##owner##_##name = max };
 #include "shared/wire/wire_messages.def"
 
 /* Numbers of messages. */
-#define MESSAGE(name, type, direction, text) SELD_WIRE_TYPE_##name = type,
+#define MESSAGE(name, type, direction, text) CRN_WIRE_TYPE_##name = type,
 enum {
 #include "shared/wire/wire_messages.def"
 };
 
 /* Codecs. */
 #define RECORD(name, text) \
-    bool seld_wire_put_##name(seld_wire_writer *writer, const seld_wire_##name *value); \
-    bool seld_wire_get_##name(seld_wire_reader *reader, seld_wire_##name *value);
+    bool crn_wire_put_##name(crn_wire_writer *writer, const crn_wire_##name *value); \
+    bool crn_wire_get_##name(crn_wire_reader *reader, crn_wire_##name *value);
 #define MESSAGE(name, type, direction, text) \
-    bool seld_wire_put_##name(seld_wire_writer *writer, const seld_wire_##name *value); \
-    bool seld_wire_get_##name(seld_wire_reader *reader, seld_wire_##name *value); \
-    bool seld_wire_decode_##name(const uint8_t *payload, size_t length, seld_wire_##name *value);
+    bool crn_wire_put_##name(crn_wire_writer *writer, const crn_wire_##name *value); \
+    bool crn_wire_get_##name(crn_wire_reader *reader, crn_wire_##name *value); \
+    bool crn_wire_decode_##name(const uint8_t *payload, size_t length, crn_wire_##name *value);
 #include "shared/wire/wire_messages.def"
 
 /* Codes of faults and refusals. */
-#define FAULT(NAME, code, effect, safe_ms, test, text, detection, remedy) SELD_FAULT_CODE_##NAME = code,
-typedef enum seld_fault_code {
-    SELD_FAULT_CODE_NONE = 0,
+#define FAULT(NAME, code, effect, safe_ms, test, text, detection, remedy) CRN_FAULT_CODE_##NAME = code,
+typedef enum crn_fault_code {
+    CRN_FAULT_CODE_NONE = 0,
 #include "shared/wire/wire_faults.def"
-} seld_fault_code;
+} crn_fault_code;
 
-#define REJECT(NAME, code, text, remedy) SELD_REJECT_##NAME = code,
-typedef enum seld_reject_code {
-    SELD_REJECT_NONE = 0,
+#define REJECT(NAME, code, text, remedy) CRN_REJECT_##NAME = code,
+typedef enum crn_reject_code {
+    CRN_REJECT_NONE = 0,
 #include "shared/wire/wire_faults.def"
-} seld_reject_code;
+} crn_reject_code;
 /* clang-format on */
 
 /* Numbers inside messages, named. */
 enum {
-    SELD_WIRE_STATE_INIT = 0,
-    SELD_WIRE_STATE_READY = 1,
-    SELD_WIRE_STATE_ARMED = 2,
-    SELD_WIRE_STATE_RUNNING = 3,
-    SELD_WIRE_STATE_FAULT = 4,
+    CRN_WIRE_STATE_INIT = 0,
+    CRN_WIRE_STATE_READY = 1,
+    CRN_WIRE_STATE_ARMED = 2,
+    CRN_WIRE_STATE_RUNNING = 3,
+    CRN_WIRE_STATE_FAULT = 4,
 
-    SELD_WIRE_MODE_LOCKSTEP = 0,
-    SELD_WIRE_MODE_FREE_RUN = 1,
+    CRN_WIRE_MODE_LOCKSTEP = 0,
+    CRN_WIRE_MODE_FREE_RUN = 1,
 
-    SELD_WIRE_ACTION_ARM = 1,
-    SELD_WIRE_ACTION_START = 2,
-    SELD_WIRE_ACTION_STOP = 3,
-    SELD_WIRE_ACTION_RESET = 4,
-    SELD_WIRE_ACTION_LOCKSTEP = 5,
-    SELD_WIRE_ACTION_FREE_RUN = 6,
-    SELD_WIRE_ACTION_ARM_MOTORS = 7,
-    SELD_WIRE_ACTION_CONFIRM = 8,
+    CRN_WIRE_ACTION_ARM = 1,
+    CRN_WIRE_ACTION_START = 2,
+    CRN_WIRE_ACTION_STOP = 3,
+    CRN_WIRE_ACTION_RESET = 4,
+    CRN_WIRE_ACTION_LOCKSTEP = 5,
+    CRN_WIRE_ACTION_FREE_RUN = 6,
+    CRN_WIRE_ACTION_ARM_MOTORS = 7,
+    CRN_WIRE_ACTION_CONFIRM = 8,
 
-    SELD_WIRE_RHYTHM_HEART_RATE = 1,
-    SELD_WIRE_RHYTHM_VARIABILITY = 2,
-    SELD_WIRE_RHYTHM_PREMATURE = 3,
-    SELD_WIRE_RHYTHM_ASYSTOLE = 4,
-    SELD_WIRE_RHYTHM_BREATH_RATE = 5,
-    SELD_WIRE_RHYTHM_BREATH_HOLD = 6,
+    CRN_WIRE_RHYTHM_HEART_RATE = 1,
+    CRN_WIRE_RHYTHM_VARIABILITY = 2,
+    CRN_WIRE_RHYTHM_PREMATURE = 3,
+    CRN_WIRE_RHYTHM_ASYSTOLE = 4,
+    CRN_WIRE_RHYTHM_BREATH_RATE = 5,
+    CRN_WIRE_RHYTHM_BREATH_HOLD = 6,
 
-    SELD_WIRE_RHYTHM_IS_PREMATURE = 1,
-    SELD_WIRE_RHYTHM_NEXT_PREMATURE = 2,
-    SELD_WIRE_RHYTHM_WANTS_ASYSTOLE = 4,
-    SELD_WIRE_RHYTHM_IS_RESTING = 8,
-    SELD_WIRE_RHYTHM_HOLDS_BREATH = 16,
+    CRN_WIRE_RHYTHM_IS_PREMATURE = 1,
+    CRN_WIRE_RHYTHM_NEXT_PREMATURE = 2,
+    CRN_WIRE_RHYTHM_WANTS_ASYSTOLE = 4,
+    CRN_WIRE_RHYTHM_IS_RESTING = 8,
+    CRN_WIRE_RHYTHM_HOLDS_BREATH = 16,
 
-    SELD_WIRE_GET_STATUS = 1,
-    SELD_WIRE_GET_NODES = 2,
-    SELD_WIRE_GET_NODE_TABLE = 3,
-    SELD_WIRE_GET_HASH64 = 4,
-    SELD_WIRE_GET_SNAPSHOT = 5,
-    SELD_WIRE_GET_FAULT_LOG = 6,
-    SELD_WIRE_GET_CONTACTS = 7,
-    SELD_WIRE_GET_RIG = 8,
-    SELD_WIRE_GET_SET_UP = 9,
-    SELD_WIRE_GET_SENSORS = 10,
+    CRN_WIRE_GET_STATUS = 1,
+    CRN_WIRE_GET_NODES = 2,
+    CRN_WIRE_GET_NODE_TABLE = 3,
+    CRN_WIRE_GET_HASH64 = 4,
+    CRN_WIRE_GET_SNAPSHOT = 5,
+    CRN_WIRE_GET_FAULT_LOG = 6,
+    CRN_WIRE_GET_CONTACTS = 7,
+    CRN_WIRE_GET_RIG = 8,
+    CRN_WIRE_GET_SET_UP = 9,
+    CRN_WIRE_GET_SENSORS = 10,
 
-    SELD_WIRE_EVENT_STATE = 1,
-    SELD_WIRE_EVENT_FAULT = 2,
-    SELD_WIRE_EVENT_BUTTONS = 3,
-    SELD_WIRE_EVENT_COMMAND = 4,
-    SELD_WIRE_EVENT_HOST = 5,
+    CRN_WIRE_EVENT_STATE = 1,
+    CRN_WIRE_EVENT_FAULT = 2,
+    CRN_WIRE_EVENT_BUTTONS = 3,
+    CRN_WIRE_EVENT_COMMAND = 4,
+    CRN_WIRE_EVENT_HOST = 5,
 
-    SELD_WIRE_LIVE_HANDS = 1,
-    SELD_WIRE_LIVE_POWERED = 2,
-    SELD_WIRE_LIVE_LATE = 4,
+    CRN_WIRE_LIVE_HANDS = 1,
+    CRN_WIRE_LIVE_POWERED = 2,
+    CRN_WIRE_LIVE_LATE = 4,
 
-    SELD_WIRE_OPTION_TRANSLATION_REVERSED = 1,
-    SELD_WIRE_OPTION_ROTATION_REVERSED = 2,
+    CRN_WIRE_OPTION_TRANSLATION_REVERSED = 1,
+    CRN_WIRE_OPTION_ROTATION_REVERSED = 2,
 
-    SELD_WIRE_LINE_STOP = 1,
-    SELD_WIRE_LINE_SUPPLY = 2,
-    SELD_WIRE_LINE_STAGE = 4,
-    SELD_WIRE_LINE_UNLOCK = 8,
+    CRN_WIRE_LINE_STOP = 1,
+    CRN_WIRE_LINE_SUPPLY = 2,
+    CRN_WIRE_LINE_STAGE = 4,
+    CRN_WIRE_LINE_UNLOCK = 8,
 
-    SELD_WIRE_CAPABILITY_LOCKSTEP = 1,
-    SELD_WIRE_CAPABILITY_FREE_RUN = 2,
-    SELD_WIRE_CAPABILITY_SNAPSHOTS = 4,
-    SELD_WIRE_CAPABILITY_ENCODERS = 8,
-    SELD_WIRE_CAPABILITY_MOTORS = 16,
+    CRN_WIRE_CAPABILITY_LOCKSTEP = 1,
+    CRN_WIRE_CAPABILITY_FREE_RUN = 2,
+    CRN_WIRE_CAPABILITY_SNAPSHOTS = 4,
+    CRN_WIRE_CAPABILITY_ENCODERS = 8,
+    CRN_WIRE_CAPABILITY_MOTORS = 16,
 
-    SELD_WIRE_BUTTON_XRAY = 1,
-    SELD_WIRE_BUTTON_CINE = 2,
+    CRN_WIRE_BUTTON_XRAY = 1,
+    CRN_WIRE_BUTTON_CINE = 2,
 
-    SELD_WIRE_TOOL_MAX = SELD_WIRE_MAX_tools_tools,
+    CRN_WIRE_TOOL_MAX = CRN_WIRE_MAX_tools_tools,
 
-    SELD_WIRE_PAYLOAD_MAX = SELD_WIRE_BYTES_ticks, /* the longest message; checked by the test */
+    CRN_WIRE_PAYLOAD_MAX = CRN_WIRE_BYTES_ticks, /* the longest message; checked by the test */
 };
 
 /* Hash over every name, number, type and unit of wire_messages.def. Two sides that differ in one of them
  * refuse. */
-uint64_t seld_wire_schema_hash(void);
+uint64_t crn_wire_schema_hash(void);
 
 /* Text for people. Never NULL. Unknown numbers give "unknown ...". */
-const char *seld_wire_message_name(uint16_t type);
-const char *seld_wire_fault_name(uint16_t code);
-const char *seld_wire_fault_text(uint16_t code);
-const char *seld_wire_fault_remedy(uint16_t code);
-uint32_t seld_wire_fault_safe_ms(uint16_t code); /* from its onset until no force is left; 0: nothing to do */
-const char *seld_wire_reject_name(uint16_t code);
-const char *seld_wire_reject_text(uint16_t code);
-const char *seld_wire_reject_remedy(uint16_t code);
-const char *seld_wire_state_name(uint8_t state);
+const char *crn_wire_message_name(uint16_t type);
+const char *crn_wire_fault_name(uint16_t code);
+const char *crn_wire_fault_text(uint16_t code);
+const char *crn_wire_fault_remedy(uint16_t code);
+uint32_t crn_wire_fault_safe_ms(uint16_t code); /* from its onset until no force is left; 0: nothing to do */
+const char *crn_wire_reject_name(uint16_t code);
+const char *crn_wire_reject_text(uint16_t code);
+const char *crn_wire_reject_remedy(uint16_t code);
+const char *crn_wire_state_name(uint8_t state);
 
 #ifdef __cplusplus
 }

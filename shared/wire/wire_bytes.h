@@ -1,41 +1,41 @@
 /* Bounded reading and writing of little-endian values. A writer that overflows and a reader that runs out
  * stop for good and say so; neither ever touches a byte outside its buffer. May include: nothing. Called by:
  * the codecs, recordings, snapshots. C11 and C++20. */
-#ifndef SELD_WIRE_BYTES_H
-#define SELD_WIRE_BYTES_H
+#ifndef CRN_WIRE_BYTES_H
+#define CRN_WIRE_BYTES_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-typedef struct seld_wire_writer {
+typedef struct crn_wire_writer {
     uint8_t *bytes;
     size_t capacity;
     size_t length;
     bool overflowed; /* something did not fit; `length` counts only what did */
-} seld_wire_writer;
+} crn_wire_writer;
 
-typedef struct seld_wire_reader {
+typedef struct crn_wire_reader {
     const uint8_t *bytes;
     size_t length;
     size_t position;
     bool failed; /* something was missing or out of range; values read since are 0 */
-} seld_wire_reader;
+} crn_wire_reader;
 
-static inline seld_wire_writer seld_wire_writer_make(uint8_t *bytes, size_t capacity)
+static inline crn_wire_writer crn_wire_writer_make(uint8_t *bytes, size_t capacity)
 {
-    seld_wire_writer writer = {bytes, capacity, 0, false};
+    crn_wire_writer writer = {bytes, capacity, 0, false};
     return writer;
 }
 
-static inline seld_wire_reader seld_wire_reader_make(const uint8_t *bytes, size_t length)
+static inline crn_wire_reader crn_wire_reader_make(const uint8_t *bytes, size_t length)
 {
-    seld_wire_reader reader = {bytes, length, 0, false};
+    crn_wire_reader reader = {bytes, length, 0, false};
     return reader;
 }
 
 /* Four stores; a compiler merges them into one. */
-static inline void seld_wire_put_u32_at(uint8_t *to, uint32_t value)
+static inline void crn_wire_put_u32_at(uint8_t *to, uint32_t value)
 {
     to[0] = (uint8_t)value;
     to[1] = (uint8_t)(value >> 8);
@@ -44,7 +44,7 @@ static inline void seld_wire_put_u32_at(uint8_t *to, uint32_t value)
 }
 
 /* Write the low `count` bytes (1 .. 8) of `value`. Four bytes, the commonest count, need no loop. */
-static inline void seld_wire_write(seld_wire_writer *writer, uint64_t value, unsigned count)
+static inline void crn_wire_write(crn_wire_writer *writer, uint64_t value, unsigned count)
 {
     if (writer->overflowed || writer->capacity - writer->length < count) {
         writer->overflowed = true;
@@ -53,14 +53,14 @@ static inline void seld_wire_write(seld_wire_writer *writer, uint64_t value, uns
     uint8_t *to = writer->bytes + writer->length;
     writer->length += count;
     if (count == 4) {
-        seld_wire_put_u32_at(to, (uint32_t)value);
+        crn_wire_put_u32_at(to, (uint32_t)value);
         return;
     }
     for (unsigned i = 0; i < count; i++) to[i] = (uint8_t)(value >> (8 * i));
 }
 
 /* Read `count` bytes (1 .. 8); 0 when they are not there. */
-static inline uint64_t seld_wire_read(seld_wire_reader *reader, unsigned count)
+static inline uint64_t crn_wire_read(crn_wire_reader *reader, unsigned count)
 {
     if (reader->failed || reader->length - reader->position < count) {
         reader->failed = true;
@@ -72,7 +72,7 @@ static inline uint64_t seld_wire_read(seld_wire_reader *reader, unsigned count)
 }
 
 /* Two's complement of 32 bits without implementation-defined conversion. */
-static inline int32_t seld_wire_i32_from_u32(uint32_t value)
+static inline int32_t crn_wire_i32_from_u32(uint32_t value)
 {
     return value <= (uint32_t)INT32_MAX ? (int32_t)value : -(int32_t)(UINT32_MAX - value) - 1;
 }

@@ -3,14 +3,14 @@
 
 /* --- plain values --- */
 #define PLAIN(type, bytes)                                                                                   \
-    static bool seld_wire_put_##type(seld_wire_writer *writer, const seld_wire_##type *value)                \
+    static bool crn_wire_put_##type(crn_wire_writer *writer, const crn_wire_##type *value)                   \
     {                                                                                                        \
-        seld_wire_write(writer, *value, bytes);                                                              \
+        crn_wire_write(writer, *value, bytes);                                                               \
         return !writer->overflowed;                                                                          \
     }                                                                                                        \
-    static bool seld_wire_get_##type(seld_wire_reader *reader, seld_wire_##type *value)                      \
+    static bool crn_wire_get_##type(crn_wire_reader *reader, crn_wire_##type *value)                         \
     {                                                                                                        \
-        *value = (seld_wire_##type)seld_wire_read(reader, bytes);                                            \
+        *value = (crn_wire_##type)crn_wire_read(reader, bytes);                                              \
         return !reader->failed;                                                                              \
     }
 PLAIN(u8, 1)
@@ -18,32 +18,32 @@ PLAIN(u16, 2)
 PLAIN(u32, 4)
 PLAIN(u64, 8)
 
-static bool seld_wire_put_i32(seld_wire_writer *writer, const int32_t *value)
+static bool crn_wire_put_i32(crn_wire_writer *writer, const int32_t *value)
 {
-    seld_wire_write(writer, (uint32_t)*value, 4);
+    crn_wire_write(writer, (uint32_t)*value, 4);
     return !writer->overflowed;
 }
 
-static bool seld_wire_get_i32(seld_wire_reader *reader, int32_t *value)
+static bool crn_wire_get_i32(crn_wire_reader *reader, int32_t *value)
 {
-    *value = seld_wire_i32_from_u32((uint32_t)seld_wire_read(reader, 4));
+    *value = crn_wire_i32_from_u32((uint32_t)crn_wire_read(reader, 4));
     return !reader->failed;
 }
 
 /* --- counts --- */
-static uint16_t put_count(seld_wire_writer *writer, uint16_t count, uint16_t max)
+static uint16_t put_count(crn_wire_writer *writer, uint16_t count, uint16_t max)
 {
     if (count > max) {
         writer->overflowed = true;
         return 0;
     }
-    seld_wire_write(writer, count, 2);
+    crn_wire_write(writer, count, 2);
     return count;
 }
 
-static uint16_t get_count(seld_wire_reader *reader, uint16_t max)
+static uint16_t get_count(crn_wire_reader *reader, uint16_t max)
 {
-    uint16_t count = (uint16_t)seld_wire_read(reader, 2);
+    uint16_t count = (uint16_t)crn_wire_read(reader, 2);
     if (count > max) reader->failed = true;
     return reader->failed ? 0 : count;
 }
@@ -51,29 +51,29 @@ static uint16_t get_count(seld_wire_reader *reader, uint16_t max)
 /* --- records and messages --- */
 /* clang-format off */
 #define RECORD(name, text) \
-    bool seld_wire_put_##name(seld_wire_writer *writer, const seld_wire_##name *value) {
+    bool crn_wire_put_##name(crn_wire_writer *writer, const crn_wire_##name *value) {
 #define MESSAGE(name, type, direction, text) RECORD(name, text)
-#define FIELD(owner, type, name, unit, text) seld_wire_put_##type(writer, &value->name);
+#define FIELD(owner, type, name, unit, text) crn_wire_put_##type(writer, &value->name);
 #define ARRAY(owner, type, name, max, unit, text) \
     for (uint16_t i = 0, count = put_count(writer, value->name##_count, max); i < count; i++) \
-        seld_wire_put_##type(writer, &value->name[i]);
+        crn_wire_put_##type(writer, &value->name[i]);
 #define END(owner) return !writer->overflowed; }
 #include "shared/wire/wire_messages.def"
 
 #define RECORD(name, text) \
-    bool seld_wire_get_##name(seld_wire_reader *reader, seld_wire_##name *value) {
+    bool crn_wire_get_##name(crn_wire_reader *reader, crn_wire_##name *value) {
 #define MESSAGE(name, type, direction, text) RECORD(name, text)
-#define FIELD(owner, type, name, unit, text) seld_wire_get_##type(reader, &value->name);
+#define FIELD(owner, type, name, unit, text) crn_wire_get_##type(reader, &value->name);
 #define ARRAY(owner, type, name, max, unit, text) \
     value->name##_count = get_count(reader, max); \
-    for (uint16_t i = 0; i < value->name##_count; i++) seld_wire_get_##type(reader, &value->name[i]);
+    for (uint16_t i = 0; i < value->name##_count; i++) crn_wire_get_##type(reader, &value->name[i]);
 #define END(owner) return !reader->failed; }
 #include "shared/wire/wire_messages.def"
 
 #define MESSAGE(name, type, direction, text) \
-    bool seld_wire_decode_##name(const uint8_t *payload, size_t length, seld_wire_##name *value) \
+    bool crn_wire_decode_##name(const uint8_t *payload, size_t length, crn_wire_##name *value) \
     { \
-        seld_wire_reader reader = seld_wire_reader_make(payload, length); \
-        return seld_wire_get_##name(&reader, value) && reader.position == length; \
+        crn_wire_reader reader = crn_wire_reader_make(payload, length); \
+        return crn_wire_get_##name(&reader, value) && reader.position == length; \
     }
 #include "shared/wire/wire_messages.def"

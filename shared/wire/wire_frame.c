@@ -37,7 +37,7 @@ static const uint32_t crc_of[256] = {
     0xb3667a2eu, 0xc4614ab8u, 0x5d681b02u, 0x2a6f2b94u, 0xb40bbe37u, 0xc30c8ea1u, 0x5a05df1bu, 0x2d02ef8du,
 };
 
-uint32_t seld_wire_crc32(uint32_t crc, const uint8_t *bytes, size_t length)
+uint32_t crn_wire_crc32(uint32_t crc, const uint8_t *bytes, size_t length)
 {
     crc = ~crc;
     for (size_t i = 0; i < length; i++) crc = (crc >> 8) ^ crc_of[(crc ^ bytes[i]) & 255u];
@@ -69,20 +69,20 @@ static void cobs_put_all(cobs_writer *writer, const uint8_t *bytes, size_t lengt
     writer->length = (size_t)(to - writer->bytes);
 }
 
-size_t seld_wire_frame_encode(const seld_wire_header *header, const uint8_t *payload, size_t payload_bytes,
-                              uint8_t *frame, size_t capacity)
+size_t crn_wire_frame_encode(const crn_wire_header *header, const uint8_t *payload, size_t payload_bytes,
+                             uint8_t *frame, size_t capacity)
 {
-    size_t body_bytes = SELD_WIRE_HEADER_BYTES + payload_bytes + SELD_WIRE_CRC_BYTES;
-    if (payload_bytes > SELD_WIRE_PAYLOAD_MAX || capacity < body_bytes + body_bytes / 254 + 2) return 0;
-    uint8_t head[SELD_WIRE_HEADER_BYTES], tail[SELD_WIRE_CRC_BYTES];
-    seld_wire_writer words = seld_wire_writer_make(head, sizeof head);
-    seld_wire_write(&words, header->sequence, 2);
-    seld_wire_write(&words, header->answers, 2);
-    seld_wire_write(&words, header->type, 2);
-    seld_wire_write(&words, payload_bytes, 2);
-    uint32_t crc = seld_wire_crc32(seld_wire_crc32(0, head, sizeof head), payload, payload_bytes);
-    words = seld_wire_writer_make(tail, sizeof tail);
-    seld_wire_write(&words, crc, 4);
+    size_t body_bytes = CRN_WIRE_HEADER_BYTES + payload_bytes + CRN_WIRE_CRC_BYTES;
+    if (payload_bytes > CRN_WIRE_PAYLOAD_MAX || capacity < body_bytes + body_bytes / 254 + 2) return 0;
+    uint8_t head[CRN_WIRE_HEADER_BYTES], tail[CRN_WIRE_CRC_BYTES];
+    crn_wire_writer words = crn_wire_writer_make(head, sizeof head);
+    crn_wire_write(&words, header->sequence, 2);
+    crn_wire_write(&words, header->answers, 2);
+    crn_wire_write(&words, header->type, 2);
+    crn_wire_write(&words, payload_bytes, 2);
+    uint32_t crc = crn_wire_crc32(crn_wire_crc32(0, head, sizeof head), payload, payload_bytes);
+    words = crn_wire_writer_make(tail, sizeof tail);
+    crn_wire_write(&words, crc, 4);
 
     cobs_writer writer = {frame, 1, 0};
     cobs_put_all(&writer, head, sizeof head);
@@ -94,10 +94,10 @@ size_t seld_wire_frame_encode(const seld_wire_header *header, const uint8_t *pay
 }
 
 /* --- decoding --- */
-void seld_wire_decoder_init(seld_wire_decoder *decoder)
+void crn_wire_decoder_init(crn_wire_decoder *decoder)
 {
-    for (size_t i = 0; i < SELD_WIRE_EVENT_COUNT; i++) decoder->event_counts[i] = 0;
-    decoder->header = (seld_wire_header){0, 0, 0};
+    for (size_t i = 0; i < CRN_WIRE_EVENT_COUNT; i++) decoder->event_counts[i] = 0;
+    decoder->header = (crn_wire_header){0, 0, 0};
     decoder->payload = decoder->body;
     decoder->payload_bytes = 0;
     decoder->body_bytes = 0;
@@ -107,9 +107,9 @@ void seld_wire_decoder_init(seld_wire_decoder *decoder)
     decoder->too_long = false;
 }
 
-static void append(seld_wire_decoder *decoder, uint8_t byte)
+static void append(crn_wire_decoder *decoder, uint8_t byte)
 {
-    if (decoder->body_bytes == SELD_WIRE_BODY_MAX) {
+    if (decoder->body_bytes == CRN_WIRE_BODY_MAX) {
         decoder->too_long = true;
         return;
     }
@@ -117,30 +117,30 @@ static void append(seld_wire_decoder *decoder, uint8_t byte)
 }
 
 /* The closing zero came: is the body a frame? */
-static seld_wire_event judge(seld_wire_decoder *decoder)
+static crn_wire_event judge(crn_wire_decoder *decoder)
 {
     size_t bytes = decoder->body_bytes;
-    if (decoder->too_long) return SELD_WIRE_BAD_SIZE;
-    if (decoder->block_left != 0) return SELD_WIRE_BAD_COBS;
-    if (bytes < SELD_WIRE_HEADER_BYTES + SELD_WIRE_CRC_BYTES) return SELD_WIRE_BAD_SIZE;
-    seld_wire_reader reader = seld_wire_reader_make(decoder->body, bytes);
-    decoder->header.sequence = (uint16_t)seld_wire_read(&reader, 2);
-    decoder->header.answers = (uint16_t)seld_wire_read(&reader, 2);
-    decoder->header.type = (uint16_t)seld_wire_read(&reader, 2);
-    size_t length = (size_t)seld_wire_read(&reader, 2);
-    reader.position = bytes - SELD_WIRE_CRC_BYTES;
-    if (seld_wire_crc32(0, decoder->body, bytes - SELD_WIRE_CRC_BYTES) != seld_wire_read(&reader, 4))
-        return SELD_WIRE_BAD_CRC;
-    if (length != bytes - SELD_WIRE_HEADER_BYTES - SELD_WIRE_CRC_BYTES) return SELD_WIRE_BAD_LENGTH;
-    decoder->payload = decoder->body + SELD_WIRE_HEADER_BYTES;
+    if (decoder->too_long) return CRN_WIRE_BAD_SIZE;
+    if (decoder->block_left != 0) return CRN_WIRE_BAD_COBS;
+    if (bytes < CRN_WIRE_HEADER_BYTES + CRN_WIRE_CRC_BYTES) return CRN_WIRE_BAD_SIZE;
+    crn_wire_reader reader = crn_wire_reader_make(decoder->body, bytes);
+    decoder->header.sequence = (uint16_t)crn_wire_read(&reader, 2);
+    decoder->header.answers = (uint16_t)crn_wire_read(&reader, 2);
+    decoder->header.type = (uint16_t)crn_wire_read(&reader, 2);
+    size_t length = (size_t)crn_wire_read(&reader, 2);
+    reader.position = bytes - CRN_WIRE_CRC_BYTES;
+    if (crn_wire_crc32(0, decoder->body, bytes - CRN_WIRE_CRC_BYTES) != crn_wire_read(&reader, 4))
+        return CRN_WIRE_BAD_CRC;
+    if (length != bytes - CRN_WIRE_HEADER_BYTES - CRN_WIRE_CRC_BYTES) return CRN_WIRE_BAD_LENGTH;
+    decoder->payload = decoder->body + CRN_WIRE_HEADER_BYTES;
     decoder->payload_bytes = length;
-    return SELD_WIRE_FRAME;
+    return CRN_WIRE_FRAME;
 }
 
-static seld_wire_event end_frame(seld_wire_decoder *decoder)
+static crn_wire_event end_frame(crn_wire_decoder *decoder)
 {
-    if (!decoder->started) return SELD_WIRE_NEED_MORE; /* zeros between frames are idle */
-    seld_wire_event event = judge(decoder);
+    if (!decoder->started) return CRN_WIRE_NEED_MORE; /* zeros between frames are idle */
+    crn_wire_event event = judge(decoder);
     decoder->event_counts[event]++;
     decoder->body_bytes = 0;
     decoder->block_left = 0;
@@ -150,18 +150,18 @@ static seld_wire_event end_frame(seld_wire_decoder *decoder)
     return event;
 }
 
-seld_wire_event seld_wire_decoder_push(seld_wire_decoder *decoder, uint8_t byte)
+crn_wire_event crn_wire_decoder_push(crn_wire_decoder *decoder, uint8_t byte)
 {
     if (byte == 0) return end_frame(decoder);
     decoder->started = true;
     if (decoder->block_left > 0) {
         decoder->block_left--;
         append(decoder, byte);
-        return SELD_WIRE_NEED_MORE;
+        return CRN_WIRE_NEED_MORE;
     }
     /* A code byte: the block before it ended with a zero, unless it was full or this is the first. */
     if (!decoder->block_full) append(decoder, 0);
     decoder->block_left = (uint8_t)(byte - 1);
     decoder->block_full = byte == 255;
-    return SELD_WIRE_NEED_MORE;
+    return CRN_WIRE_NEED_MORE;
 }

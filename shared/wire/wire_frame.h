@@ -10,8 +10,8 @@
  *
  * May include: shared/wire. Called by: firmware/app, host/link. C11 and C++20.
  */
-#ifndef SELD_WIRE_FRAME_H
-#define SELD_WIRE_FRAME_H
+#ifndef CRN_WIRE_FRAME_H
+#define CRN_WIRE_FRAME_H
 
 #include "shared/wire/wire.h"
 
@@ -20,55 +20,55 @@ extern "C" {
 #endif
 
 enum {
-    SELD_WIRE_HEADER_BYTES = 8,
-    SELD_WIRE_CRC_BYTES = 4,
-    SELD_WIRE_BODY_MAX = SELD_WIRE_HEADER_BYTES + SELD_WIRE_PAYLOAD_MAX + SELD_WIRE_CRC_BYTES,
+    CRN_WIRE_HEADER_BYTES = 8,
+    CRN_WIRE_CRC_BYTES = 4,
+    CRN_WIRE_BODY_MAX = CRN_WIRE_HEADER_BYTES + CRN_WIRE_PAYLOAD_MAX + CRN_WIRE_CRC_BYTES,
     /* COBS adds one byte per 254 begun, and the frame ends with a zero. */
-    SELD_WIRE_FRAME_MAX = SELD_WIRE_BODY_MAX + SELD_WIRE_BODY_MAX / 254 + 2,
+    CRN_WIRE_FRAME_MAX = CRN_WIRE_BODY_MAX + CRN_WIRE_BODY_MAX / 254 + 2,
 };
 
-typedef struct seld_wire_header {
+typedef struct crn_wire_header {
     uint16_t sequence;
     uint16_t answers;
     uint16_t type;
-} seld_wire_header;
+} crn_wire_header;
 
 /* CRC-32 of IEEE 802.3 (reflected 0xEDB88320, start and end inverted). `crc` is 0 or the result so far. */
-uint32_t seld_wire_crc32(uint32_t crc, const uint8_t *bytes, size_t length);
+uint32_t crn_wire_crc32(uint32_t crc, const uint8_t *bytes, size_t length);
 
 /* One frame from a header and payload. Returns its bytes in `frame` (with the closing zero), or 0 when the
- * payload exceeds SELD_WIRE_PAYLOAD_MAX or the frame its capacity. */
-size_t seld_wire_frame_encode(const seld_wire_header *header, const uint8_t *payload, size_t payload_bytes,
-                              uint8_t *frame, size_t capacity);
+ * payload exceeds CRN_WIRE_PAYLOAD_MAX or the frame its capacity. */
+size_t crn_wire_frame_encode(const crn_wire_header *header, const uint8_t *payload, size_t payload_bytes,
+                             uint8_t *frame, size_t capacity);
 
-typedef enum seld_wire_event {
-    SELD_WIRE_NEED_MORE = 0, /* no frame yet */
-    SELD_WIRE_FRAME,         /* header and payload of the decoder are valid until the next byte */
-    SELD_WIRE_BAD_COBS,      /* a code byte points past the frame's end */
-    SELD_WIRE_BAD_SIZE,      /* longer than any frame, or shorter than a header and CRC */
-    SELD_WIRE_BAD_CRC,
-    SELD_WIRE_BAD_LENGTH, /* the length field differs from the bytes received */
-    SELD_WIRE_EVENT_COUNT,
-} seld_wire_event;
+typedef enum crn_wire_event {
+    CRN_WIRE_NEED_MORE = 0, /* no frame yet */
+    CRN_WIRE_FRAME,         /* header and payload of the decoder are valid until the next byte */
+    CRN_WIRE_BAD_COBS,      /* a code byte points past the frame's end */
+    CRN_WIRE_BAD_SIZE,      /* longer than any frame, or shorter than a header and CRC */
+    CRN_WIRE_BAD_CRC,
+    CRN_WIRE_BAD_LENGTH, /* the length field differs from the bytes received */
+    CRN_WIRE_EVENT_COUNT,
+} crn_wire_event;
 
-typedef struct seld_wire_decoder {
-    seld_wire_header header;
+typedef struct crn_wire_decoder {
+    crn_wire_header header;
     const uint8_t *payload;
     size_t payload_bytes;
-    uint32_t event_counts[SELD_WIRE_EVENT_COUNT]; /* frames by outcome since the start */
+    uint32_t event_counts[CRN_WIRE_EVENT_COUNT]; /* frames by outcome since the start */
     /* private */
     size_t body_bytes;
     uint8_t block_left; /* bytes until the next COBS code byte */
     bool block_full;    /* the present block was of 254 bytes: no zero behind it */
     bool started;
     bool too_long;
-    uint8_t body[SELD_WIRE_BODY_MAX];
-} seld_wire_decoder;
+    uint8_t body[CRN_WIRE_BODY_MAX];
+} crn_wire_decoder;
 
-void seld_wire_decoder_init(seld_wire_decoder *decoder);
+void crn_wire_decoder_init(crn_wire_decoder *decoder);
 
 /* Take one byte. */
-seld_wire_event seld_wire_decoder_push(seld_wire_decoder *decoder, uint8_t byte);
+crn_wire_event crn_wire_decoder_push(crn_wire_decoder *decoder, uint8_t byte);
 
 #ifdef __cplusplus
 }

@@ -4,12 +4,12 @@
 /* FNV-1a over every name, type and unit of wire_messages.def, each text with its terminating zero, so that ("ab","c") and
  * ("a","bc") differ; the explaining texts do not count. A constant, because working it out costs a device 106,000 instructions
  * per HELLO; test_wire works it out and prints the number to write here when the messages have changed. */
-uint64_t seld_wire_schema_hash(void)
+uint64_t crn_wire_schema_hash(void)
 {
     return 0xfe912b8c91b717bbu;
 }
 
-const char *seld_wire_message_name(uint16_t type)
+const char *crn_wire_message_name(uint16_t type)
 {
     switch (type) {
 #define MESSAGE(name, number, direction, text)                                                               \
@@ -21,7 +21,7 @@ const char *seld_wire_message_name(uint16_t type)
     }
 }
 
-const char *seld_wire_fault_name(uint16_t code)
+const char *crn_wire_fault_name(uint16_t code)
 {
     switch (code) {
 #define FAULT(NAME, number, effect, safe_ms, test, text, detection, remedy)                                  \
@@ -33,7 +33,7 @@ const char *seld_wire_fault_name(uint16_t code)
     }
 }
 
-const char *seld_wire_fault_text(uint16_t code)
+const char *crn_wire_fault_text(uint16_t code)
 {
     switch (code) {
 #define FAULT(NAME, number, effect, safe_ms, test, text, detection, remedy)                                  \
@@ -45,7 +45,7 @@ const char *seld_wire_fault_text(uint16_t code)
     }
 }
 
-const char *seld_wire_fault_remedy(uint16_t code)
+const char *crn_wire_fault_remedy(uint16_t code)
 {
     switch (code) {
 #define FAULT(NAME, number, effect, safe_ms, test, text, detection, remedy)                                  \
@@ -57,7 +57,7 @@ const char *seld_wire_fault_remedy(uint16_t code)
     }
 }
 
-uint32_t seld_wire_fault_safe_ms(uint16_t code)
+uint32_t crn_wire_fault_safe_ms(uint16_t code)
 {
     switch (code) {
 #define FAULT(NAME, number, effect, safe_ms, test, text, detection, remedy)                                  \
@@ -69,7 +69,7 @@ uint32_t seld_wire_fault_safe_ms(uint16_t code)
     }
 }
 
-const char *seld_wire_reject_name(uint16_t code)
+const char *crn_wire_reject_name(uint16_t code)
 {
     switch (code) {
 #define REJECT(NAME, number, text, remedy)                                                                   \
@@ -81,7 +81,7 @@ const char *seld_wire_reject_name(uint16_t code)
     }
 }
 
-const char *seld_wire_reject_text(uint16_t code)
+const char *crn_wire_reject_text(uint16_t code)
 {
     switch (code) {
 #define REJECT(NAME, number, text, remedy)                                                                   \
@@ -93,7 +93,7 @@ const char *seld_wire_reject_text(uint16_t code)
     }
 }
 
-const char *seld_wire_reject_remedy(uint16_t code)
+const char *crn_wire_reject_remedy(uint16_t code)
 {
     switch (code) {
 #define REJECT(NAME, number, text, remedy)                                                                   \
@@ -105,7 +105,7 @@ const char *seld_wire_reject_remedy(uint16_t code)
     }
 }
 
-const char *seld_wire_state_name(uint8_t state)
+const char *crn_wire_state_name(uint8_t state)
 {
     static const char *const names[] = {"INIT", "READY", "ARMED", "RUNNING", "FAULT"};
     return state < sizeof names / sizeof names[0] ? names[state] : "unknown state";

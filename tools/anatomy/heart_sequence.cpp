@@ -31,10 +31,10 @@ std::string frame_text(const HeartSequence &sequence, int frame)
 {
     std::string text;
     if (frame < 0)
-        text += "# Seldinger heart: the first frame at the end of inspiration, millimetres\n";
+        text += "# Cournand heart: the first frame at the end of inspiration, millimetres\n";
     else
         append_line(text,
-                    "# Seldinger heart: frame %d of %d of a beat from the end of diastole, millimetres\n",
+                    "# Cournand heart: frame %d of %d of a beat from the end of diastole, millimetres\n",
                     frame, BEAT_FRAMES);
     uint32_t first = 1;
     for (const MovingBody &body : sequence.bodies) {
@@ -109,11 +109,11 @@ void write_sequence(const std::filesystem::path &folder, const HeartSequence &se
         std::vector<NamedCurve> curves;
         for (const MovingVessel &vessel : sequence.vessels)
             curves.push_back({vessel.name, vessel.frames[static_cast<size_t>(frame)]});
-        seld::write_whole_file((folder / numbered("frame", frame, ".obj")).string(),
-                               frame_text(sequence, frame));
+        crn::write_whole_file((folder / numbered("frame", frame, ".obj")).string(),
+                              frame_text(sequence, frame));
         write_centrelines(folder / numbered("centrelines", frame, ".mrk.json"), curves);
     }
-    seld::write_whole_file(folder.string() + "_inhaled.obj", frame_text(sequence, -1));
+    crn::write_whole_file(folder.string() + "_inhaled.obj", frame_text(sequence, -1));
 }
 
 } // namespace anatomy

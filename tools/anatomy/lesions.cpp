@@ -30,15 +30,15 @@ double number_from(const std::string &wish, const std::string &word)
 struct Number {
     const char *name;
     double Lesion::*value;
-    seld::NumberRange range; /* what `bake` takes: said here before minutes of meshing, not after them */
+    crn::NumberRange range; /* what `bake` takes: said here before minutes of meshing, not after them */
 };
 constexpr std::array<Number, 6> NUMBERS = {
-    {{"PERCENT", &Lesion::stenosis_percent, seld::lesion_stenosis_percent},
-     {"LENGTH_MM", &Lesion::length_mm, seld::lesion_length_mm},
-     {"AT_MM", &Lesion::at_mm, seld::lesion_at_mm},
-     {"ECCENTRICITY", &Lesion::eccentricity, seld::lesion_eccentricity},
-     {"PLAQUE_DEG", &Lesion::plaque_deg, seld::lesion_plaque_deg},
-     {"CALCIFIED_DEG", &Lesion::calcified_deg, seld::lesion_calcified_deg}}};
+    {{"PERCENT", &Lesion::stenosis_percent, crn::lesion_stenosis_percent},
+     {"LENGTH_MM", &Lesion::length_mm, crn::lesion_length_mm},
+     {"AT_MM", &Lesion::at_mm, crn::lesion_at_mm},
+     {"ECCENTRICITY", &Lesion::eccentricity, crn::lesion_eccentricity},
+     {"PLAQUE_DEG", &Lesion::plaque_deg, crn::lesion_plaque_deg},
+     {"CALCIFIED_DEG", &Lesion::calcified_deg, crn::lesion_calcified_deg}}};
 
 std::string number_text(double value)
 {

@@ -1,4 +1,4 @@
-/* anatomy: makes the anatomy that ships with Seldinger. See docs/anatomy.md. */
+/* anatomy: makes the anatomy that ships with Cournand. See docs/anatomy.md. */
 #include "host/model/command_values.hpp"
 #include "host/model/output_files.hpp"
 #include "host/model/pending_file.hpp"
@@ -39,7 +39,7 @@ Mesh make_mesh(const Options &options, const std::string &name, const MeshReques
         throw std::runtime_error(name + ": " + error.what() + "; try a finer --bodies-mm or --lumen-mm");
     }
     write_ply(options.folder / (file_stem(name) + ".ply"), mesh,
-              "Seldinger anatomy, " + name + ", millimetres");
+              "Cournand anatomy, " + name + ", millimetres");
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
     if (!options.quiet)
         std::fprintf(stderr, "  %-20s %7zu triangles  %8.1f cm3  %5.1f s\n", name.c_str(),
@@ -49,7 +49,7 @@ Mesh make_mesh(const Options &options, const std::string &name, const MeshReques
 
 void make_folder(const Options &options)
 {
-    seld::check_output_folder({"--output", options.folder.string()});
+    crn::check_output_folder({"--output", options.folder.string()});
     std::error_code failure;
     std::filesystem::create_directories(options.folder, failure);
     if (failure)
@@ -146,7 +146,7 @@ int make_heart(const Options &options)
     write_sequence(options.folder / "beat", sequence);
     HeartFigures figures = heart_figures(sequence);
     figures.least_volume_factor = beat.least_volume_factor();
-    seld::write_whole_file((options.folder / "heart.json").string(), figures_json(figures));
+    crn::write_whole_file((options.folder / "heart.json").string(), figures_json(figures));
     print_figures(figures);
     std::printf("%s: %zu bodies and %zu centrelines in %d frames\n",
                 (options.folder / "beat").string().c_str(), sequence.bodies.size(), sequence.vessels.size(),
@@ -156,7 +156,7 @@ int make_heart(const Options &options)
 
 /* What `anatomy beat` was asked for. */
 struct BeatOptions {
-    seld::bake::MeshText mesh;
+    crn::bake::MeshText mesh;
     std::filesystem::path folder;
     std::vector<double> left_mm, right_mm, apex_mm;
 };
@@ -164,11 +164,11 @@ struct BeatOptions {
 /* A mesh of another heart, moved as the shipped one moves. */
 int make_beat(const BeatOptions &options)
 {
-    seld::check_output_folder({"--output", options.folder.string()});
+    crn::check_output_folder({"--output", options.folder.string()});
     const auto place = [](const std::vector<double> &xyz) { return Vec3(xyz[0], xyz[1], xyz[2]); };
     const HeartPlacement placement =
         place_heart({place(options.left_mm), place(options.right_mm), place(options.apex_mm)});
-    const seld::bake::Mesh mesh = seld::bake::load_mesh(options.mesh);
+    const crn::bake::Mesh mesh = crn::bake::load_mesh(options.mesh);
     Mesh rest{{mesh.vertices_mm.begin(), mesh.vertices_mm.end()}, {}};
     for (const auto &triangle : mesh.triangles)
         rest.triangles.push_back({triangle[0], triangle[1], triangle[2]});
@@ -215,8 +215,8 @@ void add_beat_options(CLI::App &command, BeatOptions &options)
 int check(const std::filesystem::path &folder)
 {
     bool is_good = true;
-    for (const seld::mesh::SequenceReport &report :
-         seld::mesh::check_sequence(seld::mesh::read_sequence(folder))) {
+    for (const crn::mesh::SequenceReport &report :
+         crn::mesh::check_sequence(crn::mesh::read_sequence(folder))) {
         std::printf("%-20s %7zu vertices %7zu triangles  step %6.2f, to the first frame %6.2f%s%s\n",
                     report.body.c_str(), report.vertices, report.triangles, report.step_max, report.wrap_max,
                     report.fault.empty() ? "" : ": ", report.fault.c_str());
@@ -284,11 +284,11 @@ void add_making_options(CLI::App &command, Options &options)
 
 int main(int argc, char **argv)
 {
-    CLI::App app{"Makes the anatomy that ships with Seldinger: closed meshes, centrelines and the scene text "
+    CLI::App app{"Makes the anatomy that ships with Cournand: closed meshes, centrelines and the scene text "
                  "for `bake`."};
     app.footer(
         "Examples:\n"
-        "  anatomy aorta -o out/aorta && bake out/aorta/scene.toml -o out/aorta.seld\n"
+        "  anatomy aorta -o out/aorta && bake out/aorta/scene.toml -o out/aorta.crn\n"
         "  anatomy phantom -o out/phantom\n"
         "  anatomy access -o out/access       a phantom with a long winding way in, to measure instruments "
         "in\n"
@@ -326,7 +326,7 @@ int main(int argc, char **argv)
     table->add_option("anatomy", which, "aorta, heart, phantom or access")
         ->check(CLI::IsMember({"aorta", "heart", "phantom", "access"}))
         ->capture_default_str();
-    seld::refuse_empty_values(app);
+    crn::refuse_empty_values(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {
@@ -344,10 +344,10 @@ int main(int argc, char **argv)
         if (*access) return make(options, access_tree(), {});
         return make(options, phantom_tree(), phantom_bodies(options.fineness));
     } catch (const std::invalid_argument &error) {
-        seld::say(stderr, "anatomy: %s\n", error.what());
+        crn::say(stderr, "anatomy: %s\n", error.what());
         return 2;
     } catch (const std::exception &error) {
-        seld::say(stderr, "anatomy: %s\n", error.what());
+        crn::say(stderr, "anatomy: %s\n", error.what());
         return 1;
     }
 }

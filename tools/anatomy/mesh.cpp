@@ -185,7 +185,7 @@ Mesh mesh_of(const MeshRequest &request)
         if (mesh.triangles.empty()) throw std::runtime_error("the surface is empty");
         fault = closed_mesh_fault(mesh);
         if (!fault.empty()) continue;
-        if (request.error_mm > 0.0) seld::mesh::simplify(mesh.vertices_mm, mesh.triangles, request.error_mm);
+        if (request.error_mm > 0.0) crn::mesh::simplify(mesh.vertices_mm, mesh.triangles, request.error_mm);
         return mesh;
     }
     throw std::runtime_error("the surface does not close: " + fault);

@@ -113,7 +113,7 @@ void write_ply(const std::filesystem::path &file, const Mesh &mesh, const std::s
         append(bytes, static_cast<uint8_t>(3));
         for (uint32_t vertex : triangle) append(bytes, static_cast<int32_t>(vertex));
     }
-    seld::write_whole_file(file.string(), bytes);
+    crn::write_whole_file(file.string(), bytes);
 }
 
 void write_centreline(const std::filesystem::path &file, const Vessel &vessel)
@@ -131,7 +131,7 @@ void write_centrelines(const std::filesystem::path &file, const std::vector<Name
          "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/"
          "Schema/markups-schema-v1.0.3.json#"},
         {"markups", markups}};
-    seld::write_whole_file(file.string(), document.dump(1) + "\n");
+    crn::write_whole_file(file.string(), document.dump(1) + "\n");
 }
 
 void write_scene(const std::filesystem::path &file, const VesselTree &tree, const std::vector<Body> &bodies,
@@ -140,7 +140,7 @@ void write_scene(const std::filesystem::path &file, const VesselTree &tree, cons
     std::string text =
         "# Written by `anatomy " + tree.name + "`. Patient frame: +x patient left, +y head, +z front.\n";
     text += "[scene]\nname = \"" + tree.title + "\"\n";
-    text += "source = \"Seldinger's own model from stated dimensions; see docs/anatomy.md\"\n\n";
+    text += "source = \"Cournand's own model from stated dimensions; see docs/anatomy.md\"\n\n";
     text += "[lumen]\nmesh = \"lumen.ply\"\nunit = \"mm\"\n";
     if (tree.coronary_count > 0) text += "level_max = 2 # small arteries\ntolerance_mm = 0.12\n";
     text += "\n";
@@ -161,7 +161,7 @@ void write_scene(const std::filesystem::path &file, const VesselTree &tree, cons
         if (tree.coronary_count > 0 && moves_with_heart(body.name)) text += "moves = true\n";
         if (!body.inside.empty()) text += "inside = \"" + body.inside + "\"\n";
     }
-    seld::write_whole_file(file.string(), text);
+    crn::write_whole_file(file.string(), text);
 }
 
 } // namespace anatomy

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <optional>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -121,7 +121,7 @@ std::string referee_report(const Referee &referee, std::uint64_t seed)
         referee.radius_mm, referee.length_mm, referee.touching, static_cast<unsigned long long>(seed));
 }
 
-std::string lattice_report(const seld_lattice &lattice, std::size_t numbers)
+std::string lattice_report(const crn_lattice &lattice, std::size_t numbers)
 {
     return formatted("lattice %u x %u x %u nodes, %.2f mm apart, %.2f MiB", lattice.count_xyz[0],
                      lattice.count_xyz[1], lattice.count_xyz[2],
@@ -331,4 +331,4 @@ std::string bake(const Options &options, Progress &progress)
     return report;
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -5,7 +5,7 @@
 #include "tools/bake/container.hpp"
 #include "tools/bake/measure.hpp"
 
-namespace seld::bake
+namespace crn::bake
 {
 
 struct Options {
@@ -24,4 +24,4 @@ Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progres
 // then no file was changed.
 std::string bake(const Options &options, Progress &progress);
 
-} // namespace seld::bake
+} // namespace crn::bake

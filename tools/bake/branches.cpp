@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <limits>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -111,14 +111,14 @@ std::string branch_name(const std::filesystem::path &file)
     std::string name = file.filename().string();
     for (const char *ending : {".json", ".mrk", ".csv", ".vtp", ".obj"})
         if (name.ends_with(ending)) name.resize(name.size() - std::char_traits<char>::length(ending));
-    name.resize(std::min<std::size_t>(name.size(), SELD_SCENE_BRANCH_NAME_BYTES - 1));
+    name.resize(std::min<std::size_t>(name.size(), CRN_SCENE_BRANCH_NAME_BYTES - 1));
     return name;
 }
 
 VesselTree join_branches(const std::vector<Centreline> &lines, const TreeText &text)
 {
-    if (lines.size() > SELD_SCENE_BRANCH_MAX)
-        throw Fault("[tree] has more than " + std::to_string(int{SELD_SCENE_BRANCH_MAX}) + " centrelines");
+    if (lines.size() > CRN_SCENE_BRANCH_MAX)
+        throw Fault("[tree] has more than " + std::to_string(int{CRN_SCENE_BRANCH_MAX}) + " centrelines");
     std::vector<VesselBranch> loose;
     for (const Centreline &line : lines) {
         loose.push_back(branch_of(line));
@@ -184,4 +184,4 @@ std::string branches_report(const VesselTree &tree)
     return text;
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

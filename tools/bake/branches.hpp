@@ -4,7 +4,7 @@
 #include "host/model/vessel_tree.hpp"
 #include "tools/bake/centreline.hpp"
 
-namespace seld::bake
+namespace crn::bake
 {
 
 // "right_renal_artery" of ".../right_renal_artery.mrk.json", at most 31 bytes: what a branch is called.
@@ -18,4 +18,4 @@ VesselTree join_branches(const std::vector<Centreline> &lines, const TreeText &t
 // "vessels           11 branches, ..." for the report.
 std::string branches_report(const VesselTree &tree);
 
-} // namespace seld::bake
+} // namespace crn::bake

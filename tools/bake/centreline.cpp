@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -72,4 +72,4 @@ CurvePoint along(const Centreline &line, bool from_last, double distance_mm)
                 " mm of entry.distance_mm");
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -4,7 +4,7 @@
 #include "tools/bake/mesh.hpp"
 #include "tools/centreline/tree.hpp"
 
-namespace seld::bake
+namespace crn::bake
 {
 
 using centreline::tapered_capsule_distance;
@@ -29,4 +29,4 @@ CurvePoint along(const Centreline &line, bool from_last, double distance_mm);
 // The union of the tapered capsules between neighbouring points, as a closed mesh made at the given voxel.
 Mesh surface_of(const std::vector<Centreline> &lines, double voxel_mm, Progress &progress);
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -17,13 +17,13 @@ namespace
 void put_u32(Bytes &bytes, std::uint32_t value)
 {
     bytes.resize(bytes.size() + 4);
-    seld_scene_put_u32(&bytes[bytes.size() - 4], value);
+    crn_scene_put_u32(&bytes[bytes.size() - 4], value);
 }
 
 void put_u16(Bytes &bytes, std::uint16_t value)
 {
     bytes.resize(bytes.size() + 2);
-    seld_scene_put_u16(&bytes[bytes.size() - 2], value);
+    crn_scene_put_u16(&bytes[bytes.size() - 2], value);
 }
 
 void put_text(Bytes &bytes, const std::string &text, std::size_t capacity)
@@ -35,15 +35,15 @@ void put_text(Bytes &bytes, const std::string &text, std::size_t capacity)
 Bytes meta_section(const SceneText &text)
 {
     Bytes bytes;
-    put_text(bytes, text.name, SELD_SCENE_NAME_BYTES);
-    put_text(bytes, text.source, SELD_SCENE_SOURCE_BYTES);
+    put_text(bytes, text.name, CRN_SCENE_NAME_BYTES);
+    put_text(bytes, text.source, CRN_SCENE_SOURCE_BYTES);
     return bytes;
 }
 
 Bytes entry_section(const Eigen::Vector3d &position_mm, const Eigen::Vector3d &direction)
 {
     Bytes bytes;
-    const seld_vec3 position = to_q30(position_mm);
+    const crn_vec3 position = to_q30(position_mm);
     for (int k = 0; k < 3; ++k) put_u32(bytes, static_cast<std::uint32_t>(position.v[k]));
     for (int k = 0; k < 3; ++k)
         put_u32(bytes, static_cast<std::uint32_t>(
@@ -68,7 +68,7 @@ Bytes lumen_section(const Field &field)
 }
 
 // MOTION, or with no keyframes BREATH.
-Bytes motion_section(const seld_lattice &lattice, std::uint16_t keyframes,
+Bytes motion_section(const crn_lattice &lattice, std::uint16_t keyframes,
                      const std::vector<std::int16_t> &values)
 {
     Bytes bytes;
@@ -86,12 +86,12 @@ Bytes motion_section(const seld_lattice &lattice, std::uint16_t keyframes,
 Bytes body_section(const BakedBody &body)
 {
     Bytes bytes;
-    put_text(bytes, body.name, SELD_SCENE_BODY_NAME_BYTES);
-    put_text(bytes, body.material, SELD_SCENE_MATERIAL_BYTES);
+    put_text(bytes, body.name, CRN_SCENE_BODY_NAME_BYTES);
+    put_text(bytes, body.material, CRN_SCENE_MATERIAL_BYTES);
     put_u32(bytes, static_cast<std::uint32_t>(body.parent));
     put_u32(bytes, static_cast<std::uint32_t>(body.mesh.vertices_mm.size()));
     put_u32(bytes, static_cast<std::uint32_t>(body.mesh.triangles.size()));
-    put_u32(bytes, body.moves ? SELD_SCENE_BODY_MOVES : 0);
+    put_u32(bytes, body.moves ? CRN_SCENE_BODY_MOVES : 0);
     for (const Eigen::Vector3d &v : body.mesh.vertices_mm)
         for (int k = 0; k < 3; ++k)
             put_u32(bytes, static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(v[k] * 1000))));
@@ -114,11 +114,11 @@ Bytes lesions_section(const VesselTree &tree)
     for (const VesselLesion &lesion : tree.lesions) points += static_cast<std::uint32_t>(lesion.size());
     put_u32(bytes, static_cast<std::uint32_t>(tree.lesions.size()));
     put_u32(bytes, points);
-    bytes.resize(SELD_SCENE_LESIONS_HEADER_BYTES);
+    bytes.resize(CRN_SCENE_LESIONS_HEADER_BYTES);
     std::uint32_t first = 0;
     for (const VesselLesion &lesion : tree.lesions) {
         const auto count = static_cast<std::uint32_t>(lesion.size());
-        put_text(bytes, lesion.name, SELD_SCENE_BRANCH_NAME_BYTES);
+        put_text(bytes, lesion.name, CRN_SCENE_BRANCH_NAME_BYTES);
         put_u32(bytes, static_cast<std::uint32_t>(lesion.branch));
         put_u32(bytes, static_cast<std::uint32_t>(lesion.first_point));
         put_u32(bytes, count);
@@ -139,11 +139,11 @@ Bytes tree_section(const VesselTree &tree)
         points += static_cast<std::uint32_t>(branch.points_m.size());
     put_u32(bytes, static_cast<std::uint32_t>(tree.branches.size()));
     put_u32(bytes, points);
-    bytes.resize(SELD_SCENE_TREE_HEADER_BYTES);
+    bytes.resize(CRN_SCENE_TREE_HEADER_BYTES);
     std::uint32_t first = 0;
     for (const VesselBranch &branch : tree.branches) {
         const auto count = static_cast<std::uint32_t>(branch.points_m.size());
-        put_text(bytes, branch.name, SELD_SCENE_BRANCH_NAME_BYTES);
+        put_text(bytes, branch.name, CRN_SCENE_BRANCH_NAME_BYTES);
         put_u32(bytes, static_cast<std::uint32_t>(branch.parent));
         put_u32(bytes, static_cast<std::uint32_t>(branch.parent_point));
         put_u32(bytes, first);
@@ -163,7 +163,7 @@ Bytes partner_section(const Bytes &scene)
 {
     Bytes bytes;
     put_u32(bytes, static_cast<std::uint32_t>(scene.size()));
-    put_u32(bytes, seld_wire_crc32(0, scene.data(), scene.size()));
+    put_u32(bytes, crn_wire_crc32(0, scene.data(), scene.size()));
     return bytes;
 }
 
@@ -173,20 +173,20 @@ std::string_view text_of(const Bytes &bytes)
 }
 
 // Lay out, then look at the result with the eyes of the device.
-Bytes sealed(seld_scene_kind kind, const std::vector<std::pair<seld_scene_section, Bytes>> &sections,
+Bytes sealed(crn_scene_kind kind, const std::vector<std::pair<crn_scene_section, Bytes>> &sections,
              const std::string &what)
 {
-    std::vector<seld_scene_part> parts;
+    std::vector<crn_scene_part> parts;
     for (const auto &[type, bytes] : sections) parts.push_back({type, bytes.data(), bytes.size()});
     const auto count = static_cast<std::uint32_t>(parts.size());
-    Bytes file(seld_scene_write_bytes(parts.data(), count));
-    if (file.empty() || seld_scene_write(kind, parts.data(), count, file.data(), file.size()) != file.size())
+    Bytes file(crn_scene_write_bytes(parts.data(), count));
+    if (file.empty() || crn_scene_write(kind, parts.data(), count, file.data(), file.size()) != file.size())
         throw Fault(what + ": larger than 2 GiB: simplify the meshes");
-    seld_scene scene;
+    crn_scene scene;
     std::uint32_t where = 0;
-    const seld_scene_status status = seld_scene_open(file.data(), file.size(), &scene, &where);
-    if (status != SELD_SCENE_OK)
-        throw Fault(what + ": " + seld_scene_status_text(status) + " (byte " + std::to_string(where) + ")");
+    const crn_scene_status status = crn_scene_open(file.data(), file.size(), &scene, &where);
+    if (status != CRN_SCENE_OK)
+        throw Fault(what + ": " + crn_scene_status_text(status) + " (byte " + std::to_string(where) + ")");
     return file;
 }
 
@@ -195,29 +195,29 @@ Bytes sealed(seld_scene_kind kind, const std::vector<std::pair<seld_scene_sectio
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
                   const Field &field, const Motion *motion, const VesselTree *tree)
 {
-    std::vector<std::pair<seld_scene_section, Bytes>> sections = {
-        {SELD_SCENE_META, meta_section(text)},
-        {SELD_SCENE_ENTRY, entry_section(entry_mm, direction)},
-        {SELD_SCENE_LUMEN, lumen_section(field)}};
+    std::vector<std::pair<crn_scene_section, Bytes>> sections = {
+        {CRN_SCENE_META, meta_section(text)},
+        {CRN_SCENE_ENTRY, entry_section(entry_mm, direction)},
+        {CRN_SCENE_LUMEN, lumen_section(field)}};
     if (motion)
-        sections.emplace_back(SELD_SCENE_MOTION, motion_section(motion->lattices.beat,
-                                                                SELD_SCENE_MOTION_KEYFRAMES, motion->rows));
+        sections.emplace_back(CRN_SCENE_MOTION, motion_section(motion->lattices.beat,
+                                                               CRN_SCENE_MOTION_KEYFRAMES, motion->rows));
     if (motion && !motion->inhaled.empty())
-        sections.emplace_back(SELD_SCENE_BREATH, motion_section(motion->lattices.breath, 0, motion->inhaled));
+        sections.emplace_back(CRN_SCENE_BREATH, motion_section(motion->lattices.breath, 0, motion->inhaled));
     if (tree && !tree->lesions.empty())
-        sections.emplace_back(SELD_SCENE_PLAQUES, plaques_section(*tree, text.lesions));
-    return sealed(SELD_SCENE_KIND_SCENE, sections, text.file.string());
+        sections.emplace_back(CRN_SCENE_PLAQUES, plaques_section(*tree, text.lesions));
+    return sealed(CRN_SCENE_KIND_SCENE, sections, text.file.string());
 }
 
 Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, const VesselTree &tree,
                    const Bytes &scene)
 {
-    std::vector<std::pair<seld_scene_section, Bytes>> sections{{SELD_SCENE_META, meta_section(text)}};
-    for (const BakedBody &body : bodies) sections.emplace_back(SELD_SCENE_BODY, body_section(body));
-    if (!tree.branches.empty()) sections.emplace_back(SELD_SCENE_TREE, tree_section(tree));
-    if (!tree.lesions.empty()) sections.emplace_back(SELD_SCENE_LESIONS, lesions_section(tree));
-    if (!scene.empty()) sections.emplace_back(SELD_SCENE_PARTNER, partner_section(scene));
-    return sealed(SELD_SCENE_KIND_BODIES, sections, text.file.string());
+    std::vector<std::pair<crn_scene_section, Bytes>> sections{{CRN_SCENE_META, meta_section(text)}};
+    for (const BakedBody &body : bodies) sections.emplace_back(CRN_SCENE_BODY, body_section(body));
+    if (!tree.branches.empty()) sections.emplace_back(CRN_SCENE_TREE, tree_section(tree));
+    if (!tree.lesions.empty()) sections.emplace_back(CRN_SCENE_LESIONS, lesions_section(tree));
+    if (!scene.empty()) sections.emplace_back(CRN_SCENE_PARTNER, partner_section(scene));
+    return sealed(CRN_SCENE_KIND_BODIES, sections, text.file.string());
 }
 
 void write_whole(const std::filesystem::path &file, const Bytes &bytes)
@@ -234,4 +234,4 @@ void write_both(const std::filesystem::path &scene_file, const Bytes &scene,
     files.commit();
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -5,7 +5,7 @@
 #include "tools/bake/field.hpp"
 #include "tools/bake/motion.hpp"
 
-namespace seld::bake
+namespace crn::bake
 {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -31,4 +31,4 @@ void write_whole(const std::filesystem::path &file, const Bytes &bytes);
 void write_both(const std::filesystem::path &scene_file, const Bytes &scene,
                 const std::filesystem::path &bodies_file, const Bytes &bodies);
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -3,9 +3,9 @@
 #pragma once
 #include "tools/mesh/fault.hpp"
 
-namespace seld::bake
+namespace crn::bake
 {
 
-using seld::Fault;
+using crn::Fault;
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -12,7 +12,7 @@
 #include <numeric>
 #include <set>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -22,7 +22,7 @@ constexpr int block = 10 + 2 * filter_reach;
 constexpr float band_voxels = 9;  // 4 that int8 can hold, and what the prefilter sees of the rest
 constexpr float exact_voxels = 7; // farther samples weigh less than 0.005 in the prefilter
 constexpr double coefficient_max = 127.0 / 32; // voxels
-constexpr std::uint32_t bricks_max = static_cast<std::uint32_t>(SELD_SCENE_BYTES_MAX) / 1000;
+constexpr std::uint32_t bricks_max = static_cast<std::uint32_t>(CRN_SCENE_BYTES_MAX) / 1000;
 constexpr int test_points = 6; // along each edge of a brick
 
 double voxel_mm(int level)
@@ -34,7 +34,7 @@ using Cell = std::array<int, 3>; // brick of a level, counted from the patient's
 
 struct Brick {
     Cell cell{};
-    std::uint16_t entry = SELD_LUMEN_ENTRY_OUTSIDE; // OUTSIDE, INSIDE, or FIRST_BRICK: `coefficients` hold
+    std::uint16_t entry = CRN_LUMEN_ENTRY_OUTSIDE; // OUTSIDE, INSIDE, or FIRST_BRICK: `coefficients` hold
     bool refine = false;
     std::vector<std::int8_t> coefficients;
 };
@@ -146,8 +146,8 @@ std::uint16_t classify(const std::vector<double> &values, const FieldText &text,
         low = std::min(low, value);
         high = std::max(high, value);
     }
-    if (low > outside) return SELD_LUMEN_ENTRY_OUTSIDE;
-    return high < -inside ? SELD_LUMEN_ENTRY_INSIDE : SELD_LUMEN_ENTRY_FIRST_BRICK;
+    if (low > outside) return CRN_LUMEN_ENTRY_OUTSIDE;
+    return high < -inside ? CRN_LUMEN_ENTRY_INSIDE : CRN_LUMEN_ENTRY_FIRST_BRICK;
 }
 
 std::vector<std::int8_t> quantise(std::vector<double> values)
@@ -219,7 +219,7 @@ void make_bricks(std::vector<Brick> &bricks, int level, const openvdb::FloatGrid
             Brick &brick = bricks[i];
             std::vector<double> values = gather(grid, brick.cell, voxel_mm(level));
             brick.entry = classify(values, text, voxel_mm(level));
-            if (brick.entry != SELD_LUMEN_ENTRY_FIRST_BRICK) return;
+            if (brick.entry != CRN_LUMEN_ENTRY_FIRST_BRICK) return;
             brick.coefficients = quantise(std::move(values));
             brick.refine = is_wrong(brick, level, tree, text);
         });
@@ -248,10 +248,10 @@ std::vector<std::uint16_t> number(const std::vector<Brick> &bricks, int level, s
     std::vector<std::uint16_t> entries;
     for (const Brick &brick : bricks) {
         if (brick.refine) {
-            entries.push_back(static_cast<std::uint16_t>(SELD_LUMEN_ENTRY_REFINED | row++));
-        } else if (brick.entry == SELD_LUMEN_ENTRY_FIRST_BRICK) {
-            entries.push_back(static_cast<std::uint16_t>(SELD_LUMEN_ENTRY_FIRST_BRICK +
-                                                         field.samples.size() / SELD_LUMEN_BRICK_SAMPLES));
+            entries.push_back(static_cast<std::uint16_t>(CRN_LUMEN_ENTRY_REFINED | row++));
+        } else if (brick.entry == CRN_LUMEN_ENTRY_FIRST_BRICK) {
+            entries.push_back(static_cast<std::uint16_t>(CRN_LUMEN_ENTRY_FIRST_BRICK +
+                                                         field.samples.size() / CRN_LUMEN_BRICK_SAMPLES));
             field.samples.insert(field.samples.end(), brick.coefficients.begin(), brick.coefficients.end());
             ++field.bricks_of_level[level];
         } else {
@@ -266,12 +266,12 @@ void check_budget(const std::vector<std::vector<Brick>> &levels)
     std::size_t count = 0, rows = 0;
     for (const std::vector<Brick> &bricks : levels)
         for (const Brick &brick : bricks) {
-            count += !brick.refine && brick.entry == SELD_LUMEN_ENTRY_FIRST_BRICK;
+            count += !brick.refine && brick.entry == CRN_LUMEN_ENTRY_FIRST_BRICK;
             rows += brick.refine;
         }
     if (count > bricks_max || rows >= 0x7fff)
         throw Fault("the lumen needs over " + std::to_string(bricks_max) + " bricks, more than a scene of " +
-                    std::to_string(SELD_SCENE_BYTES_MAX >> 20) +
+                    std::to_string(CRN_SCENE_BYTES_MAX >> 20) +
                     " MiB holds: raise tolerance_mm, lower level_max, or leave out branches");
 }
 
@@ -283,12 +283,12 @@ std::vector<Brick> coarse_bricks(const Mesh &mesh, const FieldText &text, Field 
     for (int k = 0; k < 3; ++k) {
         low[k] = static_cast<int>(std::floor((box.min()[k] - text.outside_mm) / brick0_mm));
         count[k] = static_cast<int>(std::floor((box.max()[k] + text.outside_mm) / brick0_mm)) + 1 - low[k];
-        field.lumen.origin_m_q30[k] = low[k] * (1 << SELD_SCENE_BRICK_LOG2_Q30);
+        field.lumen.origin_m_q30[k] = low[k] * (1 << CRN_SCENE_BRICK_LOG2_Q30);
         field.lumen.brick_count_xyz[k] = static_cast<std::uint16_t>(count[k]);
     }
     const std::size_t total = static_cast<std::size_t>(count[0]) * count[1] * count[2];
-    if (2 * total > SELD_SCENE_BYTES_MAX || area_mm2(mesh) / (brick0_mm * brick0_mm) > bricks_max)
-        throw Fault(mesh.name + ": too large for a scene of " + std::to_string(SELD_SCENE_BYTES_MAX >> 20) +
+    if (2 * total > CRN_SCENE_BYTES_MAX || area_mm2(mesh) / (brick0_mm * brick0_mm) > bricks_max)
+        throw Fault(mesh.name + ": too large for a scene of " + std::to_string(CRN_SCENE_BYTES_MAX >> 20) +
                     " MiB (" + std::to_string(total) + " coarse bricks, wall of " +
                     std::to_string(area_mm2(mesh) / 100) +
                     " cm2): check its unit, or cut off what the wire does not reach");
@@ -303,7 +303,7 @@ std::vector<Brick> coarse_bricks(const Mesh &mesh, const FieldText &text, Field 
 
 } // namespace
 
-const seld_lumen *Field::view()
+const crn_lumen *Field::view()
 {
     lumen.index = index.data();
     lumen.children = children.data();
@@ -311,11 +311,11 @@ const seld_lumen *Field::view()
     return &lumen;
 }
 
-seld_vec3 to_q30(const Eigen::Vector3d &p_mm)
+crn_vec3 to_q30(const Eigen::Vector3d &p_mm)
 {
-    return seld_vec3_make(static_cast<std::int32_t>(std::lround(p_mm.x() / mm_per_q30)),
-                          static_cast<std::int32_t>(std::lround(p_mm.y() / mm_per_q30)),
-                          static_cast<std::int32_t>(std::lround(p_mm.z() / mm_per_q30)));
+    return crn_vec3_make(static_cast<std::int32_t>(std::lround(p_mm.x() / mm_per_q30)),
+                         static_cast<std::int32_t>(std::lround(p_mm.y() / mm_per_q30)),
+                         static_cast<std::int32_t>(std::lround(p_mm.z() / mm_per_q30)));
 }
 
 Field make_field(const TriangleTree &tree, const FieldText &text, Progress &progress)
@@ -323,14 +323,14 @@ Field make_field(const TriangleTree &tree, const FieldText &text, Progress &prog
     Field field;
     std::vector<std::vector<Brick>> levels;
     levels.push_back(coarse_bricks(tree.mesh(), text, field));
-    for (int level = 0; level < SELD_LUMEN_LEVELS && !levels.back().empty(); ++level) {
+    for (int level = 0; level < CRN_LUMEN_LEVELS && !levels.back().empty(); ++level) {
         const auto grid = distances(tree.mesh(), level, progress);
         make_exact(*grid, levels.back(), level, tree, progress);
         make_bricks(levels.back(), level, *grid, tree, text, progress);
         check_budget(levels);
         levels.push_back(octants(levels.back()));
     }
-    levels.resize(SELD_LUMEN_LEVELS);
+    levels.resize(CRN_LUMEN_LEVELS);
     const auto rows = [&](int level) {
         return static_cast<std::uint32_t>(std::count_if(levels[level].begin(), levels[level].end(),
                                                         [](const Brick &b) { return b.refine; }));
@@ -341,9 +341,9 @@ Field make_field(const TriangleTree &tree, const FieldText &text, Progress &prog
     const std::vector<std::uint16_t> last = number(levels[2], 2, 0, field);
     field.children.insert(field.children.end(), last.begin(), last.end());
     field.lumen.child_row_count = static_cast<std::uint16_t>(field.children.size() / 8);
-    field.lumen.brick_count = static_cast<std::uint32_t>(field.samples.size() / SELD_LUMEN_BRICK_SAMPLES);
+    field.lumen.brick_count = static_cast<std::uint32_t>(field.samples.size() / CRN_LUMEN_BRICK_SAMPLES);
     field.view();
     return field;
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

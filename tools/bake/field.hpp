@@ -14,7 +14,7 @@ extern "C" {
 #include "firmware/core/lumen.h"
 }
 
-namespace seld::bake
+namespace crn::bake
 {
 
 constexpr double mm_per_q30 = 1000.0 / 1073741824.0;
@@ -24,13 +24,13 @@ constexpr double error_band_mm = 1.5; // where the field's error counts
 
 // A lumen that owns its memory.
 struct Field {
-    seld_lumen lumen{};
+    crn_lumen lumen{};
     std::vector<std::uint16_t> index, children;
     std::vector<std::int8_t> samples;
     std::uint32_t row_first_rank = 0;
     std::array<std::uint32_t, 3> bricks_of_level{};
 
-    const seld_lumen *view(); // sets the pointers
+    const crn_lumen *view(); // sets the pointers
 };
 
 // A box in which more is asked of the field.
@@ -49,6 +49,6 @@ struct FieldText {
 // Throws Fault when the lumen needs more bricks than a scene may hold.
 Field make_field(const TriangleTree &tree, const FieldText &text, Progress &progress);
 
-seld_vec3 to_q30(const Eigen::Vector3d &p_mm);
+crn_vec3 to_q30(const Eigen::Vector3d &p_mm);
 
-} // namespace seld::bake
+} // namespace crn::bake

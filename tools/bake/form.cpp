@@ -9,7 +9,7 @@
 #include <cmath>
 #include <memory>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -128,11 +128,11 @@ Deviation decimate(Mesh &mesh, double error_mm)
     const TriangleTree before(mesh);
     const std::vector<Eigen::Vector3d> samples = sample(mesh, points);
     Mesh flat = mesh;
-    seld::mesh::simplify(flat.vertices_mm, flat.triangles, flat_share * error_mm);
+    crn::mesh::simplify(flat.vertices_mm, flat.triangles, flat_share * error_mm);
     double limit_mm = 0.5 * error_mm;
     for (int attempt = 0; attempt < attempts_max; ++attempt) {
         Mesh fewer = flat;
-        seld::mesh::simplify(fewer.vertices_mm, fewer.triangles, limit_mm);
+        crn::mesh::simplify(fewer.vertices_mm, fewer.triangles, limit_mm);
         const Deviation found = deviation_between(samples, before, fewer, points);
         if (found.largest_mm <= error_mm) {
             mesh = std::move(fewer);
@@ -218,4 +218,4 @@ std::string nesting_report(const std::vector<BakedBody> &bodies, std::size_t sam
     return report;
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

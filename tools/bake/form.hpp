@@ -4,7 +4,7 @@
 #include "tools/bake/container.hpp"
 #include "tools/bake/triangle_tree.hpp"
 
-namespace seld::bake
+namespace crn::bake
 {
 
 // How far two surfaces are apart, from points of each (all vertices and evenly spread ones) to the nearest point of the other.
@@ -27,4 +27,4 @@ Mesh form_body(const BodyText &body, const std::vector<BakedBody> &made, std::st
 // a material twice. `samples` vertices of each body are tried.
 std::string nesting_report(const std::vector<BakedBody> &bodies, std::size_t samples);
 
-} // namespace seld::bake
+} // namespace crn::bake

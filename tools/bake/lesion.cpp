@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <limits>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -210,7 +210,7 @@ std::vector<FineRegion> fine_regions(const VesselTree &tree)
     for (const VesselLesion &lesion : tree.lesions) {
         const double throat_mm = tree.branches[lesion.branch].radii_m[tree.throat(lesion)] * 1e3;
         int level = 0;
-        while (level < SELD_LUMEN_LEVELS - 1 && voxel0_mm / (1 << level) > 0.7 * throat_mm) ++level;
+        while (level < CRN_LUMEN_LEVELS - 1 && voxel0_mm / (1 << level) > 0.7 * throat_mm) ++level;
         regions.push_back({lesion_box_mm(lesion, 1.0), std::max(0.03, throat_mm / 15), level});
     }
     return regions;
@@ -339,10 +339,10 @@ std::string lesions_report(const VesselTree &tree, const TriangleTree &surface)
             lesion.name.c_str(), measured_mm, wanted_mm, branch.name.c_str());
         report += line;
     }
-    for (std::size_t i = SELD_SCENE_PLAQUE_MAX; i < tree.lesions.size(); ++i)
+    for (std::size_t i = CRN_SCENE_PLAQUE_MAX; i < tree.lesions.size(); ++i)
         report += "note: " + tree.lesions[i].name + " stays rigid under a balloon: only the first " +
-                  std::to_string(int{SELD_SCENE_PLAQUE_MAX}) + " lesions of a scene give way\n";
+                  std::to_string(int{CRN_SCENE_PLAQUE_MAX}) + " lesions of a scene give way\n";
     return report;
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -14,7 +14,7 @@
 #include "tools/bake/mesh.hpp"
 #include "tools/bake/triangle_tree.hpp"
 
-namespace seld::bake
+namespace crn::bake
 {
 
 // Box around everything within so many radii of a lesion's healthy centreline.
@@ -43,4 +43,4 @@ BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const L
 // One line each for the report, with the diameter measured on the narrowed surface, and a warning where that is not the tree's.
 std::string lesions_report(const VesselTree &tree, const TriangleTree &surface);
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -130,4 +130,4 @@ void refine_lesions(Mesh &mesh, const VesselTree &tree)
     }
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

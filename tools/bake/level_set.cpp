@@ -4,7 +4,7 @@
 
 #include <openvdb/tools/MeshToVolume.h>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -36,4 +36,4 @@ openvdb::FloatGrid::Ptr level_set(const Mesh &mesh, double voxel_mm, double plac
         static_cast<float>(inside));
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

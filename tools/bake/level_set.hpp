@@ -3,7 +3,7 @@
 #include "tools/bake/mesh.hpp"
 #include "tools/bake/vdb.hpp"
 
-namespace seld::bake
+namespace crn::bake
 {
 
 // Negative inside, in mm, kept `outside` and `inside` voxels far from the surface. Sample (i, j, k) lies at (i + place, j + place,
@@ -12,4 +12,4 @@ namespace seld::bake
 openvdb::FloatGrid::Ptr level_set(const Mesh &mesh, double voxel_mm, double place, double outside,
                                   double inside);
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -22,7 +22,7 @@ constexpr const char *examples =
 
 std::string data_folder()
 {
-    const char *folder = std::getenv("SELD_ANATOMY");
+    const char *folder = std::getenv("CRN_ANATOMY");
     return folder ? folder : "../shared/anatomy";
 }
 
@@ -30,7 +30,7 @@ std::string data_folder()
 
 int main(int argc, char **argv)
 {
-    seld::bake::Options options;
+    crn::bake::Options options;
     options.folders = {data_folder(), "build/anatomy/aorta"};
     std::string surface;
     CLI::App app{
@@ -54,27 +54,27 @@ int main(int argc, char **argv)
     app.add_option("--points", options.points, "random points of the field error")
         ->capture_default_str()
         ->check(CLI::Range(100, 100000000));
-    seld::refuse_empty_values(app);
+    crn::refuse_empty_values(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
     options.surface = surface;
-    seld::bake::Progress progress;
-    seld::bake::Progress::catch_interrupts();
+    crn::bake::Progress progress;
+    crn::bake::Progress::catch_interrupts();
     try {
-        seld::say(stdout, "%s", seld::bake::bake(options, progress).c_str());
+        crn::say(stdout, "%s", crn::bake::bake(options, progress).c_str());
         return 0;
-    } catch (const seld::UsageError &error) {
-        seld::say(stderr, "bake: %s\n", error.what());
+    } catch (const crn::UsageError &error) {
+        crn::say(stderr, "bake: %s\n", error.what());
         return 2;
-    } catch (const seld::bake::Fault &fault) {
+    } catch (const crn::bake::Fault &fault) {
         progress.finish();
-        seld::say(stderr, "bake: %s\n", fault.what());
+        crn::say(stderr, "bake: %s\n", fault.what());
     } catch (const std::exception &error) {
         progress.finish();
-        seld::say(stderr, "bake: %s: %s\n", options.scene.c_str(), error.what());
+        crn::say(stderr, "bake: %s: %s\n", options.scene.c_str(), error.what());
     }
     return 1;
 }

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -64,10 +64,10 @@ class SurfacePoints
     std::vector<double> area_until_;
 };
 
-double contact_mm(const seld_lumen *lumen, const Eigen::Vector3d &p)
+double contact_mm(const crn_lumen *lumen, const Eigen::Vector3d &p)
 {
-    const seld_vec3 q = to_q30(p);
-    return seld_lumen_contact(lumen, &q).distance_m_q30 * mm_per_q30;
+    const crn_vec3 q = to_q30(p);
+    return crn_lumen_contact(lumen, &q).distance_m_q30 * mm_per_q30;
 }
 
 // --- libccd: the capsule and a triangle as support functions, in mm relative to the capsule's centre ---
@@ -157,7 +157,7 @@ double referee_depth(const TriangleTree &tree, const Pose &pose, double radius)
 }
 
 // The core knows points, so the capsule is looked at in 33 places along its axis.
-double core_depth(const seld_lumen *lumen, const Pose &pose, double radius)
+double core_depth(const crn_lumen *lumen, const Pose &pose, double radius)
 {
     double deepest = -INFINITY;
     for (int i = -16; i <= 16; ++i)
@@ -199,7 +199,7 @@ double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eig
 
 } // namespace
 
-FieldError measure_field(const seld_lumen *lumen, const TriangleTree &tree, std::size_t points,
+FieldError measure_field(const crn_lumen *lumen, const TriangleTree &tree, std::size_t points,
                          std::uint64_t seed, Progress &progress)
 {
     Random random(seed);
@@ -213,8 +213,8 @@ FieldError measure_field(const seld_lumen *lumen, const TriangleTree &tree, std:
         const Eigen::Vector3d wall = surface.draw(random, triangle);
         const Eigen::Vector3d p = wall + in_ball(random, error_band_mm);
         const double exact = tree.nearest(p).distance_mm;
-        const seld_vec3 q = to_q30(p);
-        const double core = seld_lumen_contact(lumen, &q).distance_m_q30 * mm_per_q30;
+        const crn_vec3 q = to_q30(p);
+        const double core = crn_lumen_contact(lumen, &q).distance_m_q30 * mm_per_q30;
         errors.push_back(std::abs(core - exact));
         error.largest.take(errors.back(), p);
     }
@@ -227,7 +227,7 @@ FieldError measure_field(const seld_lumen *lumen, const TriangleTree &tree, std:
     return error;
 }
 
-Referee measure_contact(const seld_lumen *lumen, const TriangleTree &tree, std::size_t poses,
+Referee measure_contact(const crn_lumen *lumen, const TriangleTree &tree, std::size_t poses,
                         std::uint64_t seed, Progress &progress)
 {
     constexpr std::size_t draws_max = 400; // per pose: a lumen narrower than the capsule has none
@@ -281,4 +281,4 @@ Worst smallest_radius(const TriangleTree &tree, std::size_t points)
     return smallest;
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

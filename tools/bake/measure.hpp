@@ -4,7 +4,7 @@
 #pragma once
 #include "tools/bake/field.hpp"
 
-namespace seld::bake
+namespace crn::bake
 {
 
 struct Worst {
@@ -25,7 +25,7 @@ struct FieldError {
 };
 
 // Random points within error_band_mm of the wall: |core's distance - exact signed distance|.
-FieldError measure_field(const seld_lumen *lumen, const TriangleTree &tree, std::size_t points,
+FieldError measure_field(const crn_lumen *lumen, const TriangleTree &tree, std::size_t points,
                          std::uint64_t seed, Progress &progress);
 
 struct Referee {
@@ -36,11 +36,11 @@ struct Referee {
 
 // Random capsules whose axis lies in the lumen and which reach the wall: depth by the core (largest phi + r along the axis)
 // against the deepest penetration that libccd finds with the triangles around.
-Referee measure_contact(const seld_lumen *lumen, const TriangleTree &tree, std::size_t poses,
+Referee measure_contact(const crn_lumen *lumen, const TriangleTree &tree, std::size_t poses,
                         std::uint64_t seed, Progress &progress);
 
 // Radius of the smallest ball that touches two opposite walls (at least 120 degrees apart seen from its centre), over up
 // to `points` places of the surface.
 Worst smallest_radius(const TriangleTree &tree, std::size_t points);
 
-} // namespace seld::bake
+} // namespace crn::bake

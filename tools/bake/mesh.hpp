@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace seld::bake
+namespace crn::bake
 {
 
 constexpr double mesh_extent_min_mm = 5.0;
@@ -52,4 +52,4 @@ double area_mm2(const Mesh &mesh);
 
 void write_ply(const Mesh &mesh, const std::filesystem::path &file);
 
-} // namespace seld::bake
+} // namespace crn::bake

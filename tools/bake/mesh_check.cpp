@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <map>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -265,4 +265,4 @@ void cap_openings(Mesh &mesh, Cap cap)
     if (!loops.empty()) close_openings(mesh, loops, cap);
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -72,4 +72,4 @@ void check_crossing(const Mesh &mesh, Progress &progress)
                     ": join the parts into one surface (\"boolean union\" or \"remesh\" in a mesh editor)");
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -15,7 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -246,4 +246,4 @@ std::vector<MeshPiece> read_mesh_file(const std::filesystem::path &file,
     return pieces;
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace seld::bake
+namespace crn::bake
 {
 
 constexpr std::size_t mesh_file_bytes_max = std::size_t{1} << 30;
@@ -51,4 +51,4 @@ Declared check_gltf(std::string_view bytes, const std::string &file, const std::
 Declared check_mesh_bytes(std::string_view bytes, const std::string &file, const std::string &ending,
                           const std::filesystem::path &folder);
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -294,4 +294,4 @@ Declared check_gltf(std::string_view bytes, const std::string &file, const std::
     return {-1, gltf.faces()};
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -10,7 +10,7 @@
 #include <numeric>
 #include <sstream>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -172,4 +172,4 @@ void write_ply(const Mesh &mesh, const std::filesystem::path &file)
     write_whole_file(file.string(), out.str());
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

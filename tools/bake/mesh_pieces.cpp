@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-namespace seld::bake
+namespace crn::bake
 {
 
 void check_pieces(const std::vector<MeshPiece> &pieces, const std::string &file)
@@ -30,4 +30,4 @@ void check_pieces(const std::vector<MeshPiece> &pieces, const std::string &file)
     }
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

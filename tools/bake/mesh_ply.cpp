@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -286,4 +286,4 @@ Declared check_ply(std::string_view bytes, const std::string &file)
     return {header.count(&Element::is_vertex), header.count(&Element::is_face)};
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -204,4 +204,4 @@ Declared check_mesh_bytes(std::string_view bytes, const std::string &file, const
     return check_gltf(bytes, file, folder);
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace seld::bake
+namespace crn::bake
 {
 
 inline bool is_blank(char c)
@@ -86,4 +86,4 @@ class Words
     std::size_t at_ = 0, line_;
 };
 
-} // namespace seld::bake
+} // namespace crn::bake

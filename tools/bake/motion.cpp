@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -93,8 +93,8 @@ struct Moving {
 Lattice lattice_for(const Moving &moving, double spacing_mm, double reach_spacings)
 {
     Lattice lattice;
-    lattice.spacing_log2 = SELD_MOTION_SPACING_LOG2_MAX;
-    while (lattice.spacing_log2 > SELD_MOTION_SPACING_LOG2_MIN &&
+    lattice.spacing_log2 = CRN_MOTION_SPACING_LOG2_MAX;
+    while (lattice.spacing_log2 > CRN_MOTION_SPACING_LOG2_MIN &&
            std::ldexp(mm_per_q30, static_cast<int>(lattice.spacing_log2)) > spacing_mm * 1.005)
         --lattice.spacing_log2;
     lattice.spacing_mm = std::ldexp(mm_per_q30, static_cast<int>(lattice.spacing_log2));
@@ -106,7 +106,7 @@ Lattice lattice_for(const Moving &moving, double spacing_mm, double reach_spacin
         const double high = std::ceil((box.max()[k] + reach) / lattice.spacing_mm);
         lattice.origin_mm[k] = low * lattice.spacing_mm;
         lattice.count[k] = static_cast<int>(high - low) + 1;
-        if (lattice.count[k] > SELD_SCENE_MOTION_COUNT_MAX)
+        if (lattice.count[k] > CRN_SCENE_MOTION_COUNT_MAX)
             throw Fault(
                 "[motion]: the lattice would have more than 256 nodes along an axis: raise spacing_mm");
     }
@@ -202,16 +202,16 @@ void tell_all(Fit &fit, const std::vector<Eigen::Vector3d> &moved_mm,
 std::int16_t coefficient(double way_mm)
 {
     const double value = std::round(way_mm / unit_mm);
-    if (std::abs(value) > int{SELD_MOTION_COEFFICIENT_MAX})
+    if (std::abs(value) > int{CRN_MOTION_COEFFICIENT_MAX})
         throw Fault("[motion]: a vessel moves by more than 31 mm from its reference pose: take a frame in "
                     "the middle of "
                     "the motion as the lumen's mesh");
     return static_cast<std::int16_t>(value);
 }
 
-seld_lattice stored(const Lattice &lattice)
+crn_lattice stored(const Lattice &lattice)
 {
-    seld_lattice result{};
+    crn_lattice result{};
     result.spacing_log2_q30 = lattice.spacing_log2;
     for (int k = 0; k < 3; ++k) {
         result.origin_m_q30[k] = static_cast<std::int32_t>(std::lround(lattice.origin_mm[k] / mm_per_q30));
@@ -222,12 +222,12 @@ seld_lattice stored(const Lattice &lattice)
 
 void put_node(const std::vector<Ways> &keys, int node, std::int16_t *rows)
 {
-    for (int k = 0; k < 3; ++k, rows += SELD_MOTION_ROW) {
-        double w[SELD_MOTION_KEYFRAMES], c[SELD_MOTION_KEYFRAMES];
+    for (int k = 0; k < 3; ++k, rows += CRN_MOTION_ROW) {
+        double w[CRN_MOTION_KEYFRAMES], c[CRN_MOTION_KEYFRAMES];
         for (std::size_t i = 0; i < keys.size(); ++i) w[i] = keys[i](node, k);
         motion_prefilter(w, c);
-        for (int i = 0; i < SELD_MOTION_KEYFRAMES + 2; ++i)
-            rows[i] = coefficient(c[(i + SELD_MOTION_KEYFRAMES - 1) % SELD_MOTION_KEYFRAMES]);
+        for (int i = 0; i < CRN_MOTION_KEYFRAMES + 2; ++i)
+            rows[i] = coefficient(c[(i + CRN_MOTION_KEYFRAMES - 1) % CRN_MOTION_KEYFRAMES]);
     }
 }
 
@@ -249,9 +249,9 @@ void fit_beat(const Frames &frames, double spacing_mm, Motion &motion, Progress 
         progress.step(keys.size());
     }
     motion.lattices.beat = stored(lattice);
-    motion.rows.assign(static_cast<std::size_t>(lattice.nodes()) * 3 * SELD_MOTION_ROW, 0);
+    motion.rows.assign(static_cast<std::size_t>(lattice.nodes()) * 3 * CRN_MOTION_ROW, 0);
     for (int node = 0; node < lattice.nodes(); ++node)
-        put_node(keys, node, &motion.rows[static_cast<std::size_t>(node) * 3 * SELD_MOTION_ROW]);
+        put_node(keys, node, &motion.rows[static_cast<std::size_t>(node) * 3 * CRN_MOTION_ROW]);
 }
 
 // The heart beats in a chest that moves: what breath does to the first frame it does to what is there in any.
@@ -330,4 +330,4 @@ Motion fit_motion(const Frames &frames, const MotionSpacing &spacing, Progress &
     return motion;
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -18,10 +18,10 @@ extern "C" {
 #include "firmware/core/motion.h"
 }
 
-namespace seld::bake
+namespace crn::bake
 {
 
-constexpr std::size_t frames_count = SELD_MOTION_KEYFRAMES;
+constexpr std::size_t frames_count = CRN_MOTION_KEYFRAMES;
 
 // One set of points through the cycle: frame k at k / 24 of it.
 struct Sequence {
@@ -49,9 +49,9 @@ Frames load_frames(const MotionText &text, const LumenText &lumen);
 std::size_t middle_pose(const Sequence &sequence);
 
 struct Motion {
-    seld_motion lattices{};
+    crn_motion lattices{};
     std::vector<std::int16_t> rows, inhaled; // of the beat; of breath, empty: none
-    const seld_motion *view();               // sets the pointers
+    const crn_motion *view();                // sets the pointers
     // Where in the reference pose a point of keyframe 0 lies.
     Eigen::Vector3d to_reference_mm(const Eigen::Vector3d &at_mm) const;
 };
@@ -81,7 +81,7 @@ struct FrameError {
 constexpr double small_vessel_mm = 2.3;
 
 // `left_out`: vertices that are not looked at, where the scene's lumen is not the frames' (lesions); empty: none.
-std::vector<FrameError> measure_motion(const seld_lumen *lumen, const seld_motion *motion,
-                                       const Frames &frames, const std::vector<bool> &left_out = {});
+std::vector<FrameError> measure_motion(const crn_lumen *lumen, const crn_motion *motion, const Frames &frames,
+                                       const std::vector<bool> &left_out = {});
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -6,7 +6,7 @@
 #include <cctype>
 #include <cmath>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -60,17 +60,17 @@ void check_jumps(const Sequence &frames, const std::vector<std::filesystem::path
     }
 }
 
-double contact_mm(const seld_lumen *lumen, const Eigen::Vector3d &p_mm)
+double contact_mm(const crn_lumen *lumen, const Eigen::Vector3d &p_mm)
 {
-    const seld_vec3 q = to_q30(p_mm);
-    return seld_lumen_contact(lumen, &q).distance_m_q30 * mm_per_q30;
+    const crn_vec3 q = to_q30(p_mm);
+    return crn_lumen_contact(lumen, &q).distance_m_q30 * mm_per_q30;
 }
 
 // Radius of the reference lumen at a point of its wall: how deep it gets along the inward normal.
-double radius_mm(const seld_lumen *lumen, const Eigen::Vector3d &wall_mm)
+double radius_mm(const crn_lumen *lumen, const Eigen::Vector3d &wall_mm)
 {
-    const seld_vec3 q = to_q30(wall_mm);
-    const seld_lumen_sample sample = seld_lumen_contact(lumen, &q);
+    const crn_vec3 q = to_q30(wall_mm);
+    const crn_lumen_sample sample = crn_lumen_contact(lumen, &q);
     Eigen::Vector3d inward;
     for (int k = 0; k < 3; ++k) inward[k] = std::ldexp(sample.normal_q30.v[k], -30);
     double deepest = 0;
@@ -79,20 +79,20 @@ double radius_mm(const seld_lumen *lumen, const Eigen::Vector3d &wall_mm)
     return deepest;
 }
 
-seld_motion_pose pose_of(const seld_motion *motion, std::size_t key, bool inhaled)
+crn_motion_pose pose_of(const crn_motion *motion, std::size_t key, bool inhaled)
 {
-    seld_rhythm rhythm{};
+    crn_rhythm rhythm{};
     rhythm.heart_phase32 = static_cast<std::uint32_t>((std::uint64_t{key} << 32) / frames_count);
     rhythm.breath_phase32 = inhaled ? 1u << 31 : 0u;
-    seld_motion_pose pose;
-    seld_motion_pose_begin(motion, &pose, &rhythm, &rhythm);
+    crn_motion_pose pose;
+    crn_motion_pose_begin(motion, &pose, &rhythm, &rhythm);
     return pose;
 }
 
 // Place in the reference pose of what is there in another.
-Eigen::Vector3d pulled_mm(const seld_motion *motion, seld_motion_pose &pose, const Eigen::Vector3d &at_mm)
+Eigen::Vector3d pulled_mm(const crn_motion *motion, crn_motion_pose &pose, const Eigen::Vector3d &at_mm)
 {
-    const seld_vec3 q = to_q30(at_mm), back = seld_motion_pull(motion, &pose, &q);
+    const crn_vec3 q = to_q30(at_mm), back = crn_motion_pull(motion, &pose, &q);
     Eigen::Vector3d reference;
     for (int k = 0; k < 3; ++k) reference[k] = back.v[k] * mm_per_q30;
     return reference;
@@ -145,7 +145,7 @@ Frames load_frames(const MotionText &text, const LumenText &lumen)
     return frames;
 }
 
-const seld_motion *Motion::view()
+const crn_motion *Motion::view()
 {
     lattices.rows = rows.data();
     lattices.inhaled = inhaled.empty() ? nullptr : inhaled.data();
@@ -154,7 +154,7 @@ const seld_motion *Motion::view()
 
 Eigen::Vector3d Motion::to_reference_mm(const Eigen::Vector3d &at_mm) const
 {
-    seld_motion_pose pose = pose_of(&lattices, 0, false);
+    crn_motion_pose pose = pose_of(&lattices, 0, false);
     return pulled_mm(&lattices, pose, at_mm);
 }
 
@@ -162,12 +162,12 @@ namespace
 {
 
 // Of nodes with `numbers` numbers each.
-Worst steepest_of(const seld_lattice &lattice, const std::vector<std::int16_t> &rows, std::size_t numbers)
+Worst steepest_of(const crn_lattice &lattice, const std::vector<std::int16_t> &rows, std::size_t numbers)
 {
     const std::size_t steps[3] = {1, lattice.count_xyz[0],
                                   std::size_t{lattice.count_xyz[0]} * lattice.count_xyz[1]};
     const double spacing =
-        std::ldexp(1.0, static_cast<int>(lattice.spacing_log2_q30) - SELD_MOTION_UNIT_LOG2_Q30);
+        std::ldexp(1.0, static_cast<int>(lattice.spacing_log2_q30) - CRN_MOTION_UNIT_LOG2_Q30);
     Worst steepest;
     for (std::size_t node = 0; node < rows.size() / numbers; ++node)
         for (int axis = 0; axis < 3; axis++) {
@@ -189,7 +189,7 @@ Worst steepest_of(const seld_lattice &lattice, const std::vector<std::int16_t> &
 
 Steepness steepness(const Motion &motion)
 {
-    return {steepest_of(motion.lattices.beat, motion.rows, std::size_t{3} * SELD_MOTION_ROW),
+    return {steepest_of(motion.lattices.beat, motion.rows, std::size_t{3} * CRN_MOTION_ROW),
             steepest_of(motion.lattices.breath, motion.inhaled, 3)};
 }
 
@@ -208,8 +208,8 @@ void refuse_steep(const Motion &motion)
     check(steepest.breath, breath_steepness_max, "breath");
 }
 
-std::vector<FrameError> measure_motion(const seld_lumen *lumen, const seld_motion *motion,
-                                       const Frames &frames, const std::vector<bool> &left_out)
+std::vector<FrameError> measure_motion(const crn_lumen *lumen, const crn_motion *motion, const Frames &frames,
+                                       const std::vector<bool> &left_out)
 {
     const auto is_out = [&](std::size_t vertex) { return !left_out.empty() && left_out[vertex]; };
     std::vector<bool> is_small;
@@ -219,14 +219,14 @@ std::vector<FrameError> measure_motion(const seld_lumen *lumen, const seld_motio
     for (std::size_t key = 0; key < frames_count + !frames.lumen.inhaled_mm.empty(); ++key) {
         const bool is_breath = key == frames_count;
         const auto &moved = is_breath ? frames.lumen.inhaled_mm : frames.lumen.moved_mm[key];
-        seld_motion_pose pose = pose_of(motion, is_breath ? 0 : key, is_breath);
+        crn_motion_pose pose = pose_of(motion, is_breath ? 0 : key, is_breath);
         FrameError error;
         double squares = 0;
         std::size_t count = 0;
         const auto look = [&](const Eigen::Vector3d &p, bool small) {
-            const seld_vec3 q = to_q30(p);
+            const crn_vec3 q = to_q30(p);
             const double off =
-                std::abs(seld_motion_contact(lumen, motion, &pose, &q).distance_m_q30) * mm_per_q30;
+                std::abs(crn_motion_contact(lumen, motion, &pose, &q).distance_m_q30) * mm_per_q30;
             (small ? error.small : error.large).take(off, p);
             squares += off * off;
             ++count;
@@ -247,4 +247,4 @@ std::vector<FrameError> measure_motion(const seld_lumen *lumen, const seld_motio
     return errors;
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -64,13 +64,13 @@ class Stretch
     std::vector<double> arcs_m_;
 };
 
-// At most SELD_SCENE_PLAQUE_STATION_MAX, a power of two apart, the lesion in their middle.
+// At most CRN_SCENE_PLAQUE_STATION_MAX, a power of two apart, the lesion in their middle.
 std::vector<Station> stations_of(const Stretch &stretch, const std::string &name, unsigned &log2)
 {
     for (log2 = spacing_log2_min; log2 <= spacing_log2_max; ++log2) {
         const double spacing_m = std::ldexp(1.0, static_cast<int>(log2) - 30);
         const double gaps = std::max(std::ceil(stretch.length_m() / spacing_m), 2.0);
-        if (gaps > SELD_SCENE_PLAQUE_STATION_MAX - 1) continue;
+        if (gaps > CRN_SCENE_PLAQUE_STATION_MAX - 1) continue;
         const double begin_m = 0.5 * (stretch.length_m() - gaps * spacing_m);
         std::vector<Station> stations;
         double aside_m = 0;
@@ -91,7 +91,7 @@ class Words
     void put(std::int32_t value)
     {
         bytes_.resize(bytes_.size() + 4);
-        seld_scene_put_u32(&bytes_[bytes_.size() - 4], static_cast<std::uint32_t>(value));
+        crn_scene_put_u32(&bytes_[bytes_.size() - 4], static_cast<std::uint32_t>(value));
     }
     void put_q30(const Vector3d &v)
     {
@@ -148,7 +148,7 @@ std::vector<std::uint8_t> plaques_section(const VesselTree &tree, const std::vec
 {
     std::vector<std::uint8_t> bytes;
     if (tree.lesions.empty()) return bytes;
-    const std::size_t count = std::min<std::size_t>(tree.lesions.size(), SELD_SCENE_PLAQUE_MAX);
+    const std::size_t count = std::min<std::size_t>(tree.lesions.size(), CRN_SCENE_PLAQUE_MAX);
     std::vector<std::vector<Station>> stations;
     std::vector<unsigned> log2(count);
     std::size_t total = 0;
@@ -170,4 +170,4 @@ std::vector<std::uint8_t> plaques_section(const VesselTree &tree, const std::vec
     return bytes;
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -8,11 +8,11 @@
 #include <cstdint>
 #include <vector>
 
-namespace seld::bake
+namespace crn::bake
 {
 
-// The PLAQUES section; empty: no lesions. The first SELD_SCENE_PLAQUE_MAX of the tree's lesions, which are those of `texts` in their order.
+// The PLAQUES section; empty: no lesions. The first CRN_SCENE_PLAQUE_MAX of the tree's lesions, which are those of `texts` in their order.
 // Throws Fault for one longer than 89 mm.
 std::vector<std::uint8_t> plaques_section(const VesselTree &tree, const std::vector<LesionText> &texts);
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -6,7 +6,7 @@
 
 #include <cstdio>
 
-namespace seld::bake
+namespace crn::bake
 {
 
 void Progress::catch_interrupts()
@@ -51,4 +51,4 @@ void Progress::finish()
     visible_ = false;
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string>
 
-namespace seld::bake
+namespace crn::bake
 {
 
 class Progress
@@ -29,4 +29,4 @@ class Progress
     bool visible_ = false;
 };
 
-} // namespace seld::bake
+} // namespace crn::bake

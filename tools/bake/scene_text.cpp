@@ -11,7 +11,7 @@
 #include <cmath>
 #include <set>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -273,7 +273,7 @@ TreeText tree_of(const Table &t)
     if (!t.table.contains("centrelines")) t.fail(nullptr, "needs centrelines");
     tree.centrelines = centrelines_of(t, t.table.get("centrelines"));
     tree.placement = placement_of(t);
-    tree.inlet = t.text("inlet", "", SELD_SCENE_BRANCH_NAME_BYTES - 1);
+    tree.inlet = t.text("inlet", "", CRN_SCENE_BRANCH_NAME_BYTES - 1);
     const std::string end = t.text("inlet_end", "first", 8);
     if (end != "first" && end != "last")
         t.fail(t.table.get("inlet_end"), "inlet_end must be \"first\" or \"last\"");
@@ -345,7 +345,7 @@ FormText form_of(const Table &t)
     form.less = t.texts("less");
     form.close_mm = t.number("close_mm", 0, 0.2, 50);
     form.clip_mm = t.box("clip_mm");
-    form.marrow = t.text("marrow", "trabecular_bone", SELD_SCENE_MATERIAL_BYTES - 1);
+    form.marrow = t.text("marrow", "trabecular_bone", CRN_SCENE_MATERIAL_BYTES - 1);
     const bool needs_solid =
         !form.less.empty() || form.shell_mm > 0 || form.close_mm > 0 || !form.clip_mm.isEmpty();
     if (form.solid_mm == 0 && needs_solid)
@@ -361,9 +361,9 @@ BodyText body_of(const Table &t)
             "axes", "scale",  "rotate_deg", "offset_mm", "cap",           "solid_mm", "close_mm", "clip_mm",
             "less", "gap_mm", "error_mm",   "shell_mm",  "marrow",        "moves"});
     BodyText body;
-    body.name = t.text("name", "", SELD_SCENE_BODY_NAME_BYTES - 1);
-    body.material = t.text("material", "", SELD_SCENE_MATERIAL_BYTES - 1);
-    body.inside = t.text("inside", "", SELD_SCENE_BODY_NAME_BYTES - 1);
+    body.name = t.text("name", "", CRN_SCENE_BODY_NAME_BYTES - 1);
+    body.material = t.text("material", "", CRN_SCENE_MATERIAL_BYTES - 1);
+    body.inside = t.text("inside", "", CRN_SCENE_BODY_NAME_BYTES - 1);
     if (body.name.empty()) t.fail(nullptr, "needs a name");
     if (body.material.empty()) t.fail(nullptr, "'" + body.name + "' needs a material");
     if (!t.table.contains("mesh")) t.fail(nullptr, "'" + body.name + "' needs a mesh");
@@ -386,15 +386,15 @@ LesionText lesion_of(const Table &t)
     for (const char *key : {"name", "branch", "at_mm", "length_mm", "stenosis_percent"})
         if (!t.table.contains(key)) t.fail(nullptr, "needs " + std::string(key));
     LesionText lesion;
-    lesion.name = t.text("name", "", SELD_SCENE_BODY_NAME_BYTES - 1 - 8); // "_calcium" must fit behind it
-    lesion.branch = t.text("branch", "", SELD_SCENE_BRANCH_NAME_BYTES - 1);
+    lesion.name = t.text("name", "", CRN_SCENE_BODY_NAME_BYTES - 1 - 8); // "_calcium" must fit behind it
+    lesion.branch = t.text("branch", "", CRN_SCENE_BRANCH_NAME_BYTES - 1);
     lesion.at_mm = t.number("at_mm", 0, lesion_at_mm);
     lesion.length_mm = t.number("length_mm", 0, lesion_length_mm);
     lesion.stenosis_percent = t.number("stenosis_percent", 0, lesion_stenosis_percent);
     lesion.eccentricity = t.number("eccentricity", 0, lesion_eccentricity);
     lesion.plaque_deg = t.number("plaque_deg", 0, lesion_plaque_deg);
     lesion.calcified_deg = t.number("calcified_deg", 0, lesion_calcified_deg);
-    lesion.inside = t.text("inside", "", SELD_SCENE_BODY_NAME_BYTES - 1);
+    lesion.inside = t.text("inside", "", CRN_SCENE_BODY_NAME_BYTES - 1);
     lesion.yield_kPa = t.number("yield_kPa", 300 + 2 * lesion.calcified_deg, 1, 4000);
     lesion.full_kPa = t.number("full_kPa", 300, 1, 4000);
     lesion.recoil = t.number("recoil", 0.35, 0, 1);
@@ -418,16 +418,16 @@ void check_lesions(const SceneText &scene)
             throw Fault(scene.file.string() + ": a body is called '" + lesion.name + "_calcium' as lesion '" +
                         lesion.name + "' will call its own: rename one");
     }
-    if (scene.lesions.size() > SELD_SCENE_LESION_MAX)
-        throw Fault(scene.file.string() + ": more than " + std::to_string(int{SELD_SCENE_LESION_MAX}) +
+    if (scene.lesions.size() > CRN_SCENE_LESION_MAX)
+        throw Fault(scene.file.string() + ": more than " + std::to_string(int{CRN_SCENE_LESION_MAX}) +
                     " lesions: leave some out");
     const auto calcified = static_cast<std::size_t>(
         std::count_if(scene.lesions.begin(), scene.lesions.end(),
                       [](const LesionText &lesion) { return lesion.calcified_deg > 0; }));
-    if (scene.bodies.size() + calcified > SELD_SCENE_BODY_MAX)
+    if (scene.bodies.size() + calcified > CRN_SCENE_BODY_MAX)
         throw Fault(scene.file.string() + ": " + std::to_string(scene.bodies.size()) +
                     " bodies and the calcium of " + std::to_string(calcified) + " lesions are more than " +
-                    std::to_string(SELD_SCENE_BODY_MAX) + ": join some bodies, or leave out calcified_deg");
+                    std::to_string(CRN_SCENE_BODY_MAX) + ": join some bodies, or leave out calcified_deg");
 }
 
 // The body that a shell makes inside another.
@@ -446,7 +446,7 @@ void add_marrows(SceneText &scene)
         marrow.form.solid_mm = body.form.solid_mm;
         marrow.form.error_mm = body.form.error_mm;
         marrow.form.shell_mm = body.form.shell_mm;
-        if (marrow.name.size() >= SELD_SCENE_BODY_NAME_BYTES)
+        if (marrow.name.size() >= CRN_SCENE_BODY_NAME_BYTES)
             throw Fault(scene.file.string() + ": the name '" + marrow.name +
                         "' is too long: shorten that of '" + body.name + "'");
         all.push_back(marrow);
@@ -469,8 +469,8 @@ void check_bodies(const SceneText &scene)
         if (!body.inside.empty() && (!names.count(body.inside) || body.inside == body.name))
             throw Fault(scene.file.string() + ": body '" + body.name + "' lies inside '" + body.inside +
                         "', which is no other body: correct `inside`");
-    if (scene.bodies.size() > SELD_SCENE_BODY_MAX)
-        throw Fault(scene.file.string() + ": more than " + std::to_string(SELD_SCENE_BODY_MAX) +
+    if (scene.bodies.size() > CRN_SCENE_BODY_MAX)
+        throw Fault(scene.file.string() + ": more than " + std::to_string(CRN_SCENE_BODY_MAX) +
                     " bodies: join some");
 }
 
@@ -495,8 +495,8 @@ SceneText read_scene_text(const std::filesystem::path &file, const Folders &fold
     top.only({"scene", "lumen", "tree", "entry", "motion", "lesion", "body"});
     const Table head{scene, folders, "[scene]", table_of(scene, root, "scene")};
     head.only({"name", "source"});
-    scene.name = head.text("name", "", SELD_SCENE_NAME_BYTES - 1);
-    scene.source = head.text("source", "", SELD_SCENE_SOURCE_BYTES - 1);
+    scene.name = head.text("name", "", CRN_SCENE_NAME_BYTES - 1);
+    scene.source = head.text("source", "", CRN_SCENE_SOURCE_BYTES - 1);
     if (scene.name.empty()) head.fail(nullptr, "needs a name");
     scene.lumen = lumen_of({scene, folders, "[lumen]", table_of(scene, root, "lumen")});
     if (root.contains("tree")) {
@@ -525,4 +525,4 @@ SceneText read_scene_text(const std::filesystem::path &file, const Folders &fold
     return scene;
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

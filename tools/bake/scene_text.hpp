@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace seld::bake
+namespace crn::bake
 {
 
 // How file coordinates become patient millimetres: axes, unit, scale, turn, offset, in this order.
@@ -138,4 +138,4 @@ struct Folders {
 // Reads and checks the text. Throws Fault "FILE:LINE: key ...".
 SceneText read_scene_text(const std::filesystem::path &file, const Folders &folders);
 
-} // namespace seld::bake
+} // namespace crn::bake

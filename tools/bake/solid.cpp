@@ -13,7 +13,7 @@
 #include <numeric>
 #include <tuple>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -191,4 +191,4 @@ Mesh difference(const Mesh &mesh, const std::vector<const Mesh *> &taken, double
     return made;
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

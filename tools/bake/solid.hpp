@@ -4,7 +4,7 @@
 #pragma once
 #include "tools/bake/mesh.hpp"
 
-namespace seld::bake
+namespace crn::bake
 {
 
 constexpr double solid_voxels_max = 3e8; // of the box around a mesh: a finer level set would take minutes
@@ -33,4 +33,4 @@ std::vector<InsideVoxel> inside_voxels(const Mesh &mesh, double voxel_mm);
 // Vertices at which two sheets of a surface meet become two: afterwards every edge has two triangles.
 void separate_sheets(Mesh &mesh);
 
-} // namespace seld::bake
+} // namespace crn::bake

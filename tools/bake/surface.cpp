@@ -11,7 +11,7 @@
 #include <cmath>
 #include <map>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -136,4 +136,4 @@ Mesh surface_of(const std::vector<Centreline> &lines, double voxel_mm, Progress 
     return mesh;
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -10,7 +10,7 @@
 #include <string>
 #include <system_error>
 
-namespace seld::bake
+namespace crn::bake
 {
 
 // What a kind of text is called in a refusal.
@@ -40,4 +40,4 @@ inline toml::table read_toml(const std::filesystem::path &file, const TomlKind &
     }
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -6,7 +6,7 @@
 #include <map>
 #include <numeric>
 
-namespace seld::bake
+namespace crn::bake
 {
 namespace
 {
@@ -190,4 +190,4 @@ void TriangleTree::near(const Eigen::AlignedBox3d &box, std::vector<std::uint32_
     }
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace seld::bake
+namespace crn::bake
 {
 
 class TriangleTree
@@ -57,4 +57,4 @@ class TriangleTree
     std::vector<std::array<Eigen::Vector3d, 3>> edge_normals_;
 };
 
-} // namespace seld::bake
+} // namespace crn::bake

@@ -4,7 +4,7 @@
 #pragma GCC system_header
 #include <openvdb/openvdb.h>
 
-namespace seld::bake
+namespace crn::bake
 {
 
 inline void start_openvdb()
@@ -12,4 +12,4 @@ inline void start_openvdb()
     openvdb::initialize(); // may be called again
 }
 
-} // namespace seld::bake
+} // namespace crn::bake

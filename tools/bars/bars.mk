@@ -10,7 +10,7 @@ N     ?= 30
 LOAD  ?= 4
 flakes: packages-build packages-test packages-usb packages-hil ## repeat the tests that know time, processes or windows, beside a load: make flakes N=30
 	@$(TEST_MAKE) $(PROGRAMS) tests-build
-	@$(SAN_MAKE) hil-programs $(BUILD)/san/bin/seldinger
+	@$(SAN_MAKE) hil-programs $(BUILD)/san/bin/cournand
 	@tools/bars/flakes.py --build $(BUILD) --rounds $(N) --load $(LOAD) --jobs $(JOBS) --tests '$(TESTS)'
 
 budget-docs: ## write the column "now" of docs/bench.md from firmware/bench/budget.tsv

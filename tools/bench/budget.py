@@ -24,7 +24,7 @@ OVER = 1.03
 TIME_LIMIT_S = 600
 QEMU = ["qemu-system-arm", "-M", "mps2-an500", "-nographic", "-monitor", "none", "-serial", "none", "-icount", "shift=0"]
 # Entry points whose worst stack is reported.
-ROOTS = ("seld_step", "seld_state_restore", "seld_model_build")
+ROOTS = ("crn_step", "crn_state_restore", "crn_model_build")
 MEMORY = re.compile(r"^(__aeabi_)?mem(cpy|set|move|cmp|clr)(4|8)?$")
 FORBIDDEN = re.compile(r"^(__aeabi_([dfil]|u?[il]div|ul|uldiv).*|__.*(div|mod)[sdt]i\d|__(add|sub|mul|div|fix|float|cmp|eq|lt|gt)\w*[sd]f\w*|"
                        r"malloc|calloc|realloc|free|_sbrk)$")
@@ -91,7 +91,7 @@ def profile(build, number, folder):
     found = sorted((int(a, 16), name) for a, kind, name in
                    (line.split() for line in run(["arm-none-eabi-nm", image]).splitlines()) if kind in "tT")
     starts = [address for address, _ in found]
-    step = next(address for address, name in found if name == "seld_step")
+    step = next(address for address, name in found if name == "crn_step")
     os.mkfifo(log)
     counts, ticks = collections.Counter(), 0
     command = QEMU + ["-singlestep", "-d", "exec,nochain", "-D", log, "-semihosting-config",
@@ -172,11 +172,11 @@ def sizes(build):
 
 def memory_sizes():
     """sizeof of model and state for a line of 256 elements, by the compiler for the Cortex-M7."""
-    text = ('#include "firmware/core/core_state.h"\nchar model_bytes[sizeof(seld_model)];\n'
-            'char state_bytes[sizeof(seld_state)];\nchar words_bytes[sizeof(seld_state_words)];\n')
+    text = ('#include "firmware/core/core_state.h"\nchar model_bytes[sizeof(crn_model)];\n'
+            'char state_bytes[sizeof(crn_state)];\nchar words_bytes[sizeof(crn_state_words)];\n')
     with tempfile.TemporaryDirectory() as folder:
         target = os.path.join(folder, "sizes.o")
-        run(["arm-none-eabi-gcc", "-mcpu=cortex-m7", "-mthumb", "-std=c11", "-I.", "-DSELD_NODE_MAX=260", "-x", "c", "-c",
+        run(["arm-none-eabi-gcc", "-mcpu=cortex-m7", "-mthumb", "-std=c11", "-I.", "-DCRN_NODE_MAX=260", "-x", "c", "-c",
              "-fno-common", "-", "-o", target], text=text)
         for line in run(["arm-none-eabi-nm", "-S", target]).splitlines():
             _, size, _, name = line.split()

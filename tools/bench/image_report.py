@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What a device's image needs and must not have: code, RAM, worst stack; no soft-float, divide helper or heap.
 
-  image_report.py --objects build/firmware/obj build/firmware/seldinger-mps2_an500.elf
+  image_report.py --objects build/firmware/obj build/firmware/cournand-mps2_an500.elf
 
 The stack is the longest path through the compiler's call graph from main(), plus one exception with its handler. Calls by
 address are the port's functions, which are named here. Ends with 1 when RAM or stack are over their limits, or when a
@@ -18,7 +18,7 @@ STACK_MAX_BYTES = 16 * 1024
 # polling: that whole depth is added once, whichever of the two the deepest path goes through.
 BY_ADDRESS = {
     "mps2_an500": ("transmit", "transmit_room", "rig_inputs_read", "rig_outputs_write", "now_us"),
-    "imxrt1062": ("seld_rig_usb_transmit", "seld_rig_usb_room", "rig_inputs", "rig_outputs", "clocks_now_us", "udc_connect",
+    "imxrt1062": ("crn_rig_usb_transmit", "crn_rig_usb_room", "rig_inputs", "rig_outputs", "clocks_now_us", "udc_connect",
                   "udc_set_address", "udc_open", "udc_close", "udc_arm", "udc_stall", "udc_test", "udc_poll"),
 }
 EXCEPTION_BYTES = 32 + 4  # eight registers, aligned to 8
@@ -41,7 +41,7 @@ def sections(image):
 
 def stack_bytes(objects, port):
     loop, path = budget.worst_stack(objects, "main", BY_ADDRESS[port])
-    usb, _ = budget.worst_stack(objects, "seld_rig_usb_poll", BY_ADDRESS[port])
+    usb, _ = budget.worst_stack(objects, "crn_rig_usb_poll", BY_ADDRESS[port])
     crash, _ = budget.worst_stack(objects, "crashed", BY_ADDRESS[port])
     return loop + usb + EXCEPTION_BYTES + crash, path
 

@@ -157,10 +157,10 @@ def same_physics(rows):
 def compare(rows):
     """(text of the ratio, finding or None) per comparison."""
     for scene, peer, our_scene, bar in COMPARISONS:
-        theirs, ours = rows[(peer, scene)], rows[("seldinger", our_scene)]
+        theirs, ours = rows[(peer, scene)], rows[("cournand", our_scene)]
         ratio = theirs["us_per_ms_median"] / ours["us_per_ms_median"]
         fastest = theirs["us_per_ms_min"] / ours["us_per_ms_min"]
-        text = "%s / seldinger, %s: %.1f by medians, %.1f by minima" % (peer, scene, ratio, fastest)
+        text = "%s / cournand, %s: %.1f by medians, %.1f by minima" % (peer, scene, ratio, fastest)
         finding = None
         if bar is not None:
             text += " (bar %g)" % bar

@@ -83,12 +83,12 @@ def report(rows, ours, theirs, size, output):
     lines = ["view %d: mean relative difference of transmission %.3f %% over %d pixels" % row for row in rows]
     ratios = {key: theirs[key] / ours[key] for key in NUMBERS}
     lines.append("all views: %.3f %% (bar %g %%)" % (total, DIFFERENCE_MAX_PCT))
-    lines.append("gvxr %s / seldinger, %d^2: %.1f by processor time (bar %g), %.1f by medians of the clock, %.1f by minima"
+    lines.append("gvxr %s / cournand, %d^2: %.1f by processor time (bar %g), %.1f by medians of the clock, %.1f by minima"
                  % (theirs.get("version", "?"), size, ratios["processor_ms_median"], RATIO_MIN, ratios["ms_median"], ratios["ms_min"]))
     os.makedirs(os.path.dirname(output) or ".", exist_ok=True)
     with open(output, "w", encoding="utf-8") as file:
         file.write("code\tsize\t%s\tdifference_pct\n" % "\t".join(NUMBERS))
-        for code, row in (("seldinger", ours), ("gvxr", theirs)):
+        for code, row in (("cournand", ours), ("gvxr", theirs)):
             file.write("%s\t%d\t%s\t%.4f\n" % (code, size, "\t".join("%.4f" % row[key] for key in NUMBERS), total))
     print("\n".join(lines + ["written to %s" % output]))
     findings = ["view %d differs by %.2f %%" % (view, pct) for view, pct, _ in rows if pct > DIFFERENCE_MAX_PCT]

@@ -8,12 +8,12 @@
 #include <fstream>
 #include <sstream>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 namespace
 {
 
-constexpr const char *magic = "seldinger-calibrate-checkpoint 1";
+constexpr const char *magic = "cournand-calibrate-checkpoint 1";
 
 void put_number(std::string &text, double value)
 {
@@ -180,4 +180,4 @@ SearchState read_checkpoint(const std::string &path, std::uint64_t hash, std::si
     return state;
 }
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -5,7 +5,7 @@
 #pragma once
 #include "tools/calibrate/search.hpp"
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 // "FILE: what is wrong; what to do".
@@ -38,4 +38,4 @@ void write_checkpoint(const std::string &path, std::uint64_t hash, const SearchS
 // Throws CheckpointError: not whole, of another version, or of another case or other settings than `hash`.
 SearchState read_checkpoint(const std::string &path, std::uint64_t hash, std::size_t parameter_count);
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

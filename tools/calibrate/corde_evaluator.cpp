@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 namespace
 {
@@ -77,7 +77,7 @@ CordeSettings careful_corde_settings()
 
 CordeValues nominal_corde_values(const Instrument &instrument)
 {
-    const seld_wire_knot &shaft = instrument.table.knots[instrument.table.knots_count - 1];
+    const crn_wire_knot &shaft = instrument.table.knots[instrument.table.knots_count - 1];
     const insertion::Stiffness stiffness = insertion::stiffness_of(instrument.table);
     CordeValues values;
     values.radius_mm = shaft.radius_outer_um * 1e-3;
@@ -130,4 +130,4 @@ std::string CordeEvaluator::settings_text() const
            number(settings_.spin_drag_per_s) + " " + settings_.mode.token();
 }
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

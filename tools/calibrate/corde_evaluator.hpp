@@ -8,7 +8,7 @@
 #include "tools/calibrate/corde_rod.hpp"
 #include "tools/vcsim3/lumen.hpp"
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 // The defaults, and without short cuts: elements half as long, a slow hand, a long rest.
@@ -42,4 +42,4 @@ class CordeEvaluator final : public Evaluator
     CordeValues nominal_;
 };
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 namespace
 {
@@ -19,7 +19,7 @@ constexpr double point_ratio = 1.5, turn_ratio = 0.9;
 constexpr double outside_mm = 3.0; // deeper in the wall: it has gone through
 
 // EI, GJ and rest turn of a joint: over the half elements beside its node compliances and curvatures add.
-JointProperties joint_at(const seld_wire_instrument &table, const CordeValues &values, double arc_mm,
+JointProperties joint_at(const crn_wire_instrument &table, const CordeValues &values, double arc_mm,
                          double element_mm)
 {
     constexpr int samples = 16;
@@ -27,7 +27,7 @@ JointProperties joint_at(const seld_wire_instrument &table, const CordeValues &v
     double bend = 0.0, twist = 0.0; // compliances
     Vector3d turn_rad = Vector3d::Zero();
     for (int i = 0; i < samples; i++) {
-        const seld_wire_knot knot = knot_at(table, arc_mm + element_mm * ((i + 0.5) / samples - 0.5), false);
+        const crn_wire_knot knot = knot_at(table, arc_mm + element_mm * ((i + 0.5) / samples - 0.5), false);
         const double weight = insertion::tip_weight(knot.bend_stiffness_nN_m2 * 1e-9, file);
         const double bend_N_m2 = values.bend_N_m2() * std::pow(values.tip_over_shaft, weight);
         bend += 1.0 / (samples * bend_N_m2);
@@ -89,7 +89,7 @@ Vector3d zero_turn_axis(const Vector3d &direction)
     return Vector3d::Unit(least).cross(direction).normalized();
 }
 
-CordeModel corde_model(const seld_wire_instrument &table, const CordeValues &values, const insertion::Case &c,
+CordeModel corde_model(const crn_wire_instrument &table, const CordeValues &values, const insertion::Case &c,
                        const CordeSettings &settings, double length_mm)
 {
     CordeModel model;
@@ -151,4 +151,4 @@ std::vector<Vector3d> CordeRod::nodes_mm() const
     return nodes;
 }
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

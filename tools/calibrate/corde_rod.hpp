@@ -6,7 +6,7 @@
 #include "tools/calibrate/hand.hpp"
 #include "tools/vcsim3/simulation.hpp"
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 // A round wire: EI = E pi r^4 / 4 at the shaft, E of the tip over that of the shaft, mass per length = density pi r^2.
@@ -33,7 +33,7 @@ struct CordeModel {
     int substeps = 1;
     double mass_scale = 1.0; // 1 or more
 };
-CordeModel corde_model(const seld_wire_instrument &table, const CordeValues &values, const insertion::Case &c,
+CordeModel corde_model(const crn_wire_instrument &table, const CordeValues &values, const insertion::Case &c,
                        const CordeSettings &settings, double length_mm);
 
 // Where the first axis of the instrument's frame is while the hand is not turned, as in the core: across the direction and the axis
@@ -56,4 +56,4 @@ class CordeRod final : public HeldRod
     vcsim3::Simulation simulation_;
 };
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

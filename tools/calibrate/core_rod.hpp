@@ -7,14 +7,14 @@ extern "C" {
 #include "firmware/core/lumen.h"
 }
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 class CoreRod final : public HeldRod
 {
   public:
     // `lumen` must outlive this; nullptr is free space. Throws TrialRefused when the core takes no such tool.
-    CoreRod(const seld_wire_instrument &table, const seld_lumen *lumen, const Vector3d &mouth_mm,
+    CoreRod(const crn_wire_instrument &table, const crn_lumen *lumen, const Vector3d &mouth_mm,
             const Vector3d &direction, const Vector3d &gravity_m_s2, double inserted_mm);
     // Same version, same inputs, same hashes.
     static unsigned version();
@@ -31,4 +31,4 @@ class CoreRod final : public HeldRod
     std::unique_ptr<Core> core_;
 };
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

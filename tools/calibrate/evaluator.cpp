@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 double Parameter::value_at(double share) const
@@ -26,4 +26,4 @@ void Evaluator::set_bounds(std::size_t parameter, double low, double high)
     p.high = high;
 }
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 using Eigen::Vector3d;
@@ -65,4 +65,4 @@ class Evaluator
     std::vector<Parameter> parameters_;
 };
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -5,7 +5,7 @@
 #include <set>
 #include <sstream>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 namespace
 {
@@ -35,7 +35,7 @@ double decimal(std::uint32_t value, double units)
     return static_cast<double>(value) / units;
 }
 
-void fill_section(toml::table &section, const seld_wire_knot &begin, const seld_wire_knot &end,
+void fill_section(toml::table &section, const crn_wire_knot &begin, const crn_wire_knot &end,
                   const std::string &source)
 {
     for (const char *key : replaced_keys) section.erase(key);
@@ -77,7 +77,7 @@ void drop_unused_sources(toml::table &root)
 
 } // namespace
 
-seld_wire_knot knot_at(const seld_wire_instrument &table, double arc_mm, bool is_after)
+crn_wire_knot knot_at(const crn_wire_instrument &table, double arc_mm, bool is_after)
 {
     const double arc_um = arc_mm * 1e3, same_um = 0.5;
     unsigned next = 0; // first knot behind the place
@@ -85,9 +85,9 @@ seld_wire_knot knot_at(const seld_wire_instrument &table, double arc_mm, bool is
                                         (is_after && table.knots[next].arc_um < arc_um + same_um)))
         next++;
     if (next == 0) return table.knots[0];
-    const seld_wire_knot &from = table.knots[next - 1];
+    const crn_wire_knot &from = table.knots[next - 1];
     if (next == table.knots_count) return from;
-    const seld_wire_knot &to = table.knots[next];
+    const crn_wire_knot &to = table.knots[next];
     const double length_um = double(to.arc_um) - from.arc_um;
     const double share = length_um > 0.0 ? (arc_um - from.arc_um) / length_um : 1.0;
     const auto between = [share](auto a, auto b) {
@@ -107,7 +107,7 @@ seld_wire_knot knot_at(const seld_wire_instrument &table, double arc_mm, bool is
                 between(from.rest_curvature2_per_m_milli, to.rest_curvature2_per_m_milli)};
 }
 
-std::string fitted_instrument_text(const std::string &nominal, const seld_wire_instrument &fitted,
+std::string fitted_instrument_text(const std::string &nominal, const crn_wire_instrument &fitted,
                                    const std::string &source)
 {
     const auto [file, asked] = split_preset(nominal);
@@ -139,4 +139,4 @@ std::string fitted_instrument_text(const std::string &nominal, const seld_wire_i
     return text.str();
 }
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 namespace
 {
@@ -141,4 +141,4 @@ Insertion insert_by_hand(HeldRod &rod, const insertion::Case &c, const Insertion
     return result;
 }
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

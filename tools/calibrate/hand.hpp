@@ -3,7 +3,7 @@
 #pragma once
 #include "tools/calibrate/evaluator.hpp"
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 // A rod with one end in the hand, advanced by ticks of 1 ms.
@@ -42,4 +42,4 @@ struct InsertionSettings {
 Insertion insert_by_hand(HeldRod &rod, const insertion::Case &c, const InsertionSettings &settings,
                          std::size_t depth_count);
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 namespace
 {
@@ -101,4 +101,4 @@ std::vector<Identified> identify(const std::vector<Parameter> &parameters, const
     return result;
 }
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -4,7 +4,7 @@
 #pragma once
 #include "tools/calibrate/search.hpp"
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 struct IdentifySettings {
@@ -25,4 +25,4 @@ std::vector<Identified> identify(const std::vector<Parameter> &parameters, const
                                  const std::vector<Trial> &trials, const EvaluateShares &evaluate,
                                  const IdentifySettings &settings);
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 double distance_to_line_mm(const Vector3d &point, std::span<const Vector3d> line)
@@ -125,4 +125,4 @@ std::string Judge::settings_text() const
     return text;
 }
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -4,7 +4,7 @@
 #include "tools/calibrate/evaluator.hpp"
 #include <span>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 // Distances of the simulated nodes to the nearest point of the reference, a line of straight pieces.
@@ -64,4 +64,4 @@ class Judge
     std::vector<insertion::ForceSample> force_;
 };
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

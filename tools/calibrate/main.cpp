@@ -19,9 +19,9 @@
 namespace
 {
 
-using namespace seld::calibrate;
+using namespace crn::calibrate;
 namespace fs = std::filesystem;
-namespace insertion = seld::insertion;
+namespace insertion = crn::insertion;
 
 constexpr const char *examples =
     "Examples:\n"
@@ -201,16 +201,16 @@ void write_outputs(const Options &options, const Setup &setup, const Result &res
     const fs::path folder = options.output;
     if (!result.instrument_file.empty()) {
         const std::string file = (folder / "instrument.toml").string();
-        seld::write_whole_file(file, result.instrument_file);
-        seld::read_instrument(file); // what cannot be loaded is not handed over
+        crn::write_whole_file(file, result.instrument_file);
+        crn::read_instrument(file); // what cannot be loaded is not handed over
     }
     for (std::size_t i = 0; i < result.depths.size(); i++)
         write_shape(options, setup.c, i, result.depths[i].simulated_mm);
-    seld::write_whole_file((folder / "result.json").string(), to_json(result));
+    crn::write_whole_file((folder / "result.json").string(), to_json(result));
     if (!options.with_page) return;
     draw_shapes(result, *setup.vessel, (folder / "shapes.png").string());
     draw_curves(result, (folder / "curves.png").string());
-    seld::write_whole_file((folder / "index.html").string(), page_html(result));
+    crn::write_whole_file((folder / "index.html").string(), page_html(result));
 }
 
 void say(const Result &result, const Options &options)
@@ -232,7 +232,7 @@ void say(const Result &result, const Options &options)
 
 int calibrate(const Options &options, MpiJob *job)
 {
-    if (!job || job->rank() == 0) seld::check_output_folder({"--output", options.output});
+    if (!job || job->rank() == 0) crn::check_output_folder({"--output", options.output});
     const Setup setup(options);
     const Evaluate one = [&](const std::vector<double> &shares) { return setup.evaluate(shares); };
     if (job && job->rank() > 0) {
@@ -242,20 +242,20 @@ int calibrate(const Options &options, MpiJob *job)
     }
     if (options.is_trial) return evaluate_once(options, setup);
     fs::create_directories(options.output);
-    seld::watch_for_interrupt();
-    seld::ProgressLine line(!options.quiet);
+    crn::watch_for_interrupt();
+    crn::ProgressLine line(!options.quiet);
     std::string doing;
     std::size_t total = 1, made = 0; // trials: of the batch under way; of all
     const Progress progress = [&](std::size_t done) { line.show(doing, done, total); };
     const std::unique_ptr<Workers> workers =
-        job ? job->workers(options.threads, one, seld::is_interrupted, progress)
-            : thread_workers(options.threads, one, seld::is_interrupted, progress);
+        job ? job->workers(options.threads, one, crn::is_interrupted, progress)
+            : thread_workers(options.threads, one, crn::is_interrupted, progress);
     const EvaluateShares evaluate = [&](const std::vector<std::vector<double>> &trials) {
         total = trials.size();
         made += total;
         return workers->evaluate(trials);
     };
-    if (!options.quiet) seld::say(stderr, "calibrate: %s\n", workers->description().c_str());
+    if (!options.quiet) crn::say(stderr, "calibrate: %s\n", workers->description().c_str());
     std::vector<Finished> searches;
     const auto begun = std::chrono::steady_clock::now();
     for (const std::string &method : options.methods)
@@ -358,11 +358,11 @@ int run(Options &options, std::unique_ptr<MpiJob> &job)
         std::fprintf(stderr,
                      "calibrate: stopped; every finished generation is kept, --resume goes on from there\n");
     } catch (const UsageError &error) {
-        seld::say(stderr, "calibrate: %s\n", error.what());
+        crn::say(stderr, "calibrate: %s\n", error.what());
         if (job && job->size() > 1) job->abort(2);
         return 2;
     } catch (const std::exception &error) {
-        seld::say(stderr, "calibrate: %s\n", error.what());
+        crn::say(stderr, "calibrate: %s\n", error.what());
     }
     if (job && job->size() > 1) job->abort(1);
     return 1;
@@ -377,7 +377,7 @@ int main(int argc, char **argv)
     Options options;
     CLI::Option *trial = nullptr;
     add_options(app, options, trial);
-    seld::refuse_empty_values(app);
+    crn::refuse_empty_values(app);
     try {
         app.parse(argc, argv);
         options.is_trial = trial->count() > 0;

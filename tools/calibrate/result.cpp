@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 namespace
 {
@@ -148,4 +148,4 @@ Result make_result(const insertion::Case &c, const Evaluator &evaluator, const E
     return result;
 }
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -4,7 +4,7 @@
 #include "tools/calibrate/identify.hpp"
 #include "tools/vcsim3/lumen.hpp"
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 struct DepthResult {
@@ -64,4 +64,4 @@ std::string page_html(const Result &result);
 void draw_shapes(const Result &result, const vcsim3::Vessel &vessel, const std::string &path);
 void draw_curves(const Result &result, const std::string &path);
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 namespace
 {
@@ -251,4 +251,4 @@ void draw_curves(const Result &result, const std::string &path)
     canvas.write_png(path);
 }
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 namespace
 {
@@ -19,7 +19,7 @@ constexpr double outside_mm =
     60.0; // of the instrument outside at the deepest place: what is behind it does nothing
 constexpr double coarser = 1.25, coarsest = 2.0; // elements, where the core takes no finer ones
 
-const seld_wire_knot &shaft_of(const seld_wire_instrument &table)
+const crn_wire_knot &shaft_of(const crn_wire_instrument &table)
 {
     return table.knots[table.knots_count - 1];
 }
@@ -59,23 +59,23 @@ std::vector<Parameter> parameters_of(const RodValues &nominal, bool has_tip)
 
 } // namespace
 
-double density_of(const seld_wire_instrument &table, double radius_mm)
+double density_of(const crn_wire_instrument &table, double radius_mm)
 {
-    const seld_wire_knot &shaft = shaft_of(table);
+    const crn_wire_knot &shaft = shaft_of(table);
     return shaft.mass_mg_per_m * 1e-6 / section_m2(radius_mm, shaft.radius_inner_um * 1e-3);
 }
 
-RodValues nominal_values(const seld_wire_instrument &table)
+RodValues nominal_values(const crn_wire_instrument &table)
 {
     const insertion::Stiffness stiffness = insertion::stiffness_of(table);
     const double radius_mm = shaft_of(table).radius_outer_um * 1e-3;
     return {stiffness.shaft_N_m2, stiffness.tip_over_shaft, radius_mm, density_of(table, radius_mm)};
 }
 
-seld_wire_instrument virtual_instrument(const seld_wire_instrument &nominal, const RodValues &values,
-                                        const insertion::Case &c)
+crn_wire_instrument virtual_instrument(const crn_wire_instrument &nominal, const RodValues &values,
+                                       const insertion::Case &c)
 {
-    seld_wire_instrument table =
+    crn_wire_instrument table =
         insertion::with_stiffness(nominal, {values.bend_shaft_N_m2, values.tip_over_shaft});
     const RodValues was = nominal_values(nominal);
     const double wider = values.radius_mm / was.radius_mm;
@@ -83,7 +83,7 @@ seld_wire_instrument virtual_instrument(const seld_wire_instrument &nominal, con
     const double heavier = values.density_kg_m3 * section_m2(values.radius_mm, inner_mm) /
                            (was.density_kg_m3 * section_m2(was.radius_mm, inner_mm));
     for (unsigned i = 0; i < table.knots_count; i++) {
-        seld_wire_knot &knot = table.knots[i];
+        crn_wire_knot &knot = table.knots[i];
         knot.radius_outer_um = limited(knot.radius_outer_um * wider, knot.radius_inner_um + 1.0, 2000);
         knot.mass_mg_per_m = limited(knot.mass_mg_per_m * heavier, 500, 100000);
         knot.friction_kinetic_milli = limited(c.friction_kinetic * 1e3, 0, 1000);
@@ -92,9 +92,9 @@ seld_wire_instrument virtual_instrument(const seld_wire_instrument &nominal, con
     return table;
 }
 
-seld_wire_instrument shortened(const seld_wire_instrument &table, double length_mm)
+crn_wire_instrument shortened(const crn_wire_instrument &table, double length_mm)
 {
-    seld_wire_instrument out = table;
+    crn_wire_instrument out = table;
     unsigned last = 0;
     while (last < table.knots_count && table.knots[last].arc_um < length_mm * 1e3) last++;
     if (last == table.knots_count || last == 0) return out;
@@ -109,7 +109,7 @@ RodEvaluator::RodEvaluator(const insertion::Case &c, const vcsim3::Vessel &vesse
       instrument_(read_instrument(c.path_in(c.instrument).string()))
 {
     settings_.speed_mm_per_s = std::max(settings_.speed_mm_per_s, c.speed_mm_per_s);
-    const seld_wire_instrument &table = instrument_.table;
+    const crn_wire_instrument &table = instrument_.table;
     const RodValues nominal = nominal_values(table);
     parameters_ = parameters_of(nominal, std::abs(std::log(nominal.tip_over_shaft)) > 1e-3);
 }
@@ -137,10 +137,10 @@ RodValues RodEvaluator::values_of(const std::vector<double> &values) const
 }
 
 // The core with elements of the wanted length; longer ones where stiffness and mass leave its number format with short ones.
-std::unique_ptr<CoreRod> RodEvaluator::make_rod(const seld_wire_instrument &table) const
+std::unique_ptr<CoreRod> RodEvaluator::make_rod(const crn_wire_instrument &table) const
 {
     for (double factor = settings_.element_factor;; factor *= coarser) {
-        seld_wire_instrument meshed = table;
+        crn_wire_instrument meshed = table;
         meshed.element_tip_um = limited(table.element_tip_um * factor, 200, 8000);
         meshed.element_shaft_um = limited(table.element_shaft_um * factor, meshed.element_tip_um, 8000);
         try {
@@ -154,7 +154,7 @@ std::unique_ptr<CoreRod> RodEvaluator::make_rod(const seld_wire_instrument &tabl
 
 Insertion RodEvaluator::insert(const std::vector<double> &values, std::size_t depth_count) const
 {
-    const seld_wire_instrument table =
+    const crn_wire_instrument table =
         shortened(virtual_instrument(instrument_.table, values_of(values), case_),
                   case_.depths.back().inserted_mm + outside_mm);
     return insert_by_hand(*make_rod(table), case_, settings_, depth_count);
@@ -171,4 +171,4 @@ std::string RodEvaluator::instrument_text(const std::vector<double> &values, con
                                   virtual_instrument(instrument_.table, values_of(values), case_), source);
 }
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

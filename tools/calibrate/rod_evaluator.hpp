@@ -8,7 +8,7 @@
 #include "tools/calibrate/core_rod.hpp"
 #include "tools/vcsim3/lumen.hpp"
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 // Without short cuts: the case's speed all the way, elements 0.35 times the file's where the core takes them, and a long rest.
@@ -20,15 +20,15 @@ struct RodValues {
 };
 
 // kg/m over the metal's cross-section at the shaft.
-double density_of(const seld_wire_instrument &table, double radius_mm);
-RodValues nominal_values(const seld_wire_instrument &table);
+double density_of(const crn_wire_instrument &table, double radius_mm);
+RodValues nominal_values(const crn_wire_instrument &table);
 // The nominal table with these values: EI and GJ by tools/case/stiffness.hpp, radius and mass by a factor along the whole
 // instrument, the case's friction everywhere.
-seld_wire_instrument virtual_instrument(const seld_wire_instrument &nominal, const RodValues &values,
-                                        const insertion::Case &c);
+crn_wire_instrument virtual_instrument(const crn_wire_instrument &nominal, const RodValues &values,
+                                       const insertion::Case &c);
 
 // The first `length_mm` of an instrument: what stays outside needs no nodes.
-seld_wire_instrument shortened(const seld_wire_instrument &table, double length_mm);
+crn_wire_instrument shortened(const crn_wire_instrument &table, double length_mm);
 
 class RodEvaluator final : public Evaluator
 {
@@ -44,7 +44,7 @@ class RodEvaluator final : public Evaluator
     RodValues values_of(const std::vector<double> &values) const;
 
   private:
-    std::unique_ptr<CoreRod> make_rod(const seld_wire_instrument &table) const;
+    std::unique_ptr<CoreRod> make_rod(const crn_wire_instrument &table) const;
 
     insertion::Case case_;
     const vcsim3::Vessel &vessel_;
@@ -52,4 +52,4 @@ class RodEvaluator final : public Evaluator
     Instrument instrument_;
 };
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -13,7 +13,7 @@
 #include <random>
 #include <sstream>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 namespace
 {
@@ -218,4 +218,4 @@ std::vector<GenerationFigures> curve_of(const SearchState &state, unsigned popul
     return curve;
 }
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

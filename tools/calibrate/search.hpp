@@ -10,7 +10,7 @@
 #include "tools/calibrate/workers.hpp"
 #include <cstdint>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 enum class Method { genetic, cmaes, differential };
@@ -69,4 +69,4 @@ bool has_converged(const SearchSettings &settings, const SearchState &state);
 const Trial &best_of(const SearchState &state);
 std::vector<GenerationFigures> curve_of(const SearchState &state, unsigned population);
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

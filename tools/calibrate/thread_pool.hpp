@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 class ThreadPool
@@ -41,4 +41,4 @@ class ThreadPool
     std::vector<std::thread> threads_;
 };
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <utility>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 ThreadPool::ThreadPool(unsigned threads, Evaluate evaluate) : evaluate_(std::move(evaluate))
@@ -118,4 +118,4 @@ std::unique_ptr<Workers> thread_workers(unsigned threads, Evaluate evaluate, Sto
                                            std::move(progress));
 }
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -5,7 +5,7 @@
 #include "tools/calibrate/judge.hpp"
 #include <functional>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 
 struct Interrupted : std::exception {
@@ -60,4 +60,4 @@ class MpiJob
     int rank_ = 0, size_ = 1;
 };
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

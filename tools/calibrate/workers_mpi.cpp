@@ -13,7 +13,7 @@
 #define MPICH_SKIP_MPICXX 1
 #include <mpi.h>
 
-namespace seld::calibrate
+namespace crn::calibrate
 {
 namespace
 {
@@ -195,4 +195,4 @@ void MpiJob::dismiss()
     for (int rank = 1; rank < size_; rank++) send({}, rank, over_tag);
 }
 
-} // namespace seld::calibrate
+} // namespace crn::calibrate

@@ -8,7 +8,7 @@
 #include <set>
 #include <sstream>
 
-namespace seld::insertion
+namespace crn::insertion
 {
 
 namespace
@@ -306,4 +306,4 @@ void write_force(const std::filesystem::path &file, const std::vector<ForceSampl
     write_whole_file(file.string(), text);
 }
 
-} // namespace seld::insertion
+} // namespace crn::insertion

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace seld::insertion
+namespace crn::insertion
 {
 
 // What is wrong in a case's file: "FILE: field: what; what to do".
@@ -66,10 +66,10 @@ struct Case {
 enum class CaseParts { all, before_segmentation };
 // FOLDER/case.toml, or the file itself. Throws CaseError.
 Case read_case(const std::filesystem::path &folder_or_file, CaseParts wanted = CaseParts::all);
-// Writes FOLDER/case.toml. Throws seld::OutputError.
+// Writes FOLDER/case.toml. Throws crn::OutputError.
 void write_case(const Case &c);
 // Adds scene, surface, mouth_mm and direction where FOLDER/case.toml lacks them, and leaves the rest of its text as a person
-// wrote it. Throws CaseError, seld::OutputError.
+// wrote it. Throws CaseError, crn::OutputError.
 void complete_case(const Case &c);
 
 // Ordered points in mm, header x_mm,y_mm,z_mm; further columns are passed over. At least two. Throws CaseError.
@@ -83,4 +83,4 @@ void write_force(const std::filesystem::path &file, const std::vector<ForceSampl
 // Nine digits, as all files of a case have their numbers.
 std::string number_text(double value);
 
-} // namespace seld::insertion
+} // namespace crn::insertion

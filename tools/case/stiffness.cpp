@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::insertion
+namespace crn::insertion
 {
 namespace
 {
 
-constexpr double least_N_m2 = 1e-7, most_N_m2 = 3e-2; // of the core (firmware/core/core.h, seld_knot)
+constexpr double least_N_m2 = 1e-7, most_N_m2 = 3e-2; // of the core (firmware/core/core.h, crn_knot)
 constexpr double same = 1e-9;                         // two alphas closer than this are one
 
 std::uint32_t rounded_nN_m2(double stiffness_N_m2)
@@ -19,7 +19,7 @@ std::uint32_t rounded_nN_m2(double stiffness_N_m2)
 
 } // namespace
 
-Stiffness stiffness_of(const seld_wire_instrument &table)
+Stiffness stiffness_of(const crn_wire_instrument &table)
 {
     const double tip_nN_m2 = table.knots[0].bend_stiffness_nN_m2;
     const double shaft_nN_m2 = table.knots[table.knots_count - 1].bend_stiffness_nN_m2;
@@ -32,7 +32,7 @@ double tip_weight(double bend_N_m2, const Stiffness &nominal)
     return std::abs(range) < same ? 0.0 : std::log(bend_N_m2 / nominal.shaft_N_m2) / range;
 }
 
-seld_wire_instrument with_stiffness(const seld_wire_instrument &table, const Stiffness &wanted)
+crn_wire_instrument with_stiffness(const crn_wire_instrument &table, const Stiffness &wanted)
 {
     const Stiffness nominal = stiffness_of(table);
     if (!(wanted.shaft_N_m2 > 0.0) || !(wanted.tip_over_shaft > 0.0))
@@ -42,9 +42,9 @@ seld_wire_instrument with_stiffness(const seld_wire_instrument &table, const Sti
         throw CaseError("stiffness: alpha shall be " + std::to_string(wanted.tip_over_shaft) +
                         ", but this instrument's tip is as stiff as its shaft, so nothing says where the tip "
                         "ends; give it a soft section");
-    seld_wire_instrument out = table;
+    crn_wire_instrument out = table;
     for (std::uint32_t i = 0; i < out.knots_count; i++) {
-        seld_wire_knot &knot = out.knots[i];
+        crn_wire_knot &knot = out.knots[i];
         const double was_N_m2 = knot.bend_stiffness_nN_m2 * 1e-9;
         const double now_N_m2 =
             wanted.shaft_N_m2 * std::pow(wanted.tip_over_shaft, tip_weight(was_N_m2, nominal));
@@ -54,4 +54,4 @@ seld_wire_instrument with_stiffness(const seld_wire_instrument &table, const Sti
     return out;
 }
 
-} // namespace seld::insertion
+} // namespace crn::insertion

@@ -7,7 +7,7 @@
 #pragma once
 #include "shared/wire/wire.h"
 
-namespace seld::insertion
+namespace crn::insertion
 {
 
 struct Stiffness {
@@ -16,13 +16,13 @@ struct Stiffness {
 };
 
 // The file's own: its first knot is the tip, its last one the shaft. At least two knots, as the device demands.
-Stiffness stiffness_of(const seld_wire_instrument &table);
+Stiffness stiffness_of(const crn_wire_instrument &table);
 
 // w of a place whose EI in the file is `bend_N_m2`; 0 everywhere on an instrument with alpha 1.
 double tip_weight(double bend_N_m2, const Stiffness &nominal);
 
 // The same instrument with other stiffness. Knots are rounded to nN m^2 and kept within what the core takes (1e-7 to
 // 3e-2 N m^2, EI and GJ). Throws CaseError where a number is not above 0, or where alpha shall change and the file's is 1.
-seld_wire_instrument with_stiffness(const seld_wire_instrument &table, const Stiffness &wanted);
+crn_wire_instrument with_stiffness(const crn_wire_instrument &table, const Stiffness &wanted);
 
-} // namespace seld::insertion
+} // namespace crn::insertion

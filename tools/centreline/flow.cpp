@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -112,4 +112,4 @@ std::vector<double> set_flow(Tree &tree, const FlowSettings &settings)
     return into;
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -2,7 +2,7 @@
 #pragma once
 #include "tools/centreline/tree.hpp"
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 struct FlowSettings {
@@ -19,4 +19,4 @@ double tube_resistance(const Sphere &a, const Sphere &b, double viscosity_mPa_s)
 // bed of resistance K / r^3 (Murray), with one K for which the given inlet flow falls by the given pressure in the beds alone.
 std::vector<double> set_flow(Tree &tree, const FlowSettings &settings);
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -167,4 +167,4 @@ std::string csv_text(const Tree &tree)
     return text;
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -153,4 +153,4 @@ std::string markups_text(const Tree &tree)
            "\n";
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -182,4 +182,4 @@ std::string polydata_text(const Tree &tree)
            "      </Lines>\n    </Piece>\n  </PolyData>\n</VTKFile>\n";
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

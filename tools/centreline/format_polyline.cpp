@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -149,4 +149,4 @@ std::string polyline_text(const Tree &tree)
     return text;
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

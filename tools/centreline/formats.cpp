@@ -10,7 +10,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -179,4 +179,4 @@ std::string number_text(double value)
     return number == "-0" ? "0" : number;
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

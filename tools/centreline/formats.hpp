@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 constexpr std::size_t file_bytes_max = std::size_t{256} << 20;
@@ -15,7 +15,7 @@ constexpr std::size_t file_bytes_max = std::size_t{256} << 20;
 // Fault naming file, line or element, field and remedy. `needs_radii` false: an .obj without radii gives spheres of 1 um.
 Tree read_tree(const std::filesystem::path &file, bool needs_radii = true);
 
-// Writes by the ending of the name; the file appears when it is whole. Throws Fault or seld::OutputError.
+// Writes by the ending of the name; the file appears when it is whole. Throws Fault or crn::OutputError.
 void write_tree(const std::filesystem::path &file, const Tree &tree);
 
 // Each format alone: `name` is for messages.
@@ -41,4 +41,4 @@ double number_of(std::string_view word);
 std::string plain_name(const std::string &name);
 std::string number_text(double value); // shortest that reads back to the micrometre and better
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -116,4 +116,4 @@ Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm)
     return made;
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

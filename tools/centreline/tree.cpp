@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -180,4 +180,4 @@ Tree split_at_junctions(const Tree &tree)
     return split;
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 constexpr std::size_t branches_max = 4096;
@@ -73,4 +73,4 @@ Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm = nullptr);
 // Branches end where others leave, as VMTK's do: afterwards every parent_sphere is the parent's last sphere.
 Tree split_at_junctions(const Tree &tree);
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <zlib.h>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -225,4 +225,4 @@ std::vector<double> VtkFile::values(const pugi::xml_node &array, std::size_t cou
     return numbers;
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

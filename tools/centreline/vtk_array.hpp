@@ -5,7 +5,7 @@
 
 #include <pugixml.hpp>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 constexpr std::size_t array_bytes_max = std::size_t{256} << 20;
@@ -33,4 +33,4 @@ class VtkFile
     std::size_t header_bytes_ = 4;
 };
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -15,7 +15,7 @@ import tree
 PORT = "firmware/port/imxrt1062/"
 HEADER = PORT + "imxrt1062_registers.h"
 ACCESS = re.compile(r"\bR(16|32)\(\s*([^,()]+(?:\([^()]*\))?[^,()]*),\s*([A-Z][A-Z0-9]*(?:_[A-Z0-9]+)+)")
-HEADER_OF_MACROS = ("SELD_", "R16", "R32", "LOAD", "STORE", "BITS", "MASK", "SET_FIELD")
+HEADER_OF_MACROS = ("CRN_", "R16", "R32", "LOAD", "STORE", "BITS", "MASK", "SET_FIELD")
 
 
 def numbers(text):

@@ -1,7 +1,7 @@
 /* Where a check's program writes when it also runs without an operating system. One of console_stdio.c and
  * console_semihost.c is linked. May include: nothing. Called by: core_hash.c. */
-#ifndef SELD_CHECK_CONSOLE_H
-#define SELD_CHECK_CONSOLE_H
+#ifndef CRN_CHECK_CONSOLE_H
+#define CRN_CHECK_CONSOLE_H
 
 void console_write(const char *text);
 

@@ -9,25 +9,25 @@
 
 enum { TICKS_PER_LINE = 500, NONE = 0x7fffffff };
 
-static seld_model model;
-static seld_state state;
+static crn_model model;
+static crn_state state;
 
 /* --- what of the state belongs to which part of a tick, in the order of core_step.c --------------------------------- */
 
 typedef struct part {
     const char *name;
-    size_t offset; /* of a member of seld_node_state or seld_work */
+    size_t offset; /* of a member of crn_node_state or crn_work */
     uint32_t words;
     bool in_scratch;
 } part;
 
 #define OF_STATE(name, member)                                                                               \
     {                                                                                                        \
-        name, offsetof(seld_node_state, member), sizeof(((seld_node_state *)0)->member) / 4, false           \
+        name, offsetof(crn_node_state, member), sizeof(((crn_node_state *)0)->member) / 4, false             \
     }
 #define OF_WORK(name, member)                                                                                \
     {                                                                                                        \
-        name, offsetof(seld_work, member), sizeof(((seld_work *)0)->member) / 4, true                        \
+        name, offsetof(crn_work, member), sizeof(((crn_work *)0)->member) / 4, true                          \
     }
 static const part parts[] = {
     OF_WORK("feed", position_m_q30),    OF_WORK("stretch", strain_q30),      OF_WORK("twist", torque_N_m_q30),
@@ -129,12 +129,12 @@ static void write_nodes(const core_scene *scene, uint32_t tick)
     }
 }
 
-static void write_hash(const core_scene *scene, const seld_output *output)
+static void write_hash(const core_scene *scene, const crn_output *output)
 {
     console_write(scene->name);
     write_field(" tick ", (int32_t)output->tick);
     console_write(" hash ");
-    write_hex(seld_state_hash64(&state), 16);
+    write_hex(crn_state_hash64(&state), 16);
     console_write(" lanes ");
     write_hex(output->hash_lane[0], 8);
     console_write(" ");
@@ -171,9 +171,9 @@ static bool run(uint32_t scene, const options *o)
     }
     uint32_t contacts = 0, solved_twice = 0, faults = 0;
     for (uint32_t tick = 1; tick <= s->ticks; tick++) {
-        seld_output output = {0};
-        seld_input input = core_scene_hand(scene, tick, o->variant);
-        seld_step(&model, &state, &input, &output);
+        crn_output output = {0};
+        crn_input input = core_scene_hand(scene, tick, o->variant);
+        crn_step(&model, &state, &input, &output);
         flip(o, tick);
         contacts = output.contact_count > contacts ? output.contact_count : contacts;
         solved_twice += output.solve_count - 1u;
@@ -223,7 +223,7 @@ static bool read_options(int argc, char **argv, options *o)
             return false;
         }
     }
-    return o->flip_node < SELD_NODE_MAX;
+    return o->flip_node < CRN_NODE_MAX;
 }
 
 int main(int argc, char **argv)

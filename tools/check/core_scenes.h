@@ -1,8 +1,8 @@
 /* Scripted scenes made of integers only, the same on every machine: core_hash.c runs them.
  *
  * May include: the core's headers for owners of its memory. Called by: tools/check/core_hash.c. */
-#ifndef SELD_CHECK_CORE_SCENES_H
-#define SELD_CHECK_CORE_SCENES_H
+#ifndef CRN_CHECK_CORE_SCENES_H
+#define CRN_CHECK_CORE_SCENES_H
 
 #include "firmware/core/core_state.h"
 
@@ -16,9 +16,9 @@ typedef struct core_scene {
 extern const core_scene core_scenes[CORE_SCENE_COUNT];
 
 /* Model and first state of a scene; false when the core refuses it. */
-bool core_scene_start(uint32_t scene, seld_model *model, seld_state *state);
+bool core_scene_start(uint32_t scene, crn_model *model, crn_state *state);
 
 /* The hand at a tick (from 1). `variant` changes its motion a little. */
-seld_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant);
+crn_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant);
 
 #endif

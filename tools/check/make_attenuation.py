@@ -115,7 +115,7 @@ def main():
 #include "host/xray/attenuation.hpp"
 
 // clang-format off
-namespace seld {{
+namespace crn {{
 
 const float attenuation_per_cm[material_count][energy_count] = {{""")
     for name, composition, density, source in MATERIALS:
@@ -129,7 +129,7 @@ const float attenuation_per_cm[material_count][energy_count] = {{""")
             ("air_absorption_cm2_per_g", (xrl.cs_energy_cp(AIR, e) for e in ENERGIES_keV)))
     for name, values in rows:
         print("const float %s[energy_count] = {\n%s};\n" % (name, array(values)))
-    print("// clang-format on\n} // namespace seld")
+    print("// clang-format on\n} // namespace crn")
 
 
 if __name__ == "__main__":

@@ -62,7 +62,7 @@ def asin_coefficients():
 
 
 def table(text, name, rows):
-    text.append("const seld_line_q30 %s[%d] = {" % (name, len(rows)))
+    text.append("const crn_line_q30 %s[%d] = {" % (name, len(rows)))
     for i in range(0, len(rows), 4):
         text.append("    " + " ".join("{%du, %du}," % row for row in rows[i : i + 4]))
     text.append("};")
@@ -78,12 +78,12 @@ def generate():
         "// clang-format off",
         "/* 1/x on [1/2, 1), 128 intervals: relative error <= 2^-17. */",
     ]
-    table(text, "seld_reciprocal_lines", list(reciprocal_rows()))
+    table(text, "crn_reciprocal_lines", list(reciprocal_rows()))
     text.append("/* x^(-1/2) on [1/4, 1), 192 intervals: relative error <= 2^-16.4. */")
-    table(text, "seld_rsqrt_lines", list(rsqrt_rows()))
+    table(text, "crn_rsqrt_lines", list(rsqrt_rows()))
     coefficients = asin_coefficients()
     text.append("/* asin(x)/x = 1 + z (c0 + c1 z + ... + c6 z^6), z = x^2 in [0, 1/4], Q31. */")
-    text.append("const int32_t seld_asin_coefficients_q31[%d] = {" % len(coefficients))
+    text.append("const int32_t crn_asin_coefficients_q31[%d] = {" % len(coefficients))
     text.append("    " + ", ".join(str(c) for c in coefficients) + ",")
     text.append("};")
     text.append("// clang-format on")

@@ -144,7 +144,7 @@ def make_jobs(options):
         environment.pop(variable, None)
     sanitized = dict(environment, BUILD=os.path.join(options.build, "san"),
                      ASAN_OPTIONS="detect_stack_use_after_return=1:strict_string_checks=1",
-                     UBSAN_OPTIONS="print_stacktrace=1", SELD_SANITIZED="1")
+                     UBSAN_OPTIONS="print_stacktrace=1", CRN_SANITIZED="1")
     jobs = [(run_program, (path, [os.path.join(".", path)], environment)) for path in options.scripts]
     for name in options.programs:
         jobs.append((run_program, (name, [os.path.join(options.build, "test", name)], environment)))

@@ -37,7 +37,7 @@ class Sessions:
     """A folder for what is made, and a count of results."""
 
     def __enter__(self):
-        self.folder = tempfile.mkdtemp(prefix="seldinger_sessions_")
+        self.folder = tempfile.mkdtemp(prefix="cournand_sessions_")
         self.number = self.failed = 0
         return self
 
@@ -80,7 +80,7 @@ class Sessions:
             words += ["--tool", f"shared/examples/instruments/{tool}.toml"]
         if stent:
             words += ["--stent", f"shared/examples/stents/{stent}.toml"]
-        return self.call("seldinger", "run", "--quiet", *words, "--session", script)
+        return self.call("cournand", "run", "--quiet", *words, "--session", script)
 
     def session(self, name, scene, tools, stent=None):
         """It states its end and reaches it; without its turns it fails by name."""
@@ -109,7 +109,7 @@ class Sessions:
         path = f"{self.folder}/{change}.toml"
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
-        code, said = self.call("seldinger", "run", "--quiet", "--scene", scene, "--tool", path, "--session",
+        code, said = self.call("cournand", "run", "--quiet", "--scene", scene, "--tool", path, "--session",
                                f"shared/examples/{name}.session")
         self.result(code == 0, f"{name.split('/')[1]}_reaches_its_end_with_{change}", said)
 

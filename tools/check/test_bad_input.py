@@ -87,7 +87,7 @@ class Bench:
         try:
             done = subprocess.run([program] + command[1:], cwd=self.folder, stdin=subprocess.DEVNULL,
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=TIME_LIMIT_S, check=False,
-                                  env=dict(os.environ, SELD_ANATOMY=self.folder, DISPLAY=""))
+                                  env=dict(os.environ, CRN_ANATOMY=self.folder, DISPLAY=""))
         except FileNotFoundError:
             return None, "%s is missing: build it first" % program
         except subprocess.TimeoutExpired:
@@ -203,7 +203,7 @@ def bake_centrelines(bench):
     refuse("a centreline with one point is refused", "point", curve([4.0], [[0, 0, 0]]))
 
 
-# --- seldinger --------------------------------------------------------------------------------------------------------
+# --- cournand --------------------------------------------------------------------------------------------------------
 def tube_sample(x, y, z):
     """Distance of a square tube 8 mm wide along y, in 1/32 voxel, at a voxel centre."""
     return max(-127, min(127, round(32 * (max(abs(x + 0.5 - 12), abs(z + 0.5 - 12)) - 4.1))))
@@ -224,7 +224,7 @@ def scene_file(major=1, crc_of_lumen=None):
         table += struct.pack("<4I", kind, offset + len(body), len(data), crc)
         body += data + b"\0" * (-len(data) % 16)
     def header(crc):
-        return struct.pack("<8s2H5I", b"SELDSCN\0", major, 0, 1, offset + len(body), len(sections), crc, 0)
+        return struct.pack("<8s2H5I", b"CRN-SCN\0", major, 0, 1, offset + len(body), len(sections), crc, 0)
     return header(zlib.crc32(header(0) + table)) + table + body
 
 
@@ -239,36 +239,36 @@ SESSION = "begin inserted 12 mm\nadvance 5 mm at 25 mm/s while rotate 90 deg\nwa
 
 
 def session_run(scene="good.scene", wire=WIRE, session="good.session", more=()):
-    return ["seldinger", "run", "--scene", scene, "--instrument", wire, "--session", session, "--quiet"] + list(more)
+    return ["cournand", "run", "--scene", scene, "--instrument", wire, "--session", session, "--quiet"] + list(more)
 
 
-def seldinger_command_lines(bench):
+def cournand_command_lines(bench):
     bench.write("good.scene", scene_file())
     bench.write("good.session", SESSION)
     bench.good("the good session runs", session_run(more=["--record", "good.rec", "--json", "good.json"]))
-    bench.good("its recording is verified", ["seldinger", "replay", "good.rec", "--verify"])
-    bench.bad("seldinger without a command is refused", ["seldinger"], 2, "subcommand")
-    bench.bad("seldinger with an unknown command is refused", ["seldinger", "fly"], 2, "fly|subcommand")
-    bench.bad("a run without a tool is refused", ["seldinger", "run", "--session", "good.session"], 2, "--tool is required")
+    bench.good("its recording is verified", ["cournand", "replay", "good.rec", "--verify"])
+    bench.bad("cournand without a command is refused", ["cournand"], 2, "subcommand")
+    bench.bad("cournand with an unknown command is refused", ["cournand", "fly"], 2, "fly|subcommand")
+    bench.bad("a run without a tool is refused", ["cournand", "run", "--session", "good.session"], 2, "--tool is required")
     bench.bad("a run with an unknown option is refused", session_run(more=["--fast"]), 2, "--fast")
     bench.bad("pictures of no size are refused", session_run(more=["--size", "0"]), 2, "size.*range")
     bench.bad("pictures at a word per second are refused", session_run(more=["--fps", "many"]), 2, "fps.*many|many.*fps")
-    bench.bad("an unknown speed is refused", ["seldinger", "replay", "good.rec", "--speed", "warp"], 2, "warp")
-    bench.bad("a start beyond the recording is refused", ["seldinger", "replay", "good.rec", "--from", "99"], 1, "beyond")
+    bench.bad("an unknown speed is refused", ["cournand", "replay", "good.rec", "--speed", "warp"], 2, "warp")
+    bench.bad("a start beyond the recording is refused", ["cournand", "replay", "good.rec", "--from", "99"], 1, "beyond")
     bench.bad("a recording into a missing folder is refused", session_run(more=["--record", "no/x.rec"]), 1, "no/x.rec")
     bench.bad("figures into a missing folder are refused", session_run(more=["--json", "no/x.json"]), 1, "no/x.json")
     bench.bad("a picture into a missing folder is refused", session_run(more=["--png", "no/x.png"]), 1, "no/x.png")
     bench.bad("a missing body file is refused", session_run(more=["--png", "x.png", "--bodies", "gone.bodies"]), 1,
               r"gone\.bodies")
-    bench.bad("info on an unknown kind of file is refused", ["seldinger", "info", "good.json"], 1, r"good\.json")
+    bench.bad("info on an unknown kind of file is refused", ["cournand", "info", "good.json"], 1, r"good\.json")
 
 
-def seldinger_tools(bench):
+def cournand_tools(bench):
     """Several tools: which fit, which are named, which script needs them."""
     two = ["--tool", CATHETER]
     bench.good("a wire and a catheter run", session_run(more=two + ["--record", "two.rec"]))
-    bench.good("their recording is verified", ["seldinger", "replay", "two.rec", "--verify"])
-    bench.good("--tool alone names the tools", ["seldinger", "run", "--tool", WIRE, "--tool", CATHETER, "--session",
+    bench.good("their recording is verified", ["cournand", "replay", "two.rec", "--verify"])
+    bench.good("--tool alone names the tools", ["cournand", "run", "--tool", WIRE, "--tool", CATHETER, "--session",
                                                 "good.session", "--quiet"])
     bench.bad("a wire outside a catheter is refused by both names", session_run(wire=CATHETER, more=["--tool", WIRE]), 1,
               r"'5F Beacon[^']*' \(1.67 mm\) does not pass the lumen of 'Bentson")
@@ -280,7 +280,7 @@ def seldinger_tools(bench):
     bench.good("it runs with the second tool", session_run(session="two.session", more=two))
 
 
-def seldinger_outputs(bench):
+def cournand_outputs(bench):
     """No output may be an input, another output, or anything but a regular file."""
     before = bench.read("good.session")
     for option in ("--record", "--json", "--png", "--png16", "--mp4"):
@@ -295,25 +295,25 @@ def seldinger_outputs(bench):
         bench.write("wire.toml", file.read())
     bench.bad("an output onto a tool's file is refused, preset or not", session_run(wire="wire.toml:vcsim3-fit", more=["--json", "wire.toml"]),
               2, "would overwrite what --instrument reads")
-    bench.bad("instruments written onto their own file are refused", ["seldinger", "instruments", "wire.toml", "--json", "wire.toml"],
+    bench.bad("instruments written onto their own file are refused", ["cournand", "instruments", "wire.toml", "--json", "wire.toml"],
               2, "would overwrite what the list reads")
     for option in ("--json", "--png", "--table"):
-        bench.bad("instruments with %s onto a device are refused" % option, ["seldinger", "instruments", WIRE, option, "/dev/full"], 2,
+        bench.bad("instruments with %s onto a device are refused" % option, ["cournand", "instruments", WIRE, option, "/dev/full"], 2,
                   "is a device or pipe")
     bench.bad("two outputs of one name are refused", session_run(more=["--json", "both", "--record", "./both"]), 2,
               "--json and --record would both write", "both")
-    bench.bad("a replay onto its recording is refused", ["seldinger", "replay", "good.rec", "--png", "good.rec"], 2,
+    bench.bad("a replay onto its recording is refused", ["cournand", "replay", "good.rec", "--png", "good.rec"], 2,
               "would overwrite what the recording reads")
     bench.bad("a bake onto its text is refused", ["bake", "good.toml", "-o", "good.toml"], 2, "would overwrite what SCENE reads")
     bench.bad("a bake onto its lumen's mesh is refused", ["bake", "good.toml", "-o", "x.scene", "--surface", "lumen.stl"], 2,
               "would overwrite what the lumen reads")
     bench.bad("a bake of two outputs into one file is refused", ["bake", "good.toml", "-o", "one.scene", "--surface", "one.scene"],
               2, "would both write", "one.scene")
-    seldinger_dicom(bench)
+    cournand_dicom(bench)
     bench.report.check("the session is as it was", [] if bench.read("good.session") == before else ["it changed"])
 
 
-def seldinger_dicom(bench):
+def cournand_dicom(bench):
     """Folders, names and dates that DICOM files cannot be made with or of."""
     os.mkdir(os.path.join(bench.folder, "held"))
     bench.write("held/old.dcm", "kept")
@@ -327,12 +327,12 @@ def seldinger_dicom(bench):
     refuse("a number that is too long is refused", "at most 64 bytes, this one 65", ["--dicom", "new", "--patient-id", "x" * 65])
     refuse("unknown values are refused", "dicom-values.*sqrt", ["--dicom", "new", "--dicom-values", "sqrt"])
     bench.bad("a DICOM folder below a file is refused", session_run(more=["--dicom", "good.session/x"]), 1, "cannot be written")
-    bench.bad("a check of no file is refused", ["seldinger", "dicom-check"], 2, "file is required")
-    bench.bad("a check of a missing file is refused", ["seldinger", "dicom-check", "gone.dcm"], 1, "gone.dcm: no such file")
-    bench.bad("a check of a folder without DICOM is refused", ["seldinger", "dicom-check", "."], 1, "no .dcm file in this folder")
+    bench.bad("a check of no file is refused", ["cournand", "dicom-check"], 2, "file is required")
+    bench.bad("a check of a missing file is refused", ["cournand", "dicom-check", "gone.dcm"], 1, "gone.dcm: no such file")
+    bench.bad("a check of a folder without DICOM is refused", ["cournand", "dicom-check", "."], 1, "no .dcm file in this folder")
 
 
-def seldinger_scenes(bench):
+def cournand_scenes(bench):
     def refuse(name, pattern, data):
         bench.write("bad.scene", data)
         bench.bad(name, session_run("bad.scene", more=["--record", "bad.rec"]), 1, r"bad\.scene.*(%s)" % pattern, "bad.rec")
@@ -351,24 +351,24 @@ def seldinger_scenes(bench):
     refuse("a section with a wrong checksum is refused", "crc|checksum|damaged", scene_file(crc_of_lumen=1))
 
 
-def seldinger_recordings(bench):
+def cournand_recordings(bench):
     def refuse(name, pattern, data):
         bench.write("bad.rec", data)
-        bench.bad(name, ["seldinger", "replay", "bad.rec", "--verify"], 1, r"bad\.rec.*(%s)" % pattern)
+        bench.bad(name, ["cournand", "replay", "bad.rec", "--verify"], 1, r"bad\.rec.*(%s)" % pattern)
 
     try:
         good = bench.read("good.rec")
     except FileNotFoundError:
         bench.report.check("there is a recording to damage", ["good.rec was not written"])
         return
-    bench.bad("a missing recording is refused", ["seldinger", "replay", "gone.rec"], 1, r"gone\.rec")
+    bench.bad("a missing recording is refused", ["cournand", "replay", "gone.rec"], 1, r"gone\.rec")
     refuse("an empty recording is refused", "byte|short|empty|recording", b"")
     refuse("a text as a recording is refused", "not a|no .*recording", b"hello, this is text\n" * 20)
     refuse("a recording with a flipped bit is refused", "crc|checksum|damaged", flipped(good, len(good) // 2))
     refuse("a recording with a flipped bit in its header is refused", "crc|checksum|damaged|not a", flipped(good, 30))
 
 
-def seldinger_texts(bench):
+def cournand_texts(bench):
     def session(name, pattern, text):
         bench.write("bad.session", text)
         bench.bad(name, session_run(session="bad.session"), 1, r"bad\.session" + pattern)
@@ -406,7 +406,7 @@ def seldinger_texts(bench):
 
 
 def instrument_lists(bench):
-    listing = ["seldinger", "instruments"]
+    listing = ["cournand", "instruments"]
     bench.good("instruments are listed, drawn and written", listing + [WIRE, "--png", "list.png", "--json", "list.json"])
     bench.good("one preset is listed", listing + [WIRE + ":vcsim3-fit"])
     bench.bad("a list of the shipped instruments elsewhere is refused", listing, 1, "shared/examples/instruments")
@@ -431,12 +431,12 @@ def main():
         bake_texts(bench)
         bake_meshes(bench)
         bake_centrelines(bench)
-        seldinger_command_lines(bench)
-        seldinger_tools(bench)
-        seldinger_outputs(bench)
-        seldinger_scenes(bench)
-        seldinger_recordings(bench)
-        seldinger_texts(bench)
+        cournand_command_lines(bench)
+        cournand_tools(bench)
+        cournand_outputs(bench)
+        cournand_scenes(bench)
+        cournand_recordings(bench)
+        cournand_texts(bench)
         bench.report.end()
     finally:
         shutil.rmtree(folder)

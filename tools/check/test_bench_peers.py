@@ -16,7 +16,7 @@ def line(code, scene, time_us, length_error_pct="0.01"):
     return LINE % (code, scene, time_us, float(time_us) + 1, length_error_pct)
 
 
-OURS = {"free": line("seldinger", "free", 40), "tube": line("seldinger", "tube", 50)}
+OURS = {"free": line("cournand", "free", 40), "tube": line("cournand", "tube", 50)}
 PEERS = {("peer_mujoco.py", "free"): line("mujoco", "free", 900), ("peer_mujoco.py", "tube"): line("mujoco", "tube", 1000),
          ("peer_elastica.py", "free"): line("pyelastica", "free", 90000)}
 
@@ -51,12 +51,12 @@ def expect(report, name, got, code, *texts):
 def main():
     report = tree.Report()
     expect(report, "the ratio of every peer is printed and the figures are written", run(OURS, PEERS), 0,
-           "mujoco / seldinger, tube: 19.6 by medians, 20.0 by minima (bar 10)",
-           "pyelastica / seldinger, free: 2195.1 by medians, 2250.0 by minima (bar 1000)", "mujoco\t1\ttube\t1000\t1000\t1001")
+           "mujoco / cournand, tube: 19.6 by medians, 20.0 by minima (bar 10)",
+           "pyelastica / cournand, free: 2195.1 by medians, 2250.0 by minima (bar 1000)", "mujoco\t1\ttube\t1000\t1000\t1001")
     expect(report, "a ratio below its bar fails",
-           run(dict(OURS, tube=line("seldinger", "tube", 150)), PEERS), 1, "below the bar of 10")
+           run(dict(OURS, tube=line("cournand", "tube", 150)), PEERS), 1, "below the bar of 10")
     expect(report, "a peer that is more accurate than ours fails",
-           run(dict(OURS, tube=line("seldinger", "tube", 50, "-0.5")), PEERS), 1, "not at equal accuracy")
+           run(dict(OURS, tube=line("cournand", "tube", 50, "-0.5")), PEERS), 1, "not at equal accuracy")
     expect(report, "codes that simulate different rods fail",
            run(dict(OURS, free=OURS["free"].replace("elements=256", "elements=128")), PEERS), 1,
            "elements is not the same for all codes: 128, 256")

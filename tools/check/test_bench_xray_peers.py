@@ -30,7 +30,7 @@ def run(theirs, ours_ms=10.0, theirs_ms=200.0, ours_values=None, environment=Non
     with tempfile.TemporaryDirectory() as folder:
         write_picture(folder + "/a", ours_values or [0.5] * PIXELS)
         write_picture(folder + "/b", theirs)
-        write_program(folder + "/ours", "cp %s/a $2/ours_0.f32; echo '%s'" % (folder, LINE % ("seldinger", 9, 10, ours_ms)))
+        write_program(folder + "/ours", "cp %s/a $2/ours_0.f32; echo '%s'" % (folder, LINE % ("cournand", 9, 10, ours_ms)))
         write_program(folder + "/peers/bin/python", "case $1 in -c) ;; *) cp %s/b $2/gvxr_0.f32; echo noise; echo '%s';; esac"
                       % (folder, LINE % ("gvxr", 90, 100, theirs_ms)))
         done = subprocess.run([RUN, "--ours", folder + "/ours", "--bodies", "none", "--size", "64", "--environment",

@@ -13,15 +13,15 @@ sys.path.insert(0, os.path.join(tree.ROOT, "tools", "bench"))
 import budget  # noqa: E402
 
 GRAPHS = {
-    "recursion": "int down(int a); int down(int a) { return a ? down(a - 1) + a : 0; }\nint seld_step(int a) { return down(a); }\n",
-    "a call by address": "int seld_step(int (*f)(int)) { return f(1) + 1; }\n",
+    "recursion": "int down(int a); int down(int a) { return a ? down(a - 1) + a : 0; }\nint crn_step(int a) { return down(a); }\n",
+    "a call by address": "int crn_step(int (*f)(int)) { return f(1) + 1; }\n",
     "a stack that grows": "void use(char *); void use(char *a) { *a = 1; }\n"
-                          "int seld_step(int n) { char a[n]; use(a); return a[0]; }\n",
+                          "int crn_step(int n) { char a[n]; use(a); return a[0]; }\n",
 }
 
 
 def stack_of(text):
-    """(bytes, '') or (None, why not) for the worst stack of seld_step in a C text."""
+    """(bytes, '') or (None, why not) for the worst stack of crn_step in a C text."""
     with tempfile.TemporaryDirectory() as folder:
         objects = os.path.join(folder, "m7", "obj")
         os.makedirs(objects)
@@ -31,14 +31,14 @@ def stack_of(text):
         subprocess.run(["arm-none-eabi-gcc", "-mcpu=cortex-m7", "-mthumb", "-O1", "-fno-inline", "-fno-optimize-sibling-calls",
                         "-fstack-usage", "-fcallgraph-info=su", "-c", source, "-o", os.path.join(objects, "sample.o")], check=True)
         try:
-            return budget.worst_stack(folder, "seld_step")[0], ""
+            return budget.worst_stack(folder, "crn_step")[0], ""
         except budget.CannotMeasure as problem:
             return None, str(problem)
 
 
 def known_stack():
     size, why = stack_of("void use(char *); __attribute__((noinline)) void use(char *a) { *a = 1; }\n"
-                         "int seld_step(int n) { char a[100]; use(a); return a[0] + n; }\n")
+                         "int crn_step(int n) { char a[100]; use(a); return a[0] + n; }\n")
     if size is None or not 100 <= size <= 128:
         yield "100 bytes of locals give %s %s" % (size, why)
 
@@ -72,7 +72,7 @@ def main():
     for name in ("__aeabi_fadd", "__aeabi_ddiv", "__aeabi_uldivmod", "__aeabi_idiv", "__udivmoddi4", "__adddf3", "malloc"):
         report.catches("%s in the image is caught" % name, [name] if budget.is_forbidden(name) else [])
     report.accepts("64-bit shifts and memcpy in the image are accepted",
-                   [n for n in ("__aeabi_llsl", "__aeabi_memcpy4", "memset", "seld_step") if budget.is_forbidden(n)])
+                   [n for n in ("__aeabi_llsl", "__aeabi_memcpy4", "memset", "crn_step") if budget.is_forbidden(n)])
     for name, text in GRAPHS.items():
         report.catches("%s in the call graph is caught" % name, [why for why in [stack_of(text)[1]] if why])
     report.check("the worst stack of a known function is right", known_stack())

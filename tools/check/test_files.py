@@ -42,13 +42,13 @@ def outputs(bench):
     bench.bad("an empty scene is refused as usage", bad.session_run(scene=""), 2, "--scene.* is empty")
     bench.good("a recording to replay", bad.session_run(more=["--record", "good.rec"]))
     for option in ("--png", "--png16", "--mp4", "--dicom"):
-        bench.bad("a replay with an empty %s is refused as usage" % option, ["seldinger", "replay", "good.rec", option, ""], 2, "%s.* is empty" % option)
-    bench.bad("a replay into a missing folder is refused at once", ["seldinger", "replay", "good.rec", "--png", "no/x.png"], 1, "no/x.png: cannot be written")
+        bench.bad("a replay with an empty %s is refused as usage" % option, ["cournand", "replay", "good.rec", option, ""], 2, "%s.* is empty" % option)
+    bench.bad("a replay into a missing folder is refused at once", ["cournand", "replay", "good.rec", "--png", "no/x.png"], 1, "no/x.png: cannot be written")
     for option in ("--record", "--screenshot", "--dicom"):
         bench.bad("a window with an empty %s is refused as usage" % option,
-                  ["seldinger", "view", "--instrument", bad.WIRE, option, ""], 2, "%s.* is empty" % option)
+                  ["cournand", "view", "--instrument", bad.WIRE, option, ""], 2, "%s.* is empty" % option)
     bench.bad("a window with a recording into a missing folder is refused before it opens",
-              ["seldinger", "view", "--instrument", bad.WIRE, "--record", "no/x.rec"], 1, "no/x.rec: cannot be written")
+              ["cournand", "view", "--instrument", bad.WIRE, "--record", "no/x.rec"], 1, "no/x.rec: cannot be written")
     bench.write("lumen.stl", bad.stl(bad.LUMEN))
     bench.write("good.toml", bad.scene_text())
     bench.bad("a bake into an empty name is refused as usage", ["bake", "good.toml", "-o", ""], 2, "output.* is empty")
@@ -80,7 +80,7 @@ def pairs(bench):
     bench.bad("a run that makes no picture is refused alike, for it names the branch of every tip", run_in("one", "--json", "x.json", "--bodies", "two.bodies"), 1,
               strangers)
     bench.bad("a replay with another scene's bodies is refused",
-              ["seldinger", "replay", "one.rec", "--size", "64", "--png", "x.png", "--bodies", "two.bodies"], 1, strangers)
+              ["cournand", "replay", "one.rec", "--size", "64", "--png", "x.png", "--bodies", "two.bodies"], 1, strangers)
     shutil.copy(os.path.join(bench.folder, "two.bodies"), os.path.join(bench.folder, "one.bodies"))
     bench.bad("another scene's bodies under its name are refused too", run_in("one", "--png", "x.png"), 1, "one.bodies: these bodies were not baked with")
     old = bench.read("two.bodies")
@@ -99,7 +99,7 @@ def without_partner(data):
     for row, part in zip(table, parts):
         rows += struct.pack("<4I", row[0], offset + len(body), len(part), zlib.crc32(part))
         body += part + b"\0" * (-len(part) % 16)
-    header = lambda crc: struct.pack("<8s2H5I", b"SELDSCN\0", 1, 1, 2, offset + len(body), len(parts), crc, 0)
+    header = lambda crc: struct.pack("<8s2H5I", b"CRN-SCN\0", 1, 1, 2, offset + len(body), len(parts), crc, 0)
     return header(zlib.crc32(header(0) + rows)) + rows + body
 
 
@@ -134,7 +134,7 @@ def chunks(data):
 
 
 def sealed(parts):
-    out = b"SELDREC3"
+    out = b"CRN-REC3"
     for kind, payload in parts:
         head = struct.pack("<2I", kind, len(payload))
         out += head + payload + struct.pack("<I", zlib.crc32(head + payload))
@@ -143,14 +143,14 @@ def sealed(parts):
 
 def recordings(bench):
     good = bench.read("good.rec")
-    bench.good("a whole recording is verified", ["seldinger", "replay", "good.rec", "--verify"])
+    bench.good("a whole recording is verified", ["cournand", "replay", "good.rec", "--verify"])
     parts = list(chunks(good))
     bench.write("cut.rec", sealed([part for part in parts if part[0] != 6]))
-    bench.bad("a recording without its end is not verified, though every tick of it agrees", ["seldinger", "replay", "cut.rec", "--verify"], 1,
+    bench.bad("a recording without its end is not verified, though every tick of it agrees", ["cournand", "replay", "cut.rec", "--verify"], 1,
               r"verified up to tick \d+, but the recording was cut off")
     bench.write("torn.rec", good[:-30])
-    bench.bad("nor is one that was torn off in a chunk", ["seldinger", "replay", "torn.rec", "--verify"], 1, "cut off")
-    bench.good("it is replayed all the same where nobody asks for a proof", ["seldinger", "replay", "cut.rec"])
+    bench.bad("nor is one that was torn off in a chunk", ["cournand", "replay", "torn.rec", "--verify"], 1, "cut off")
+    bench.good("it is replayed all the same where nobody asks for a proof", ["cournand", "replay", "cut.rec"])
 
 
 # --- text from files --------------------------------------------------------------------------------------------------
@@ -188,15 +188,15 @@ def shows_clean(bench, name, command, expected=None):
 def hostile_texts(bench):
     bench.write("evil.rec", hostile_recording(bench.read("good.rec")))
     shown = r"\\x1b\]0;owned\\x07"
-    shows_clean(bench, "info shows a recording's names as letters", ["seldinger", "info", "evil.rec"], shown)
-    shows_clean(bench, "a replay shows a tool's name as letters", ["seldinger", "replay", "evil.rec", "--scene", "good.scene"], shown)
-    shows_clean(bench, "a scene that is not where a recording says is told in letters", ["seldinger", "replay", "evil.rec"], shown)
+    shows_clean(bench, "info shows a recording's names as letters", ["cournand", "info", "evil.rec"], shown)
+    shows_clean(bench, "a replay shows a tool's name as letters", ["cournand", "replay", "evil.rec", "--scene", "good.scene"], shown)
+    shows_clean(bench, "a scene that is not where a recording says is told in letters", ["cournand", "replay", "evil.rec"], shown)
     with open(bad.WIRE, encoding="utf-8") as file:
         wire = file.read()
     name = r'"\u001b]0;owned\u0007\u001b[31m wire"'
     bench.write("evil.toml", re.sub(r'^name = ".*"$', lambda _: "name = " + name, wire, count=1, flags=re.M))
-    shows_clean(bench, "an instrument's name is shown as letters", ["seldinger", "info", "evil.toml"], shown)
-    shows_clean(bench, "so it is in the list of instruments", ["seldinger", "instruments", "evil.toml"])
+    shows_clean(bench, "an instrument's name is shown as letters", ["cournand", "info", "evil.toml"], shown)
+    shows_clean(bench, "so it is in the list of instruments", ["cournand", "instruments", "evil.toml"])
     shows_clean(bench, "and at the end of a run", bad.session_run(wire="evil.toml"), shown)
     bench.write("evil.session", "advance 10 mm\n%s 3 mm\n" % HOSTILE)
     shows_clean(bench, "a word of a script is shown as letters", bad.session_run(session="evil.session"), r"\\x1b")

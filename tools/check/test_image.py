@@ -30,7 +30,7 @@ def linked_sample(text):
 
 
 def findings(port, objects):
-    image = os.path.join(FOLDER, "seldinger-%s.elf" % port)
+    image = os.path.join(FOLDER, "cournand-%s.elf" % port)
     figures = io.StringIO()
     try:
         with contextlib.redirect_stdout(figures):

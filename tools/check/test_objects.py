@@ -57,7 +57,7 @@ def foreign_calls(objects):
 def global_state(objects):
     for path, letter, name in symbols(objects):
         if letter in "BbDdCSs":
-            yield "%s: %s is writable global data: keep it in seld_state" % (path, name)
+            yield "%s: %s is writable global data: keep it in crn_state" % (path, name)
 
 
 def check_sample(report, name, text, rule, command):

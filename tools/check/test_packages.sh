@@ -8,7 +8,7 @@ folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
 mkdir -p "$folder/tools/check" "$folder/bin"
 cp tools/check/install_packages.sh "$folder/tools/check/"
-printf '# list\n[here]\nbash\nmake\n\n[gone]\nno-such-package-seldinger\n' >"$folder/tools/packages.txt"
+printf '# list\n[here]\nbash\nmake\n\n[gone]\nno-such-package-cournand\n' >"$folder/tools/packages.txt"
 install="$folder/tools/check/install_packages.sh"
 
 count=0
@@ -34,7 +34,7 @@ expect 0 "" "a section whose packages are all there ends at once" "$install" her
 for tool in bash grep awk sort dirname id cat; do ln -s "$(command -v $tool)" "$folder/bin/$tool"; done
 expect 1 "This is not a Debian system" "another system gets the list and a stop" \
     env PATH="$folder/bin" "$install" here gone
-expect 1 "no-such-package-seldinger" "the list names every package" env PATH="$folder/bin" "$install" gone
+expect 1 "no-such-package-cournand" "the list names every package" env PATH="$folder/bin" "$install" gone
 rm "$folder/bin/id"
 printf '#!/bin/bash\nexit 1\n' >"$folder/bin/dpkg-query"
 printf '#!/bin/bash\necho 1000\n' >"$folder/bin/id"
@@ -73,12 +73,12 @@ is_asked() { # is_asked NAME WHAT: what apt-get was asked for since the last tim
 root() { env -u YES -u CI PATH="$folder/bin" "$@"; }
 # The same with a terminal, on which ANSWER is typed.
 terminal() { local answer="$1"; shift; printf '%s\n' "$answer" | timeout 20 script -qefc "env -u YES -u CI PATH=$folder/bin $*" /dev/null; }
-install_both=$'update\ninstall no-such-package-seldinger'
+install_both=$'update\ninstall no-such-package-cournand'
 
 expect 1 "no terminal to ask on" "without a terminal nothing is installed, and it says so" root "$install" gone </dev/null
 is_asked "not even the lists are fetched" ""
 expect 1 "YES=1 make test" "it says what to type instead" root MAKE_GOALS=test "$install" gone </dev/null
-expect 1 "apt-get install --no-install-recommends no-such-package-seldinger" "and which command would do it" root "$install" gone </dev/null
+expect 1 "apt-get install --no-install-recommends no-such-package-cournand" "and which command would do it" root "$install" gone </dev/null
 asked >/dev/null
 expect 0 "45.6 MB of additional disk space" "YES=1 installs and says how much" root YES=1 "$install" gone </dev/null
 is_asked "YES=1 has it installed" "$install_both"
@@ -91,7 +91,7 @@ expect 1 "Nothing was installed." "n on the terminal ends it" terminal n "$insta
 is_asked "and nothing was installed" ""
 expect 0 "12.3 MB" "the question comes after the names and the amount" terminal y "$install" gone
 count=$((count + 1))
-if [[ "$output" == *no-such-package-seldinger*"45.6 MB"*"[Y/n]"* ]]; then echo "ok $count - names, amount, question, in this order"; else
+if [[ "$output" == *no-such-package-cournand*"45.6 MB"*"[Y/n]"* ]]; then echo "ok $count - names, amount, question, in this order"; else
     failed=1
     echo "not ok $count - names, amount, question, in this order"
     sed 's/^/# /' <<<"$output"
@@ -111,8 +111,8 @@ asked >/dev/null
 # Somebody else's link under a name that could be guessed, in the folder for temporary files.
 mkdir "$folder/tmp"
 echo precious >"$folder/victim"
-ln -s ../victim "$folder/tmp/seldinger-packages-0.lock"
-ln -s ../victim "$folder/tmp/seldinger-packages-$(id -u).lock" 2>/dev/null
+ln -s ../victim "$folder/tmp/cournand-packages-0.lock"
+ln -s ../victim "$folder/tmp/cournand-packages-$(id -u).lock" 2>/dev/null
 expect 0 "" "it runs with links planted in TMPDIR" root TMPDIR="$folder/tmp" YES=1 "$install" gone
 count=$((count + 1))
 if [ "$(cat "$folder/victim")" = precious ]; then echo "ok $count - a planted link empties no file"; else

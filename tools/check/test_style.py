@@ -26,13 +26,13 @@ BANNED = {
     "snprintf": "a typed code for the caller",
     "fprintf": "a typed code for the caller",
     "puts": "a typed code for the caller",
-    "sqrt": "seld_sqrt64",
-    "sin": "seld_sincos_turn32",
-    "cos": "seld_sincos_turn32",
-    "tan": "seld_sincos_turn32",
-    "atan2": "seld_asin_q29",
-    "asin": "seld_asin_q29",
-    "acos": "seld_asin_q29",
+    "sqrt": "crn_sqrt64",
+    "sin": "crn_sincos_turn32",
+    "cos": "crn_sincos_turn32",
+    "tan": "crn_sincos_turn32",
+    "atan2": "crn_asin_q29",
+    "asin": "crn_asin_q29",
+    "acos": "crn_asin_q29",
     "pow": "a named product",
     "exp": "a table",
     "fabs": "an integer comparison",
@@ -47,7 +47,20 @@ BANNED = {
 UNFINISHED = re.compile(r"\b(%s)\b" % "|".join(["TO" "DO", "FIX" "ME", "XX" "X", "HA" "CK"]))
 
 
+EARLIER_NAME = re.compile("s" "eld(?!om)", re.IGNORECASE)
+PACKED = (".jpg", ".png", ".corpus")  # four letters in a row are chance here
+
+
 # --- rules: each yields findings as file:line: text ----------------------------------------------------------------
+def earlier_name(path, text):
+    """What the project was called before it was renamed, in a path or in a line."""
+    if EARLIER_NAME.search(path):
+        yield path + ": has the project's earlier name"
+    for number, line in enumerate(text.splitlines(), 1):
+        if EARLIER_NAME.search(line):
+            yield "%s:%d: has the project's earlier name" % (path, number)
+
+
 def long_functions(path, text):
     for name, first, last, _ in functions_of(path, text):
         if last - first + 1 > FUNCTION_LINES_MAX:
@@ -88,11 +101,11 @@ CONSTANT = r"(?:\(+\s*(?:u?int\d+_t|unsigned|int|size_t)\s*\))?\s*\(*\s*(?:\d\w*
 
 
 def variable_division(path, text):
-    """Division and remainder by anything but a literal, a named constant (SELD_...) or sizeof."""
+    """Division and remainder by anything but a literal, a named constant (CRN_...) or sizeof."""
     code = tree.code_only(text)
     for match in re.finditer(r"[/%]=?(?!=)", code):
         if not re.match(r"\s*" + CONSTANT, code[match.end() :]):
-            yield "%s:%d: division by a variable: use seld_reciprocal_q30, or seld_divide_u64 in set-up code" % (
+            yield "%s:%d: division by a variable: use crn_reciprocal_q30, or crn_divide_u64 in set-up code" % (
                 path, tree.line_of(code, match.start()))
 
 
@@ -203,6 +216,9 @@ def self_test_code(report):
     report.catches("a long Python function is caught", long_functions("a.py", "def f():\n" + "    g()\n" * 80))
     report.catches("a long file is caught", long_file("a.c", "\n" * (FILE_LINES_MAX + 1)))
     report.accepts("a file of exactly the limit is accepted", long_file("a.c", "\n" * FILE_LINES_MAX))
+    report.catches("the earlier name of the project is caught in a line", earlier_name("a.c", "int s" "eld_step(void);"))
+    report.catches("and in a path", earlier_name("60-S" "eldinger.rules", ""))
+    report.accepts("what happens rarely may be said in either way", earlier_name("a.c", "/* seldom */"))
     report.catches("a mark of unfinished work is caught", unfinished("a.c", "/* TO" "DO later */"))
     for word in BANNED:
         report.catches("banned word %s is caught" % word, banned_words("a.c", "void f(void) { %s(1); }" % word))
@@ -211,7 +227,7 @@ def self_test_code(report):
                    banned_words("a.c", '#include <float.h>\n/* free */ int set_free_count(void) { return "sin"[0]; }'))
     report.catches("division by a variable is caught", variable_division("a.c", "int f(int a, int b) { return a / b; }"))
     report.catches("remainder by a variable is caught", variable_division("a.c", "int f(int a, int b) { return a %= (b); }"))
-    report.accepts("division by a constant is accepted", variable_division("a.c", "int a = b / 8 + c % SELD_MAX / (int)sizeof(d);"))
+    report.accepts("division by a constant is accepted", variable_division("a.c", "int a = b / 8 + c % CRN_MAX / (int)sizeof(d);"))
     report.catches("direct recursion is caught", recursion({"a.c": "int f(int a) { return f(a - 1); }"}))
     report.catches("recursion through another file is caught",
                    recursion({"a.c": "int f(int a)\n{ return g(a); }", "b.c": "int g(int a)\n{ return f(a); }"}))
@@ -263,6 +279,8 @@ def check_tree(report):
     report.check("no function is longer than %d lines" % FUNCTION_LINES_MAX,
                  findings_of(long_functions, [p for p in written if p.endswith(tree.C_SUFFIXES + (".py",))]))
     report.check("no file is longer than %d lines" % FILE_LINES_MAX, findings_of(long_file, written))
+    report.check("nothing has the earlier name of the project",
+                 findings_of(earlier_name, [p for p in tree.files("") if not p.endswith(PACKED)]))
     report.check("nothing is marked as unfinished", findings_of(unfinished, written + tree.files(".md", ".toml", ".txt")))
     report.check("the device uses no floating point, heap, libm, printf or goto", findings_of(banned_words, device))
     report.check("the core divides by constants only",

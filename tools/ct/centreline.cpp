@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 using Eigen::Vector3d;
@@ -287,4 +287,4 @@ InstrumentLine trace_instrument(const Volume &volume, const Volume &mask, const 
     return result;
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

@@ -5,7 +5,7 @@
 #include "tools/ct/volume.hpp"
 #include <optional>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 struct LineOptions {
@@ -49,4 +49,4 @@ struct LineDistance {
 };
 LineDistance distance_from(const std::vector<Eigen::Vector3d> &line, const Eigen::Vector3d &place);
 
-} // namespace seld::ct
+} // namespace crn::ct

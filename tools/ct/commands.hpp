@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 // Lines of progress on standard error; throws Fault after Ctrl-C.
@@ -50,4 +50,4 @@ void command_segment(const SegmentCommand &command);
 // Distances of a case's centrelines and lumen from its truth; false where one is over its bar.
 bool command_check(const std::filesystem::path &case_folder);
 
-} // namespace seld::ct
+} // namespace crn::ct

@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <memory>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 namespace
@@ -146,4 +146,4 @@ void command_simulate(SimulateOptions options)
                     "with its truth first");
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

@@ -8,7 +8,7 @@
 #include "tools/ct/volume_io.hpp"
 #include <cstdio>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 namespace
@@ -214,4 +214,4 @@ bool command_check(const fs::path &case_folder)
     return is_good;
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

@@ -6,7 +6,7 @@
 #include <functional>
 #include <queue>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 using Eigen::Vector3d;
@@ -192,4 +192,4 @@ std::vector<Vector3d> path_through(const Volume &volume, const Volume &mask, con
     return path;
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

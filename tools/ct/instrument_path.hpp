@@ -2,11 +2,11 @@
 #pragma once
 #include "tools/ct/centreline.hpp"
 
-namespace seld::ct
+namespace crn::ct
 {
 
 // Places (scene, mm) along the ridge from the mouth's end to the tip. Throws Fault where the voxels branch.
 std::vector<Eigen::Vector3d> path_through(const Volume &volume, const Volume &mask,
                                           const LineOptions &options, std::vector<std::string> &notes);
 
-} // namespace seld::ct
+} // namespace crn::ct

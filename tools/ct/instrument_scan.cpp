@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 namespace
@@ -55,4 +55,4 @@ std::vector<ScanStretch> plain_stretch(double radius_mm, double bore_mm, const s
     return {{0, 1e6, radius_mm, bore_mm, {{material_of(material, "--material"), 1, 1}}}};
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

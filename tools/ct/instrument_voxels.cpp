@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 using Eigen::Vector3d;
@@ -150,4 +150,4 @@ Volume find_instrument(const Volume &volume, LineOptions &options)
     return mask;
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

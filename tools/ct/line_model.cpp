@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 using Eigen::Matrix3d;
@@ -269,4 +269,4 @@ double LineFit::fit_end(const std::vector<Frame> &frames, double low_mm, double 
     return end;
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

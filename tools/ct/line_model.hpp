@@ -4,7 +4,7 @@
 #pragma once
 #include "tools/ct/centreline.hpp"
 
-namespace seld::ct
+namespace crn::ct
 {
 
 // What is the same along the whole line.
@@ -56,4 +56,4 @@ class LineFit
     Eigen::Matrix3d axes_; // columns: the grid's axes in the scene, unit
 };
 
-} // namespace seld::ct
+} // namespace crn::ct

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 using Eigen::Vector3d;
@@ -273,4 +273,4 @@ Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &option
     return lumen;
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

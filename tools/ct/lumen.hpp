@@ -4,7 +4,7 @@
 #include "tools/ct/centreline.hpp"
 #include "tools/ct/snake.hpp"
 
-namespace seld::ct
+namespace crn::ct
 {
 
 // So far from the line, values that neither fluid nor silicone has are taken for streaks.
@@ -55,4 +55,4 @@ void fill_in(Volume &volume, const std::vector<std::size_t> &hidden, double star
 // Distance of every voxel from a line, cut off at `reach_mm`.
 Volume distance_volume(const Volume &grid, const std::vector<Eigen::Vector3d> &line, double reach_mm);
 
-} // namespace seld::ct
+} // namespace crn::ct

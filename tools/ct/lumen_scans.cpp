@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 using Eigen::Vector3d;
@@ -189,4 +189,4 @@ void fill_in(Volume &volume, const std::vector<std::size_t> &hidden, double star
         }
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

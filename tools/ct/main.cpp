@@ -11,7 +11,7 @@
 namespace
 {
 
-using namespace seld::ct;
+using namespace crn::ct;
 
 constexpr const char *examples =
     "Examples:\n"
@@ -124,7 +124,7 @@ void add_simulate(CLI::App &app, SimulateOptions &options, std::vector<std::stri
     command.footer(simulate_footer);
     command.add_option("CASE", options.folder, "a case's folder with truth/, or the one to be made")
         ->required();
-    seld::reference::add_truth_options(command, options.truth, depths);
+    crn::reference::add_truth_options(command, options.truth, depths);
     command.add_option("--format", options.format, "of the volumes")
         ->check(CLI::IsMember({"nrrd", "nii.gz", "mha", "dicom"}))
         ->capture_default_str();
@@ -132,7 +132,7 @@ void add_simulate(CLI::App &app, SimulateOptions &options, std::vector<std::stri
     command.callback([&] {
         options.scanner.spacing_mm[1] = options.scanner.spacing_mm[0];
         for (const std::string &text : depths)
-            options.truth.depths.push_back(seld::reference::depth_from(text));
+            options.truth.depths.push_back(crn::reference::depth_from(text));
         command_simulate(options);
     });
 }
@@ -196,17 +196,17 @@ int main(int argc, char **argv)
     check.footer(check_footer);
     check.add_option("CASE", checked, "a case's folder with truth/")->required();
     check.callback([&] { is_good = command_check(checked); });
-    seld::refuse_empty_values(app);
+    crn::refuse_empty_values(app);
     try {
         app.parse(argc, argv);
         return is_good ? 0 : 1;
     } catch (const CLI::ParseError &error) {
         return app.exit(error) == 0 ? 0 : 2;
     } catch (const std::invalid_argument &error) {
-        seld::say(stderr, "ct: %s\n", error.what());
+        crn::say(stderr, "ct: %s\n", error.what());
         return 2;
     } catch (const std::exception &error) {
-        seld::say(stderr, "ct: %s\n", error.what());
+        crn::say(stderr, "ct: %s\n", error.what());
         return 1;
     }
 }

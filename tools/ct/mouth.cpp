@@ -4,7 +4,7 @@
 #include <Eigen/SVD>
 #include <cmath>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 using Eigen::Vector3d;
@@ -148,4 +148,4 @@ std::vector<Vector3d> behind_mouth(const LineOptions &options, const Vector3d &b
     return {begin_mm, begin_mm - behind_mm * options.direction};
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

@@ -3,7 +3,7 @@
 #pragma once
 #include "tools/ct/centreline.hpp"
 
-namespace seld::ct
+namespace crn::ct
 {
 
 struct Mouth {
@@ -30,4 +30,4 @@ void check_length(const InsertedLine &line);
 // Straight on behind the mouth, where the inserter is.
 std::vector<Eigen::Vector3d> behind_mouth(const LineOptions &options, const Eigen::Vector3d &begin_mm);
 
-} // namespace seld::ct
+} // namespace crn::ct

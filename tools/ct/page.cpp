@@ -3,7 +3,7 @@
 #include "host/model/pending_file.hpp"
 #include "tools/mesh/fault.hpp"
 
-namespace seld::ct
+namespace crn::ct
 {
 
 Page::Page(const std::filesystem::path &folder) : folder_(folder)
@@ -36,4 +36,4 @@ void Page::write(const std::string &head, const std::string &facts) const
                          "</ul>\n" + figures_);
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

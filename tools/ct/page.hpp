@@ -2,7 +2,7 @@
 #pragma once
 #include "tools/ct/pictures.hpp"
 
-namespace seld::ct
+namespace crn::ct
 {
 
 class Page
@@ -24,4 +24,4 @@ class Page
     std::string figures_, links_;
 };
 
-} // namespace seld::ct
+} // namespace crn::ct

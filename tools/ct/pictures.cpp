@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 namespace
@@ -160,4 +160,4 @@ void Picture::save(const std::filesystem::path &file) const
     if (!write_png(file.string(), sheet_.image(), error)) throw OutputError(error);
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

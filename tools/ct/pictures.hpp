@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 inline constexpr Ink red{230, 40, 40}, green{60, 200, 80}, yellow{250, 210, 60}, blue{80, 140, 250};
@@ -36,4 +36,4 @@ class Picture
     Sheet sheet_;
 };
 
-} // namespace seld::ct
+} // namespace crn::ct

@@ -8,7 +8,7 @@
 #include <exception>
 #include <mutex>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 using Eigen::Vector2d;
@@ -246,4 +246,4 @@ Volume simulate_scan(const bake::Mesh &lumen, const PhantomMaterials &phantom,
     return volume;
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <functional>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 // Hounsfield units of what the phantom is made of, at 120 kV (xraylib's cross-sections at 70 keV: docs/ct.md).
@@ -61,4 +61,4 @@ Volume simulate_scan(const bake::Mesh &lumen, const PhantomMaterials &phantom,
                      const std::vector<ScanInstrument> &instruments, const ScannerSettings &settings,
                      const Report &report);
 
-} // namespace seld::ct
+} // namespace crn::ct

@@ -5,7 +5,7 @@
 #include <array>
 #include <memory>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 // Parallel rays of one slice: view v looks along (-sin, cos), ray i lies at s = (i + 0.5 - bins / 2) pitch along (cos, sin).
@@ -123,4 +123,4 @@ class Reconstruction
     double row_gain_ = 0;         // sum of squares of the filter in space, after interpolation
 };
 
-} // namespace seld::ct
+} // namespace crn::ct

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 using Eigen::Vector2d;
@@ -254,4 +254,4 @@ void add_chords(const std::vector<Edge> &edges, const Rays &rays, double weight,
     }
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

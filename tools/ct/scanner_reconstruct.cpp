@@ -4,7 +4,7 @@
 #include <complex>
 #include <unsupported/Eigen/FFT>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 namespace
@@ -123,4 +123,4 @@ double Reconstruction::noise_HU(const std::vector<float> &variance_mm2, const Ei
     return 1000 * pi / rays_.views * std::sqrt(sum * row_gain_);
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

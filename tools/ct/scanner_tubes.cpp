@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 using Eigen::Vector3d;
@@ -214,4 +214,4 @@ double Beam::water_for(double transmission) const
     return (static_cast<double>(index - 1) + share) * water_step_mm;
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

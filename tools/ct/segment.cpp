@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 namespace
@@ -282,4 +282,4 @@ Apart surfaces_apart(const bake::Mesh &surface, const bake::Mesh &reference)
     return apart;
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

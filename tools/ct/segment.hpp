@@ -7,7 +7,7 @@
 #include "tools/ct/page.hpp"
 #include <filesystem>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 struct SegmentOptions {
@@ -50,4 +50,4 @@ Apart lines_apart(const std::vector<Eigen::Vector3d> &line, const std::vector<Ei
 // Nearest distances of a surface from another, closed one; the mean is over its area.
 Apart surfaces_apart(const bake::Mesh &surface, const bake::Mesh &reference);
 
-} // namespace seld::ct
+} // namespace crn::ct

@@ -7,7 +7,7 @@
 #include <itkSignedMaurerDistanceMapImageFilter.h>
 #include <itkSmoothingRecursiveGaussianImageFilter.h>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 namespace
@@ -108,4 +108,4 @@ Volume evolve_snake(const Volume &level, const Volume &speed, const SnakeWeights
     return run(level, filter);
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

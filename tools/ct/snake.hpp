@@ -4,7 +4,7 @@
 #pragma once
 #include "tools/ct/volume.hpp"
 
-namespace seld::ct
+namespace crn::ct
 {
 
 Volume smoothed(const Volume &volume, double sigma_mm);
@@ -24,4 +24,4 @@ struct SnakeWeights {
 // The level after so many steps. Deterministic on one thread of ITK's, which this asks for.
 Volume evolve_snake(const Volume &level, const Volume &speed, const SnakeWeights &weights);
 
-} // namespace seld::ct
+} // namespace crn::ct

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <unordered_map>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 namespace
@@ -158,7 +158,7 @@ void write_surface(const bake::Mesh &mesh, const std::vector<float> &unsure_mm,
                    const std::filesystem::path &file)
 {
     std::string bytes =
-        "ply\nformat binary_little_endian 1.0\ncomment by Seldinger's ct, millimetres, +x left +y head +z "
+        "ply\nformat binary_little_endian 1.0\ncomment by Cournand's ct, millimetres, +x left +y head +z "
         "front\nelement vertex " +
         std::to_string(mesh.vertices_mm.size()) +
         "\nproperty float x\nproperty float y\nproperty float z\nproperty float unsure_mm\nelement face " +
@@ -176,4 +176,4 @@ void write_surface(const bake::Mesh &mesh, const std::vector<float> &unsure_mm,
     write_whole_file(file.string(), bytes);
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

@@ -4,7 +4,7 @@
 #include "tools/ct/volume.hpp"
 #include <filesystem>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 // Marching tetrahedra: vertices where the level is 0 between two voxels, by linear interpolation; closed and without crossings,
@@ -18,4 +18,4 @@ void keep_large_pieces(bake::Mesh &mesh, double share);
 void write_surface(const bake::Mesh &mesh, const std::vector<float> &unsure_mm,
                    const std::filesystem::path &file);
 
-} // namespace seld::ct
+} // namespace crn::ct

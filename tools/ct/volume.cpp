@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 Eigen::Matrix3d Volume::scene_per_voxel() const
@@ -81,4 +81,4 @@ Volume cut_out(const Volume &volume, const std::array<int, 3> &low, const std::a
     return result;
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

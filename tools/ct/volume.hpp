@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 inline Eigen::Vector3d scene_from_lps(const Eigen::Vector3d &lps)
@@ -69,4 +69,4 @@ void make_right_handed(Volume &volume);
 // The box [low, high) of voxels as a volume of its own.
 Volume cut_out(const Volume &volume, const std::array<int, 3> &low, const std::array<int, 3> &high);
 
-} // namespace seld::ct
+} // namespace crn::ct

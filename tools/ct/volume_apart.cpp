@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 namespace
@@ -108,4 +108,4 @@ Volume read_volume(const fs::path &path)
     return volume;
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

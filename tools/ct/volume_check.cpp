@@ -9,7 +9,7 @@
 #include <numeric>
 #include <zlib.h>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 namespace
@@ -143,4 +143,4 @@ SliceOrder order_slices(const std::vector<Eigen::Vector3d> &places_mm, const Eig
     return result;
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

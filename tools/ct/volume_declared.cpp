@@ -12,7 +12,7 @@
 #include <vector>
 #include <zlib.h>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 namespace
@@ -507,4 +507,4 @@ void check_agreement(const DeclaredVolume &declared, const std::array<long, 3> &
                 ", its reader understands " + text(size, spacing_mm) + ": export the volume again, as .nrrd");
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

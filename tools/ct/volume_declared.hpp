@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 struct DeclaredVolume {
@@ -36,4 +36,4 @@ DeclaredVolume declared_volume(const std::filesystem::path &file);
 void check_agreement(const DeclaredVolume &declared, const std::array<long, 3> &size,
                      const Eigen::Vector3d &spacing_mm, const std::string &file);
 
-} // namespace seld::ct
+} // namespace crn::ct

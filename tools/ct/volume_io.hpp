@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <functional>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 inline constexpr int volume_side_max = 2048;                           // voxels along an axis
@@ -51,4 +51,4 @@ struct SliceOrder {
 SliceOrder order_slices(const std::vector<Eigen::Vector3d> &places_mm, const Eigen::Vector3d &normal,
                         const std::vector<std::string> &names, const std::string &series);
 
-} // namespace seld::ct
+} // namespace crn::ct

@@ -13,7 +13,7 @@
 #include <itkNrrdImageIO.h>
 #include <map>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 namespace
@@ -348,4 +348,4 @@ void read_volume_here(const fs::path &path, const TakeHead &take_head, const Tak
         read_file(path, take_head, take_values);
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

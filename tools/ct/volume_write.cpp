@@ -12,7 +12,7 @@
 #include <itkNrrdImageIO.h>
 #include <unistd.h>
 
-namespace seld::ct
+namespace crn::ct
 {
 
 namespace
@@ -126,7 +126,7 @@ void write_series(const Volume &volume, const fs::path &folder)
         put(tags, "0008|0018", images + "." + std::to_string(slice + 1));
         put(tags, "0008|0060", "CT");
         put(tags, "0008|0008", "ORIGINAL\\PRIMARY\\AXIAL");
-        put(tags, "0008|0070", "Seldinger");
+        put(tags, "0008|0070", "Cournand");
         put(tags, "0018|0050", number(volume.spacing_mm.z()));
         put(tags, "0018|5100", "HFS");
         put(tags, "0020|0010", "1");
@@ -135,9 +135,9 @@ void write_series(const Volume &volume, const fs::path &folder)
         put(tags, "0020|1040", "");
         put(tags, "0028|0004", "MONOCHROME2");
         put(tags, "0028|1054", "HU");
-        put(tags, "0008|103e", "Seldinger virtual scanner");
+        put(tags, "0008|103e", "Cournand virtual scanner");
         put(tags, "0010|0010", "Phantom^Silicone");
-        put(tags, "0010|0020", "SELDINGER");
+        put(tags, "0010|0020", "COURNAND");
         put(tags, "0018|0060", "120");
         put(tags, "0020|000d", study);
         put(tags, "0020|000e", series);
@@ -169,4 +169,4 @@ void write_volume(const Volume &volume, const fs::path &path)
     }
 }
 
-} // namespace seld::ct
+} // namespace crn::ct

@@ -28,11 +28,10 @@ std::string field(const char *name, const char *type, const char *unit, int max)
 std::string dissector_tables()
 {
     std::string out = "-- Generated from shared/wire by `make dissector`; do not edit.\n-- Protocol " +
-                      std::to_string(SELD_WIRE_PROTOCOL_MAJOR) + "." +
-                      std::to_string(SELD_WIRE_PROTOCOL_MINOR);
+                      std::to_string(CRN_WIRE_PROTOCOL_MAJOR) + "." + std::to_string(CRN_WIRE_PROTOCOL_MINOR);
     char hash[40];
     std::snprintf(hash, sizeof hash, ", schema hash %016llx\n",
-                  static_cast<unsigned long long>(seld_wire_schema_hash()));
+                  static_cast<unsigned long long>(crn_wire_schema_hash()));
     out += hash;
     out += "local records, messages, faults, rejects = {}, {}, {}, {}\n";
 #define RECORD(name, text) out += "records." #name " = { fields = {\n";

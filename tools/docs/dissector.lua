@@ -1,13 +1,13 @@
 -- The part of the Wireshark dissector that is the same for every version of the wire: frames, CRC and trees. `make dissector`
 -- puts the tables `records` and `messages` of shared/wire/wire_messages.def, `faults` and `rejects` above it.
 --
---   wireshark -X lua_script:out/seldinger.lua capture.pcapng
+--   wireshark -X lua_script:out/cournand.lua capture.pcapng
 --
 -- It is asked for bulk transfers of the vendor interface (class 0xff), and for captures of the kind USER0, whose packets hold
 -- the pipe's bytes. A frame may span packets; each direction of each device is put together by itself.
 
 local bits = bit32 or bit
-local proto = Proto("seldinger", "Seldinger")
+local proto = Proto("cournand", "Cournand")
 local fields = {}
 
 -- --- fields: one per value of the definition -------------------------------------------------------------------------
@@ -17,7 +17,7 @@ local makers = { u8 = ProtoField.uint8, u16 = ProtoField.uint16, u32 = ProtoFiel
 
 local function add_fields(owner, list)
     for _, field in ipairs(list) do
-        local abbreviation = "seldinger." .. owner .. "." .. field.name
+        local abbreviation = "cournand." .. owner .. "." .. field.name
         local title = field.name .. (field.unit ~= "" and field.unit ~= "1" and " [" .. field.unit .. "]" or "")
         if field.max then
             fields[abbreviation .. "_count"] = ProtoField.uint16(abbreviation .. "_count", field.name .. " count")
@@ -33,17 +33,17 @@ for number, message in pairs(messages) do
     add_fields(message.name, message.fields)
 end
 
-fields.sequence = ProtoField.uint16("seldinger.sequence", "sequence")
-fields.answers = ProtoField.uint16("seldinger.answers", "answers the request")
-fields.type = ProtoField.uint16("seldinger.type", "type", base.HEX, type_names)
-fields.length = ProtoField.uint16("seldinger.length", "payload length")
-fields.crc32 = ProtoField.uint32("seldinger.crc32", "CRC-32", base.HEX)
-fields.fault = ProtoField.string("seldinger.fault", "fault")
-fields.reject = ProtoField.string("seldinger.reject", "refusal")
+fields.sequence = ProtoField.uint16("cournand.sequence", "sequence")
+fields.answers = ProtoField.uint16("cournand.answers", "answers the request")
+fields.type = ProtoField.uint16("cournand.type", "type", base.HEX, type_names)
+fields.length = ProtoField.uint16("cournand.length", "payload length")
+fields.crc32 = ProtoField.uint32("cournand.crc32", "CRC-32", base.HEX)
+fields.fault = ProtoField.string("cournand.fault", "fault")
+fields.reject = ProtoField.string("cournand.reject", "refusal")
 local listed = {}
 for _, field in pairs(fields) do listed[#listed + 1] = field end
 proto.fields = listed
-local malformed = ProtoExpert.new("seldinger.malformed", "damaged frame", expert.group.MALFORMED, expert.severity.ERROR)
+local malformed = ProtoExpert.new("cournand.malformed", "damaged frame", expert.group.MALFORMED, expert.severity.ERROR)
 proto.experts = { malformed }
 
 -- --- frames: COBS and CRC-32 (docs/wire.md, "Frames") ----------------------------------------------------------------
@@ -83,7 +83,7 @@ local add_values
 local function add_value(tree, owner, field, tvb, place)
     if sizes[field.type] then
         if place + sizes[field.type] > tvb:len() then return nil end
-        tree:add_le(fields["seldinger." .. owner .. "." .. field.name], tvb(place, sizes[field.type]))
+        tree:add_le(fields["cournand." .. owner .. "." .. field.name], tvb(place, sizes[field.type]))
         return place + sizes[field.type]
     end
     local branch = tree:add(tvb(place), field.name)
@@ -96,7 +96,7 @@ function add_values(tree, owner, list, tvb, place)
         if field.max then
             if place + 2 > tvb:len() then return nil end
             count = tvb(place, 2):le_uint()
-            tree:add_le(fields["seldinger." .. owner .. "." .. field.name .. "_count"], tvb(place, 2))
+            tree:add_le(fields["cournand." .. owner .. "." .. field.name .. "_count"], tvb(place, 2))
             place = place + 2
             if count > field.max then return nil end
         end
@@ -128,14 +128,14 @@ end
 local function add_frame(stuffed, tree, names)
     local body = unstuff(stuffed)
     if not body or #body < 12 then
-        tree:add(proto, "Seldinger: damaged frame"):add_proto_expert_info(malformed, "COBS or size")
+        tree:add(proto, "Cournand: damaged frame"):add_proto_expert_info(malformed, "COBS or size")
         return "damaged"
     end
-    local tvb = ByteArray.new(body, true):tvb("Seldinger frame")
+    local tvb = ByteArray.new(body, true):tvb("Cournand frame")
     local number, length = tvb(4, 2):le_uint(), tvb(6, 2):le_uint()
     local message = messages[number]
     local name = message and message.name or string.format("unknown 0x%02x", number)
-    local branch = tree:add(proto, tvb(), "Seldinger: " .. name)
+    local branch = tree:add(proto, tvb(), "Cournand: " .. name)
     branch:add_le(fields.sequence, tvb(0, 2))
     branch:add_le(fields.answers, tvb(2, 2))
     branch:add_le(fields.type, tvb(4, 2))
@@ -185,7 +185,7 @@ function proto.dissector(tvb, pinfo, tree)
         from = zero + 1
     end
     if not pinfo.visited then rests[direction] = bytes:sub(from) end
-    pinfo.cols.protocol = "Seldinger"
+    pinfo.cols.protocol = "Cournand"
     pinfo.cols.info = #names > 0 and table.concat(names, ", ") or "part of a frame"
     return tvb:len()
 end

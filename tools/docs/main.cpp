@@ -32,18 +32,18 @@ std::string row(std::initializer_list<std::string> cells)
 std::string message_tables()
 {
     char hash[40];
-    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(seld_wire_schema_hash()));
-    std::string out = "Protocol " + std::to_string(SELD_WIRE_PROTOCOL_MAJOR) + "." +
-                      std::to_string(SELD_WIRE_PROTOCOL_MINOR) + ", schema hash `" + hash + "`.\n\n";
+    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(crn_wire_schema_hash()));
+    std::string out = "Protocol " + std::to_string(CRN_WIRE_PROTOCOL_MAJOR) + "." +
+                      std::to_string(CRN_WIRE_PROTOCOL_MINOR) + ", schema hash `" + hash + "`.\n\n";
     char number[16];
     const char *const head = "\n| field | type | unit | meaning |\n|---|---|---|---|\n";
 #define RECORD(name, text)                                                                                   \
-    out += "### Record `" #name "` (at most " + std::to_string(SELD_WIRE_BYTES_##name) +                     \
+    out += "### Record `" #name "` (at most " + std::to_string(CRN_WIRE_BYTES_##name) +                      \
            " bytes)\n" text ".\n" + head;
 #define MESSAGE(name, type, direction, text)                                                                 \
     std::snprintf(number, sizeof number, "0x%02x", type);                                                    \
     out += "### " + std::string(number) + " `" #name "` (from " direction ", up to " +                       \
-           std::to_string(SELD_WIRE_BYTES_##name) + " bytes)\n" text ".\n" + head;
+           std::to_string(CRN_WIRE_BYTES_##name) + " bytes)\n" text ".\n" + head;
 #define FIELD(owner, type, name, unit, text) out += row({"`" #name "`", #type, unit, bar_safe(text)});
 #define ARRAY(owner, type, name, max, unit, text)                                                            \
     out += row({"`" #name "`", "u16 count, then count × " #type ", at most " #max, unit, bar_safe(text)});
@@ -55,13 +55,13 @@ std::string message_tables()
 std::string report_tables()
 {
     char hash[40];
-    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(seld_hid_report_hash()));
+    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(crn_hid_report_hash()));
     std::string out = "Report hash `" + std::string(hash) + "`.\n\n";
     const char *const head = "\n| field | type | unit | meaning |\n|---|---|---|---|\n";
 #define HID_RECORD(name, text)                                                                               \
-    out += "### Record `" #name "` (" + std::to_string(SELD_HID_BYTES_##name) + " bytes)\n" text ".\n" + head;
+    out += "### Record `" #name "` (" + std::to_string(CRN_HID_BYTES_##name) + " bytes)\n" text ".\n" + head;
 #define HID_REPORT(name, id, kind, text)                                                                     \
-    out += "### Report " #id " `" #name "` (" #kind ", " + std::to_string(SELD_HID_BYTES_##name) +           \
+    out += "### Report " #id " `" #name "` (" #kind ", " + std::to_string(CRN_HID_BYTES_##name) +            \
            " bytes behind the id)\n" text ".\n" + head;
 #define HID_FIELD(owner, type, name, unit, text) out += row({"`" #name "`", #type, unit, bar_safe(text)});
 #define HID_ARRAY(owner, type, name, count, unit, text)                                                      \
@@ -76,7 +76,7 @@ std::string endpoint_table()
     std::string out = "| interface | endpoint | type | packet, full speed | bInterval | packet, high speed | "
                       "bInterval | for |\n"
                       "|---|---|---|---|---|---|---|---|\n";
-    const std::string SELD_UDC_INTERRUPT = "interrupt", SELD_UDC_BULK = "bulk";
+    const std::string CRN_UDC_INTERRUPT = "interrupt", CRN_UDC_BULK = "bulk";
 #define USB_INTERFACE(NAME, class, text)                                                                     \
     out += row({"`" #NAME "`", "", "class " #class, "", "", "", "", bar_safe(text)});
 #define USB_ENDPOINT(INTERFACE, NAME, address, type, full_bytes, full_interval, high_bytes, high_interval,   \

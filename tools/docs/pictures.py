@@ -39,7 +39,7 @@ def read_manifest(path=MANIFEST):
 
 def core_version(header="firmware/core/core.h"):
     with open(header, encoding="utf-8") as file:
-        return re.search(r"SELD_CORE_VERSION = (\d+)", file.read()).group(1)
+        return re.search(r"CRN_CORE_VERSION = (\d+)", file.read()).group(1)
 
 
 # --- stamps -------------------------------------------------------------------------------------------------------------
@@ -124,7 +124,7 @@ def inputs_hash(manifest, picture):
 
 
 def film_command(name, film, build="build"):
-    words = [build + "/bin/seldinger", "run", "--scene", film["scene"]]
+    words = [build + "/bin/cournand", "run", "--scene", film["scene"]]
     for tool in film["tools"]:
         words += ["--tool", tool]
     for stent in film.get("stents", []):

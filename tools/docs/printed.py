@@ -5,8 +5,8 @@
   printed.py --check     exit 1 when a document shows other lines
 
 A block is marked by a line `<!-- printed by: COMMAND -->`; the indented lines below it are the command with `$`, then lines of what it prints on
-standard output. A line `...` stands for lines that are left out up to the next line that is shown, or up to the end. COMMAND runs in the root folder; `seldinger` in
-it is build/bin/seldinger. Called by: make docs, tools/check/test_printed.py.
+standard output. A line `...` stands for lines that are left out up to the next line that is shown, or up to the end. COMMAND runs in the root folder; `cournand` in
+it is build/bin/cournand. Called by: make docs, tools/check/test_printed.py.
 """
 import argparse
 import os
@@ -33,7 +33,7 @@ def blocks(lines):
 
 
 def output_of(command, build):
-    words = command.replace("seldinger ", os.path.join(build, "bin", "seldinger") + " ", 1)
+    words = command.replace("cournand ", os.path.join(build, "bin", "cournand") + " ", 1)
     done = subprocess.run(["bash", "-c", words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=60)
     if done.returncode != 0:
         raise RuntimeError("'%s' ended with %d: %s" % (command, done.returncode, done.stderr.strip()))

@@ -77,7 +77,7 @@ def reports(folder):
         os.remove(path)
         frames = [line for line in text.splitlines() if line.strip().startswith("#")]
         first = next((line for line in frames if "libasan" not in line and "__interceptor" not in line and "sanitizer" not in line), "")
-        if "runtime error" in text or "seld::" in first:
+        if "runtime error" in text or "crn::" in first:
             found.append(text[:3000])
     return found
 

@@ -25,7 +25,7 @@ json mesh(const std::string &file)
 {
     std::size_t faces = 0, other = 0;
     double sum = 0, low = INFINITY, high = -INFINITY;
-    for (const seld::bake::MeshPiece &piece : seld::bake::read_mesh_file(file, {})) {
+    for (const crn::bake::MeshPiece &piece : crn::bake::read_mesh_file(file, {})) {
         faces += piece.triangles.size();
         other += piece.other;
         for (const auto &triangle : piece.triangles)
@@ -67,7 +67,7 @@ json text(const std::string &file)
 {
     std::ostringstream content;
     content << std::ifstream(file, std::ios::binary).rdbuf();
-    const toml::table table = seld::parse_toml(content.str(), file);
+    const toml::table table = crn::parse_toml(content.str(), file);
     TomlSums sums;
     sums.add(table);
     return {{"keys", sums.keys}, {"letters", sums.letters}, {"values", sums.values}, {"sum", sums.sum}};
@@ -75,7 +75,7 @@ json text(const std::string &file)
 
 json scan(const std::string &file)
 {
-    const seld::ct::Volume volume = seld::ct::read_volume(file);
+    const crn::ct::Volume volume = crn::ct::read_volume(file);
     double sum = 0;
     for (const float value : volume.hu) sum += double(value);
     return {{"size", volume.size},
@@ -85,11 +85,11 @@ json scan(const std::string &file)
 
 json line(const std::string &file)
 {
-    const seld::centreline::Tree tree = seld::centreline::read_tree(file);
+    const crn::centreline::Tree tree = crn::centreline::read_tree(file);
     double sum = 0, radii = 0;
     std::size_t spheres = 0;
-    for (const seld::centreline::Branch &branch : tree.branches)
-        for (const seld::centreline::Sphere &sphere : branch.spheres) {
+    for (const crn::centreline::Branch &branch : tree.branches)
+        for (const crn::centreline::Sphere &sphere : branch.spheres) {
             sum += sphere.centre_mm.dot(Eigen::Vector3d(1, 2, 3));
             radii += sphere.radius_mm;
             ++spheres;
@@ -125,14 +125,14 @@ json understood(const std::string &kind, const std::string &file)
 
 void write_seeds(const std::filesystem::path &folder)
 {
-    seld::ct::Volume volume;
+    crn::ct::Volume volume;
     volume.size = {7, 9, 5};
     volume.spacing_mm = {0.53, 0.6, 1};
     volume.origin_mm = {-10, 20, 30};
     for (std::size_t i = 0; i < volume.count(); ++i) volume.hu.push_back(static_cast<float>(i) - 200);
     for (const char *name : {"seed.nrrd", "seed.mha", "seed.nii", "seed.nii.gz", "series"})
-        seld::ct::write_volume(volume, folder / name);
-    seld::centreline::Tree tree;
+        crn::ct::write_volume(volume, folder / name);
+    crn::centreline::Tree tree;
     tree.branches.resize(2);
     for (int i = 0; i < 6; ++i)
         tree.branches[0].spheres.push_back({{0, 10.0 * i, 0.5 * i}, 4.0 - 0.1 * i, 120});
@@ -140,7 +140,7 @@ void write_seeds(const std::filesystem::path &folder)
     tree.branches[1] = {"side", 0, 3, {tree.branches[0].spheres[3]}};
     for (int i = 1; i < 5; ++i) tree.branches[1].spheres.push_back({{6.0 * i, 30, 1.5}, 2.0, 80, i == 2});
     for (const char *name : {"seed.csv", "seed.vtp", "seed.mrk.json", "seed_line.obj"})
-        seld::centreline::write_tree(folder / name, tree);
+        crn::centreline::write_tree(folder / name, tree);
 }
 
 } // namespace

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace seld
+namespace crn
 {
 
 struct Fault : std::runtime_error {
@@ -20,4 +20,4 @@ inline double millimetres_per(const std::string &unit)
     return unit == "um" ? 1e-3 : 0.0;
 }
 
-} // namespace seld
+} // namespace crn

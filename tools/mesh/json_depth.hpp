@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string_view>
 
-namespace seld
+namespace crn
 {
 
 inline constexpr int json_depth_max = 64;
@@ -28,4 +28,4 @@ inline int json_depth(std::string_view text)
     return deepest;
 }
 
-} // namespace seld
+} // namespace crn

@@ -2,7 +2,7 @@
 // May include: nothing. Called by: tools/anatomy, tools/bake.
 #pragma once
 
-namespace seld
+namespace crn
 {
 
 struct NumberRange {
@@ -13,4 +13,4 @@ constexpr NumberRange lesion_at_mm = {0, 1000}, lesion_length_mm = {2, 100},
                       lesion_stenosis_percent = {1, 95}, // of the diameter
     lesion_eccentricity = {0, 1}, lesion_plaque_deg = {-360, 360}, lesion_calcified_deg = {0, 300};
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace seld::mesh
+namespace crn::mesh
 {
 
 namespace
@@ -236,4 +236,4 @@ std::vector<SequenceReport> check_sequence(const Sequence &sequence)
     return reports;
 }
 
-} // namespace seld::mesh
+} // namespace crn::mesh

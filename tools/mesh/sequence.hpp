@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace seld::mesh
+namespace crn::mesh
 {
 
 constexpr size_t sequence_frames = 24;
@@ -42,4 +42,4 @@ struct SequenceReport {
 
 std::vector<SequenceReport> check_sequence(const Sequence &sequence);
 
-} // namespace seld::mesh
+} // namespace crn::mesh

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <queue>
 
-namespace seld::mesh
+namespace crn::mesh
 {
 
 namespace
@@ -239,4 +239,4 @@ void simplify(std::vector<Vec3> &vertices_mm, std::vector<Triangle> &triangles, 
     Simplifier(vertices_mm, triangles, error_mm).run();
 }
 
-} // namespace seld::mesh
+} // namespace crn::mesh

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace seld::mesh
+namespace crn::mesh
 {
 
 using Triangle = std::array<uint32_t, 3>; // counter-clockwise seen from outside
@@ -16,4 +16,4 @@ using Triangle = std::array<uint32_t, 3>; // counter-clockwise seen from outside
  * turns no triangle by more than a right angle. Deterministic. */
 void simplify(std::vector<Eigen::Vector3d> &vertices_mm, std::vector<Triangle> &triangles, double error_mm);
 
-} // namespace seld::mesh
+} // namespace crn::mesh

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::reference
+namespace crn::reference
 {
 
 void Band::reset(int size)
@@ -42,4 +42,4 @@ void Band::solve(Eigen::VectorXd &x) const
     }
 }
 
-} // namespace seld::reference
+} // namespace crn::reference

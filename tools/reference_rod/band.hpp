@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace seld::reference
+namespace crn::reference
 {
 
 class Band
@@ -34,4 +34,4 @@ class Band
     std::vector<double> entries_; // row by row, `reach` left of the diagonal and the diagonal
 };
 
-} // namespace seld::reference
+} // namespace crn::reference

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace seld::reference
+namespace crn::reference
 {
 namespace
 {
@@ -15,11 +15,11 @@ struct Profile {
     double bend_N_m2, twist_N_m2, radius_m, curvature1_per_m, curvature2_per_m;
 };
 
-Profile profile_at(const seld_wire_instrument &table, double arc_m)
+Profile profile_at(const crn_wire_instrument &table, double arc_m)
 {
     std::uint32_t b = 1;
     while (b + 1 < table.knots_count && table.knots[b].arc_um * 1e-6 <= arc_m) b++;
-    const seld_wire_knot &from = table.knots[b - 1], &to = table.knots[b];
+    const crn_wire_knot &from = table.knots[b - 1], &to = table.knots[b];
     const double span_m = (to.arc_um - from.arc_um) * 1e-6;
     const double u = span_m > 0.0 ? std::clamp((arc_m - from.arc_um * 1e-6) / span_m, 0.0, 1.0) : 1.0;
     const auto between = [&](double a, double c, double unit) { return ((1.0 - u) * a + u * c) * unit; };
@@ -31,7 +31,7 @@ Profile profile_at(const seld_wire_instrument &table, double arc_m)
 }
 
 // Where the last curve of the tip ends.
-double curves_m(const seld_wire_instrument &table)
+double curves_m(const crn_wire_instrument &table)
 {
     double end_m = 0.0;
     for (std::uint32_t i = 0; i < table.knots_count; i++)
@@ -42,7 +42,7 @@ double curves_m(const seld_wire_instrument &table)
 }
 
 // Springs in a row: their compliances add. Curvature adds over the cell.
-void fill_cell(const seld_wire_instrument &table, double from_m, double to_m, int node, Rod &rod)
+void fill_cell(const crn_wire_instrument &table, double from_m, double to_m, int node, Rod &rod)
 {
     constexpr int samples = 16;
     double bend = 0.0, twist = 0.0, turn1 = 0.0, turn2 = 0.0;
@@ -83,7 +83,7 @@ void size_stretch(double stretch, Rod &rod)
 
 } // namespace
 
-Rod cut_rod(const seld_wire_instrument &table, double length_m, const Cut &cut)
+Rod cut_rod(const crn_wire_instrument &table, double length_m, const Cut &cut)
 {
     const double whole_m = table.knots[table.knots_count - 1].arc_um * 1e-6;
     if (length_m + 2.0 * cut.shaft_m > whole_m)
@@ -110,7 +110,7 @@ Rod cut_rod(const seld_wire_instrument &table, double length_m, const Cut &cut)
     return rod;
 }
 
-double radius_at_m(const seld_wire_instrument &table, double arc_m)
+double radius_at_m(const crn_wire_instrument &table, double arc_m)
 {
     return profile_at(table, arc_m).radius_m;
 }
@@ -128,4 +128,4 @@ Rod uniform_rod(double bend_N_m2, double twist_N_m2, double radius_m, double len
     return rod;
 }
 
-} // namespace seld::reference
+} // namespace crn::reference

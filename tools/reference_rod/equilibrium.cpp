@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::reference
+namespace crn::reference
 {
 namespace
 {
@@ -221,4 +221,4 @@ double wall_force_N(const Rod &rod, const Physics &physics, int node, const Stat
            field.gradient.norm();
 }
 
-} // namespace seld::reference
+} // namespace crn::reference

@@ -13,7 +13,7 @@
 #include "tools/vcsim3/lumen.hpp"
 #include <functional>
 
-namespace seld::reference
+namespace crn::reference
 {
 
 namespace lumen = vcsim3; // the baked field in doubles is all that is shared with that rod
@@ -58,4 +58,4 @@ void drag_anchors(const Rod &rod, const Physics &physics, int free, const State 
 // Wall's normal force on a node, N.
 double wall_force_N(const Rod &rod, const Physics &physics, int node, const State &state);
 
-} // namespace seld::reference
+} // namespace crn::reference

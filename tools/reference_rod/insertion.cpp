@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::reference
+namespace crn::reference
 {
 namespace
 {
@@ -155,7 +155,7 @@ std::vector<Vector> Insertion::centreline_m() const
     return points;
 }
 
-Run insert(const insertion::Case &c, const seld_wire_instrument &table, const Wall &wall, double friction,
+Run insert(const insertion::Case &c, const crn_wire_instrument &table, const Wall &wall, double friction,
            const Cut &cut, const Step &step, const std::function<void(const std::string &)> &progress)
 {
     const Rod rod = cut_rod(table, c.depths.back().inserted_mm * 1e-3, cut);
@@ -188,4 +188,4 @@ Run insert(const insertion::Case &c, const seld_wire_instrument &table, const Wa
     return run;
 }
 
-} // namespace seld::reference
+} // namespace crn::reference

@@ -5,7 +5,7 @@
 #include "tools/case/case.hpp"
 #include "tools/reference_rod/equilibrium.hpp"
 
-namespace seld::reference
+namespace crn::reference
 {
 
 struct Sheath {
@@ -73,7 +73,7 @@ struct Run {
 };
 
 // All depths of a case. `progress` is told what is done, and may be empty.
-Run insert(const insertion::Case &c, const seld_wire_instrument &table, const Wall &wall, double friction,
+Run insert(const insertion::Case &c, const crn_wire_instrument &table, const Wall &wall, double friction,
            const Cut &cut, const Step &step, const std::function<void(const std::string &)> &progress = {});
 
-} // namespace seld::reference
+} // namespace crn::reference

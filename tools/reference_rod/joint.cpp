@@ -2,7 +2,7 @@
 #include "tools/reference_rod/joint.hpp"
 #include <Eigen/Geometry>
 
-namespace seld::reference
+namespace crn::reference
 {
 namespace
 {
@@ -129,4 +129,4 @@ void joint_measures(const Joint &joint, bool with_second, Measure &curvature1, M
     twist_of(f, joint.twist, with_second, twist);
 }
 
-} // namespace seld::reference
+} // namespace crn::reference

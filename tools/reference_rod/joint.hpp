@@ -3,7 +3,7 @@
 #pragma once
 #include <Eigen/Core>
 
-namespace seld::reference
+namespace crn::reference
 {
 
 // Unknowns in order: rear node, angle of the rear edge, node, angle of the front edge, front node.
@@ -27,4 +27,4 @@ struct Joint {
 void joint_measures(const Joint &joint, bool with_second, Measure &curvature1, Measure &curvature2,
                     Measure &twist);
 
-} // namespace seld::reference
+} // namespace crn::reference

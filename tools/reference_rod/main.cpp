@@ -8,7 +8,7 @@
 namespace
 {
 
-using namespace seld::reference;
+using namespace crn::reference;
 
 void add_options(CLI::App &app, TruthRequest &request, std::vector<std::string> &depths)
 {
@@ -23,7 +23,7 @@ void add_options(CLI::App &app, TruthRequest &request, std::vector<std::string> 
 
 int make(const TruthRequest &request)
 {
-    seld::check_output_folder({"--output", request.folder.string()});
+    crn::check_output_folder({"--output", request.folder.string()});
     const Truth truth = make_case(
         request, [](const std::string &depth) { std::fprintf(stderr, "  reached %s\n", depth.c_str()); });
     std::printf("%s: EI of the shaft %.4g N m2, alpha %.4g; %d steps, %d not at rest, %.4f mN left over\n",
@@ -48,20 +48,20 @@ int main(int argc, char **argv)
     TruthRequest request;
     std::vector<std::string> depths;
     add_options(app, request, depths);
-    seld::refuse_empty_values(app);
+    crn::refuse_empty_values(app);
     try {
         app.parse(argc, argv);
         for (const std::string &text : depths) request.depths.push_back(depth_from(text));
     } catch (const CLI::ParseError &error) {
         return app.exit(error) == 0 ? 0 : 2;
     } catch (const std::invalid_argument &error) {
-        seld::say(stderr, "reference_rod: %s\n", error.what());
+        crn::say(stderr, "reference_rod: %s\n", error.what());
         return 2;
     }
     try {
         return make(request);
     } catch (const std::exception &error) {
-        seld::say(stderr, "reference_rod: %s\n", error.what());
+        crn::say(stderr, "reference_rod: %s\n", error.what());
         return 1;
     }
 }

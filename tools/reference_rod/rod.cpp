@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace seld::reference
+namespace crn::reference
 {
 namespace
 {
@@ -130,4 +130,4 @@ double elastic_energy(const Rod &rod, const State &state, int nodes, Eigen::Vect
     return energy;
 }
 
-} // namespace seld::reference
+} // namespace crn::reference

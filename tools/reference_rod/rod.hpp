@@ -15,7 +15,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace seld::reference
+namespace crn::reference
 {
 
 using Vector = Eigen::Vector3d;
@@ -45,9 +45,9 @@ struct Cut {
 };
 
 // The instrument's first `length_m`, and two edges more for the sheath. Throws std::invalid_argument where it is shorter.
-Rod cut_rod(const seld_wire_instrument &table, double length_m, const Cut &cut);
+Rod cut_rod(const crn_wire_instrument &table, double length_m, const Cut &cut);
 // Outer radius of an instrument at a place from its tip, m.
-double radius_at_m(const seld_wire_instrument &table, double arc_m);
+double radius_at_m(const crn_wire_instrument &table, double arc_m);
 // A uniform straight one.
 Rod uniform_rod(double bend_N_m2, double twist_N_m2, double radius_m, double length_m, double edge_m);
 
@@ -73,4 +73,4 @@ void move_state(const State &from, const std::vector<Vector> &x, const std::vect
 // behind it) and, where given, its second derivatives.
 double elastic_energy(const Rod &rod, const State &state, int nodes, Eigen::VectorXd *slope, Band *second);
 
-} // namespace seld::reference
+} // namespace crn::reference

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <sstream>
 
-namespace seld::reference
+namespace crn::reference
 {
 namespace
 {
@@ -136,7 +136,7 @@ Truth make_case(const TruthRequest &request, const std::function<void(const std:
     truth.nominal = insertion::stiffness_of(instrument.table);
     truth.stiffness = {truth.nominal.shaft_N_m2 * request.shaft_factor,
                        truth.nominal.tip_over_shaft * request.tip_factor};
-    const seld_wire_instrument table = insertion::with_stiffness(instrument.table, truth.stiffness);
+    const crn_wire_instrument table = insertion::with_stiffness(instrument.table, truth.stiffness);
     const Wall wall = [&](const Vector &place) { return lumen::lumen_field(vessel.lumen(), place); };
     make_folder(request.folder / "truth");
     truth.run = insert(truth.c, table, wall, request.friction, request.cut, request.step, progress);
@@ -144,7 +144,7 @@ Truth make_case(const TruthRequest &request, const std::function<void(const std:
     return truth;
 }
 
-std::vector<double> radii_mm(const seld_wire_instrument &table, const std::vector<Vector> &centreline_mm)
+std::vector<double> radii_mm(const crn_wire_instrument &table, const std::vector<Vector> &centreline_mm)
 {
     std::vector<double> radii(centreline_mm.size());
     double arc_mm = 0.0;
@@ -170,4 +170,4 @@ double Noise::next()
     return radius * std::cos(2.0 * std::numbers::pi * even());
 }
 
-} // namespace seld::reference
+} // namespace crn::reference

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace seld::reference
+namespace crn::reference
 {
 
 struct TruthRequest {
@@ -43,7 +43,7 @@ struct Truth {
 Truth make_case(const TruthRequest &request, const std::function<void(const std::string &)> &progress = {});
 
 // What the instrument looks like to a scanner: outer radius along `centreline_mm` (from the mouth to the tip), in mm.
-std::vector<double> radii_mm(const seld_wire_instrument &table, const std::vector<Vector> &centreline_mm);
+std::vector<double> radii_mm(const crn_wire_instrument &table, const std::vector<Vector> &centreline_mm);
 
 // Independent normal deviates with standard deviation 1, the same on every machine.
 class Noise
@@ -57,4 +57,4 @@ class Noise
     std::uint64_t state_;
 };
 
-} // namespace seld::reference
+} // namespace crn::reference

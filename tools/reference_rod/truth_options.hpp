@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace seld::reference
+namespace crn::reference
 {
 
 // All but the case's folder and the seed. `depths` are for take_depths.
@@ -59,4 +59,4 @@ inline insertion::Depth depth_from(const std::string &text)
     return depth;
 }
 
-} // namespace seld::reference
+} // namespace crn::reference

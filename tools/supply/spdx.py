@@ -33,10 +33,10 @@ def hash_of(path, name):
 
 
 def own_package(root):
-    return {"SPDXID": "SPDXRef-Package-seldinger", "name": "seldinger",
-            "versionInfo": ask_git(root, "describe", "--always", "--dirty") or "unknown", "supplier": "Organization: the Seldinger authors",
+    return {"SPDXID": "SPDXRef-Package-cournand", "name": "cournand",
+            "versionInfo": ask_git(root, "describe", "--always", "--dirty") or "unknown", "supplier": "Organization: the Cournand authors",
             "downloadLocation": "NOASSERTION", "filesAnalyzed": False, "licenseConcluded": "Apache-2.0", "licenseDeclared": "Apache-2.0",
-            "copyrightText": "Copyright 2026 the Seldinger authors"}
+            "copyrightText": "Copyright 2026 the Cournand authors"}
 
 
 def debian_package(package, row):
@@ -53,7 +53,7 @@ def debian_package(package, row):
 def program_file(path):
     return {"SPDXID": spdx_id("File", os.path.basename(path)), "fileName": "./bin/" + os.path.basename(path), "fileTypes": ["BINARY"],
             "checksums": [{"algorithm": name, "checksumValue": hash_of(path, name.lower())} for name in ("SHA1", "SHA256")],
-            "licenseConcluded": "Apache-2.0", "licenseInfoInFiles": ["NOASSERTION"], "copyrightText": "Copyright 2026 the Seldinger authors"}
+            "licenseConcluded": "Apache-2.0", "licenseInfoInFiles": ["NOASSERTION"], "copyrightText": "Copyright 2026 the Cournand authors"}
 
 
 def relation(one, kind, other):
@@ -61,7 +61,7 @@ def relation(one, kind, other):
 
 
 def relations(supply):
-    own = "SPDXRef-Package-seldinger"
+    own = "SPDXRef-Package-cournand"
     found = [relation("SPDXRef-DOCUMENT", "DESCRIBES", own)]
     kinds = {"linked": "DYNAMIC_LINK", "headers": "CONTAINS", "static": "STATIC_LINK", "opened": "OPTIONAL_DEPENDENCY_OF", "loaded": "DEPENDS_ON"}
     for path in supply.programs:
@@ -76,13 +76,13 @@ def relations(supply):
 
 def document(supply, licences, root):
     named = sorted(package for found in supply.packages.values() for package in found)
-    body = {"spdxVersion": "SPDX-2.3", "dataLicense": "CC0-1.0", "SPDXID": "SPDXRef-DOCUMENT", "name": "seldinger", "documentNamespace": "",
+    body = {"spdxVersion": "SPDX-2.3", "dataLicense": "CC0-1.0", "SPDXID": "SPDXRef-DOCUMENT", "name": "cournand", "documentNamespace": "",
             "creationInfo": {"created": created(root), "creators": ["Tool: tools/supply/supply.py"]},
             "hasExtractedLicensingInfos": [{"licenseId": name, "extractedText": text} for name, text in EXTRACTED.items()],
             "packages": [own_package(root)] + [debian_package(p, licences[packages.source_of(p)]) for p in named],
             "files": [program_file(path) for path in supply.programs], "relationships": relations(supply)}
     whole = hashlib.sha256(json.dumps(body, sort_keys=True).encode()).hexdigest()
-    body["documentNamespace"] = "https://spdx.org/spdxdocs/seldinger-" + whole
+    body["documentNamespace"] = "https://spdx.org/spdxdocs/cournand-" + whole
     return body
 
 

@@ -5,7 +5,7 @@ that become part of them, and what they open when it is asked for. Found in the 
 
   supply.py notice --build build            compare NOTICE with what is found; exit code 1 where they differ
   supply.py notice --build build --write    renew NOTICE between its two marks
-  supply.py sbom --build build -o out/seldinger.spdx.json    the same as an SPDX 2.3 document, versions and hashes included
+  supply.py sbom --build build -o out/cournand.spdx.json    the same as an SPDX 2.3 document, versions and hashes included
 
 No network is used."""
 import argparse
@@ -138,7 +138,7 @@ class Supply:
         texts = [open(os.path.join(ROOT, p), encoding="utf-8").read() for p in sources_of_tree() if p.startswith("host/")]
         for name, package in OPENED.items():
             if any('"' + name in text for text in texts) and packages.is_installed(package):
-                self.add("opened", package, "seldinger")
+                self.add("opened", package, "cournand")
 
 
 def notice_lines(supply, licences):
@@ -213,7 +213,7 @@ def main():
     parser.add_argument("--programs", default="", help="their names (default: all of the build's folder bin)")
     parser.add_argument("--notice", default=os.path.join(ROOT, "NOTICE"), help="the NOTICE file (default: the repository's)")
     parser.add_argument("--write", action="store_true", help="notice: renew it")
-    parser.add_argument("-o", "--output", default="out/seldinger.spdx.json", help="sbom: the file (default: %(default)s)")
+    parser.add_argument("-o", "--output", default="out/cournand.spdx.json", help="sbom: the file (default: %(default)s)")
     arguments = parser.parse_args()
     try:
         supply, licences = Supply(arguments.build, arguments.programs.split()), packages.licences()

@@ -1,6 +1,6 @@
 #include "tools/validate/cases.hpp"
 
-namespace seld::validate
+namespace crn::validate
 {
 
 std::vector<Case> all_cases()
@@ -13,4 +13,4 @@ std::vector<Case> all_cases()
     return all;
 }
 
-} // namespace seld::validate
+} // namespace crn::validate

@@ -5,7 +5,7 @@
 
 #include <functional>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 struct Case {
@@ -26,4 +26,4 @@ std::vector<Case> push_cases();
 std::vector<Case> turn_cases();
 std::vector<Case> coaxial_cases();
 
-} // namespace seld::validate
+} // namespace crn::validate

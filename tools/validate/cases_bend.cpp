@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 namespace
@@ -251,4 +251,4 @@ std::vector<Case> bend_cases()
             {"curved_tip", curved_tip}};
 }
 
-} // namespace seld::validate
+} // namespace crn::validate

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 namespace
@@ -185,4 +185,4 @@ std::vector<Case> buckle_cases()
     return {{"euler", euler}, {"beyond_euler", beyond_euler}};
 }
 
-} // namespace seld::validate
+} // namespace crn::validate

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 namespace
@@ -222,4 +222,4 @@ std::vector<Case> coaxial_cases()
     return {{"stiffness_adds", stiffness_adds}, {"opens_hook", opens_hook}, {"lead_change", lead_change}};
 }
 
-} // namespace seld::validate
+} // namespace crn::validate

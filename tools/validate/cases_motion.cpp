@@ -6,7 +6,7 @@
 #include <cmath>
 #include <complex>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 namespace
@@ -136,4 +136,4 @@ std::vector<Case> motion_cases()
     return {{"modes", modes}};
 }
 
-} // namespace seld::validate
+} // namespace crn::validate

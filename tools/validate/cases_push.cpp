@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 namespace
@@ -240,4 +240,4 @@ std::vector<Case> push_cases()
     return {{"compression", compression}, {"stall", stall}, {"energy", energy}, {"stability", stability}};
 }
 
-} // namespace seld::validate
+} // namespace crn::validate

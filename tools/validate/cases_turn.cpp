@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 namespace
@@ -170,4 +170,4 @@ std::vector<Case> turn_cases()
     return {{"torque_straight", torque_straight}, {"torque_bend", torque_bend}};
 }
 
-} // namespace seld::validate
+} // namespace crn::validate

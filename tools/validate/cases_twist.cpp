@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 namespace
@@ -224,4 +224,4 @@ std::vector<Case> twist_cases()
     return {{"greenhill", greenhill_case}, {"ring", ring}, {"coil", coil}};
 }
 
-} // namespace seld::validate
+} // namespace crn::validate

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 namespace
@@ -291,4 +291,4 @@ std::vector<Case> wall_cases()
     return {{"capstan", capstan}, {"incline", incline}, {"sliding", sliding}, {"helix", helix}};
 }
 
-} // namespace seld::validate
+} // namespace crn::validate

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 namespace
@@ -140,4 +140,4 @@ Writhe writhe(double slack, double turn_rad, double bend_over_twist)
     return {moment(t), t};
 }
 
-} // namespace seld::validate
+} // namespace crn::validate

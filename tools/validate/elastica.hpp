@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 // A plane rod clamped at s = 0 along x, lengths over L, forces over EI/L^2.
@@ -40,4 +40,4 @@ struct Writhe {
 };
 Writhe writhe(double slack, double turn_rad, double bend_over_twist);
 
-} // namespace seld::validate
+} // namespace crn::validate

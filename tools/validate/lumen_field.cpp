@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <stdexcept>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 // --- path -----------------------------------------------------------------------------------------------------------
@@ -92,7 +92,7 @@ double Path::distance(const Vector3d &point_m) const
 // --- field ----------------------------------------------------------------------------------------------------------
 
 struct LumenField::Storage {
-    seld_lumen lumen{};
+    crn_lumen lumen{};
     std::vector<std::uint16_t> index, children;
     std::vector<std::int8_t> samples;
 };
@@ -100,10 +100,10 @@ struct LumenField::Storage {
 namespace
 {
 
-constexpr double voxel0_m = double(1 << SELD_LUMEN_VOXEL_LOG2_Q30) / (1 << 30);
-constexpr double band_m = 0.0025;                  // beyond a brick's own half diagonal
-constexpr int support = SELD_LUMEN_BRICK_EDGE + 4; // 10 coefficients and one sample on either side
-constexpr double brick0_m = voxel0_m * int(SELD_LUMEN_BRICK_EDGE);
+constexpr double voxel0_m = double(1 << CRN_LUMEN_VOXEL_LOG2_Q30) / (1 << 30);
+constexpr double band_m = 0.0025;                 // beyond a brick's own half diagonal
+constexpr int support = CRN_LUMEN_BRICK_EDGE + 4; // 10 coefficients and one sample on either side
+constexpr double brick0_m = voxel0_m * int(CRN_LUMEN_BRICK_EDGE);
 
 class Builder
 {
@@ -120,18 +120,18 @@ class Builder
         double voxel = voxel0_m / (1u << level);
         double d = distance_(corner + Vector3d::Constant(4 * voxel));
         double reach = 4 * voxel * std::sqrt(3.0) + band_m;
-        if (d > reach) return SELD_LUMEN_ENTRY_OUTSIDE;
-        if (d < -reach) return SELD_LUMEN_ENTRY_INSIDE;
+        if (d > reach) return CRN_LUMEN_ENTRY_OUTSIDE;
+        if (d < -reach) return CRN_LUMEN_ENTRY_INSIDE;
         if (level == level_) return brick(corner, voxel);
         std::size_t row = children_.size() / 8;
         children_.resize(children_.size() + 8);
-        if (row >= SELD_LUMEN_ENTRY_REFINED) throw std::runtime_error("lumen field: too many refined bricks");
+        if (row >= CRN_LUMEN_ENTRY_REFINED) throw std::runtime_error("lumen field: too many refined bricks");
         for (unsigned k = 0; k < 8; k++) {
             Vector3d octant(k & 1, k >> 1 & 1, k >> 2);
             std::uint16_t child = entry(corner + octant * 4 * voxel, level + 1);
             children_[row * 8 + k] = child;
         }
-        return std::uint16_t(SELD_LUMEN_ENTRY_REFINED | row);
+        return std::uint16_t(CRN_LUMEN_ENTRY_REFINED | row);
     }
 
     std::size_t bricks() const { return bricks_; }
@@ -166,10 +166,10 @@ class Builder
                 }
             }
         }
-        if (bricks_ + SELD_LUMEN_ENTRY_FIRST_BRICK >= SELD_LUMEN_ENTRY_REFINED) {
+        if (bricks_ + CRN_LUMEN_ENTRY_FIRST_BRICK >= CRN_LUMEN_ENTRY_REFINED) {
             throw std::runtime_error("lumen field: too many bricks; use a lower level");
         }
-        return std::uint16_t(SELD_LUMEN_ENTRY_FIRST_BRICK + bricks_++);
+        return std::uint16_t(CRN_LUMEN_ENTRY_FIRST_BRICK + bricks_++);
     }
 };
 
@@ -205,7 +205,7 @@ LumenField::LumenField(const Distance &distance, const Vector3d &low, const Vect
 LumenField::~LumenField() = default;
 LumenField::LumenField(LumenField &&) noexcept = default;
 
-const seld_lumen *LumenField::lumen() const
+const crn_lumen *LumenField::lumen() const
 {
     return &storage_->lumen;
 }
@@ -221,4 +221,4 @@ LumenField tube_field(const Path &path, double radius_m, unsigned level, bool fl
     return LumenField(distance, path.low() - margin, path.high() + margin, level);
 }
 
-} // namespace seld::validate
+} // namespace crn::validate

@@ -7,9 +7,9 @@
 #include <memory>
 #include <vector>
 
-struct seld_lumen;
+struct crn_lumen;
 
-namespace seld::validate
+namespace crn::validate
 {
 
 using Eigen::Vector3d;
@@ -55,7 +55,7 @@ class LumenField
     LumenField(const Distance &distance, const Vector3d &low, const Vector3d &high, unsigned level);
     ~LumenField();
     LumenField(LumenField &&) noexcept;
-    const seld_lumen *lumen() const;
+    const crn_lumen *lumen() const;
 
   private:
     struct Storage;
@@ -65,4 +65,4 @@ class LumenField
 // Tube of one radius around a path, with half balls at its ends; or closed by a plane across its end.
 LumenField tube_field(const Path &path, double radius_m, unsigned level, bool flat_end = false);
 
-} // namespace seld::validate
+} // namespace crn::validate

@@ -17,7 +17,7 @@
 namespace
 {
 
-using namespace seld::validate;
+using namespace crn::validate;
 
 constexpr const char *examples =
     "Examples:\n"
@@ -82,7 +82,7 @@ void write_docs(const std::string &path, const std::string &table)
                                  "' to write between");
     }
     begin += std::string(mark_begin).size();
-    seld::write_whole_file(path, text.substr(0, begin) + table + text.substr(end));
+    crn::write_whole_file(path, text.substr(0, begin) + table + text.substr(end));
 }
 
 int finish(const std::vector<Result> &results, const Options &options)
@@ -95,9 +95,9 @@ int finish(const std::vector<Result> &results, const Options &options)
     std::filesystem::create_directories(options.folder);
     std::string html_path = options.folder + "/validation.html",
                 tsv_path = options.folder + "/validation.tsv";
-    seld::write_whole_file(
+    crn::write_whole_file(
         html_path, html(results, options.only.empty() ? "make validate" : "validate --only " + options.only));
-    seld::write_whole_file(tsv_path, tsv(results));
+    crn::write_whole_file(tsv_path, tsv(results));
     if (!options.docs.empty()) write_docs(options.docs, markdown(results));
     for (const Result &result : results) {
         if (!result.failure.empty())
@@ -134,7 +134,7 @@ int main(int argc, char **argv)
     app.add_flag("--quick", options.quick, "fewer figures per case");
     app.add_flag("--tap", options.tap, "print TAP on standard output and write no file");
     app.add_flag("--list", options.list, "print the names of the cases and stop");
-    seld::refuse_empty_values(app);
+    crn::refuse_empty_values(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {
@@ -154,14 +154,14 @@ int main(int argc, char **argv)
         return 0;
     }
     try {
-        if (!options.tap) seld::check_output_folder({"--output", options.folder});
-        seld::check_outputs({}, {{"--docs", options.docs}});
+        if (!options.tap) crn::check_output_folder({"--output", options.folder});
+        crn::check_outputs({}, {{"--docs", options.docs}});
         return finish(run_all(cases, options), options);
-    } catch (const seld::UsageError &error) {
-        seld::say(stderr, "validate: %s\n", error.what());
+    } catch (const crn::UsageError &error) {
+        crn::say(stderr, "validate: %s\n", error.what());
         return 2;
     } catch (const std::exception &error) {
-        seld::say(stderr, "validate: %s\n", error.what());
+        crn::say(stderr, "validate: %s\n", error.what());
         return 1;
     }
 }

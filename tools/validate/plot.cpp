@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 namespace
@@ -203,4 +203,4 @@ std::string short_number(double value)
     return text;
 }
 
-} // namespace seld::validate
+} // namespace crn::validate

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 struct Series {
@@ -27,4 +27,4 @@ std::string svg(const Plot &plot);
 // A number for people: four significant digits, no trailing zeros.
 std::string short_number(double value);
 
-} // namespace seld::validate
+} // namespace crn::validate

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 bool Row::passed() const
@@ -154,7 +154,7 @@ std::string html(const std::vector<Result> &results, const std::string &command)
                    cell(kind, kind.c_str()) + "</tr>\n";
         sections += section(result);
     }
-    return "<!doctype html><html lang='en'><head><meta charset='utf-8'><title>Seldinger: "
+    return "<!doctype html><html lang='en'><head><meta charset='utf-8'><title>Cournand: "
            "validation</title><style>" +
            std::string(style) + "</style></head><body>\n<h1>Validation of the rod</h1>\n<p>" +
            std::to_string(passed) + " of " + std::to_string(bars) + " figures are within their tolerance, " +
@@ -202,4 +202,4 @@ std::string markdown(const std::vector<Result> &results)
     return out;
 }
 
-} // namespace seld::validate
+} // namespace crn::validate

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 // One figure. `error` is in `error_unit` and passes when its size is within `tolerance`; a tolerance below 0 means that
@@ -52,4 +52,4 @@ std::string tap(const std::vector<Result> &results);
 // The table of docs/validation.md: one line per case with its worst figure.
 std::string markdown(const std::vector<Result> &results);
 
-} // namespace seld::validate
+} // namespace crn::validate

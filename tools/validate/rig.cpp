@@ -9,7 +9,7 @@ extern "C" {
 #include <stdexcept>
 #include <string>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 namespace
@@ -22,25 +22,25 @@ std::uint32_t micro(double value)
     return std::uint32_t(std::lround(value * 1e6));
 }
 
-seld_vec3 fixed(const Vector3d &v, double one)
+crn_vec3 fixed(const Vector3d &v, double one)
 {
-    return seld_vec3_make(std::int32_t(std::lround(v[0] * one)), std::int32_t(std::lround(v[1] * one)),
-                          std::int32_t(std::lround(v[2] * one)));
+    return crn_vec3_make(std::int32_t(std::lround(v[0] * one)), std::int32_t(std::lround(v[1] * one)),
+                         std::int32_t(std::lround(v[2] * one)));
 }
 
-Vector3d real(const seld_vec3 &v, double one)
+Vector3d real(const crn_vec3 &v, double one)
 {
     return Vector3d(v.v[0], v.v[1], v.v[2]) / one;
 }
 
-seld_instrument instrument_of(const Tool &tool)
+crn_instrument instrument_of(const Tool &tool)
 {
-    seld_instrument instrument{};
+    crn_instrument instrument{};
     instrument.knot_count = std::uint32_t(tool.knots.size());
-    if (tool.knots.size() > SELD_KNOT_MAX) throw std::runtime_error("rig: too many knots");
+    if (tool.knots.size() > CRN_KNOT_MAX) throw std::runtime_error("rig: too many knots");
     for (std::size_t i = 0; i < tool.knots.size(); i++) {
         const Knot &from = tool.knots[i];
-        seld_knot &to = instrument.knots[i];
+        crn_knot &to = instrument.knots[i];
         to.arc_um = micro(from.arc_m);
         to.bend_stiffness_nN_m2 = std::uint32_t(std::lround(from.bend_N_m2 * 1e9));
         to.twist_stiffness_nN_m2 = std::uint32_t(std::lround(from.twist_N_m2 * 1e9));
@@ -70,34 +70,34 @@ Tool uniform_tool(const Knot &knot, double length_m, double element_m)
 }
 
 struct Rig::Core {
-    seld_model model;
-    seld_state state;
-    seld_input input{};
-    seld_output output{};
-    double base_angle[SELD_TOOL_MAX] = {};
+    crn_model model;
+    crn_state state;
+    crn_input input{};
+    crn_output output{};
+    double base_angle[CRN_TOOL_MAX] = {};
 };
 
 Rig::Rig(const std::vector<Tool> &tools, const LumenField *field, const Start &start)
     : core_(std::make_unique<Core>())
 {
-    std::vector<seld_instrument> instruments;
-    std::uint32_t inserted_um[SELD_TOOL_MAX] = {};
-    for (std::size_t k = 0; k < tools.size() && k < SELD_TOOL_MAX; k++) {
+    std::vector<crn_instrument> instruments;
+    std::uint32_t inserted_um[CRN_TOOL_MAX] = {};
+    for (std::size_t k = 0; k < tools.size() && k < CRN_TOOL_MAX; k++) {
         instruments.push_back(instrument_of(tools[k]));
         inserted_um[k] = micro(start.inserted_m.at(k));
     }
-    seld_entry entry{fixed(start.mouth_m, Q30), fixed(start.direction, Q30)};
-    seld_build_place place{};
-    seld_build_status status =
-        seld_model_build(&core_->model, instruments.data(), std::uint32_t(instruments.size()),
-                         field ? field->lumen() : nullptr, &entry, &place);
-    if (status != SELD_BUILD_OK) {
+    crn_entry entry{fixed(start.mouth_m, Q30), fixed(start.direction, Q30)};
+    crn_build_place place{};
+    crn_build_status status =
+        crn_model_build(&core_->model, instruments.data(), std::uint32_t(instruments.size()),
+                        field ? field->lumen() : nullptr, &entry, &place);
+    if (status != CRN_BUILD_OK) {
         throw std::runtime_error("rig: the core refuses tool " + std::to_string(place.tool) + ", knot " +
                                  std::to_string(place.knot) + " with status " + std::to_string(status));
     }
-    seld_model_set_gravity(&core_->model, 0, 0, 0);
+    crn_model_set_gravity(&core_->model, 0, 0, 0);
     set_stall(400);
-    seld_state_init(&core_->model, &core_->state, inserted_um);
+    crn_state_init(&core_->model, &core_->state, inserted_um);
 }
 
 Rig::~Rig() = default;
@@ -107,18 +107,18 @@ Rig::Rig(Rig &&) noexcept = default;
 
 void Rig::set_gravity(const Vector3d &m_s2)
 {
-    seld_vec3 mm = fixed(m_s2, 1e3);
-    seld_model_set_gravity(&core_->model, mm.v[0], mm.v[1], mm.v[2]);
+    crn_vec3 mm = fixed(m_s2, 1e3);
+    crn_model_set_gravity(&core_->model, mm.v[0], mm.v[1], mm.v[2]);
 }
 
 void Rig::set_tip_load(const Vector3d &N)
 {
-    seld_model_set_tip_load(&core_->model, fixed(N, Q22));
+    crn_model_set_tip_load(&core_->model, fixed(N, Q22));
 }
 
 void Rig::set_hold(const Hold &hold)
 {
-    seld_tip_hold h{};
+    crn_tip_hold h{};
     h.pinned = true;
     h.second = hold.second;
     h.axial_free = hold.axial_free;
@@ -126,14 +126,14 @@ void Rig::set_hold(const Hold &hold)
     h.axis_q30 = fixed(Vector3d::UnitX(), Q30);
     h.position_m_q30[0] = fixed(hold.anchor_m, Q30);
     h.position_m_q30[1] = fixed(hold.second_anchor_m, Q30);
-    seld_model_set_tip_hold(&core_->model, &h);
+    crn_model_set_tip_hold(&core_->model, &h);
 }
 
 // The core holds the tip's angle against the axis carried without twist from the inserter; that axis itself turns at the
 // tip when the line coils (its writhe). Held in space, the angle is the negative of that turn.
 void Rig::hold_in_space()
 {
-    seld_model &model = core_->model;
+    crn_model &model = core_->model;
     Vector3d start = real(model.base_axis1_q30, Q30), axis = start;
     Vector3d tangent = -real(model.entry.direction_q30, Q30), first = tangent;
     auto carry = [](const Vector3d &u, const Vector3d &from, const Vector3d &to) {
@@ -170,11 +170,11 @@ void Rig::step(int ticks)
 {
     Core &c = *core_;
     for (int tick = 0; tick < ticks; tick++) {
-        std::uint32_t before[SELD_TOOL_MAX];
-        for (unsigned k = 0; k < SELD_TOOL_MAX; k++) before[k] = c.state.words.tools[k].base_turn32;
+        std::uint32_t before[CRN_TOOL_MAX];
+        for (unsigned k = 0; k < CRN_TOOL_MAX; k++) before[k] = c.state.words.tools[k].base_turn32;
         if (c.model.hold.turn) hold_in_space();
-        seld_step(&c.model, &c.state, &c.input, &c.output);
-        for (unsigned k = 0; k < SELD_TOOL_MAX; k++) {
+        crn_step(&c.model, &c.state, &c.input, &c.output);
+        for (unsigned k = 0; k < CRN_TOOL_MAX; k++) {
             auto moved = std::int32_t(c.state.words.tools[k].base_turn32 - before[k]);
             c.base_angle[k] += moved / turn32 * 2 * M_PI;
         }
@@ -183,14 +183,14 @@ void Rig::step(int ticks)
 
 void Rig::place(const std::vector<Vector3d> &positions_m)
 {
-    seld_node_state *nodes = core_->state.words.nodes;
+    crn_node_state *nodes = core_->state.words.nodes;
     unsigned count = free_count();
     if (positions_m.size() < count) throw std::runtime_error("rig: a position for every free node, please");
     for (unsigned i = 0; i < count; i++) nodes[i].position_m_q30 = fixed(positions_m[i], Q30);
     for (unsigned i = 0; i < count; i++) {
         Vector3d ahead = position(i + 1) - position(i);
         nodes[i].tangent_q30 = fixed(ahead.normalized(), Q30);
-        nodes[i].step_m_q33 = nodes[i].bristle_m_q33 = seld_vec3_make(0, 0, 0);
+        nodes[i].step_m_q33 = nodes[i].bristle_m_q33 = crn_vec3_make(0, 0, 0);
     }
 }
 
@@ -198,12 +198,12 @@ void Rig::place(const std::vector<Vector3d> &positions_m)
 
 unsigned Rig::free_count() const
 {
-    return seld_state_free_count(&core_->state);
+    return crn_state_free_count(&core_->state);
 }
 
 Vector3d Rig::position(unsigned node) const
 {
-    return real(seld_state_position(&core_->state, node), Q30);
+    return real(crn_state_position(&core_->state, node), Q30);
 }
 
 std::vector<Vector3d> Rig::shape() const
@@ -216,12 +216,12 @@ std::vector<Vector3d> Rig::shape() const
 
 double Rig::arc(unsigned node) const
 {
-    return seld_model_arc(&core_->model, node) / Q30;
+    return crn_model_arc(&core_->model, node) / Q30;
 }
 
 double Rig::inserted(unsigned tool) const
 {
-    return seld_state_inserted(&core_->state, tool) / Q30;
+    return crn_state_inserted(&core_->state, tool) / Q30;
 }
 
 double Rig::handle_axial(unsigned tool) const
@@ -242,7 +242,7 @@ double Rig::base_angle(unsigned tool) const
 // Frames turn about tangents that point to the hand, hands about the direction of insertion: opposite senses.
 double Rig::tip_angle(unsigned tool) const
 {
-    const seld_node_state *nodes = core_->state.words.nodes;
+    const crn_node_state *nodes = core_->state.words.nodes;
     double twist = 0;
     for (unsigned j = 0; j < free_count(); j++) {
         twist +=
@@ -263,10 +263,10 @@ double Rig::penetration() const
 
 Vector3d Rig::hold_force(unsigned node) const
 {
-    const seld_tip_hold &hold = core_->model.hold;
+    const crn_tip_hold &hold = core_->model.hold;
     Vector3d miss = real(hold.position_m_q30[node == 0 ? 0 : 1], Q30) - position(node);
     if (hold.axial_free) miss -= miss.dot(real(hold.axis_q30, Q30)) * real(hold.axis_q30, Q30);
-    return miss * double(SELD_HOLD_STIFFNESS_N_m);
+    return miss * double(CRN_HOLD_STIFFNESS_N_m);
 }
 
 double Rig::motion_per_tick() const
@@ -280,8 +280,8 @@ double Rig::motion_per_tick() const
 
 std::optional<Vector3d> Rig::contact_force(unsigned node) const
 {
-    seld_vec3 force;
-    if (!seld_state_contact_force(&core_->model, &core_->state, node, &force)) return std::nullopt;
+    crn_vec3 force;
+    if (!crn_state_contact_force(&core_->model, &core_->state, node, &force)) return std::nullopt;
     return real(force, Q22);
 }
 
@@ -297,12 +297,12 @@ unsigned Rig::solve_count() const
 
 bool Rig::saturated() const
 {
-    return core_->output.fault_bits & SELD_FAULT_SATURATED;
+    return core_->output.fault_bits & CRN_FAULT_SATURATED;
 }
 
 bool Rig::capped() const
 {
-    return core_->output.fault_bits & SELD_FAULT_STEP_CAPPED;
+    return core_->output.fault_bits & CRN_FAULT_STEP_CAPPED;
 }
 
-} // namespace seld::validate
+} // namespace crn::validate

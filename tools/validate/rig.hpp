@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 using Eigen::Vector3d;
@@ -102,4 +102,4 @@ class Rig
     void hold_in_space();
 };
 
-} // namespace seld::validate
+} // namespace crn::validate

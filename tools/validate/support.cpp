@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 double element_length(double length_m, unsigned count)
@@ -67,4 +67,4 @@ double unwrapped(double angle, double near)
     return angle + 2 * M_PI * std::round((near - angle) / (2 * M_PI));
 }
 
-} // namespace seld::validate
+} // namespace crn::validate

@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace seld::validate
+namespace crn::validate
 {
 
 // Element length in whole micrometres for `count` free elements over a length. It is rounded up, so that the node at
@@ -34,4 +34,4 @@ double unwrapped(double angle, double near);
 constexpr double degree = 0.017453292519943295;
 constexpr double gravity_m_s2 = 9.81;
 
-} // namespace seld::validate
+} // namespace crn::validate

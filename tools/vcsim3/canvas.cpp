@@ -92,10 +92,10 @@ void Canvas::text(double x, double y, std::string_view letters, double size, Col
     const double width = text_width(letters, size);
     const double left = align == Align::left ? x : align == Align::right ? x - width : x - width / 2;
     for (std::size_t i = 0; i < letters.size(); i++) {
-        const auto rows = seld::glyph(letters[i]);
-        for (int row = 0; row < seld::glyph_rows; row++)
-            for (int column = 0; column < seld::glyph_columns; column++)
-                if (rows[row] >> (seld::glyph_columns - 1 - column) & 1) {
+        const auto rows = crn::glyph(letters[i]);
+        for (int row = 0; row < crn::glyph_rows; row++)
+            for (int column = 0; column < crn::glyph_columns; column++)
+                if (rows[row] >> (crn::glyph_columns - 1 - column) & 1) {
                     const double px = left + (static_cast<double>(i) * letter_advance + column) * size;
                     rectangle(px, y + row * size, px + size, y + (row + 1) * size, colour);
                 }
@@ -106,10 +106,10 @@ void Canvas::text_upwards(double x, double y, std::string_view letters, double s
 {
     const double start = y + text_width(letters, size) / 2;
     for (std::size_t i = 0; i < letters.size(); i++) {
-        const auto rows = seld::glyph(letters[i]);
-        for (int row = 0; row < seld::glyph_rows; row++)
-            for (int column = 0; column < seld::glyph_columns; column++)
-                if (rows[row] >> (seld::glyph_columns - 1 - column) & 1) {
+        const auto rows = crn::glyph(letters[i]);
+        for (int row = 0; row < crn::glyph_rows; row++)
+            for (int column = 0; column < crn::glyph_columns; column++)
+                if (rows[row] >> (crn::glyph_columns - 1 - column) & 1) {
                     const double py = start - (static_cast<double>(i) * letter_advance + column + 1) * size;
                     rectangle(x + row * size, py, x + (row + 1) * size, py + size, colour);
                 }
@@ -118,7 +118,7 @@ void Canvas::text_upwards(double x, double y, std::string_view letters, double s
 
 void Canvas::write_png(const std::string &path) const
 {
-    seld::Image image;
+    crn::Image image;
     image.width = width_;
     image.height = height_;
     image.channels = 3;
@@ -137,7 +137,7 @@ void Canvas::write_png(const std::string &path) const
         }
     }
     std::string error;
-    if (!seld::write_png(path, image, error)) throw std::runtime_error(error);
+    if (!crn::write_png(path, image, error)) throw std::runtime_error(error);
 }
 
 } // namespace vcsim3

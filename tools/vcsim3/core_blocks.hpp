@@ -26,16 +26,16 @@ inline std::int32_t to_q30(double value)
 // Model and state in bytes that are aligned for any of their members, with one tick's input and output. Neither copied nor moved.
 struct CoreBlocks {
     std::vector<std::max_align_t> model_memory, state_memory;
-    seld_model *model = nullptr;
-    seld_state *state = nullptr;
-    seld_input input{};
-    seld_output output{};
+    crn_model *model = nullptr;
+    crn_state *state = nullptr;
+    crn_input input{};
+    crn_output output{};
 
     CoreBlocks()
-        : model_memory(seld_model_size() / sizeof(std::max_align_t) + 1),
-          state_memory(seld_state_size() / sizeof(std::max_align_t) + 1),
-          model(reinterpret_cast<seld_model *>(model_memory.data())),
-          state(reinterpret_cast<seld_state *>(state_memory.data()))
+        : model_memory(crn_model_size() / sizeof(std::max_align_t) + 1),
+          state_memory(crn_state_size() / sizeof(std::max_align_t) + 1),
+          model(reinterpret_cast<crn_model *>(model_memory.data())),
+          state(reinterpret_cast<crn_state *>(state_memory.data()))
     {
     }
     CoreBlocks(const CoreBlocks &) = delete;

@@ -13,9 +13,9 @@ std::uint32_t scaled(double value, double scale)
     return static_cast<std::uint32_t>(std::lround(value * scale));
 }
 
-seld_knot knot_at(const DirectProperties &p, double arc_m)
+crn_knot knot_at(const DirectProperties &p, double arc_m)
 {
-    seld_knot knot{};
+    crn_knot knot{};
     knot.arc_um = scaled(arc_m, 1e6);
     knot.bend_stiffness_nN_m2 = scaled(p.bend_N_m2, 1e9);
     knot.twist_stiffness_nN_m2 = scaled(p.twist_N_m2, 1e9);
@@ -25,9 +25,9 @@ seld_knot knot_at(const DirectProperties &p, double arc_m)
     return knot;
 }
 
-seld_instrument instrument_of(const DirectProperties &p)
+crn_instrument instrument_of(const DirectProperties &p)
 {
-    seld_instrument instrument{};
+    crn_instrument instrument{};
     instrument.knot_count = 2;
     instrument.knots[0] = knot_at(p, 0.0);
     instrument.knots[1] = knot_at(p, p.length_m);
@@ -42,26 +42,26 @@ struct DirectRod::Core : CoreBlocks {
     double hand_m = 0.0;
 };
 
-DirectRod::DirectRod(const DirectProperties &properties, const seld_lumen &lumen, const Vector &mouth_m,
+DirectRod::DirectRod(const DirectProperties &properties, const crn_lumen &lumen, const Vector &mouth_m,
                      const Vector &direction, double inserted_m)
     : core_(std::make_unique<Core>())
 {
-    const seld_instrument instrument = instrument_of(properties);
-    seld_entry entry{};
+    const crn_instrument instrument = instrument_of(properties);
+    crn_entry entry{};
     for (int k = 0; k < 3; k++) {
         entry.position_m_q30.v[k] = to_q30(mouth_m[k]);
         entry.direction_q30.v[k] = to_q30(direction[k]);
     }
-    seld_build_place place{};
-    const seld_build_status status = seld_model_build(core_->model, &instrument, 1, &lumen, &entry, &place);
-    if (status != SELD_BUILD_OK)
+    crn_build_place place{};
+    const crn_build_status status = crn_model_build(core_->model, &instrument, 1, &lumen, &entry, &place);
+    if (status != CRN_BUILD_OK)
         throw std::runtime_error("the core refuses the direct solver's rod: build status " +
                                  std::to_string(static_cast<int>(status)) + ", knot " +
                                  std::to_string(place.knot) +
-                                 "; see seld_build_status in firmware/core/core.h");
-    seld_model_set_gravity(core_->model, 0, 0, 0);
-    const std::uint32_t inserted_um[SELD_TOOL_MAX] = {scaled(inserted_m, 1e6)};
-    seld_state_init(core_->model, core_->state, inserted_um);
+                                 "; see crn_build_status in firmware/core/core.h");
+    crn_model_set_gravity(core_->model, 0, 0, 0);
+    const std::uint32_t inserted_um[CRN_TOOL_MAX] = {scaled(inserted_m, 1e6)};
+    crn_state_init(core_->model, core_->state, inserted_um);
 }
 
 DirectRod::DirectRod(DirectRod &&) noexcept = default;
@@ -71,7 +71,7 @@ void DirectRod::tick(double feed_m)
 {
     core_->hand_m += feed_m;
     core_->input.hands[0].feed_m_q30 = to_q30(core_->hand_m);
-    seld_step(core_->model, core_->state, &core_->input, &core_->output);
+    crn_step(core_->model, core_->state, &core_->input, &core_->output);
 }
 
 double DirectRod::inserted_m() const
@@ -101,10 +101,10 @@ int DirectRod::solve_count() const
 
 std::vector<Vector> DirectRod::positions() const
 {
-    const std::uint32_t free = seld_state_free_count(core_->state);
+    const std::uint32_t free = crn_state_free_count(core_->state);
     std::vector<Vector> positions;
-    for (std::uint32_t i = 0; i <= free && i < seld_state_node_count(core_->model); i++) {
-        const seld_vec3 p = seld_state_position(core_->state, i);
+    for (std::uint32_t i = 0; i <= free && i < crn_state_node_count(core_->model); i++) {
+        const crn_vec3 p = crn_state_position(core_->state, i);
         positions.emplace_back(from_q(p.v[0], 30), from_q(p.v[1], 30), from_q(p.v[2], 30));
     }
     return positions;
@@ -112,24 +112,24 @@ std::vector<Vector> DirectRod::positions() const
 
 std::vector<bool> DirectRod::touching() const
 {
-    const std::uint32_t free = seld_state_free_count(core_->state);
+    const std::uint32_t free = crn_state_free_count(core_->state);
     std::vector<bool> touching(positions().size(), false);
-    seld_vec3 force;
+    crn_vec3 force;
     for (std::uint32_t i = 0; i < free && i < touching.size(); i++)
-        touching[i] = seld_state_contact_force(core_->model, core_->state, i, &force);
+        touching[i] = crn_state_contact_force(core_->model, core_->state, i, &force);
     return touching;
 }
 
 std::vector<std::uint8_t> DirectRod::save() const
 {
-    std::vector<std::uint8_t> bytes(seld_state_bytes());
-    seld_state_save(core_->state, bytes.data());
+    std::vector<std::uint8_t> bytes(crn_state_bytes());
+    crn_state_save(core_->state, bytes.data());
     return bytes;
 }
 
 bool DirectRod::restore(const std::vector<std::uint8_t> &bytes)
 {
-    return bytes.size() == seld_state_bytes() && seld_state_restore(core_->model, core_->state, bytes.data());
+    return bytes.size() == crn_state_bytes() && crn_state_restore(core_->model, core_->state, bytes.data());
 }
 
 double DirectRod::length_error() const
@@ -138,7 +138,7 @@ double DirectRod::length_error() const
     double length = 0.0, rest = 0.0;
     for (std::size_t j = 0; j + 1 < nodes.size(); j++) {
         length += (nodes[j + 1] - nodes[j]).norm();
-        rest += from_q(seld_model_edge_length(core_->model, static_cast<std::uint32_t>(j)), 30);
+        rest += from_q(crn_model_edge_length(core_->model, static_cast<std::uint32_t>(j)), 30);
     }
     return rest > 0.0 ? length / rest - 1.0 : 0.0;
 }

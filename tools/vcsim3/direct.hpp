@@ -25,7 +25,7 @@ class DirectRod
   public:
     // `lumen` must outlive this; the rod enters it at `mouth_m` along the unit vector `direction`. Throws
     // std::runtime_error when the core refuses the rod.
-    DirectRod(const DirectProperties &properties, const seld_lumen &lumen, const Vector &mouth_m,
+    DirectRod(const DirectProperties &properties, const crn_lumen &lumen, const Vector &mouth_m,
               const Vector &direction, double inserted_m);
     DirectRod(DirectRod &&) noexcept;
     ~DirectRod();

@@ -9,14 +9,14 @@ crop=${CROP:-480:480:190:170} # of pictures of 1024: where pci_lad.session has i
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-"$bin/seldinger" surface "$recording" --stages --around 10 -o "$base.obj" --png "$work/walls.png" >"$work/stages"
+"$bin/cournand" surface "$recording" --stages --around 10 -o "$base.obj" --png "$work/walls.png" >"$work/stages"
 positioned=$(awk '$1 == "positioned" {print $2}' "$work/stages")
 inflated=$(awk '$1 == "inflated" {print $2}' "$work/stages")
 released=$(awk '$1 == "released" {print $2}' "$work/stages")
 
 # The film of a replay begins where the replay does, here before the first of them.
 begin=$(awk -v a="$positioned" 'BEGIN { printf "%.3f", (a > 1) ? a - 1 : 0 }')
-"$bin/seldinger" replay "$recording" --from "$begin" --size 1024 --mp4 "$work/film.mp4" >"$work/said"
+"$bin/cournand" replay "$recording" --from "$begin" --size 1024 --mp4 "$work/film.mp4" >"$work/said"
 number=0
 for moment in "$positioned" "$inflated" "$released"; do
     number=$((number + 1))

@@ -14,8 +14,8 @@ namespace
 {
 
 constexpr double far_m = 0.015625;
-constexpr double voxel_m = 1.0 / (1 << (30 - SELD_LUMEN_VOXEL_LOG2_Q30));
-constexpr double brick_m = static_cast<int>(SELD_LUMEN_BRICK_EDGE) * voxel_m;
+constexpr double voxel_m = 1.0 / (1 << (30 - CRN_LUMEN_VOXEL_LOG2_Q30));
+constexpr double brick_m = static_cast<int>(CRN_LUMEN_BRICK_EDGE) * voxel_m;
 constexpr double bends[3] = {1.0, -2.0, 1.0};
 constexpr int row = 10, slice = 100; // coefficients along x, and in a plane
 
@@ -34,22 +34,22 @@ std::vector<std::uint8_t> read_bytes(const std::string &path)
 }
 
 // Index entry of the brick that holds a point; `corner` becomes the point in voxels of that brick's level.
-std::uint32_t find_entry(const seld_lumen &lumen, Eigen::Array3d &place, int &level)
+std::uint32_t find_entry(const crn_lumen &lumen, Eigen::Array3d &place, int &level)
 {
     Eigen::Array3i cell = place.floor().cast<int>();
     const std::uint32_t *count = lumen.brick_count_xyz;
     for (int k = 0; k < 3; k++)
-        if (cell[k] < 0 || cell[k] >= static_cast<int>(count[k])) return SELD_LUMEN_ENTRY_OUTSIDE;
+        if (cell[k] < 0 || cell[k] >= static_cast<int>(count[k])) return CRN_LUMEN_ENTRY_OUTSIDE;
     std::uint32_t entry =
         lumen.index[(static_cast<std::size_t>(cell[2]) * count[1] + cell[1]) * count[0] + cell[0]];
     place -= cell.cast<double>();
-    for (level = 0; (entry & SELD_LUMEN_ENTRY_REFINED) != 0; level++) {
+    for (level = 0; (entry & CRN_LUMEN_ENTRY_REFINED) != 0; level++) {
         place *= 2.0;
         cell = place.floor().cast<int>().min(1);
         place -= cell.cast<double>();
-        entry = lumen.children[(entry - SELD_LUMEN_ENTRY_REFINED) * 8 + cell[0] + 2 * cell[1] + 4 * cell[2]];
+        entry = lumen.children[(entry - CRN_LUMEN_ENTRY_REFINED) * 8 + cell[0] + 2 * cell[1] + 4 * cell[2]];
     }
-    place *= static_cast<double>(SELD_LUMEN_BRICK_EDGE);
+    place *= static_cast<double>(CRN_LUMEN_BRICK_EDGE);
     return entry;
 }
 
@@ -73,21 +73,21 @@ Line along_x(const std::int8_t *taps, const Weights &x)
             static_cast<double>(taps[0] - 2 * taps[1] + taps[2])};
 }
 
-template <bool with_second> LumenField evaluate(const seld_lumen &lumen, const Vector &position_m)
+template <bool with_second> LumenField evaluate(const crn_lumen &lumen, const Vector &position_m)
 {
     Eigen::Array3d place;
     for (int k = 0; k < 3; k++) place[k] = (position_m[k] - metres(lumen.origin_m_q30[k])) / brick_m;
     int level = 0;
     const std::uint32_t entry = find_entry(lumen, place, level);
     LumenField field;
-    field.distance_m = entry == SELD_LUMEN_ENTRY_INSIDE ? -far_m : far_m;
-    if (entry < SELD_LUMEN_ENTRY_FIRST_BRICK) return field;
+    field.distance_m = entry == CRN_LUMEN_ENTRY_INSIDE ? -far_m : far_m;
+    if (entry < CRN_LUMEN_ENTRY_FIRST_BRICK) return field;
 
-    const Eigen::Array3i cell = place.floor().cast<int>().min(SELD_LUMEN_BRICK_EDGE - 1);
+    const Eigen::Array3i cell = place.floor().cast<int>().min(CRN_LUMEN_BRICK_EDGE - 1);
     const Weights x(place[0] - cell[0]), y(place[1] - cell[1]), z(place[2] - cell[2]);
     const std::int8_t *c =
         lumen.samples +
-        static_cast<std::size_t>(entry - SELD_LUMEN_ENTRY_FIRST_BRICK) * SELD_LUMEN_BRICK_SAMPLES +
+        static_cast<std::size_t>(entry - CRN_LUMEN_ENTRY_FIRST_BRICK) * CRN_LUMEN_BRICK_SAMPLES +
         cell[2] * slice + cell[1] * row + cell[0];
     double value = 0.0;
     Vector slope = Vector::Zero();
@@ -122,7 +122,7 @@ template <bool with_second> LumenField evaluate(const seld_lumen &lumen, const V
 
 } // namespace
 
-LumenSample sample_lumen(const seld_lumen &lumen, const Vector &position_m)
+LumenSample sample_lumen(const crn_lumen &lumen, const Vector &position_m)
 {
     const LumenField field = evaluate<false>(lumen, position_m);
     LumenSample sample;
@@ -132,21 +132,21 @@ LumenSample sample_lumen(const seld_lumen &lumen, const Vector &position_m)
     return sample;
 }
 
-LumenField lumen_field(const seld_lumen &lumen, const Vector &position_m)
+LumenField lumen_field(const crn_lumen &lumen, const Vector &position_m)
 {
     return evaluate<true>(lumen, position_m);
 }
 
 Vessel::Vessel(const std::string &path) : bytes_(read_bytes(path))
 {
-    seld_scene scene;
+    crn_scene scene;
     std::uint32_t where_byte = 0;
-    seld_scene_status status = seld_scene_open(bytes_.data(), bytes_.size(), &scene, &where_byte);
-    if (status == SELD_SCENE_OK && scene.kind != SELD_SCENE_KIND_SCENE) status = SELD_SCENE_KIND;
-    if (status != SELD_SCENE_OK)
-        throw std::runtime_error(path + ": is no usable scene: " + seld_scene_status_text(status) +
+    crn_scene_status status = crn_scene_open(bytes_.data(), bytes_.size(), &scene, &where_byte);
+    if (status == CRN_SCENE_OK && scene.kind != CRN_SCENE_KIND_SCENE) status = CRN_SCENE_KIND;
+    if (status != CRN_SCENE_OK)
+        throw std::runtime_error(path + ": is no usable scene: " + crn_scene_status_text(status) +
                                  " (at byte " + std::to_string(where_byte) + ")");
-    const seld_scene_lumen &given = scene.lumen;
+    const crn_scene_lumen &given = scene.lumen;
     for (int k = 0; k < 3; k++) {
         lumen_.origin_m_q30[k] = given.origin_m_q30[k];
         lumen_.brick_count_xyz[k] = given.brick_count_xyz[k];
@@ -162,7 +162,7 @@ Vessel::Vessel(const std::string &path) : bytes_(read_bytes(path))
     name_ = scene.name;
 }
 
-Vessel::Vessel(const seld_lumen &lumen, const Vector &mouth_m, const Vector &direction)
+Vessel::Vessel(const crn_lumen &lumen, const Vector &mouth_m, const Vector &direction)
     : lumen_(lumen), mouth_m_(mouth_m), direction_(direction.normalized()), name_("lumen in memory")
 {
 }

@@ -34,12 +34,12 @@ class Vessel
     // Throws std::runtime_error that names the file, the fault and the remedy.
     explicit Vessel(const std::string &path);
     // Of a lumen that somebody else owns and that outlives this.
-    Vessel(const seld_lumen &lumen, const Vector &mouth_m, const Vector &direction);
+    Vessel(const crn_lumen &lumen, const Vector &mouth_m, const Vector &direction);
     Vessel(const Vessel &) = delete;
     Vessel &operator=(const Vessel &) = delete;
 
     LumenSample sample(const Vector &position_m) const;
-    const seld_lumen &lumen() const { return lumen_; }
+    const crn_lumen &lumen() const { return lumen_; }
     const Vector &mouth_m() const { return mouth_m_; }
     const Vector &direction() const { return direction_; }
     const std::string &name() const { return name_; }
@@ -50,14 +50,14 @@ class Vessel
 
   private:
     std::vector<std::uint8_t> bytes_;
-    seld_lumen lumen_{};
+    crn_lumen lumen_{};
     Vector mouth_m_, direction_;
     std::string name_;
 };
 
 // The field at a point: value and gradient of 27 coefficients. Far from every wall +-15.6 mm with no normal.
-LumenSample sample_lumen(const seld_lumen &lumen, const Vector &position_m);
+LumenSample sample_lumen(const crn_lumen &lumen, const Vector &position_m);
 
-LumenField lumen_field(const seld_lumen &lumen, const Vector &position_m);
+LumenField lumen_field(const crn_lumen &lumen, const Vector &position_m);
 
 } // namespace vcsim3

@@ -71,12 +71,12 @@ bool report(const std::string &what, double share)
         std::fprintf(stderr, "\r%s: %.1f %%\x1b[K%s", what.c_str(), share * 100,
                      share >= 1.0 ? "\r\x1b[K" : "");
     }
-    return !seld::is_interrupted();
+    return !crn::is_interrupted();
 }
 
 void write_file(const fs::path &path, const std::string &text)
 {
-    seld::write_whole_file(path.string(), text);
+    crn::write_whole_file(path.string(), text);
 }
 
 std::vector<Mode> modes_of(const Options &options)
@@ -100,7 +100,7 @@ int command_figures(const Options &options)
     settings.with_times = options.with_times;
     settings.with_stability = options.with_stability;
     settings.threads = options.threads;
-    seld::check_output_folder({"--output", options.output});
+    crn::check_output_folder({"--output", options.output});
     const fs::path folder = options.output, states = folder / "states";
     fs::create_directories(states);
     Study study = make_study(settings, vessel, report);
@@ -128,7 +128,7 @@ int command_figures(const Options &options)
     std::fputs(to_tsv(times_table(study)).c_str(), stdout);
     std::printf("written to %s\n", (folder / "index.html").c_str());
     const std::vector<std::string> faults = order_faults(study);
-    for (const std::string &fault : faults) seld::say(stderr, "vcsim3: %s\n", fault.c_str());
+    for (const std::string &fault : faults) crn::say(stderr, "vcsim3: %s\n", fault.c_str());
     return faults.empty() ? 0 : 1;
 }
 
@@ -260,13 +260,13 @@ int main(int argc, char **argv)
     add_experiment(*steps, options);
     steps->add_option("--states", options.states, "folder with the states that `figures` wrote")->required();
     steps->add_option("--count", options.count, "steps")->check(CLI::Range(1, 100000))->capture_default_str();
-    seld::refuse_empty_values(app);
+    crn::refuse_empty_values(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
-    seld::watch_for_interrupt();
+    crn::watch_for_interrupt();
     try {
         if (*figures) return command_figures(options);
         if (*run) return command_run(options);
@@ -280,7 +280,7 @@ int main(int argc, char **argv)
     } catch (const Interrupted &) {
         std::fprintf(stderr, "\nvcsim3: interrupted; what was being made is not written\n");
     } catch (const std::exception &error) {
-        seld::say(stderr, "vcsim3: %s\n", error.what());
+        crn::say(stderr, "vcsim3: %s\n", error.what());
     }
     return 1;
 }

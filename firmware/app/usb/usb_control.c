@@ -11,89 +11,89 @@
 
 enum { IDLE = 0, DATA_IN, DATA_OUT, STATUS_IN };
 
-static void arm(seld_usb *usb, uint8_t endpoint, uint8_t *bytes, uint32_t count)
+static void arm(crn_usb *usb, uint8_t endpoint, uint8_t *bytes, uint32_t count)
 {
     usb->config.udc->arm(usb->config.udc->context, endpoint, bytes, count);
 }
 
-static void refuse(seld_usb *usb)
+static void refuse(crn_usb *usb)
 {
     usb->stage = IDLE;
-    usb->after_status = SELD_USB_AFTER_NOTHING;
+    usb->after_status = CRN_USB_AFTER_NOTHING;
     usb->requests_refused++;
     usb->config.udc->stall(usb->config.udc->context, 0);
 }
 
-static void begin_status_in(seld_usb *usb)
+static void begin_status_in(crn_usb *usb)
 {
     usb->stage = STATUS_IN;
-    arm(usb, SELD_UDC_IN, usb->control, 0);
+    arm(usb, CRN_UDC_IN, usb->control, 0);
 }
 
 /* At most what the host asked for. An empty packet ends data that is shorter than that and fills its last packet. */
-static void begin_data_in(seld_usb *usb, const seld_usb_setup *setup, uint32_t count)
+static void begin_data_in(crn_usb *usb, const crn_usb_setup *setup, uint32_t count)
 {
     if (count > setup->length) count = setup->length;
     usb->stage = DATA_IN;
-    usb->ends_empty = count != 0 && count < setup->length && count % SELD_UDC_CONTROL_PACKET_BYTES == 0;
+    usb->ends_empty = count != 0 && count < setup->length && count % CRN_UDC_CONTROL_PACKET_BYTES == 0;
     arm(usb, 0, usb->control, 0); /* the status stage, whenever the host comes to it */
-    arm(usb, SELD_UDC_IN, usb->control, count);
+    arm(usb, CRN_UDC_IN, usb->control, count);
 }
 
-void seld_usb_control_reset(seld_usb *usb)
+void crn_usb_control_reset(crn_usb *usb)
 {
     usb->stage = IDLE;
-    usb->after_status = SELD_USB_AFTER_NOTHING;
+    usb->after_status = CRN_USB_AFTER_NOTHING;
     usb->ends_empty = false;
 }
 
 /* --- who answers what --- */
-static bool vendor(seld_usb *usb, const seld_usb_setup *setup, seld_wire_writer *reply)
+static bool vendor(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply)
 {
-    const uint8_t to_device = SELD_USB_TYPE_VENDOR | SELD_USB_TO_DEVICE;
-    if (setup->type == (to_device | SELD_USB_TYPE_IN) && setup->request == SELD_USB_REQUEST_MS_OS)
-        return setup->value == 0 && setup->index == 7 && seld_usb_ms_os_set(reply);
-    if (setup->type != to_device || setup->request != SELD_USB_REQUEST_UNPLUG) return false;
-    if (setup->value == 0 || setup->value > SELD_USB_OFF_MAX_ms || setup->length != 0) return false;
-    usb->after_status = SELD_USB_AFTER_UNPLUG;
+    const uint8_t to_device = CRN_USB_TYPE_VENDOR | CRN_USB_TO_DEVICE;
+    if (setup->type == (to_device | CRN_USB_TYPE_IN) && setup->request == CRN_USB_REQUEST_MS_OS)
+        return setup->value == 0 && setup->index == 7 && crn_usb_ms_os_set(reply);
+    if (setup->type != to_device || setup->request != CRN_USB_REQUEST_UNPLUG) return false;
+    if (setup->value == 0 || setup->value > CRN_USB_OFF_MAX_ms || setup->length != 0) return false;
+    usb->after_status = CRN_USB_AFTER_UNPLUG;
     usb->after_value = setup->value;
     usb->after_index = setup->index;
     return true;
 }
 
-static bool answer(seld_usb *usb, const seld_usb_setup *setup, seld_wire_writer *reply)
+static bool answer(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply)
 {
-    switch (setup->type & SELD_USB_TYPE_KIND) {
-    case SELD_USB_TYPE_STANDARD:
-        return seld_usb_standard(usb, setup, reply);
-    case SELD_USB_TYPE_CLASS:
-        return seld_usb_hid_request(usb, setup, reply);
-    case SELD_USB_TYPE_VENDOR:
+    switch (setup->type & CRN_USB_TYPE_KIND) {
+    case CRN_USB_TYPE_STANDARD:
+        return crn_usb_standard(usb, setup, reply);
+    case CRN_USB_TYPE_CLASS:
+        return crn_usb_hid_request(usb, setup, reply);
+    case CRN_USB_TYPE_VENDOR:
         return vendor(usb, setup, reply);
     default:
         return false;
     }
 }
 
-static seld_usb_setup parse(const uint8_t bytes[SELD_UDC_SETUP_BYTES])
+static crn_usb_setup parse(const uint8_t bytes[CRN_UDC_SETUP_BYTES])
 {
-    seld_wire_reader reader = seld_wire_reader_make(bytes, SELD_UDC_SETUP_BYTES);
-    seld_usb_setup setup;
-    setup.type = (uint8_t)seld_wire_read(&reader, 1);
-    setup.request = (uint8_t)seld_wire_read(&reader, 1);
-    setup.value = (uint16_t)seld_wire_read(&reader, 2);
-    setup.index = (uint16_t)seld_wire_read(&reader, 2);
-    setup.length = (uint16_t)seld_wire_read(&reader, 2);
+    crn_wire_reader reader = crn_wire_reader_make(bytes, CRN_UDC_SETUP_BYTES);
+    crn_usb_setup setup;
+    setup.type = (uint8_t)crn_wire_read(&reader, 1);
+    setup.request = (uint8_t)crn_wire_read(&reader, 1);
+    setup.value = (uint16_t)crn_wire_read(&reader, 2);
+    setup.index = (uint16_t)crn_wire_read(&reader, 2);
+    setup.length = (uint16_t)crn_wire_read(&reader, 2);
     return setup;
 }
 
-void seld_usb_control_setup(seld_usb *usb, const uint8_t bytes[SELD_UDC_SETUP_BYTES])
+void crn_usb_control_setup(crn_usb *usb, const uint8_t bytes[CRN_UDC_SETUP_BYTES])
 {
-    seld_usb_control_reset(usb);
-    const seld_usb_setup setup = usb->setup = parse(bytes);
-    const bool to_host = (setup.type & SELD_USB_TYPE_IN) != 0;
+    crn_usb_control_reset(usb);
+    const crn_usb_setup setup = usb->setup = parse(bytes);
+    const bool to_host = (setup.type & CRN_USB_TYPE_IN) != 0;
     if (!to_host && setup.length != 0) { /* data first, judged when it is complete */
-        if (setup.length > sizeof usb->control || !seld_usb_hid_takes(usb, &setup)) {
+        if (setup.length > sizeof usb->control || !crn_usb_hid_takes(usb, &setup)) {
             refuse(usb);
             return;
         }
@@ -101,7 +101,7 @@ void seld_usb_control_setup(seld_usb *usb, const uint8_t bytes[SELD_UDC_SETUP_BY
         arm(usb, 0, usb->control, setup.length);
         return;
     }
-    seld_wire_writer reply = seld_wire_writer_make(usb->control, sizeof usb->control);
+    crn_wire_writer reply = crn_wire_writer_make(usb->control, sizeof usb->control);
     if (!answer(usb, &setup, &reply) || reply.overflowed)
         refuse(usb);
     else if (to_host && setup.length != 0)
@@ -111,23 +111,23 @@ void seld_usb_control_setup(seld_usb *usb, const uint8_t bytes[SELD_UDC_SETUP_BY
 }
 
 /* --- the end of a stage --- */
-static void status_over(seld_usb *usb)
+static void status_over(crn_usb *usb)
 {
-    const seld_udc *udc = usb->config.udc;
+    const crn_udc *udc = usb->config.udc;
     const uint8_t after = usb->after_status;
     const uint16_t value = usb->after_value, index = usb->after_index;
-    seld_usb_control_reset(usb);
+    crn_usb_control_reset(usb);
     switch (after) {
-    case SELD_USB_AFTER_ADDRESS:
+    case CRN_USB_AFTER_ADDRESS:
         usb->address = (uint8_t)value;
         udc->set_address(udc->context, usb->address);
         break;
-    case SELD_USB_AFTER_UNPLUG:
+    case CRN_USB_AFTER_UNPLUG:
         usb->off_packets = index;
         usb->off_value_ms = value;
-        if (index == 0) seld_usb_leave(usb);
+        if (index == 0) crn_usb_leave(usb);
         break;
-    case SELD_USB_AFTER_TEST:
+    case CRN_USB_AFTER_TEST:
         udc->test(udc->context, (uint8_t)value);
         break;
     default:
@@ -135,17 +135,17 @@ static void status_over(seld_usb *usb)
     }
 }
 
-void seld_usb_control_done(seld_usb *usb, uint8_t endpoint, uint32_t bytes)
+void crn_usb_control_done(crn_usb *usb, uint8_t endpoint, uint32_t bytes)
 {
-    const bool is_in = (endpoint & SELD_UDC_IN) != 0;
+    const bool is_in = (endpoint & CRN_UDC_IN) != 0;
     if (usb->stage == DATA_IN && is_in && usb->ends_empty) {
         usb->ends_empty = false;
-        arm(usb, SELD_UDC_IN, usb->control, 0);
+        arm(usb, CRN_UDC_IN, usb->control, 0);
     } else if (usb->stage == DATA_IN && !is_in) {
-        seld_usb_control_reset(usb);
+        crn_usb_control_reset(usb);
     } else if (usb->stage == DATA_OUT && !is_in) {
         bool is_whole = bytes == usb->setup.length;
-        if (is_whole && seld_usb_hid_data(usb, &usb->setup, usb->control, bytes))
+        if (is_whole && crn_usb_hid_data(usb, &usb->setup, usb->control, bytes))
             begin_status_in(usb);
         else
             refuse(usb);

@@ -3,51 +3,51 @@
 
 enum { REPORT_INPUT = 1, REPORT_OUTPUT = 2, REPORT_FEATURE = 3 }; /* high byte of wValue */
 
-static bool is_for_hid(const seld_usb *usb, const seld_usb_setup *setup)
+static bool is_for_hid(const crn_usb *usb, const crn_usb_setup *setup)
 {
-    return usb->configuration != 0 && setup->index == SELD_USB_INTERFACE_STATUS &&
-           (setup->type & SELD_USB_TYPE_RECIPIENT) == SELD_USB_TO_INTERFACE;
+    return usb->configuration != 0 && setup->index == CRN_USB_INTERFACE_STATUS &&
+           (setup->type & CRN_USB_TYPE_RECIPIENT) == CRN_USB_TO_INTERFACE;
 }
 
 /* --- reports to the host --- */
-static bool put_state(const seld_usb *usb, seld_wire_writer *writer)
+static bool put_state(const crn_usb *usb, crn_wire_writer *writer)
 {
-    seld_wire_write(writer, SELD_HID_ID_state, 1);
-    return seld_hid_put_state(writer, &usb->state);
+    crn_wire_write(writer, CRN_HID_ID_state, 1);
+    return crn_hid_put_state(writer, &usb->state);
 }
 
-static bool put_feature(const seld_usb *usb, uint8_t id, seld_wire_writer *reply)
+static bool put_feature(const crn_usb *usb, uint8_t id, crn_wire_writer *reply)
 {
-    const seld_usb_app *app = usb->config.app;
-    seld_hid_identity identity = {0};
-    seld_hid_capabilities capabilities = {0};
-    seld_hid_calibration calibration = {0};
-    seld_hid_limits limits = {0};
-    seld_wire_write(reply, id, 1);
+    const crn_usb_app *app = usb->config.app;
+    crn_hid_identity identity = {0};
+    crn_hid_capabilities capabilities = {0};
+    crn_hid_calibration calibration = {0};
+    crn_hid_limits limits = {0};
+    crn_wire_write(reply, id, 1);
     switch (id) {
-    case SELD_HID_ID_identity:
+    case CRN_HID_ID_identity:
         app->identity(app->context, &identity);
-        return seld_hid_put_identity(reply, &identity);
-    case SELD_HID_ID_capabilities:
+        return crn_hid_put_identity(reply, &identity);
+    case CRN_HID_ID_capabilities:
         app->capabilities(app->context, &capabilities);
-        return seld_hid_put_capabilities(reply, &capabilities);
-    case SELD_HID_ID_calibration:
+        return crn_hid_put_capabilities(reply, &capabilities);
+    case CRN_HID_ID_calibration:
         app->calibration(app->context, &calibration);
-        return seld_hid_put_calibration(reply, &calibration);
-    case SELD_HID_ID_limits:
+        return crn_hid_put_calibration(reply, &calibration);
+    case CRN_HID_ID_limits:
         app->limits(app->context, &limits);
-        return seld_hid_put_limits(reply, &limits);
+        return crn_hid_put_limits(reply, &limits);
     default:
         return false;
     }
 }
 
-static bool get_report(const seld_usb *usb, const seld_usb_setup *setup, seld_wire_writer *reply)
+static bool get_report(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply)
 {
     const uint8_t id = (uint8_t)setup->value;
     switch (setup->value >> 8) {
     case REPORT_INPUT:
-        return id == SELD_HID_ID_state && put_state(usb, reply);
+        return id == CRN_HID_ID_state && put_state(usb, reply);
     case REPORT_FEATURE:
         return put_feature(usb, id, reply);
     default:
@@ -56,85 +56,84 @@ static bool get_report(const seld_usb *usb, const seld_usb_setup *setup, seld_wi
 }
 
 /* Idle rates are kept and answered and change nothing: every report differs by its tick. */
-bool seld_usb_hid_request(seld_usb *usb, const seld_usb_setup *setup, seld_wire_writer *reply)
+bool crn_usb_hid_request(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply)
 {
-    const bool to_host = (setup->type & SELD_USB_TYPE_IN) != 0;
+    const bool to_host = (setup->type & CRN_USB_TYPE_IN) != 0;
     if (!is_for_hid(usb, setup)) return false;
-    if (to_host && setup->request == SELD_USB_HID_GET_REPORT) return get_report(usb, setup, reply);
-    if (to_host && setup->request == SELD_USB_HID_GET_IDLE) {
-        seld_wire_write(reply, usb->hid_idle, 1);
+    if (to_host && setup->request == CRN_USB_HID_GET_REPORT) return get_report(usb, setup, reply);
+    if (to_host && setup->request == CRN_USB_HID_GET_IDLE) {
+        crn_wire_write(reply, usb->hid_idle, 1);
         return setup->length == 1;
     }
-    if (to_host || setup->request != SELD_USB_HID_SET_IDLE || setup->length != 0) return false;
+    if (to_host || setup->request != CRN_USB_HID_SET_IDLE || setup->length != 0) return false;
     usb->hid_idle = (uint8_t)(setup->value >> 8);
     return true;
 }
 
 /* What waited for another host, or before a halt, is old. */
-void seld_usb_hid_begin(seld_usb *usb)
+void crn_usb_hid_begin(crn_usb *usb)
 {
     usb->report_first = usb->report_count = 0;
 }
 
-void seld_usb_hid_queue(seld_usb *usb, const seld_hid_state *state)
+void crn_usb_hid_queue(crn_usb *usb, const crn_hid_state *state)
 {
     usb->state = *state;
-    if (usb->link != SELD_USB_CONFIGURED) return;
-    if (usb->report_count == SELD_USB_REPORT_QUEUE) {
-        usb->report_first = (usb->report_first + 1) % SELD_USB_REPORT_QUEUE;
+    if (usb->link != CRN_USB_CONFIGURED) return;
+    if (usb->report_count == CRN_USB_REPORT_QUEUE) {
+        usb->report_first = (usb->report_first + 1) % CRN_USB_REPORT_QUEUE;
         usb->report_count--;
         usb->reports_dropped++;
     }
-    const uint32_t place = (usb->report_first + usb->report_count++) % SELD_USB_REPORT_QUEUE;
-    seld_wire_writer writer = seld_wire_writer_make(usb->reports[place], SELD_HID_REPORT_BYTES_MAX);
+    const uint32_t place = (usb->report_first + usb->report_count++) % CRN_USB_REPORT_QUEUE;
+    crn_wire_writer writer = crn_wire_writer_make(usb->reports[place], CRN_HID_REPORT_BYTES_MAX);
     put_state(usb, &writer);
 }
 
-void seld_usb_hid_send(seld_usb *usb)
+void crn_usb_hid_send(crn_usb *usb)
 {
-    if (usb->report_count == 0 || !seld_usb_pipe_is_free(usb, SELD_USB_STATUS_IN)) return;
-    for (uint32_t i = 0; i < SELD_HID_REPORT_BYTES_MAX; i++)
+    if (usb->report_count == 0 || !crn_usb_pipe_is_free(usb, CRN_USB_STATUS_IN)) return;
+    for (uint32_t i = 0; i < CRN_HID_REPORT_BYTES_MAX; i++)
         usb->report_in[i] = usb->reports[usb->report_first][i];
-    usb->report_first = (usb->report_first + 1) % SELD_USB_REPORT_QUEUE;
+    usb->report_first = (usb->report_first + 1) % CRN_USB_REPORT_QUEUE;
     usb->report_count--;
-    seld_usb_pipe_arm(usb, SELD_USB_STATUS_IN, usb->report_in, 1 + SELD_HID_BYTES_state);
+    crn_usb_pipe_arm(usb, CRN_USB_STATUS_IN, usb->report_in, 1 + CRN_HID_BYTES_state);
 }
 
 /* --- reports from the host: `bytes` begin with the id --- */
-static bool take_command(seld_usb *usb, const uint8_t *bytes, size_t count)
+static bool take_command(crn_usb *usb, const uint8_t *bytes, size_t count)
 {
-    seld_hid_command command;
-    if (count == 0 || bytes[0] != SELD_HID_ID_command) return false;
-    if (!seld_hid_decode_command(bytes + 1, count - 1, &command)) return false;
+    crn_hid_command command;
+    if (count == 0 || bytes[0] != CRN_HID_ID_command) return false;
+    if (!crn_hid_decode_command(bytes + 1, count - 1, &command)) return false;
     usb->config.app->command(usb->config.app->context, &command);
     return true;
 }
 
-static bool take_feature(seld_usb *usb, const uint8_t *bytes, size_t count)
+static bool take_feature(crn_usb *usb, const uint8_t *bytes, size_t count)
 {
-    const seld_usb_app *app = usb->config.app;
-    seld_hid_calibration calibration;
-    seld_hid_limits limits;
+    const crn_usb_app *app = usb->config.app;
+    crn_hid_calibration calibration;
+    crn_hid_limits limits;
     if (count == 0) return false;
     switch (bytes[0]) {
-    case SELD_HID_ID_calibration:
-        return seld_hid_decode_calibration(bytes + 1, count - 1, &calibration) &&
+    case CRN_HID_ID_calibration:
+        return crn_hid_decode_calibration(bytes + 1, count - 1, &calibration) &&
                app->set_calibration(app->context, &calibration);
-    case SELD_HID_ID_limits:
-        return seld_hid_decode_limits(bytes + 1, count - 1, &limits) &&
-               app->set_limits(app->context, &limits);
+    case CRN_HID_ID_limits:
+        return crn_hid_decode_limits(bytes + 1, count - 1, &limits) && app->set_limits(app->context, &limits);
     default:
         return false;
     }
 }
 
-bool seld_usb_hid_takes(const seld_usb *usb, const seld_usb_setup *setup)
+bool crn_usb_hid_takes(const crn_usb *usb, const crn_usb_setup *setup)
 {
-    const bool is_class = (setup->type & SELD_USB_TYPE_KIND) == SELD_USB_TYPE_CLASS;
-    return is_class && is_for_hid(usb, setup) && setup->request == SELD_USB_HID_SET_REPORT;
+    const bool is_class = (setup->type & CRN_USB_TYPE_KIND) == CRN_USB_TYPE_CLASS;
+    return is_class && is_for_hid(usb, setup) && setup->request == CRN_USB_HID_SET_REPORT;
 }
 
-bool seld_usb_hid_data(seld_usb *usb, const seld_usb_setup *setup, const uint8_t *bytes, size_t count)
+bool crn_usb_hid_data(crn_usb *usb, const crn_usb_setup *setup, const uint8_t *bytes, size_t count)
 {
     if (count == 0 || bytes[0] != (uint8_t)setup->value) return false;
     switch (setup->value >> 8) {
@@ -149,8 +148,8 @@ bool seld_usb_hid_data(seld_usb *usb, const seld_usb_setup *setup, const uint8_t
 
 /* A report that is none is counted and changes nothing: the number in the state report stays, so the host's program sees
  * it. A halted pipe would cost the rig its next command. */
-void seld_usb_hid_received(seld_usb *usb, uint32_t bytes)
+void crn_usb_hid_received(crn_usb *usb, uint32_t bytes)
 {
     if (!take_command(usb, usb->report_out, bytes)) usb->reports_refused++;
-    seld_usb_pipe_arm(usb, SELD_USB_STATUS_OUT, usb->report_out, sizeof usb->report_out);
+    crn_usb_pipe_arm(usb, CRN_USB_STATUS_OUT, usb->report_out, sizeof usb->report_out);
 }

@@ -2,7 +2,7 @@
 #include "firmware/app/usb/usb_internal.h"
 
 /* The ring is sent in place: [queue_begin, queue_begin + sending) belongs to the controller. */
-static void queue_byte(seld_usb *usb, uint8_t byte)
+static void queue_byte(crn_usb *usb, uint8_t byte)
 {
     uint32_t place = usb->queue_begin + usb->queue_count;
     if (place >= usb->config.queue_bytes) place -= usb->config.queue_bytes;
@@ -12,7 +12,7 @@ static void queue_byte(seld_usb *usb, uint8_t byte)
 
 /* A stream starts afresh: what was cut ends with a zero, what waited for another conversation is dropped. The zero for the
  * app is held like a byte from the host, and the first packet is awaited behind it. */
-void seld_usb_stream_begin(seld_usb *usb, bool to_host)
+void crn_usb_stream_begin(crn_usb *usb, bool to_host)
 {
     if (to_host) {
         usb->queue_begin = usb->queue_count = usb->sending = 0;
@@ -26,14 +26,14 @@ void seld_usb_stream_begin(seld_usb *usb, bool to_host)
 }
 
 /* --- to the host --- */
-uint32_t seld_usb_queue_room(const seld_usb *usb)
+uint32_t crn_usb_queue_room(const crn_usb *usb)
 {
     return usb->configuration == 0 ? 0 : usb->config.queue_bytes - usb->queue_count;
 }
 
-bool seld_usb_transmit(seld_usb *usb, const uint8_t *frame, size_t frame_bytes)
+bool crn_usb_transmit(crn_usb *usb, const uint8_t *frame, size_t frame_bytes)
 {
-    if (frame_bytes > seld_usb_queue_room(usb)) {
+    if (frame_bytes > crn_usb_queue_room(usb)) {
         usb->frames_refused++;
         return false;
     }
@@ -42,21 +42,20 @@ bool seld_usb_transmit(seld_usb *usb, const uint8_t *frame, size_t frame_bytes)
 }
 
 /* As much as lies in one piece; a piece that ends at the ring's end may end with a short packet, which means nothing. */
-void seld_usb_stream_send(seld_usb *usb)
+void crn_usb_stream_send(crn_usb *usb)
 {
-    if (!seld_usb_pipe_is_free(usb, SELD_USB_STREAM_IN)) return;
+    if (!crn_usb_pipe_is_free(usb, CRN_USB_STREAM_IN)) return;
     uint32_t count = usb->queue_count;
     if (count > usb->config.queue_bytes - usb->queue_begin)
         count = usb->config.queue_bytes - usb->queue_begin;
-    if (count > SELD_USB_STREAM_BURST) count = SELD_USB_STREAM_BURST;
+    if (count > CRN_USB_STREAM_BURST) count = CRN_USB_STREAM_BURST;
     if (count == 0 && !usb->ends_full) return;
     usb->sending = count;
-    usb->ends_full =
-        count != 0 && count % seld_usb_endpoints[SELD_USB_STREAM_IN].packet_bytes[usb->speed] == 0;
-    seld_usb_pipe_arm(usb, SELD_USB_STREAM_IN, usb->config.queue + usb->queue_begin, count);
+    usb->ends_full = count != 0 && count % crn_usb_endpoints[CRN_USB_STREAM_IN].packet_bytes[usb->speed] == 0;
+    crn_usb_pipe_arm(usb, CRN_USB_STREAM_IN, usb->config.queue + usb->queue_begin, count);
 }
 
-void seld_usb_stream_sent(seld_usb *usb, uint32_t bytes)
+void crn_usb_stream_sent(crn_usb *usb, uint32_t bytes)
 {
     if (bytes > usb->sending) bytes = usb->sending;
     usb->queue_begin += bytes;
@@ -66,25 +65,25 @@ void seld_usb_stream_sent(seld_usb *usb, uint32_t bytes)
 }
 
 /* --- to the device --- */
-void seld_usb_stream_received(seld_usb *usb, uint32_t bytes)
+void crn_usb_stream_received(crn_usb *usb, uint32_t bytes)
 {
     usb->held_begin = 0;
     usb->held_end = bytes < sizeof usb->stream_out ? bytes : (uint32_t)sizeof usb->stream_out;
 }
 
 /* Up to the end of the next frame, so that one request meets room for its reply; then await the next packet. */
-bool seld_usb_stream_deliver(seld_usb *usb)
+bool crn_usb_stream_deliver(crn_usb *usb)
 {
-    if (usb->configuration == 0 || usb->is_halted[SELD_USB_STREAM_OUT]) return false;
+    if (usb->configuration == 0 || usb->is_halted[CRN_USB_STREAM_OUT]) return false;
     if (usb->held_begin < usb->held_end) {
-        if (seld_usb_queue_room(usb) < usb->config.reply_bytes) return false;
+        if (crn_usb_queue_room(usb) < usb->config.reply_bytes) return false;
         uint32_t begin = usb->held_begin, end = begin + 1;
         while (end < usb->held_end && usb->stream_out[end - 1] != 0) end++;
         usb->held_begin = end;
         usb->config.app->receive(usb->config.app->context, usb->stream_out + begin, end - begin);
     }
     if (usb->held_begin < usb->held_end) return true;
-    seld_usb_pipe_arm(usb, SELD_USB_STREAM_OUT, usb->stream_out,
-                      seld_usb_endpoints[SELD_USB_STREAM_OUT].packet_bytes[usb->speed]);
+    crn_usb_pipe_arm(usb, CRN_USB_STREAM_OUT, usb->stream_out,
+                     crn_usb_endpoints[CRN_USB_STREAM_OUT].packet_bytes[usb->speed]);
     return false;
 }

@@ -9,8 +9,8 @@
  *   main.c         memory, the port's table, the loop
  *
  * May include: firmware/port. Called by: this folder. */
-#ifndef SELD_IMXRT1062_BOARD_H
-#define SELD_IMXRT1062_BOARD_H
+#ifndef CRN_IMXRT1062_BOARD_H
+#define CRN_IMXRT1062_BOARD_H
 
 #include "firmware/port/port.h"
 #include "firmware/port/udc.h"
@@ -28,7 +28,7 @@ enum {
     BOARD_FORCE_uN_per_count = 9766, /* 20 N at full scale; a host corrects it by a quarter at most */
     BOARD_TRANSLATION_pm_per_count = 1000000, /* likewise */
     BOARD_ROTATION_counts_per_turn = 65536,
-    BOARD_OPTIONS = 0, /* SELD_WIRE_OPTION_*: which encoders count the other way */
+    BOARD_OPTIONS = 0, /* CRN_WIRE_OPTION_*: which encoders count the other way */
     BOARD_DAMPING_mN_s_per_m =
         0, /* own damping as measured, the least of the tracks: hosts state more only with */
     BOARD_DAMPING_nN_m_s_per_rad = 0, /* the local unlock; 0, not measured: no coupling without the unlock */
@@ -87,35 +87,35 @@ bool scene_ram_start(void); /* false: there is none */
 
 /* usb_phy.c, usb_udc.c */
 bool usb_phy_start(void);
-const seld_udc *usb_udc_start(void);
+const crn_udc *usb_udc_start(void);
 
 /* encoders.c */
 typedef struct encoders_reading {
     int32_t counts;
-    uint8_t sensor; /* SELD_PORT_SENSOR_* */
+    uint8_t sensor; /* CRN_PORT_SENSOR_* */
 } encoders_reading;
-enum { ENCODERS_SYRINGE = 2 * SELD_PORT_TOOL_MAX, ENCODERS_COUNT };
+enum { ENCODERS_SYRINGE = 2 * CRN_PORT_TOOL_MAX, ENCODERS_COUNT };
 void encoders_start(void);
 encoders_reading encoders_read(uint32_t which); /* 2 k: translation of track k, 2 k + 1: its rotation */
 
 /* sensors.c */
 typedef struct sensors_sample {
     bool is_good; /* false: a conversion did not end, or the ADC failed its own calibration */
-    uint16_t force_raw[SELD_PORT_TOOL_MAX], current_raw[SELD_PORT_TOOL_MAX], inflator_raw, supply_raw;
+    uint16_t force_raw[CRN_PORT_TOOL_MAX], current_raw[CRN_PORT_TOOL_MAX], inflator_raw, supply_raw;
 } sensors_sample;
 void sensors_start(void);
 sensors_sample sensors_read(void);
 
 /* motors.c */
 void motors_start(void);
-void motors_write(const seld_port_motor motors[SELD_PORT_TOOL_MAX]);
+void motors_write(const crn_port_motor motors[CRN_PORT_TOOL_MAX]);
 void motors_off(void);   /* from any state of the processor */
 bool motors_fault(void); /* the fault input has turned the outputs off since the last motors_clear_fault */
 void motors_clear_fault(void); /* no effect while the input still says so */
 
 /* rig.c */
-bool rig_inputs(void *context, seld_port_inputs *inputs);
-void rig_outputs(void *context, const seld_port_outputs *outputs);
+bool rig_inputs(void *context, crn_port_inputs *inputs);
+void rig_outputs(void *context, const crn_port_outputs *outputs);
 void rig_outputs_off(void); /* from any state of the processor */
 
 #endif

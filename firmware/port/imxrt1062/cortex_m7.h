@@ -1,7 +1,7 @@
 /* Never run on hardware. The Cortex-M7's own registers, as ARM's architecture (ARMv7-M, B3) places them on every such
  * processor. May include: nothing. Called by: this folder. */
-#ifndef SELD_CORTEX_M7_H
-#define SELD_CORTEX_M7_H
+#ifndef CRN_CORTEX_M7_H
+#define CRN_CORTEX_M7_H
 
 #include <stdint.h>
 

@@ -90,7 +90,7 @@ static encoders_reading read_decoder(uint32_t base)
     bool is_illegal = (R16(base, ENC_CTRL2) & MASK(ENC_CTRL2_SABIRQ)) != 0;
     if (is_illegal) R16(base, ENC_CTRL2) = (uint16_t)MASK(ENC_CTRL2_SABIRQ);
     return (encoders_reading){signed_of(high << 16 | low),
-                              (uint8_t)(is_illegal ? SELD_PORT_SENSOR_ERROR : SELD_PORT_SENSOR_OK)};
+                              (uint8_t)(is_illegal ? CRN_PORT_SENSOR_ERROR : CRN_PORT_SENSOR_OK)};
 }
 
 encoders_reading encoders_read(uint32_t which)
@@ -103,5 +103,5 @@ encoders_reading encoders_read(uint32_t which)
     uint16_t step = (uint16_t)(now - wide[number].last);
     wide[number].last = now;
     wide[number].counts += step < 0x8000u ? step : step - 0x10000u;
-    return (encoders_reading){signed_of(wide[number].counts), SELD_PORT_SENSOR_OK};
+    return (encoders_reading){signed_of(wide[number].counts), CRN_PORT_SENSOR_OK};
 }

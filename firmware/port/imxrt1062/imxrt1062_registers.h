@@ -9,8 +9,8 @@
  * `make registers` (tools/check/check_registers.py) holds every line here, and the width of every access, against the machine-readable
  * description of the crate imxrt-ral. May include: nothing. Called by: this folder; firmware/tests/test_board_usb.c, which puts a model
  * of a peripheral in the place of the macros below. */
-#ifndef SELD_IMXRT1062_REGISTERS_H
-#define SELD_IMXRT1062_REGISTERS_H
+#ifndef CRN_IMXRT1062_REGISTERS_H
+#define CRN_IMXRT1062_REGISTERS_H
 
 #include <stdint.h>
 

@@ -1,32 +1,32 @@
 /* Never run on hardware. The device on an i.MX RT1062 (Teensy 4.1): memory, the port's table, and the loop that hands bytes
  * and milliseconds to the app. Nothing here allocates; the one interrupt only counts.
  *
- *   loop:  USB -> seld_app_receive     an edge is due -> seld_app_timer (reads inputs, writes outputs), then the state report
+ *   loop:  USB -> crn_app_receive     an edge is due -> crn_app_timer (reads inputs, writes outputs), then the state report
  *
  * Some packets and one edge per round, so that neither starves the other. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/usb/rig_usb.h"
 
-static seld_app app __attribute__((section(".hot"), aligned(8)));
-static seld_rig_usb usb __attribute__((section(".dma"), aligned(32)));
+static crn_app app __attribute__((section(".hot"), aligned(8)));
+static crn_rig_usb usb __attribute__((section(".dma"), aligned(32)));
 static uint8_t slots[2][BOARD_SLOT_BYTES] __attribute__((section(".scenes"), aligned(32)));
 static char serial[BOARD_SERIAL_BYTES + 1];
-_Static_assert((int)BOARD_SERIAL_BYTES == (int)SELD_PORT_SERIAL_BYTES, "the serial fits");
+_Static_assert((int)BOARD_SERIAL_BYTES == (int)CRN_PORT_SERIAL_BYTES, "the serial fits");
 
 static struct {
     uint32_t tick_cycles_max; /* for a debugger: the longest tick */
 } seen;
 
-static seld_port port = {
+static crn_port port = {
     .context = &usb,
-    .transmit = seld_rig_usb_transmit,
-    .transmit_room = seld_rig_usb_room,
+    .transmit = crn_rig_usb_transmit,
+    .transmit_room = crn_rig_usb_room,
     .inputs = rig_inputs,
     .outputs = rig_outputs,
     .now_us = clocks_now_us,
     .serial = serial,
     .scene_slots = {slots[0], slots[1]},
-    .capabilities = SELD_WIRE_CAPABILITY_ENCODERS | SELD_WIRE_CAPABILITY_MOTORS,
+    .capabilities = CRN_WIRE_CAPABILITY_ENCODERS | CRN_WIRE_CAPABILITY_MOTORS,
     .force_uN_per_count = BOARD_FORCE_uN_per_count,
     .built = {.translation_pm_per_count = BOARD_TRANSLATION_pm_per_count,
               .rotation_counts_per_turn = BOARD_ROTATION_counts_per_turn,
@@ -38,9 +38,9 @@ static seld_port port = {
 
 static void greet(bool has_scenes)
 {
-    console_number("seldinger on imxrt1062: core ", SELD_CORE_VERSION);
-    console_number(", protocol ", SELD_WIRE_PROTOCOL_MAJOR);
-    console_number(".", SELD_WIRE_PROTOCOL_MINOR);
+    console_number("cournand on imxrt1062: core ", CRN_CORE_VERSION);
+    console_number(", protocol ", CRN_WIRE_PROTOCOL_MAJOR);
+    console_number(".", CRN_WIRE_PROTOCOL_MINOR);
     console_text(", serial ");
     console_text(serial);
     console_text(has_scenes ? "\n"
@@ -61,8 +61,8 @@ static void tick(void)
 {
     if (clocks_edges_due() == 0) return;
     uint32_t begin = clocks_cycles();
-    seld_app_timer(&app);
-    seld_rig_usb_timer(&usb);
+    crn_app_timer(&app);
+    crn_rig_usb_timer(&usb);
     uint32_t cycles = clocks_cycles() - begin;
     if (cycles > seen.tick_cycles_max) seen.tick_cycles_max = cycles;
     clocks_edge_done();
@@ -93,14 +93,14 @@ int main(void)
     motors_start();
     greet(has_scenes);
     if (!usb_phy_start()) give_up("the USB clock does not lock\n");
-    const seld_udc *udc = usb_udc_start();
+    const crn_udc *udc = usb_udc_start();
     if (udc == NULL) give_up("the USB controller stays in reset\n");
-    seld_app_init(&app, &port);
-    if (!seld_rig_usb_init(&usb, &app, udc)) give_up("the serial number is not printable\n");
-    seld_rig_usb_connect(&usb, true);
+    crn_app_init(&app, &port);
+    if (!crn_rig_usb_init(&usb, &app, udc)) give_up("the serial number is not printable\n");
+    crn_rig_usb_connect(&usb, true);
     clocks_start_tick();
     for (;;) {
-        (void)seld_rig_usb_poll(&usb);
+        (void)crn_rig_usb_poll(&usb);
         tick();
         feed_watchdog();
     }

@@ -4,7 +4,7 @@
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 
 enum {
-    MOTORS = 2 * SELD_PORT_TOOL_MAX, /* axial of track k: 2 k; rotation: 2 k + 1 */
+    MOTORS = 2 * CRN_PORT_TOOL_MAX, /* axial of track k: 2 k; rotation: 2 k + 1 */
     PERIOD_counts = BOARD_PERIPHERAL_HZ / 20000,
     SUBMODULE_BYTES = PWM_STRIDE_SMCTRL,
     FAULT_INPUT = 1, /* bit of fault 0 */
@@ -99,12 +99,12 @@ static void write_one(uint32_t motor, int32_t value, int32_t full)
     }
 }
 
-void motors_write(const seld_port_motor motors[SELD_PORT_TOOL_MAX])
+void motors_write(const crn_port_motor motors[CRN_PORT_TOOL_MAX])
 {
     _Static_assert((uint64_t)BOARD_AXIAL_FULL_mN * PERIOD_counts < UINT32_MAX &&
                        (uint64_t)BOARD_TORQUE_FULL_uN_m * PERIOD_counts < UINT32_MAX,
                    "the product of force and period fits");
-    for (uint32_t k = 0; k < SELD_PORT_TOOL_MAX; k++) {
+    for (uint32_t k = 0; k < CRN_PORT_TOOL_MAX; k++) {
         write_one(2 * k, motors[k].axial_mN, BOARD_AXIAL_FULL_mN);
         write_one(2 * k + 1, motors[k].torque_uN_m, BOARD_TORQUE_FULL_uN_m);
     }

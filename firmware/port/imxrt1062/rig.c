@@ -40,9 +40,9 @@ static bool debounce(debounced *input, bool now, uint32_t ticks)
 
 static uint8_t range_of(bool is_sampled, uint16_t raw)
 {
-    if (!is_sampled) return SELD_PORT_SENSOR_ERROR;
-    return raw < BOARD_SENSOR_MIN_raw || raw > BOARD_SENSOR_MAX_raw ? SELD_PORT_SENSOR_RANGE
-                                                                    : SELD_PORT_SENSOR_OK;
+    if (!is_sampled) return CRN_PORT_SENSOR_ERROR;
+    return raw < BOARD_SENSOR_MIN_raw || raw > BOARD_SENSOR_MAX_raw ? CRN_PORT_SENSOR_RANGE
+                                                                    : CRN_PORT_SENSOR_OK;
 }
 
 /* The stop's loop is closed to ground: open or broken is pressed, and counts at once. */
@@ -56,7 +56,7 @@ static bool read_stop(uint32_t gpio1)
     return debounce(&rig.stop, false, BOARD_STOP_RELEASE_ticks);
 }
 
-static void read_switches(seld_port_inputs *inputs)
+static void read_switches(crn_port_inputs *inputs)
 {
     uint32_t gpio1 = R32(BASE_GPIO1, GPIO_PSR), gpio2 = R32(BASE_GPIO2, GPIO_PSR);
     bool xray = debounce(&rig.pedals[0], (gpio1 >> GPIO1_PEDAL_XRAY & 1u) == 0, BOARD_DEBOUNCE_ticks);
@@ -67,16 +67,16 @@ static void read_switches(seld_port_inputs *inputs)
     inputs->stage_on = gpio2 >> GPIO2_STAGE & 1u;
 }
 
-bool rig_inputs(void *context, seld_port_inputs *inputs)
+bool rig_inputs(void *context, crn_port_inputs *inputs)
 {
     (void)context;
-    *inputs = (seld_port_inputs){0};
+    *inputs = (crn_port_inputs){0};
     sensors_sample sample = sensors_read();
     bool is_faulted = motors_fault();
-    for (uint32_t k = 0; k < SELD_PORT_TOOL_MAX; k++) {
+    for (uint32_t k = 0; k < CRN_PORT_TOOL_MAX; k++) {
         encoders_reading translation = encoders_read(2 * k), rotation = encoders_read(2 * k + 1);
-        inputs->hands[k] = (seld_port_hand){translation.counts, rotation.counts};
-        inputs->tracks[k] = (seld_port_track){
+        inputs->hands[k] = (crn_port_hand){translation.counts, rotation.counts};
+        inputs->tracks[k] = (crn_port_track){
             .force_raw = (int32_t)sample.force_raw[k] - BOARD_FORCE_ZERO_raw,
             .translation_sensor = translation.sensor,
             .rotation_sensor = rotation.sensor,
@@ -107,15 +107,15 @@ static void put(uint32_t base, uint32_t bit, bool level)
 static bool lamp_level(uint8_t lamp)
 {
     rig.lamp_ticks++;
-    if (lamp == SELD_PORT_LAMP_RUNNING) return true;
-    if (lamp == SELD_PORT_LAMP_ARMED) return rig.lamp_ticks % BLINK_SLOW_ticks < BLINK_SLOW_ticks / 2;
-    if (lamp == SELD_PORT_LAMP_FAULT) return rig.lamp_ticks % BLINK_FAST_ticks < BLINK_FAST_ticks / 2;
+    if (lamp == CRN_PORT_LAMP_RUNNING) return true;
+    if (lamp == CRN_PORT_LAMP_ARMED) return rig.lamp_ticks % BLINK_SLOW_ticks < BLINK_SLOW_ticks / 2;
+    if (lamp == CRN_PORT_LAMP_FAULT) return rig.lamp_ticks % BLINK_FAST_ticks < BLINK_FAST_ticks / 2;
     return false;
 }
 
 /* Motors first when power is wanted, power first when it is not. A latched fault of the PWM is cleared when power is wanted
  * anew, which the app allows only after RESET and arming. */
-void rig_outputs(void *context, const seld_port_outputs *outputs)
+void rig_outputs(void *context, const crn_port_outputs *outputs)
 {
     (void)context;
     if (outputs->enable) {

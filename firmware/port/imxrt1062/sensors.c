@@ -58,12 +58,12 @@ static uint16_t end(uint32_t base, bool *is_good)
 
 sensors_sample sensors_read(void)
 {
-    static const uint8_t force[SELD_PORT_TOOL_MAX] = {FORCE_1, FORCE_2, FORCE_3};
-    static const uint8_t current[SELD_PORT_TOOL_MAX] = {CURRENT_1, CURRENT_2, CURRENT_3};
+    static const uint8_t force[CRN_PORT_TOOL_MAX] = {FORCE_1, FORCE_2, FORCE_3};
+    static const uint8_t current[CRN_PORT_TOOL_MAX] = {CURRENT_1, CURRENT_2, CURRENT_3};
     sensors_sample sample = {.is_good = is_calibrated};
     if (!sample.is_good) return sample;
     begin(BASE_ADC2, SUPPLY);
-    for (uint32_t k = 0; k < SELD_PORT_TOOL_MAX && sample.is_good; k++) {
+    for (uint32_t k = 0; k < CRN_PORT_TOOL_MAX && sample.is_good; k++) {
         begin(BASE_ADC1, force[k]);
         sample.force_raw[k] = end(BASE_ADC1, &sample.is_good);
         begin(BASE_ADC1, current[k]);

@@ -28,7 +28,7 @@ enum {
     IN_SHIFT = 16, /* of the endpoint bit maps: OUT below, IN above */
     SPEED_HIGH = 2,
     MODE_DEVICE = 2,
-    TYPE_UNUSED = SELD_UDC_BULK, /* the other direction of an endpoint must not be a control one */
+    TYPE_UNUSED = CRN_UDC_BULK, /* the other direction of an endpoint must not be a control one */
 };
 
 typedef struct usb_transfer {
@@ -40,7 +40,7 @@ typedef struct usb_head {
     volatile uint32_t capabilities, current;
     volatile uint32_t next, token, pages[PAGES];
     uint32_t reserved;
-    volatile uint8_t setup[SELD_UDC_SETUP_BYTES];
+    volatile uint8_t setup[CRN_UDC_SETUP_BYTES];
     uint32_t padding[4];
 } usb_head;
 _Static_assert(sizeof(usb_transfer) == 32 && sizeof(usb_head) == 64, "the controller's layout");
@@ -54,17 +54,17 @@ static struct usb_controller {
     uint32_t armed_bytes[PIPES];
     uint32_t complete; /* bits taken from ENDPTCOMPLETE and not yet told */
     bool is_resetting, is_suspended, has_power;
-    seld_udc udc;
+    crn_udc udc;
 } controller;
 
 static uint32_t pipe_of(uint8_t endpoint)
 {
-    return 2u * (endpoint % ENDPOINTS) + (endpoint & SELD_UDC_IN ? 1u : 0u);
+    return 2u * (endpoint % ENDPOINTS) + (endpoint & CRN_UDC_IN ? 1u : 0u);
 }
 
 static uint32_t bit_of(uint8_t endpoint)
 {
-    return 1u << (endpoint % ENDPOINTS + (endpoint & SELD_UDC_IN ? IN_SHIFT : 0));
+    return 1u << (endpoint % ENDPOINTS + (endpoint & CRN_UDC_IN ? IN_SHIFT : 0));
 }
 
 static volatile uint32_t *control_of(uint8_t endpoint)
@@ -110,7 +110,7 @@ static void udc_set_address(void *context, uint8_t address)
     STORE(R32(BASE_USB1, USB_DEVICEADDR), BITS(USB_DEVICEADDR_USBADR, address));
 }
 
-static bool udc_open(void *context, uint8_t endpoint, seld_udc_type type, uint16_t packet_bytes)
+static bool udc_open(void *context, uint8_t endpoint, crn_udc_type type, uint16_t packet_bytes)
 {
     (void)context;
     if ((endpoint & 0x7fu) == 0 || (endpoint & 0x7fu) >= ENDPOINTS || packet_bytes > 1024) return false;
@@ -121,7 +121,7 @@ static bool udc_open(void *context, uint8_t endpoint, seld_udc_type type, uint16
     head->next = LINK_END;
     head->token = 0;
     uint32_t value = LOAD(*control);
-    if (endpoint & SELD_UDC_IN) {
+    if (endpoint & CRN_UDC_IN) {
         if ((value & MASK(USB_ENDPTCTRL_0_RXE)) == 0) SET_FIELD(value, USB_ENDPTCTRL_0_RXT, TYPE_UNUSED);
         value &= ~(MASK(USB_ENDPTCTRL_0_TXT) | MASK(USB_ENDPTCTRL_0_TXS));
         value |= BITS(USB_ENDPTCTRL_0_TXT, type) | MASK(USB_ENDPTCTRL_0_TXR) | MASK(USB_ENDPTCTRL_0_TXE);
@@ -140,7 +140,7 @@ static void udc_close(void *context, uint8_t endpoint)
     if ((endpoint & 0x7fu) == 0) return;
     flush(bit_of(endpoint));
     change(control_of(endpoint),
-           endpoint & SELD_UDC_IN ? MASK(USB_ENDPTCTRL_0_TXE) : MASK(USB_ENDPTCTRL_0_RXE), 0);
+           endpoint & CRN_UDC_IN ? MASK(USB_ENDPTCTRL_0_TXE) : MASK(USB_ENDPTCTRL_0_RXE), 0);
 }
 
 /* Lets the controller have the transfer that is described. */
@@ -174,13 +174,13 @@ static void udc_stall(void *context, uint8_t endpoint)
     (void)context;
     volatile uint32_t *control = control_of(endpoint);
     if ((endpoint & 0x7fu) == 0) {
-        flush(bit_of(0) | bit_of(SELD_UDC_IN));
+        flush(bit_of(0) | bit_of(CRN_UDC_IN));
         uint32_t both = MASK(USB_ENDPTCTRL0_RXS) | MASK(USB_ENDPTCTRL0_TXS);
         change(control, both, both); /* the next setup packet clears them */
         return;
     }
     flush(bit_of(endpoint));
-    uint32_t stall = endpoint & SELD_UDC_IN ? MASK(USB_ENDPTCTRL_0_TXS) : MASK(USB_ENDPTCTRL_0_RXS);
+    uint32_t stall = endpoint & CRN_UDC_IN ? MASK(USB_ENDPTCTRL_0_TXS) : MASK(USB_ENDPTCTRL_0_RXS);
     change(control, stall, stall);
 }
 
@@ -205,13 +205,13 @@ static void close_all(void)
         memory.heads[pipe].token = 0;
     }
     for (uint32_t pipe = 0; pipe < 2; pipe++) {
-        memory.heads[pipe].capabilities = (uint32_t)SELD_UDC_CONTROL_PACKET_BYTES << HEAD_PACKET_SHIFT |
+        memory.heads[pipe].capabilities = (uint32_t)CRN_UDC_CONTROL_PACKET_BYTES << HEAD_PACKET_SHIFT |
                                           HEAD_NO_EMPTY_PACKETS | (pipe == 0 ? HEAD_INTERRUPT_ON_SETUP : 0);
     }
 }
 
 /* The bus: a reset begins (URI) and ends (port change, the speed is known); quiet for 3 ms (SLI); the cable (BSV). */
-static bool take_bus(seld_udc_event *event)
+static bool take_bus(crn_udc_event *event)
 {
     uint32_t status = LOAD(R32(BASE_USB1, USB_USBSTS)), port = LOAD(R32(BASE_USB1, USB_PORTSC1));
     STORE(R32(BASE_USB1, USB_USBSTS), status);
@@ -220,7 +220,7 @@ static bool take_bus(seld_udc_event *event)
     if (had_power && !controller.has_power) {
         close_all();
         controller.is_resetting = controller.is_suspended = false;
-        event->kind = SELD_UDC_UNPLUG;
+        event->kind = CRN_UDC_UNPLUG;
     } else if (status & MASK(USB_USBSTS_URI)) {
         close_all();
         controller.is_resetting = true;
@@ -228,22 +228,22 @@ static bool take_bus(seld_udc_event *event)
     if (controller.is_resetting && (port & MASK(USB_PORTSC1_PR)) == 0 &&
         (status & MASK(USB_USBSTS_PCI)) != 0) {
         controller.is_resetting = controller.is_suspended = false;
-        event->kind = SELD_UDC_RESET;
+        event->kind = CRN_UDC_RESET;
         bool high = (port & MASK(USB_PORTSC1_PSPD)) == BITS(USB_PORTSC1_PSPD, SPEED_HIGH);
-        event->speed = high ? SELD_UDC_HIGH_SPEED : SELD_UDC_FULL_SPEED;
+        event->speed = high ? CRN_UDC_HIGH_SPEED : CRN_UDC_FULL_SPEED;
     } else if (!controller.is_resetting && !controller.is_suspended && controller.has_power &&
                (status & MASK(USB_USBSTS_SLI)) != 0 && (port & MASK(USB_PORTSC1_SUSP)) != 0) {
         controller.is_suspended = true;
-        event->kind = SELD_UDC_SUSPEND;
+        event->kind = CRN_UDC_SUSPEND;
     } else if (controller.is_suspended && (port & MASK(USB_PORTSC1_SUSP)) == 0) {
         controller.is_suspended = false;
-        event->kind = SELD_UDC_RESUME;
+        event->kind = CRN_UDC_RESUME;
     }
-    return event->kind != SELD_UDC_NOTHING;
+    return event->kind != CRN_UDC_NOTHING;
 }
 
 /* The eight bytes are read again when another setup packet came meanwhile: then the controller clears the trip wire. */
-static bool take_setup(seld_udc_event *event)
+static bool take_setup(crn_udc_event *event)
 {
     volatile uint32_t *command = &R32(BASE_USB1, USB_USBCMD);
     if ((LOAD(R32(BASE_USB1, USB_ENDPTSETUPSTAT)) & 1u) == 0) return false;
@@ -251,20 +251,20 @@ static bool take_setup(seld_udc_event *event)
     bool is_whole = false;
     for (int i = 0; i < WAIT_MAX && !is_whole; i++) {
         change(command, MASK(USB_USBCMD_SUTW), MASK(USB_USBCMD_SUTW));
-        for (uint32_t k = 0; k < SELD_UDC_SETUP_BYTES; k++) event->setup[k] = memory.heads[0].setup[k];
+        for (uint32_t k = 0; k < CRN_UDC_SETUP_BYTES; k++) event->setup[k] = memory.heads[0].setup[k];
         is_whole = (LOAD(*command) & MASK(USB_USBCMD_SUTW)) != 0;
     }
     change(command, MASK(USB_USBCMD_SUTW), 0);
     wait_clear(&R32(BASE_USB1, USB_ENDPTSETUPSTAT), 1);
-    flush(bit_of(0) | bit_of(SELD_UDC_IN));
+    flush(bit_of(0) | bit_of(CRN_UDC_IN));
     if (!is_whole) return false;
-    event->kind = SELD_UDC_SETUP;
+    event->kind = CRN_UDC_SETUP;
     return true;
 }
 
 /* A transfer that ended by an error of the bus is begun again; one that was halted (the host sent more than was asked for) is
  * answered with STALL. */
-static bool take_transfer(uint8_t endpoint, seld_udc_event *event)
+static bool take_transfer(uint8_t endpoint, crn_udc_event *event)
 {
     usb_transfer *transfer = &memory.transfers[pipe_of(endpoint)];
     uint32_t armed = controller.armed_bytes[pipe_of(endpoint)];
@@ -279,20 +279,20 @@ static bool take_transfer(uint8_t endpoint, seld_udc_event *event)
         prime(endpoint);
         return false;
     }
-    event->kind = SELD_UDC_DONE;
+    event->kind = CRN_UDC_DONE;
     event->endpoint = endpoint;
     event->bytes = left <= armed ? armed - left : 0;
     return true;
 }
 
-static bool take_complete(seld_udc_event *event)
+static bool take_complete(crn_udc_event *event)
 {
     uint32_t bits = LOAD(R32(BASE_USB1, USB_ENDPTCOMPLETE));
     STORE(R32(BASE_USB1, USB_ENDPTCOMPLETE), bits);
     controller.complete |= bits;
     for (uint8_t number = 0; number < ENDPOINTS && controller.complete != 0; number++) {
         for (uint32_t way = 0; way < 2; way++) {
-            uint8_t endpoint = (uint8_t)(number | (way ? SELD_UDC_IN : 0));
+            uint8_t endpoint = (uint8_t)(number | (way ? CRN_UDC_IN : 0));
             if ((controller.complete & bit_of(endpoint)) == 0) continue;
             controller.complete &= ~bit_of(endpoint);
             if (take_transfer(endpoint, event)) return true;
@@ -301,15 +301,15 @@ static bool take_complete(seld_udc_event *event)
     return false;
 }
 
-static bool udc_poll(void *context, seld_udc_event *event)
+static bool udc_poll(void *context, crn_udc_event *event)
 {
     (void)context;
-    *event = (seld_udc_event){.kind = SELD_UDC_NOTHING};
+    *event = (crn_udc_event){.kind = CRN_UDC_NOTHING};
     return take_bus(event) || take_setup(event) || take_complete(event);
 }
 
 /* NULL: the controller does not come out of its reset. */
-const seld_udc *usb_udc_start(void)
+const crn_udc *usb_udc_start(void)
 {
     volatile uint32_t *command = &R32(BASE_USB1, USB_USBCMD);
     STORE(*command, MASK(USB_USBCMD_RST));
@@ -319,7 +319,7 @@ const seld_udc *usb_udc_start(void)
     close_all();
     /* In device mode this register holds the address of the heads (ENDPTLISTADDR). */
     STORE(R32(BASE_USB1, USB_ASYNCLISTADDR), (uint32_t)(uintptr_t)memory.heads);
-    controller.udc = (seld_udc){
+    controller.udc = (crn_udc){
         .context = NULL,
         .can_high_speed = true,
         .connect = udc_connect,

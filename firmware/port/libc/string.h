@@ -1,7 +1,7 @@
 /* The part of <string.h> that shared/ and firmware/app use, for images that are linked without a C library; the functions
  * are those of the port (memory.c). May include: nothing. Called by: images, as a system header. */
-#ifndef SELD_PORT_STRING_H
-#define SELD_PORT_STRING_H
+#ifndef CRN_PORT_STRING_H
+#define CRN_PORT_STRING_H
 
 #include <stddef.h>
 

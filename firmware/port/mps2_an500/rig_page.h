@@ -16,8 +16,8 @@
  *
  * May include: nothing. Called by: firmware/port/mps2_an500/device, hil_tests. C11 and C++20 (gcc, clang).
  */
-#ifndef SELD_RIG_PAGE_H
-#define SELD_RIG_PAGE_H
+#ifndef CRN_RIG_PAGE_H
+#define CRN_RIG_PAGE_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -59,7 +59,7 @@ enum {
 typedef struct rig_track_inputs {
     uint32_t translation_counts, rotation_counts;               /* two's complement, may wrap */
     uint32_t force_raw;                                         /* two's complement */
-    uint32_t translation_sensor, rotation_sensor, force_sensor; /* SELD_PORT_SENSOR_* */
+    uint32_t translation_sensor, rotation_sensor, force_sensor; /* CRN_PORT_SENSOR_* */
     uint32_t over_current;
 } rig_track_inputs;
 

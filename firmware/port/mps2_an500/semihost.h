@@ -1,7 +1,7 @@
 /* What an image asks of the debugger or emulator that runs it ("semihosting"): text, files, arguments, exit.
  * May include: nothing. Called by: images for measuring and comparing, never by the product. */
-#ifndef SELD_PORT_SEMIHOST_H
-#define SELD_PORT_SEMIHOST_H
+#ifndef CRN_PORT_SEMIHOST_H
+#define CRN_PORT_SEMIHOST_H
 
 #include <stddef.h>
 #include <stdint.h>

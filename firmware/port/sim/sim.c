@@ -5,29 +5,29 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct seld_sim {
-    seld_port port;
+struct crn_sim {
+    crn_port port;
     bool has_rig, is_welded, is_plant;
-    seld_port_inputs inputs;
-    seld_port_outputs outputs;
+    crn_port_inputs inputs;
+    crn_port_outputs outputs;
     uint32_t stage_hold_ms; /* 0: the power stage is off */
     uint32_t time_us, edge_us, tick_us;
     size_t pipe_begin, pipe_end, pipe_bytes;
-    uint8_t pipe[SELD_SIM_PIPE_BYTES];
-    seld_app app;
+    uint8_t pipe[CRN_SIM_PIPE_BYTES];
+    crn_app app;
 };
 
 /* --- the pipe --- */
 static size_t sim_transmit_room(void *context)
 {
-    const seld_sim *sim = context;
+    const crn_sim *sim = context;
     size_t used = sim->pipe_end - sim->pipe_begin;
     return used < sim->pipe_bytes ? sim->pipe_bytes - used : 0;
 }
 
 static bool sim_transmit(void *context, const uint8_t *frame, size_t frame_bytes)
 {
-    seld_sim *sim = context;
+    crn_sim *sim = context;
     if (frame_bytes > sim_transmit_room(sim)) return false;
     if (frame_bytes > sizeof sim->pipe - sim->pipe_end) {
         memmove(sim->pipe, sim->pipe + sim->pipe_begin, sim->pipe_end - sim->pipe_begin);
@@ -42,40 +42,40 @@ static bool sim_transmit(void *context, const uint8_t *frame, size_t frame_bytes
 /* --- the rig --- */
 
 /* Sampling begins a tick's work, so that is where its time passes. */
-static bool sim_inputs(void *context, seld_port_inputs *inputs)
+static bool sim_inputs(void *context, crn_port_inputs *inputs)
 {
-    seld_sim *sim = context;
+    crn_sim *sim = context;
     sim->time_us += sim->tick_us;
     if (!sim->has_rig) return false;
     *inputs = sim->inputs;
     if (sim->is_plant) return true;
     inputs->stage_on = inputs->stage_on && (sim->stage_hold_ms > 0 || sim->is_welded);
-    seld_sim_motors motors = seld_sim_read_motors(sim);
-    for (int k = 0; k < SELD_PORT_TOOL_MAX; k++) inputs->tracks[k].force_raw += motors.axial_mN[k];
+    crn_sim_motors motors = crn_sim_read_motors(sim);
+    for (int k = 0; k < CRN_PORT_TOOL_MAX; k++) inputs->tracks[k].force_raw += motors.axial_mN[k];
     return true;
 }
 
-static bool stage_may_drive(const seld_sim *sim)
+static bool stage_may_drive(const crn_sim *sim)
 {
     return sim->has_rig && sim->inputs.supply_good && !sim->inputs.emergency_stop;
 }
 
-static void sim_outputs(void *context, const seld_port_outputs *outputs)
+static void sim_outputs(void *context, const crn_port_outputs *outputs)
 {
-    seld_sim *sim = context;
+    crn_sim *sim = context;
     bool is_flipped = outputs->drive != sim->outputs.drive;
     sim->outputs = *outputs;
-    if (is_flipped) sim->stage_hold_ms = SELD_PORT_DRIVE_HOLD_ms;
+    if (is_flipped) sim->stage_hold_ms = CRN_PORT_DRIVE_HOLD_ms;
     if (!outputs->enable || !stage_may_drive(sim)) sim->stage_hold_ms = 0;
 }
 
 static uint32_t sim_now_us(void *context)
 {
-    const seld_sim *sim = context;
+    const crn_sim *sim = context;
     return sim->time_us;
 }
 
-static void pass_millisecond(seld_sim *sim)
+static void pass_millisecond(crn_sim *sim)
 {
     sim->edge_us += 1000;
     bool is_late = (int32_t)(sim->time_us - sim->edge_us) > 0;
@@ -85,9 +85,9 @@ static void pass_millisecond(seld_sim *sim)
 }
 
 /* --- life --- */
-seld_sim *seld_sim_create(uint32_t scene_slot_bytes)
+crn_sim *crn_sim_create(uint32_t scene_slot_bytes)
 {
-    seld_sim *sim = calloc(1, sizeof *sim);
+    crn_sim *sim = calloc(1, sizeof *sim);
     /* One byte more, so that slots of 0 bytes are slots too. */
     uint8_t *slots[2] = {malloc((size_t)scene_slot_bytes + 1), malloc((size_t)scene_slot_bytes + 1)};
     if (sim == NULL || slots[0] == NULL || slots[1] == NULL) {
@@ -97,7 +97,7 @@ seld_sim *seld_sim_create(uint32_t scene_slot_bytes)
         return NULL;
     }
     sim->pipe_bytes = sizeof sim->pipe;
-    sim->port = (seld_port){
+    sim->port = (crn_port){
         .context = sim,
         .transmit = sim_transmit,
         .transmit_room = sim_transmit_room,
@@ -108,14 +108,14 @@ seld_sim *seld_sim_create(uint32_t scene_slot_bytes)
         .scene_slots = {slots[0], slots[1]},
         .scene_slot_bytes = scene_slot_bytes,
         .capabilities = 0,
-        .built = {.damping_mN_s_per_m = SELD_SIM_DAMPING_mN_s_per_m,
-                  .damping_nN_m_s_per_rad = SELD_SIM_DAMPING_nN_m_s_per_rad},
+        .built = {.damping_mN_s_per_m = CRN_SIM_DAMPING_mN_s_per_m,
+                  .damping_nN_m_s_per_rad = CRN_SIM_DAMPING_nN_m_s_per_rad},
     };
-    seld_app_init(&sim->app, &sim->port);
+    crn_app_init(&sim->app, &sim->port);
     return sim;
 }
 
-void seld_sim_destroy(seld_sim *sim)
+void crn_sim_destroy(crn_sim *sim)
 {
     if (sim == NULL) return;
     free(sim->port.scene_slots[0]);
@@ -123,12 +123,12 @@ void seld_sim_destroy(seld_sim *sim)
     free(sim);
 }
 
-void seld_sim_write(seld_sim *sim, const uint8_t *bytes, size_t count)
+void crn_sim_write(crn_sim *sim, const uint8_t *bytes, size_t count)
 {
-    seld_app_receive(&sim->app, bytes, count);
+    crn_app_receive(&sim->app, bytes, count);
 }
 
-size_t seld_sim_read(seld_sim *sim, uint8_t *bytes, size_t capacity)
+size_t crn_sim_read(crn_sim *sim, uint8_t *bytes, size_t capacity)
 {
     size_t count = sim->pipe_end - sim->pipe_begin;
     if (count > capacity) count = capacity;
@@ -138,67 +138,67 @@ size_t seld_sim_read(seld_sim *sim, uint8_t *bytes, size_t capacity)
     return count;
 }
 
-void seld_sim_set_pipe(seld_sim *sim, size_t bytes)
+void crn_sim_set_pipe(crn_sim *sim, size_t bytes)
 {
     sim->pipe_bytes = bytes < sizeof sim->pipe ? bytes : sizeof sim->pipe;
 }
 
-void seld_sim_timer(seld_sim *sim, uint32_t count)
+void crn_sim_timer(crn_sim *sim, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
         pass_millisecond(sim);
-        seld_app_timer(&sim->app);
+        crn_app_timer(&sim->app);
     }
 }
 
-void seld_sim_freeze(seld_sim *sim, uint32_t milliseconds)
+void crn_sim_freeze(crn_sim *sim, uint32_t milliseconds)
 {
     for (uint32_t i = 0; i < milliseconds; i++) pass_millisecond(sim);
 }
 
-void seld_sim_set_tick_us(seld_sim *sim, uint32_t tick_us)
+void crn_sim_set_tick_us(crn_sim *sim, uint32_t tick_us)
 {
     sim->tick_us = tick_us;
 }
 
-void seld_sim_reset(seld_sim *sim)
+void crn_sim_reset(crn_sim *sim)
 {
     sim->pipe_begin = sim->pipe_end = 0;
-    seld_app_init(&sim->app, &sim->port);
+    crn_app_init(&sim->app, &sim->port);
 }
 
-void seld_sim_set_inputs(seld_sim *sim, const seld_port_inputs *inputs)
+void crn_sim_set_inputs(crn_sim *sim, const crn_port_inputs *inputs)
 {
     sim->has_rig = inputs != NULL;
-    sim->port.capabilities = sim->has_rig ? SELD_WIRE_CAPABILITY_ENCODERS | SELD_WIRE_CAPABILITY_MOTORS : 0;
+    sim->port.capabilities = sim->has_rig ? CRN_WIRE_CAPABILITY_ENCODERS | CRN_WIRE_CAPABILITY_MOTORS : 0;
     if (inputs != NULL) sim->inputs = *inputs;
 }
 
-void seld_sim_set_plant(seld_sim *sim, const seld_port_inputs *inputs)
+void crn_sim_set_plant(crn_sim *sim, const crn_port_inputs *inputs)
 {
-    seld_sim_set_inputs(sim, inputs);
+    crn_sim_set_inputs(sim, inputs);
     sim->is_plant = true;
 }
 
-void seld_sim_weld_stage(seld_sim *sim, bool is_welded)
+void crn_sim_weld_stage(crn_sim *sim, bool is_welded)
 {
     sim->is_welded = is_welded;
 }
 
-seld_port_inputs seld_sim_healthy_inputs(void)
+crn_port_inputs crn_sim_healthy_inputs(void)
 {
-    return (seld_port_inputs){.supply_good = true, .stage_on = true};
+    return (crn_port_inputs){.supply_good = true, .stage_on = true};
 }
 
-seld_port_outputs seld_sim_read_outputs(const seld_sim *sim)
+crn_port_outputs crn_sim_read_outputs(const crn_sim *sim)
 {
     return sim->outputs;
 }
 
-seld_sim_motors seld_sim_read_motors(const seld_sim *sim)
+crn_sim_motors crn_sim_read_motors(const crn_sim *sim)
 {
-    seld_sim_motors motors = {.drive = sim->stage_hold_ms > 0 || sim->is_welded};
-    for (int k = 0; k < SELD_SIM_TOOL_MAX && motors.drive; k++) {
+    crn_sim_motors motors = {.drive = sim->stage_hold_ms > 0 || sim->is_welded};
+    for (int k = 0; k < CRN_SIM_TOOL_MAX && motors.drive; k++) {
         motors.axial_mN[k] = sim->outputs.motors[k].axial_mN;
         motors.torque_uN_m[k] = sim->outputs.motors[k].torque_uN_m;
     }

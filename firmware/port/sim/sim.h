@@ -4,8 +4,8 @@
  * Thread rules: one thread at a time per sim. Any number of sims may exist.
  * May include: port.h. Called by: host/link, hil_tests, fuzzers. C11 and C++20.
  */
-#ifndef SELD_SIM_H
-#define SELD_SIM_H
+#ifndef CRN_SIM_H
+#define CRN_SIM_H
 
 #include "firmware/port/port.h"
 
@@ -13,62 +13,62 @@
 extern "C" {
 #endif
 
-typedef struct seld_sim seld_sim;
+typedef struct crn_sim crn_sim;
 
 /* Power up a device with two scene slots of `scene_slot_bytes` each. NULL when there is no memory. */
-seld_sim *seld_sim_create(uint32_t scene_slot_bytes);
-void seld_sim_destroy(seld_sim *sim);
+crn_sim *crn_sim_create(uint32_t scene_slot_bytes);
+void crn_sim_destroy(crn_sim *sim);
 
 /* Brown-out: the processor starts anew. Scene slots keep what they held, and the pipe is empty. */
-void seld_sim_reset(seld_sim *sim);
+void crn_sim_reset(crn_sim *sim);
 
 /* Bytes to the device; all are taken, and replies are ready when it returns. */
-void seld_sim_write(seld_sim *sim, const uint8_t *bytes, size_t count);
+void crn_sim_write(crn_sim *sim, const uint8_t *bytes, size_t count);
 
-/* Bytes from the device: up to `capacity`; returns how many. The pipe holds `seld_sim_set_pipe` bytes, at first
- * SELD_SIM_PIPE_BYTES; what does not fit stays in the device or is dropped there and counted. */
-enum { SELD_SIM_PIPE_BYTES = 1 << 20 };
-size_t seld_sim_read(seld_sim *sim, uint8_t *bytes, size_t capacity);
-void seld_sim_set_pipe(seld_sim *sim, size_t bytes); /* at most SELD_SIM_PIPE_BYTES */
+/* Bytes from the device: up to `capacity`; returns how many. The pipe holds `crn_sim_set_pipe` bytes, at first
+ * CRN_SIM_PIPE_BYTES; what does not fit stays in the device or is dropped there and counted. */
+enum { CRN_SIM_PIPE_BYTES = 1 << 20 };
+size_t crn_sim_read(crn_sim *sim, uint8_t *bytes, size_t capacity);
+void crn_sim_set_pipe(crn_sim *sim, size_t bytes); /* at most CRN_SIM_PIPE_BYTES */
 
 /* Let `count` milliseconds pass on the device's timer; in FREE_RUN each is one tick. */
-void seld_sim_timer(seld_sim *sim, uint32_t count);
+void crn_sim_timer(crn_sim *sim, uint32_t count);
 
 /* Let time pass while the processor stands still, as under a debugger: the power stage goes on alone. */
-void seld_sim_freeze(seld_sim *sim, uint32_t milliseconds);
+void crn_sim_freeze(crn_sim *sim, uint32_t milliseconds);
 
 /* How long the device works on one tick from now on, at first 0. */
-void seld_sim_set_tick_us(seld_sim *sim, uint32_t tick_us);
+void crn_sim_set_tick_us(crn_sim *sim, uint32_t tick_us);
 
 /* --- the rig ------------------------------------------------------------------------------------------------------ */
 
 /* A rig whose sensors say this from now on; NULL takes the rig away, as at first. `stage_on` true: the sim's own power stage
  * answers. The hands hold still against the motors: what those give is added to every `force_raw`, 1 mN per count. */
-void seld_sim_set_inputs(seld_sim *sim, const seld_port_inputs *inputs);
+void crn_sim_set_inputs(crn_sim *sim, const crn_port_inputs *inputs);
 
 /* A rig that is modelled outside, with its own power stage: the sample is taken as it is. */
-void seld_sim_set_plant(seld_sim *sim, const seld_port_inputs *inputs);
+void crn_sim_set_plant(crn_sim *sim, const crn_port_inputs *inputs);
 
 /* A power stage that does not go off any more: its transistors are molten. */
-void seld_sim_weld_stage(seld_sim *sim, bool is_welded);
+void crn_sim_weld_stage(crn_sim *sim, bool is_welded);
 
 /* Own damping of the rig that the sim's builder states; lag of the motors 0, 1 um and 1/65,536 turn per count. More needs the unlock. */
-enum { SELD_SIM_DAMPING_mN_s_per_m = 1000, SELD_SIM_DAMPING_nN_m_s_per_rad = 2000 };
+enum { CRN_SIM_DAMPING_mN_s_per_m = 1000, CRN_SIM_DAMPING_nN_m_s_per_rad = 2000 };
 
 /* Sensors present and healthy, hands at 0, supply good, stop released, no unlock. */
-seld_port_inputs seld_sim_healthy_inputs(void);
+crn_port_inputs crn_sim_healthy_inputs(void);
 
 /* What the app wrote last. */
-seld_port_outputs seld_sim_read_outputs(const seld_sim *sim);
+crn_port_outputs crn_sim_read_outputs(const crn_sim *sim);
 
 /* What the motors do: a meter clamped to their leads, behind the power stage. */
-enum { SELD_SIM_TOOL_MAX = SELD_PORT_TOOL_MAX };
-typedef struct seld_sim_motors {
-    int32_t axial_mN[SELD_SIM_TOOL_MAX]; /* from the innermost tool; 0 without power */
-    int32_t torque_uN_m[SELD_SIM_TOOL_MAX];
+enum { CRN_SIM_TOOL_MAX = CRN_PORT_TOOL_MAX };
+typedef struct crn_sim_motors {
+    int32_t axial_mN[CRN_SIM_TOOL_MAX]; /* from the innermost tool; 0 without power */
+    int32_t torque_uN_m[CRN_SIM_TOOL_MAX];
     int32_t drive; /* 1: powered */
-} seld_sim_motors;
-seld_sim_motors seld_sim_read_motors(const seld_sim *sim);
+} crn_sim_motors;
+crn_sim_motors crn_sim_read_motors(const crn_sim *sim);
 
 #ifdef __cplusplus
 }

@@ -1,29 +1,29 @@
 /* The app on USB. */
 #include "firmware/port/usb/rig_usb.h"
 
-_Static_assert((int)SELD_TOOL_MAX == (int)(sizeof((seld_hid_state *)0)->tracks / sizeof(seld_hid_track)),
+_Static_assert((int)CRN_TOOL_MAX == (int)(sizeof((crn_hid_state *)0)->tracks / sizeof(crn_hid_track)),
                "app and reports agree about the number of tracks");
 
 enum { LINE_DRIVEN = 16 };
 
 /* --- stream --- */
-bool seld_rig_usb_transmit(void *context, const uint8_t *frame, size_t frame_bytes)
+bool crn_rig_usb_transmit(void *context, const uint8_t *frame, size_t frame_bytes)
 {
-    seld_rig_usb *rig = context;
-    return seld_usb_transmit(&rig->usb, frame, frame_bytes);
+    crn_rig_usb *rig = context;
+    return crn_usb_transmit(&rig->usb, frame, frame_bytes);
 }
 
-size_t seld_rig_usb_room(void *context)
+size_t crn_rig_usb_room(void *context)
 {
-    const seld_rig_usb *rig = context;
-    return seld_usb_queue_room(&rig->usb);
+    const crn_rig_usb *rig = context;
+    return crn_usb_queue_room(&rig->usb);
 }
 
 static void receive(void *context, const uint8_t *bytes, size_t count)
 {
-    seld_rig_usb *rig = context;
+    crn_rig_usb *rig = context;
     rig->works++;
-    seld_app_receive(rig->app, bytes, count);
+    crn_app_receive(rig->app, bytes, count);
 }
 
 /* --- reports --- */
@@ -32,22 +32,22 @@ static int16_t clamp16(int32_t value)
     return (int16_t)(value > INT16_MAX ? INT16_MAX : value < INT16_MIN ? INT16_MIN : value);
 }
 
-static uint8_t lines(const seld_app *app)
+static uint8_t lines(const crn_app *app)
 {
     unsigned bits = 0;
-    if (app->rig.emergency_stop) bits |= SELD_WIRE_LINE_STOP;
-    if (app->rig.supply_good) bits |= SELD_WIRE_LINE_SUPPLY;
-    if (app->rig.stage_on) bits |= SELD_WIRE_LINE_STAGE;
-    if (app->rig.local_unlock) bits |= SELD_WIRE_LINE_UNLOCK;
+    if (app->rig.emergency_stop) bits |= CRN_WIRE_LINE_STOP;
+    if (app->rig.supply_good) bits |= CRN_WIRE_LINE_SUPPLY;
+    if (app->rig.stage_on) bits |= CRN_WIRE_LINE_STAGE;
+    if (app->rig.local_unlock) bits |= CRN_WIRE_LINE_UNLOCK;
     if (app->is_driving) bits |= LINE_DRIVEN;
     return (uint8_t)bits;
 }
 
-void seld_rig_usb_timer(seld_rig_usb *rig)
+void crn_rig_usb_timer(crn_rig_usb *rig)
 {
-    const seld_app *app = rig->app;
-    seld_hid_state state = {
-        .tick = app->state >= SELD_WIRE_STATE_ARMED ? app->core.words.tick : 0,
+    const crn_app *app = rig->app;
+    crn_hid_state state = {
+        .tick = app->state >= CRN_WIRE_STATE_ARMED ? app->core.words.tick : 0,
         .state = app->state,
         .mode = app->mode,
         .fault_code = app->fault_code,
@@ -59,98 +59,98 @@ void seld_rig_usb_timer(seld_rig_usb *rig)
         .syringe_counts = app->has_rig ? app->rig.syringe_counts : app->mailbox.syringe_counts,
         .inflator_raw = app->has_rig ? app->rig.inflator_raw : app->mailbox.inflator_raw,
     };
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
-        const seld_port_hand *hand = app->has_rig ? &app->rig.hands[k] : &app->mailbox.hands[k];
-        state.tracks[k] = (seld_hid_track){
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
+        const crn_port_hand *hand = app->has_rig ? &app->rig.hands[k] : &app->mailbox.hands[k];
+        state.tracks[k] = (crn_hid_track){
             .translation_counts = hand->translation_counts,
             .rotation_counts = hand->rotation_counts,
             .motor_axial_mN = clamp16(app->motors[k].axial_mN),
             .motor_torque_uN_m = clamp16(app->motors[k].torque_uN_m),
-            .sensor_axial_mN = clamp16(seld_app_force_measured(app, k)),
+            .sensor_axial_mN = clamp16(crn_app_force_measured(app, k)),
         };
     }
-    seld_usb_timer(&rig->usb, &state);
+    crn_usb_timer(&rig->usb, &state);
 }
 
-static void identity(void *context, seld_hid_identity *report)
+static void identity(void *context, crn_hid_identity *report)
 {
     (void)context;
-    report->protocol_major = SELD_WIRE_PROTOCOL_MAJOR;
-    report->protocol_minor = SELD_WIRE_PROTOCOL_MINOR;
-    report->schema_hash = seld_wire_schema_hash();
-    report->report_hash = seld_hid_report_hash();
-    report->core_version = SELD_CORE_VERSION;
+    report->protocol_major = CRN_WIRE_PROTOCOL_MAJOR;
+    report->protocol_minor = CRN_WIRE_PROTOCOL_MINOR;
+    report->schema_hash = crn_wire_schema_hash();
+    report->report_hash = crn_hid_report_hash();
+    report->core_version = CRN_CORE_VERSION;
 }
 
-static void capabilities(void *context, seld_hid_capabilities *report)
+static void capabilities(void *context, crn_hid_capabilities *report)
 {
-    const seld_port *port = ((const seld_rig_usb *)context)->app->port;
-    report->capabilities = SELD_WIRE_CAPABILITY_LOCKSTEP | SELD_WIRE_CAPABILITY_FREE_RUN |
-                           SELD_WIRE_CAPABILITY_SNAPSHOTS | port->capabilities;
-    report->tick_us = SELD_TICK_us;
+    const crn_port *port = ((const crn_rig_usb *)context)->app->port;
+    report->capabilities = CRN_WIRE_CAPABILITY_LOCKSTEP | CRN_WIRE_CAPABILITY_FREE_RUN |
+                           CRN_WIRE_CAPABILITY_SNAPSHOTS | port->capabilities;
+    report->tick_us = CRN_TICK_us;
     report->scene_bytes_max = port->scene_slot_bytes;
-    report->track_count = port->capabilities & SELD_WIRE_CAPABILITY_ENCODERS ? SELD_PORT_TOOL_MAX : 0;
+    report->track_count = port->capabilities & CRN_WIRE_CAPABILITY_ENCODERS ? CRN_PORT_TOOL_MAX : 0;
 }
 
 /* --- commands: only those that take power away --- */
-static void command(void *context, const seld_hid_command *report)
+static void command(void *context, const crn_hid_command *report)
 {
-    seld_rig_usb *rig = context;
-    const bool is_stop = report->action == SELD_WIRE_ACTION_STOP;
-    const bool is_reset = report->action == SELD_WIRE_ACTION_RESET;
+    crn_rig_usb *rig = context;
+    const bool is_stop = report->action == CRN_WIRE_ACTION_STOP;
+    const bool is_reset = report->action == CRN_WIRE_ACTION_RESET;
     rig->command_number = report->number;
-    rig->command_result = SELD_REJECT_ACTION_UNKNOWN;
+    rig->command_result = CRN_REJECT_ACTION_UNKNOWN;
     if (!is_stop && !is_reset) return;
     rig->works++;
-    rig->command_result = seld_app_order(rig->app, report->action) ? 0 : SELD_REJECT_WRONG_STATE;
+    rig->command_result = crn_app_order(rig->app, report->action) ? 0 : CRN_REJECT_WRONG_STATE;
 }
 
 /* --- settings: the wire's `rig` with some fields changed, read back to see whether the app took it --- */
-static void calibration(void *context, seld_hid_calibration *report)
+static void calibration(void *context, crn_hid_calibration *report)
 {
-    const seld_app *app = ((const seld_rig_usb *)context)->app;
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
-        const seld_wire_track *wire = &app->tracks[k].wire;
-        report->tracks[k] = (seld_hid_track_calibration){
+    const crn_app *app = ((const crn_rig_usb *)context)->app;
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
+        const crn_wire_track *wire = &app->tracks[k].wire;
+        report->tracks[k] = (crn_hid_track_calibration){
             wire->translation_pm_per_count, wire->rotation_counts_per_turn, wire->force_gain_milli};
     }
 }
 
-static void limits(void *context, seld_hid_limits *report)
+static void limits(void *context, crn_hid_limits *report)
 {
-    const seld_app *app = ((const seld_rig_usb *)context)->app;
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
-        const seld_wire_track *wire = &app->tracks[k].wire;
-        report->tracks[k] = (seld_hid_track_limits){wire->force_limit_mN, wire->torque_limit_uN_m};
+    const crn_app *app = ((const crn_rig_usb *)context)->app;
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
+        const crn_wire_track *wire = &app->tracks[k].wire;
+        report->tracks[k] = (crn_hid_track_limits){wire->force_limit_mN, wire->torque_limit_uN_m};
     }
 }
 
-static seld_wire_rig present(const seld_app *app)
+static crn_wire_rig present(const crn_app *app)
 {
-    seld_wire_rig wire = {.tracks_count = SELD_TOOL_MAX};
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) wire.tracks[k] = app->tracks[k].wire;
+    crn_wire_rig wire = {.tracks_count = CRN_TOOL_MAX};
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) wire.tracks[k] = app->tracks[k].wire;
     return wire;
 }
 
-static void set(seld_rig_usb *rig, const seld_wire_rig *wire)
+static void set(crn_rig_usb *rig, const crn_wire_rig *wire)
 {
     rig->works++;
-    seld_app_configure(rig->app, wire);
+    crn_app_configure(rig->app, wire);
 }
 
-static bool set_calibration(void *context, const seld_hid_calibration *report)
+static bool set_calibration(void *context, const crn_hid_calibration *report)
 {
-    seld_rig_usb *rig = context;
-    seld_wire_rig wire = present(rig->app);
+    crn_rig_usb *rig = context;
+    crn_wire_rig wire = present(rig->app);
     bool is_taken = true;
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
         wire.tracks[k].translation_pm_per_count = report->tracks[k].translation_pm_per_count;
         wire.tracks[k].rotation_counts_per_turn = report->tracks[k].rotation_counts_per_turn;
         wire.tracks[k].force_gain_milli = report->tracks[k].force_gain_milli;
     }
     set(rig, &wire);
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
-        const seld_wire_track *now = &rig->app->tracks[k].wire;
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
+        const crn_wire_track *now = &rig->app->tracks[k].wire;
         is_taken = is_taken && now->translation_pm_per_count == wire.tracks[k].translation_pm_per_count &&
                    now->rotation_counts_per_turn == wire.tracks[k].rotation_counts_per_turn &&
                    now->force_gain_milli == wire.tracks[k].force_gain_milli;
@@ -158,18 +158,18 @@ static bool set_calibration(void *context, const seld_hid_calibration *report)
     return is_taken;
 }
 
-static bool set_limits(void *context, const seld_hid_limits *report)
+static bool set_limits(void *context, const crn_hid_limits *report)
 {
-    seld_rig_usb *rig = context;
-    seld_wire_rig wire = present(rig->app);
+    crn_rig_usb *rig = context;
+    crn_wire_rig wire = present(rig->app);
     bool is_taken = true;
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
         wire.tracks[k].force_limit_mN = report->tracks[k].force_limit_mN;
         wire.tracks[k].torque_limit_uN_m = report->tracks[k].torque_limit_uN_m;
     }
     set(rig, &wire);
-    for (uint32_t k = 0; k < SELD_TOOL_MAX; k++) {
-        const seld_wire_track *now = &rig->app->tracks[k].wire;
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
+        const crn_wire_track *now = &rig->app->tracks[k].wire;
         is_taken = is_taken && now->force_limit_mN == wire.tracks[k].force_limit_mN &&
                    now->torque_limit_uN_m == wire.tracks[k].torque_limit_uN_m;
     }
@@ -179,18 +179,18 @@ static bool set_limits(void *context, const seld_hid_limits *report)
 /* --- the loop --- */
 
 /* Nothing to do here: the app notices a host that is gone by its silence, whatever the cause. */
-static void link(void *context, seld_usb_link link)
+static void link(void *context, crn_usb_link link)
 {
     (void)context;
     (void)link;
 }
 
-bool seld_rig_usb_init(seld_rig_usb *rig, seld_app *app, const seld_udc *udc)
+bool crn_rig_usb_init(crn_rig_usb *rig, crn_app *app, const crn_udc *udc)
 {
     rig->app = app;
     rig->works = 0;
     rig->command_number = rig->command_result = 0;
-    rig->callbacks = (seld_usb_app){
+    rig->callbacks = (crn_usb_app){
         .context = rig,
         .receive = receive,
         .link = link,
@@ -202,28 +202,28 @@ bool seld_rig_usb_init(seld_rig_usb *rig, seld_app *app, const seld_udc *udc)
         .set_calibration = set_calibration,
         .set_limits = set_limits,
     };
-    const seld_usb_config config = {
+    const crn_usb_config config = {
         .udc = udc,
         .app = &rig->callbacks,
         .serial = app->port->serial,
         .queue = rig->queue,
         .queue_bytes = sizeof rig->queue,
-        .reply_bytes = SELD_RIG_USB_REPLY_BYTES,
+        .reply_bytes = CRN_RIG_USB_REPLY_BYTES,
     };
-    return seld_usb_init(&rig->usb, &config);
+    return crn_usb_init(&rig->usb, &config);
 }
 
-void seld_rig_usb_connect(seld_rig_usb *rig, bool connected)
+void crn_rig_usb_connect(crn_rig_usb *rig, bool connected)
 {
-    seld_usb_connect(&rig->usb, connected);
+    crn_usb_connect(&rig->usb, connected);
 }
 
-bool seld_rig_usb_is_configured(const seld_rig_usb *rig)
+bool crn_rig_usb_is_configured(const crn_rig_usb *rig)
 {
     return rig->usb.configuration != 0;
 }
 
-bool seld_rig_usb_poll(seld_rig_usb *rig)
+bool crn_rig_usb_poll(crn_rig_usb *rig)
 {
-    return seld_usb_poll(&rig->usb);
+    return crn_usb_poll(&rig->usb);
 }

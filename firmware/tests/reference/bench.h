@@ -1,15 +1,15 @@
 /* A bench with a rig for tests of safety: a sim whose sensors the test sets, a session in FREE_RUN with powered motors, and a
  * meter at the port's outputs. Called by: firmware/tests. */
-#ifndef SELD_TEST_BENCH_H
-#define SELD_TEST_BENCH_H
+#ifndef CRN_TEST_BENCH_H
+#define CRN_TEST_BENCH_H
 
 #include "firmware/tests/reference/client.h"
 
 typedef struct bench {
     client host;
-    seld_port_inputs rig; /* what the sensors say from the next bench_tick on */
-    uint32_t edge;        /* milliseconds since bench_open */
-    bool host_speaks;     /* a frame per edge, so that the host is not silent */
+    crn_port_inputs rig; /* what the sensors say from the next bench_tick on */
+    uint32_t edge;       /* milliseconds since bench_open */
+    bool host_speaks;    /* a frame per edge, so that the host is not silent */
 } bench;
 
 /* A sim with a healthy rig, greeted, with one coupled tool, 50 mm inserted, motors not armed. */
@@ -29,13 +29,13 @@ bool bench_push(bench *b, int32_t axial_mN);
 bool bench_is_safe(const bench *b);
 
 /* Milliseconds until it is safe and the device says `code`; -1 when that takes more than 200. */
-int bench_time_to_safe(bench *b, seld_fault_code code);
+int bench_time_to_safe(bench *b, crn_fault_code code);
 
 /* Number of entries of `code` in the fault log, and its values; 0 when there is none. */
-uint32_t bench_fault(bench *b, seld_fault_code code, seld_wire_fault_entry *entry);
+uint32_t bench_fault(bench *b, crn_fault_code code, crn_wire_fault_entry *entry);
 
 /* What the device says of itself; frames before the answer are taken and dropped. */
-seld_wire_status bench_status(bench *b);
+crn_wire_status bench_status(bench *b);
 void bench_drain(bench *b);
 
 #endif

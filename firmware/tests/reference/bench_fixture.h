@@ -1,12 +1,12 @@
 /* One bench for all tests of a file, opened anew for each: set_up and tear_down for cmocka, and a command with its answer.
  * Include behind cmocka.h, once per file. Called by: firmware/tests. */
-#ifndef SELD_TEST_BENCH_FIXTURE_H
-#define SELD_TEST_BENCH_FIXTURE_H
+#ifndef CRN_TEST_BENCH_FIXTURE_H
+#define CRN_TEST_BENCH_FIXTURE_H
 
 #include "firmware/tests/reference/bench.h"
 
 static bench b;
-static seld_wire_status status; /* the last answer */
+static crn_wire_status status; /* the last answer */
 
 static int set_up(void **state)
 {

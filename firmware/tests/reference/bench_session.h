@@ -1,58 +1,58 @@
 /* A session on the bench of a test file: steps in LOCKSTEP, and a FREE_RUN that is recorded and replayed.
  * Include behind bench_fixture.h, once per file. Called by: firmware/tests. */
-#ifndef SELD_TEST_BENCH_SESSION_H
-#define SELD_TEST_BENCH_SESSION_H
+#ifndef CRN_TEST_BENCH_SESSION_H
+#define CRN_TEST_BENCH_SESSION_H
 
 #include "firmware/tests/reference/bench_fixture.h"
 
 enum { BENCH_SESSION_TICKS = 400 };
 
-static seld_wire_live_tick session[BENCH_SESSION_TICKS];
-static seld_wire_ticks ticks; /* the last answer to a step */
+static crn_wire_live_tick session[BENCH_SESSION_TICKS];
+static crn_wire_ticks ticks; /* the last answer to a step */
 
-static void send_step(const seld_wire_step *step)
+static void send_step(const crn_wire_step *step)
 {
-    static uint8_t payload[SELD_WIRE_BYTES_step];
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    assert_true(seld_wire_put_step(&writer, step));
-    client_send(&b.host, SELD_WIRE_TYPE_step, payload, writer.length);
+    static uint8_t payload[CRN_WIRE_BYTES_step];
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    assert_true(crn_wire_put_step(&writer, step));
+    client_send(&b.host, CRN_WIRE_TYPE_step, payload, writer.length);
 }
 
 static void start_lockstep(void)
 {
-    command(SELD_WIRE_ACTION_LOCKSTEP);
-    command(SELD_WIRE_ACTION_ARM);
-    command(SELD_WIRE_ACTION_START);
+    command(CRN_WIRE_ACTION_LOCKSTEP);
+    command(CRN_WIRE_ACTION_ARM);
+    command(CRN_WIRE_ACTION_START);
 }
 
 /* FREE_RUN on a track that moves by 1 um per count, without feedback from the motor. */
 static void start_free_run(void)
 {
-    const seld_wire_track uncoupled = {.translation_pm_per_count = 1000000,
-                                       .rotation_counts_per_turn = 65536,
-                                       .force_gain_milli = 1000,
-                                       .force_limit_mN = 8000,
-                                       .torque_limit_uN_m = 20000};
+    const crn_wire_track uncoupled = {.translation_pm_per_count = 1000000,
+                                      .rotation_counts_per_turn = 65536,
+                                      .force_gain_milli = 1000,
+                                      .force_limit_mN = 8000,
+                                      .torque_limit_uN_m = 20000};
     client_rig(&b.host, &uncoupled, 1);
     assert_true(client_expect_status(&b.host, &status));
-    command(SELD_WIRE_ACTION_ARM);
-    command(SELD_WIRE_ACTION_START);
+    command(CRN_WIRE_ACTION_ARM);
+    command(CRN_WIRE_ACTION_START);
 }
 
 /* As many ticks of FREE_RUN as they come, into `session`; `meanwhile` acts before each. The host speaks and reads later. Returns how many. */
 static uint32_t record(void (*meanwhile)(int ms))
 {
-    static seld_wire_live live;
+    static crn_wire_live live;
     uint32_t count = 0;
     for (int ms = 0; ms < BENCH_SESSION_TICKS; ms++) {
         meanwhile(ms);
-        client_get(&b.host, SELD_WIRE_GET_STATUS);
-        seld_sim_set_inputs(b.host.sim, &b.rig);
-        seld_sim_timer(b.host.sim, 1);
+        client_get(&b.host, CRN_WIRE_GET_STATUS);
+        crn_sim_set_inputs(b.host.sim, &b.rig);
+        crn_sim_timer(b.host.sim, 1);
     }
     for (uint16_t type = client_receive(&b.host); type != 0; type = client_receive(&b.host)) {
-        if (type != SELD_WIRE_TYPE_live) continue;
-        assert_true(seld_wire_decode_live(b.host.decoder.payload, b.host.decoder.payload_bytes, &live));
+        if (type != CRN_WIRE_TYPE_live) continue;
+        assert_true(crn_wire_decode_live(b.host.decoder.payload, b.host.decoder.payload_bytes, &live));
         for (uint16_t k = 0; k < live.ticks_count && count < BENCH_SESSION_TICKS; k++)
             session[count++] = live.ticks[k];
     }
@@ -62,12 +62,12 @@ static uint32_t record(void (*meanwhile)(int ms))
 /* The recorded inputs give the same states, to the last bit, in LOCKSTEP. */
 static void replays(uint32_t count)
 {
-    command(SELD_WIRE_ACTION_STOP);
-    command(SELD_WIRE_ACTION_RESET);
+    command(CRN_WIRE_ACTION_STOP);
+    command(CRN_WIRE_ACTION_RESET);
     start_lockstep();
     for (uint32_t tick = 0; tick < count; tick++) {
-        static seld_wire_step step;
-        step = (seld_wire_step){.tick = tick, .inputs_count = 1};
+        static crn_wire_step step;
+        step = (crn_wire_step){.tick = tick, .inputs_count = 1};
         step.inputs[0] = session[tick].input;
         send_step(&step);
         assert_true(client_expect_ticks(&b.host, &ticks));

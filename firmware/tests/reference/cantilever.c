@@ -20,8 +20,8 @@ double reference_length_m(double bend_N_m2)
 }
 
 typedef struct cantilever {
-    seld_model model;
-    seld_state state;
+    crn_model model;
+    crn_state state;
     double length_m;
 } cantilever;
 
@@ -31,21 +31,21 @@ static cantilever *make(double bend_N_m2, uint32_t elements)
     cantilever *c = malloc(sizeof *c);
     c->length_m = reference_length_m(bend_N_m2);
     uint32_t element_um = (uint32_t)ceil(c->length_m * 1e6 / elements);
-    seld_instrument wire = reference_wire(bend_N_m2, element_um * (elements + 8), element_um, 0);
+    crn_instrument wire = reference_wire(bend_N_m2, element_um * (elements + 8), element_um, 0);
     wire.knots[0].mass_mg_per_m = wire.knots[1].mass_mg_per_m = MASS_mg_per_m;
-    seld_entry entry = reference_entry();
-    seld_build_place place;
-    if (seld_model_build(&c->model, &wire, 1, NULL, &entry, &place) != SELD_BUILD_OK) abort();
-    seld_model_set_gravity(&c->model, 0, 0, 0);
+    crn_entry entry = reference_entry();
+    crn_build_place place;
+    if (crn_model_build(&c->model, &wire, 1, NULL, &entry, &place) != CRN_BUILD_OK) abort();
+    crn_model_set_gravity(&c->model, 0, 0, 0);
     uint32_t inserted_um = (uint32_t)lround(c->length_m * 1e6);
-    seld_state_init(&c->model, &c->state, &inserted_um);
-    c->length_m = seld_state_inserted(&c->state, 0) / 1073741824.0;
+    crn_state_init(&c->model, &c->state, &inserted_um);
+    c->length_m = crn_state_inserted(&c->state, 0) / 1073741824.0;
     return c;
 }
 
 static double error_pct(const cantilever *c, const reference_elastica *load)
 {
-    seld_vec3 tip = seld_state_position(&c->state, 0);
+    crn_vec3 tip = crn_state_position(&c->state, 0);
     double shortening = 1 - tip.v[0] / 1073741824.0 / c->length_m;
     double deflection = fabs(tip.v[2] / 1073741824.0 / c->length_m);
     return 100 * hypot(shortening - load->shortening, deflection - load->deflection);
@@ -53,11 +53,11 @@ static double error_pct(const cantilever *c, const reference_elastica *load)
 
 static double settle(cantilever *c, const reference_elastica *load, uint32_t ticks_max)
 {
-    seld_input input = {0};
-    seld_output output;
+    crn_input input = {0};
+    crn_output output;
     double before = 0, now = 100;
     for (uint32_t tick = 0; tick < ticks_max && fabs(now - before) > 1e-5; tick += SETTLE_TICKS) {
-        for (int i = 0; i < SETTLE_TICKS; i++) seld_step(&c->model, &c->state, &input, &output);
+        for (int i = 0; i < SETTLE_TICKS; i++) crn_step(&c->model, &c->state, &input, &output);
         before = now;
         now = error_pct(c, load);
     }
@@ -70,7 +70,7 @@ double reference_tip_load_error_pct(const reference_elastica *load, double bend_
 {
     cantilever *c = make(bend_N_m2, elements);
     double force_N = load->load * bend_N_m2 / (c->length_m * c->length_m);
-    seld_model_set_tip_load(&c->model, seld_vec3_make(0, 0, (int32_t)lround(-force_N * 4194304)));
+    crn_model_set_tip_load(&c->model, crn_vec3_make(0, 0, (int32_t)lround(-force_N * 4194304)));
     return settle(c, load, ticks_max);
 }
 
@@ -79,6 +79,6 @@ double reference_self_weight_error_pct(const reference_elastica *load, double be
 {
     cantilever *c = make(bend_N_m2, elements);
     double weight_N_m = load->load * bend_N_m2 / pow(c->length_m, 3);
-    seld_model_set_gravity(&c->model, 0, 0, -(int32_t)lround(weight_N_m / (MASS_mg_per_m * 1e-6) * 1000));
+    crn_model_set_gravity(&c->model, 0, 0, -(int32_t)lround(weight_N_m / (MASS_mg_per_m * 1e-6) * 1000));
     return settle(c, load, ticks_max);
 }

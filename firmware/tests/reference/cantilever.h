@@ -1,8 +1,8 @@
 /* A cantilever held by the inserter, for the elastica cases: uniform rod of `elements` free elements, no lumen.
  * Table values: inextensible elastica, solved by shooting to 1e-6 (docs/validation.md names the source).
  * May include: core_state.h. Called by: firmware/tests, firmware/bench. */
-#ifndef SELD_REFERENCE_CANTILEVER_H
-#define SELD_REFERENCE_CANTILEVER_H
+#ifndef CRN_REFERENCE_CANTILEVER_H
+#define CRN_REFERENCE_CANTILEVER_H
 
 #include "firmware/core/core_state.h"
 

@@ -5,123 +5,123 @@
 void client_open(client *c, uint32_t scene_slot_bytes)
 {
     memset(c, 0, sizeof *c);
-    c->sim = seld_sim_create(scene_slot_bytes);
-    seld_wire_decoder_init(&c->decoder);
+    c->sim = crn_sim_create(scene_slot_bytes);
+    crn_wire_decoder_init(&c->decoder);
 }
 
 void client_open_pipe(client *c, const client_pipe *pipe)
 {
     memset(c, 0, sizeof *c);
     c->pipe = *pipe;
-    seld_wire_decoder_init(&c->decoder);
+    crn_wire_decoder_init(&c->decoder);
 }
 
 void client_close(client *c)
 {
-    seld_sim_destroy(c->sim);
+    crn_sim_destroy(c->sim);
     c->sim = NULL;
 }
 
 void client_send(client *c, uint16_t type, const uint8_t *payload, size_t length)
 {
     c->sequence = c->sequence == UINT16_MAX ? 1 : (uint16_t)(c->sequence + 1);
-    const seld_wire_header header = {c->sequence, 0, type};
-    size_t bytes = seld_wire_frame_encode(&header, payload, length, c->frame, sizeof c->frame);
+    const crn_wire_header header = {c->sequence, 0, type};
+    size_t bytes = crn_wire_frame_encode(&header, payload, length, c->frame, sizeof c->frame);
     if (c->sim != NULL)
-        seld_sim_write(c->sim, c->frame, bytes);
+        crn_sim_write(c->sim, c->frame, bytes);
     else
         c->pipe.write(c->pipe.context, c->frame, bytes);
 }
 
 static size_t read_byte(client *c, uint8_t *byte)
 {
-    return c->sim != NULL ? seld_sim_read(c->sim, byte, 1) : c->pipe.read(c->pipe.context, byte, 1);
+    return c->sim != NULL ? crn_sim_read(c->sim, byte, 1) : c->pipe.read(c->pipe.context, byte, 1);
 }
 
 uint16_t client_receive(client *c)
 {
     uint8_t byte;
     while (read_byte(c, &byte) == 1) {
-        if (seld_wire_decoder_push(&c->decoder, byte) == SELD_WIRE_FRAME) return c->decoder.header.type;
+        if (crn_wire_decoder_push(&c->decoder, byte) == CRN_WIRE_FRAME) return c->decoder.header.type;
     }
     return 0;
 }
 
 #define SEND(c, name, value)                                                                                 \
     do {                                                                                                     \
-        seld_wire_writer writer = seld_wire_writer_make((c)->payload, sizeof(c)->payload);                   \
-        seld_wire_put_##name(&writer, value);                                                                \
-        client_send(c, SELD_WIRE_TYPE_##name, writer.bytes, writer.length);                                  \
+        crn_wire_writer writer = crn_wire_writer_make((c)->payload, sizeof(c)->payload);                     \
+        crn_wire_put_##name(&writer, value);                                                                 \
+        client_send(c, CRN_WIRE_TYPE_##name, writer.bytes, writer.length);                                   \
     } while (0)
 
 void client_hello(client *c, uint64_t schema_hash)
 {
-    const seld_wire_hello hello = {SELD_WIRE_PROTOCOL_MAJOR, SELD_WIRE_PROTOCOL_MINOR, schema_hash};
+    const crn_wire_hello hello = {CRN_WIRE_PROTOCOL_MAJOR, CRN_WIRE_PROTOCOL_MINOR, schema_hash};
     SEND(c, hello, &hello);
 }
 
 void client_command(client *c, uint8_t action)
 {
-    const seld_wire_command command = {.action = action};
+    const crn_wire_command command = {.action = action};
     SEND(c, command, &command);
 }
 
 void client_stop_at(client *c, uint32_t tick)
 {
-    const seld_wire_command command = {.action = SELD_WIRE_ACTION_STOP, .tick = tick};
+    const crn_wire_command command = {.action = CRN_WIRE_ACTION_STOP, .tick = tick};
     SEND(c, command, &command);
 }
 
 void client_confirm(client *c, uint32_t code)
 {
-    const seld_wire_command command = {.action = SELD_WIRE_ACTION_CONFIRM, .code = code};
+    const crn_wire_command command = {.action = CRN_WIRE_ACTION_CONFIRM, .code = code};
     SEND(c, command, &command);
 }
 
 bool client_arm_motors(client *c)
 {
-    seld_wire_status status;
-    client_command(c, SELD_WIRE_ACTION_ARM_MOTORS);
+    crn_wire_status status;
+    client_command(c, CRN_WIRE_ACTION_ARM_MOTORS);
     if (!client_expect_status(c, &status) || status.arm_code == 0) return false;
     client_confirm(c, status.arm_code);
     return client_expect_status(c, &status) && status.motors_armed == 1;
 }
 
-void client_rig(client *c, const seld_wire_track *tracks, uint16_t count)
+void client_rig(client *c, const crn_wire_track *tracks, uint16_t count)
 {
-    seld_wire_rig rig = {.tracks_count = count};
+    crn_wire_rig rig = {.tracks_count = count};
     for (uint16_t k = 0; k < count; k++) rig.tracks[k] = tracks[k];
     SEND(c, rig, &rig);
 }
 
-seld_wire_track client_plain_track(void)
+crn_wire_track client_plain_track(void)
 {
-    return (seld_wire_track){.translation_pm_per_count = 1000000,
-                             .rotation_counts_per_turn = 65536,
-                             .force_gain_milli = 1000,
-                             .force_limit_mN = 8000,
-                             .torque_limit_uN_m = 20000,
-                             .damping_mN_s_per_m = 1000,
-                             .damping_nN_m_s_per_rad = 2000,
-                             .coupling_N_per_m = 1000,
-                             .coupling_uN_m_per_rad = 2000,
-                             .coupling_mN_s_per_m = 200,
-                             .coupling_nN_m_s_per_rad = 400};
+    return (crn_wire_track){.translation_pm_per_count = 1000000,
+                            .rotation_counts_per_turn = 65536,
+                            .force_gain_milli = 1000,
+                            .force_limit_mN = 8000,
+                            .torque_limit_uN_m = 20000,
+                            .damping_mN_s_per_m = 1000,
+                            .damping_nN_m_s_per_rad = 2000,
+                            .coupling_N_per_m = 1000,
+                            .coupling_uN_m_per_rad = 2000,
+                            .coupling_mN_s_per_m = 200,
+                            .coupling_nN_m_s_per_rad = 400};
 }
 
 void client_stream(client *c, uint8_t events, uint16_t nodes_every_ticks)
 {
-    const seld_wire_stream stream = {events, nodes_every_ticks};
+    const crn_wire_stream stream = {events, nodes_every_ticks};
     SEND(c, stream, &stream);
 }
 
 void client_get(client *c, uint8_t what)
 {
-    const seld_wire_get get = {what};
+    const crn_wire_get get = {what};
     SEND(c, get, &get);
 }
 
-void client_tools(client *c, const seld_wire_tools *tools)
+void client_tools(client *c, const crn_wire_tools *tools)
 {
     c->tool_count = tools->tools_count;
     SEND(c, tools, tools);
@@ -129,21 +129,21 @@ void client_tools(client *c, const seld_wire_tools *tools)
 
 void client_entry_each(client *c, const uint32_t *inserted_um, uint16_t count)
 {
-    seld_wire_entry entry = {.direction_y_q30 = 1 << 30, .inserted_um_count = count};
+    crn_wire_entry entry = {.direction_y_q30 = 1 << 30, .inserted_um_count = count};
     for (uint16_t k = 0; k < count; k++) entry.inserted_um[k] = inserted_um[k];
     SEND(c, entry, &entry);
 }
 
 void client_entry(client *c, uint32_t inserted_um)
 {
-    const uint32_t each[SELD_WIRE_TOOL_MAX] = {inserted_um, inserted_um, inserted_um};
+    const uint32_t each[CRN_WIRE_TOOL_MAX] = {inserted_um, inserted_um, inserted_um};
     client_entry_each(c, each, c->tool_count);
 }
 
 bool client_entry_along(client *c, int axis, uint32_t inserted_um)
 {
-    seld_wire_entry entry = {.inserted_um_count = c->tool_count};
-    seld_wire_status status;
+    crn_wire_entry entry = {.inserted_um_count = c->tool_count};
+    crn_wire_status status;
     int32_t *const directions[] = {&entry.direction_x_q30, &entry.direction_y_q30, &entry.direction_z_q30};
     *directions[axis] = 1 << 30;
     for (uint16_t k = 0; k < c->tool_count; k++) entry.inserted_um[k] = inserted_um;
@@ -153,10 +153,10 @@ bool client_entry_along(client *c, int axis, uint32_t inserted_um)
 
 bool client_load_scene(client *c, const uint8_t *bytes, uint32_t count)
 {
-    static seld_wire_scene_chunk chunk;
-    const seld_wire_scene_begin begin = {count, seld_wire_crc32(0, bytes, count)};
-    const seld_wire_scene_end end = {count};
-    seld_wire_status status;
+    static crn_wire_scene_chunk chunk;
+    const crn_wire_scene_begin begin = {count, crn_wire_crc32(0, bytes, count)};
+    const crn_wire_scene_end end = {count};
+    crn_wire_status status;
     SEND(c, scene_begin, &begin);
     if (!client_expect_status(c, &status)) return false;
     for (chunk.offset = 0; chunk.offset < count; chunk.offset += chunk.data_count) {
@@ -172,12 +172,12 @@ bool client_load_scene(client *c, const uint8_t *bytes, uint32_t count)
 /* The counter wraps like the hardware's. */
 static int32_t counts_at(int32_t begin, int32_t per_tick, uint16_t i)
 {
-    return seld_wire_i32_from_u32((uint32_t)begin + (uint32_t)per_tick * i);
+    return crn_wire_i32_from_u32((uint32_t)begin + (uint32_t)per_tick * i);
 }
 
 void client_step_each(client *c, uint32_t tick, uint16_t count, const int32_t *begin, const int32_t *per_tick)
 {
-    static seld_wire_step step;
+    static crn_wire_step step;
     memset(&step, 0, sizeof step);
     step.tick = tick;
     step.inputs_count = count;
@@ -193,42 +193,42 @@ void client_step_each(client *c, uint32_t tick, uint16_t count, const int32_t *b
 void client_step(client *c, uint32_t tick, uint16_t count, int32_t translation_begin,
                  int32_t translation_per_tick)
 {
-    const int32_t begin[SELD_WIRE_TOOL_MAX] = {translation_begin};
-    const int32_t per_tick[SELD_WIRE_TOOL_MAX] = {translation_per_tick};
+    const int32_t begin[CRN_WIRE_TOOL_MAX] = {translation_begin};
+    const int32_t per_tick[CRN_WIRE_TOOL_MAX] = {translation_per_tick};
     client_step_each(c, tick, count, begin, per_tick);
 }
 
 void client_input(client *c, const int32_t *translation, const int32_t *rotation)
 {
-    seld_wire_input input = {.encoders.hands_count = c->tool_count};
+    crn_wire_input input = {.encoders.hands_count = c->tool_count};
     for (uint16_t k = 0; k < c->tool_count; k++) {
-        input.encoders.hands[k] = (seld_wire_hand){translation[k], rotation[k]};
+        input.encoders.hands[k] = (crn_wire_hand){translation[k], rotation[k]};
     }
     SEND(c, input, &input);
 }
 
 bool client_read_snapshot(client *c)
 {
-    static seld_wire_snapshot_chunk chunk;
+    static crn_wire_snapshot_chunk chunk;
     c->snapshot_bytes = 0;
-    client_get(c, SELD_WIRE_GET_SNAPSHOT);
-    if (client_receive(c) != SELD_WIRE_TYPE_snapshot_begin) return false;
-    while (client_receive(c) == SELD_WIRE_TYPE_snapshot_chunk) {
-        if (!seld_wire_decode_snapshot_chunk(c->decoder.payload, c->decoder.payload_bytes, &chunk))
+    client_get(c, CRN_WIRE_GET_SNAPSHOT);
+    if (client_receive(c) != CRN_WIRE_TYPE_snapshot_begin) return false;
+    while (client_receive(c) == CRN_WIRE_TYPE_snapshot_chunk) {
+        if (!crn_wire_decode_snapshot_chunk(c->decoder.payload, c->decoder.payload_bytes, &chunk))
             return false;
         if (chunk.offset + chunk.data_count > sizeof c->snapshot) return false;
         memcpy(c->snapshot + chunk.offset, chunk.data, chunk.data_count);
         c->snapshot_bytes += chunk.data_count;
     }
-    return c->decoder.header.type == SELD_WIRE_TYPE_snapshot_end;
+    return c->decoder.header.type == CRN_WIRE_TYPE_snapshot_end;
 }
 
 void client_write_snapshot(client *c)
 {
-    static seld_wire_snapshot_chunk chunk;
-    const seld_wire_snapshot_begin begin = {0, c->snapshot_bytes,
-                                            seld_wire_crc32(0, c->snapshot, c->snapshot_bytes)};
-    seld_wire_status status;
+    static crn_wire_snapshot_chunk chunk;
+    const crn_wire_snapshot_begin begin = {0, c->snapshot_bytes,
+                                           crn_wire_crc32(0, c->snapshot, c->snapshot_bytes)};
+    crn_wire_status status;
     SEND(c, snapshot_begin, &begin);
     if (!client_expect_status(c, &status)) return;
     for (chunk.offset = 0; chunk.offset < c->snapshot_bytes; chunk.offset += chunk.data_count) {
@@ -237,61 +237,61 @@ void client_write_snapshot(client *c)
         memcpy(chunk.data, c->snapshot + chunk.offset, chunk.data_count);
         SEND(c, snapshot_chunk, &chunk);
     }
-    const seld_wire_snapshot_end end = {c->snapshot_bytes};
+    const crn_wire_snapshot_end end = {c->snapshot_bytes};
     SEND(c, snapshot_end, &end);
 }
 
-bool client_expect_status(client *c, seld_wire_status *status)
+bool client_expect_status(client *c, crn_wire_status *status)
 {
-    return client_receive(c) == SELD_WIRE_TYPE_status &&
-           seld_wire_decode_status(c->decoder.payload, c->decoder.payload_bytes, status);
+    return client_receive(c) == CRN_WIRE_TYPE_status &&
+           crn_wire_decode_status(c->decoder.payload, c->decoder.payload_bytes, status);
 }
 
-bool client_expect_reject(client *c, seld_wire_reject *reject)
+bool client_expect_reject(client *c, crn_wire_reject *reject)
 {
-    return client_receive(c) == SELD_WIRE_TYPE_reject &&
-           seld_wire_decode_reject(c->decoder.payload, c->decoder.payload_bytes, reject);
+    return client_receive(c) == CRN_WIRE_TYPE_reject &&
+           crn_wire_decode_reject(c->decoder.payload, c->decoder.payload_bytes, reject);
 }
 
-bool client_expect_ticks(client *c, seld_wire_ticks *ticks)
+bool client_expect_ticks(client *c, crn_wire_ticks *ticks)
 {
-    static seld_wire_live live;
+    static crn_wire_live live;
     uint16_t type = client_receive(c);
-    while (type == SELD_WIRE_TYPE_hash64) type = client_receive(c);
-    if (type == SELD_WIRE_TYPE_ticks)
-        return seld_wire_decode_ticks(c->decoder.payload, c->decoder.payload_bytes, ticks);
-    if (type != SELD_WIRE_TYPE_live ||
-        !seld_wire_decode_live(c->decoder.payload, c->decoder.payload_bytes, &live))
+    while (type == CRN_WIRE_TYPE_hash64) type = client_receive(c);
+    if (type == CRN_WIRE_TYPE_ticks)
+        return crn_wire_decode_ticks(c->decoder.payload, c->decoder.payload_bytes, ticks);
+    if (type != CRN_WIRE_TYPE_live ||
+        !crn_wire_decode_live(c->decoder.payload, c->decoder.payload_bytes, &live))
         return false;
     ticks->states_count = live.ticks_count;
     for (uint16_t i = 0; i < live.ticks_count; i++) ticks->states[i] = live.ticks[i].state;
     return true;
 }
 
-bool client_expect_live(client *c, seld_wire_live *live)
+bool client_expect_live(client *c, crn_wire_live *live)
 {
     uint16_t type = client_receive(c);
-    while (type == SELD_WIRE_TYPE_hash64) type = client_receive(c);
-    return type == SELD_WIRE_TYPE_live &&
-           seld_wire_decode_live(c->decoder.payload, c->decoder.payload_bytes, live);
+    while (type == CRN_WIRE_TYPE_hash64) type = client_receive(c);
+    return type == CRN_WIRE_TYPE_live &&
+           crn_wire_decode_live(c->decoder.payload, c->decoder.payload_bytes, live);
 }
 
-void client_plain_tools(seld_wire_tools *tools, uint16_t count)
+void client_plain_tools(crn_wire_tools *tools, uint16_t count)
 {
     static const struct {
         uint32_t bend_nN_m2, outer_um, inner_um;
-    } kinds[SELD_WIRE_TOOL_MAX] = {{1000000, 445, 0}, {300000, 835, 500}, {2000000, 1100, 900}};
+    } kinds[CRN_WIRE_TOOL_MAX] = {{1000000, 445, 0}, {300000, 835, 500}, {2000000, 1100, 900}};
     memset(tools, 0, sizeof *tools);
     tools->tools_count = count;
     for (uint16_t k = 0; k < count; k++) {
-        seld_wire_instrument *tool = &tools->tools[k];
-        const seld_wire_knot tip = {.bend_stiffness_nN_m2 = kinds[k].bend_nN_m2,
-                                    .twist_stiffness_nN_m2 = kinds[k].bend_nN_m2 / 5 * 4,
-                                    .mass_mg_per_m = 4000,
-                                    .radius_outer_um = kinds[k].outer_um,
-                                    .radius_inner_um = kinds[k].inner_um,
-                                    .friction_kinetic_milli = 100,
-                                    .friction_static_milli = 120};
+        crn_wire_instrument *tool = &tools->tools[k];
+        const crn_wire_knot tip = {.bend_stiffness_nN_m2 = kinds[k].bend_nN_m2,
+                                   .twist_stiffness_nN_m2 = kinds[k].bend_nN_m2 / 5 * 4,
+                                   .mass_mg_per_m = 4000,
+                                   .radius_outer_um = kinds[k].outer_um,
+                                   .radius_inner_um = kinds[k].inner_um,
+                                   .friction_kinetic_milli = 100,
+                                   .friction_static_milli = 120};
         tool->lumen_friction_milli = k > 0 ? 100 : 0;
         tool->axial_stiffness_max_N = 5000;
         tool->element_tip_um = 2000;
@@ -306,19 +306,19 @@ void client_plain_tools(seld_wire_tools *tools, uint16_t count)
 
 bool client_start_tools(client *c, uint16_t count)
 {
-    static seld_wire_tools tools;
-    seld_wire_status status;
+    static crn_wire_tools tools;
+    crn_wire_status status;
     client_plain_tools(&tools, count);
-    client_hello(c, seld_wire_schema_hash());
-    if (client_receive(c) != SELD_WIRE_TYPE_hello_reply) return false;
+    client_hello(c, crn_wire_schema_hash());
+    if (client_receive(c) != CRN_WIRE_TYPE_hello_reply) return false;
     client_tools(c, &tools);
     if (!client_expect_status(c, &status)) return false;
     client_entry(c, 50000);
     if (!client_expect_status(c, &status)) return false;
-    client_command(c, SELD_WIRE_ACTION_ARM);
+    client_command(c, CRN_WIRE_ACTION_ARM);
     if (!client_expect_status(c, &status)) return false;
-    client_command(c, SELD_WIRE_ACTION_START);
-    return client_expect_status(c, &status) && status.state == SELD_WIRE_STATE_RUNNING;
+    client_command(c, CRN_WIRE_ACTION_START);
+    return client_expect_status(c, &status) && status.state == CRN_WIRE_STATE_RUNNING;
 }
 
 bool client_start_session(client *c)

@@ -1,7 +1,7 @@
 /* A minimal host for tests: sends messages to a sim and reads its frames, through bytes only.
  * May include: shared/wire, the sim's public header. Called by: firmware/tests, hil_tests, fuzz targets. */
-#ifndef SELD_TEST_CLIENT_H
-#define SELD_TEST_CLIENT_H
+#ifndef CRN_TEST_CLIENT_H
+#define CRN_TEST_CLIENT_H
 
 #include "firmware/port/sim/sim.h"
 #include "shared/wire/wire_frame.h"
@@ -14,13 +14,13 @@ typedef struct client_pipe {
 } client_pipe;
 
 typedef struct client {
-    seld_sim *sim; /* NULL: the pipe leads to the device */
+    crn_sim *sim; /* NULL: the pipe leads to the device */
     client_pipe pipe;
-    seld_wire_decoder decoder;
+    crn_wire_decoder decoder;
     uint16_t sequence;
     uint16_t tool_count; /* of the last client_tools or client_start_tools */
-    uint8_t payload[SELD_WIRE_PAYLOAD_MAX];
-    uint8_t frame[SELD_WIRE_FRAME_MAX];
+    uint8_t payload[CRN_WIRE_PAYLOAD_MAX];
+    uint8_t frame[CRN_WIRE_FRAME_MAX];
     uint8_t snapshot[1 << 17];
     uint32_t snapshot_bytes;
 } client;
@@ -44,11 +44,11 @@ void client_confirm(client *c, uint32_t code);
 bool client_arm_motors(client *c); /* both steps; false when the device refused one */
 void client_get(client *c, uint8_t what);
 void client_stream(client *c, uint8_t events, uint16_t nodes_every_ticks);
-void client_rig(client *c, const seld_wire_track *tracks, uint16_t count);
+void client_rig(client *c, const crn_wire_track *tracks, uint16_t count);
 
 /* 1 um and 1/65 536 turn per count, true force, highest limits, a coupling of 1 N/mm on a rig with damping enough. */
-seld_wire_track client_plain_track(void);
-void client_tools(client *c, const seld_wire_tools *tools);
+crn_wire_track client_plain_track(void);
+void client_tools(client *c, const crn_wire_tools *tools);
 void client_entry(client *c, uint32_t inserted_um); /* the same for every tool */
 void client_entry_each(client *c, const uint32_t *inserted_um, uint16_t count);
 bool client_entry_along(client *c, int axis, uint32_t inserted_um); /* waits for the answer */
@@ -67,13 +67,13 @@ bool client_read_snapshot(client *c);
 void client_write_snapshot(client *c);
 
 /* What the device answered last, of that kind. False when the next frame is something else. */
-bool client_expect_status(client *c, seld_wire_status *status);
-bool client_expect_reject(client *c, seld_wire_reject *reject);
-bool client_expect_ticks(client *c, seld_wire_ticks *ticks); /* of either mode; skips hash64 */
-bool client_expect_live(client *c, seld_wire_live *live);    /* skips hash64 */
+bool client_expect_status(client *c, crn_wire_status *status);
+bool client_expect_reject(client *c, crn_wire_reject *reject);
+bool client_expect_ticks(client *c, crn_wire_ticks *ticks); /* of either mode; skips hash64 */
+bool client_expect_live(client *c, crn_wire_live *live);    /* skips hash64 */
 
 /* Straight tools of 300 mm that every check accepts: a wire, a catheter around it, a guide around both. */
-void client_plain_tools(seld_wire_tools *tools, uint16_t count);
+void client_plain_tools(crn_wire_tools *tools, uint16_t count);
 
 /* hello, tools, entry with 50 mm of each inserted, ARM and START in free space. False when something was refused. */
 bool client_start_tools(client *c, uint16_t count);

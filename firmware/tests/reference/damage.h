@@ -1,6 +1,6 @@
 /* Saved states that are no states. Include behind cmocka.h and core_state.h. Called by: firmware/tests. */
-#ifndef SELD_TEST_DAMAGE_H
-#define SELD_TEST_DAMAGE_H
+#ifndef CRN_TEST_DAMAGE_H
+#define CRN_TEST_DAMAGE_H
 
 #include "firmware/core/core_state.h"
 
@@ -12,17 +12,17 @@ typedef struct damaged_word {
 } damaged_word;
 
 /* The state as it is can be restored, but not with any one of these words in the part that begins at `part`. */
-static inline void refuses_each(const seld_model *model, seld_state *state, size_t part,
+static inline void refuses_each(const crn_model *model, crn_state *state, size_t part,
                                 const damaged_word *words, size_t count)
 {
-    uint8_t *bytes = malloc(seld_state_bytes());
-    seld_state_save(state, bytes);
-    assert_true(seld_state_restore(model, state, bytes));
+    uint8_t *bytes = malloc(crn_state_bytes());
+    crn_state_save(state, bytes);
+    assert_true(crn_state_restore(model, state, bytes));
     for (size_t i = 0; i < count; i++) {
-        seld_state_save(state, bytes);
+        crn_state_save(state, bytes);
         for (int k = 0; k < 4; k++)
             bytes[part + words[i].offset + (size_t)k] = (uint8_t)(words[i].value >> 8 * k);
-        assert_false(seld_state_restore(model, state, bytes));
+        assert_false(crn_state_restore(model, state, bytes));
     }
     free(bytes);
 }

@@ -1,7 +1,7 @@
 /* Exact integer arithmetic in 128 bits, the reference of the fixed-point tests.
  * May include: nothing. Called by: firmware/tests. */
-#ifndef SELD_REFERENCE_EXACT_H
-#define SELD_REFERENCE_EXACT_H
+#ifndef CRN_REFERENCE_EXACT_H
+#define CRN_REFERENCE_EXACT_H
 
 #include <stdint.h>
 

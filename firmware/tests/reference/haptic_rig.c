@@ -13,10 +13,10 @@ static bool transmit(void *context, const uint8_t *frame, size_t bytes)
 {
     haptic_rig *rig = context;
     for (size_t i = 0; i < bytes; i++) {
-        if (seld_wire_decoder_push(&rig->decoder, frame[i]) != SELD_WIRE_FRAME) continue;
-        if (rig->decoder.header.type == SELD_WIRE_TYPE_reject) rig->refusals++;
-        if (rig->decoder.header.type == SELD_WIRE_TYPE_status)
-            seld_wire_decode_status(rig->decoder.payload, rig->decoder.payload_bytes, &rig->status);
+        if (crn_wire_decoder_push(&rig->decoder, frame[i]) != CRN_WIRE_FRAME) continue;
+        if (rig->decoder.header.type == CRN_WIRE_TYPE_reject) rig->refusals++;
+        if (rig->decoder.header.type == CRN_WIRE_TYPE_status)
+            crn_wire_decode_status(rig->decoder.payload, rig->decoder.payload_bytes, &rig->status);
     }
     return true;
 }
@@ -27,7 +27,7 @@ static size_t room(void *context)
     return SIZE_MAX / 2;
 }
 
-static bool inputs(void *context, seld_port_inputs *sample)
+static bool inputs(void *context, crn_port_inputs *sample)
 {
     haptic_rig *rig = context;
     *sample = rig->inputs;
@@ -35,10 +35,10 @@ static bool inputs(void *context, seld_port_inputs *sample)
     return true;
 }
 
-static void outputs(void *context, const seld_port_outputs *wanted)
+static void outputs(void *context, const crn_port_outputs *wanted)
 {
     haptic_rig *rig = context;
-    if (wanted->drive != rig->outputs.drive) rig->stage_hold_ms = SELD_PORT_DRIVE_HOLD_ms;
+    if (wanted->drive != rig->outputs.drive) rig->stage_hold_ms = CRN_PORT_DRIVE_HOLD_ms;
     if (!wanted->enable) rig->stage_hold_ms = 0;
     rig->outputs = *wanted;
 }
@@ -52,29 +52,28 @@ static uint32_t now_us(void *context)
 
 #define SAY(rig, name, value)                                                                                \
     do {                                                                                                     \
-        static uint8_t say_payload[SELD_WIRE_PAYLOAD_MAX], say_frame[SELD_WIRE_FRAME_MAX];                   \
-        seld_wire_writer say_writer = seld_wire_writer_make(say_payload, sizeof say_payload);                \
-        const seld_wire_header say_header = {1, 0, SELD_WIRE_TYPE_##name};                                   \
-        seld_wire_put_##name(&say_writer, value);                                                            \
-        size_t say_bytes = seld_wire_frame_encode(&say_header, say_payload, say_writer.length, say_frame,    \
-                                                  sizeof say_frame);                                         \
-        seld_app_receive(&(rig)->app, say_frame, say_bytes);                                                 \
+        static uint8_t say_payload[CRN_WIRE_PAYLOAD_MAX], say_frame[CRN_WIRE_FRAME_MAX];                     \
+        crn_wire_writer say_writer = crn_wire_writer_make(say_payload, sizeof say_payload);                  \
+        const crn_wire_header say_header = {1, 0, CRN_WIRE_TYPE_##name};                                     \
+        crn_wire_put_##name(&say_writer, value);                                                             \
+        size_t say_bytes =                                                                                   \
+            crn_wire_frame_encode(&say_header, say_payload, say_writer.length, say_frame, sizeof say_frame); \
+        crn_app_receive(&(rig)->app, say_frame, say_bytes);                                                  \
     } while (0)
 
 static void command(haptic_rig *rig, uint8_t action, uint32_t code)
 {
-    const seld_wire_command message = {.action = action, .code = code};
+    const crn_wire_command message = {.action = action, .code = code};
     SAY(rig, command, &message);
 }
 
-static void set_up(haptic_rig *rig, const seld_lumen *lumen, const seld_wire_instrument *wire,
-                   uint32_t inserted_um, const seld_wire_track *track)
+static void set_up(haptic_rig *rig, const crn_lumen *lumen, const crn_wire_instrument *wire,
+                   uint32_t inserted_um, const crn_wire_track *track)
 {
-    static seld_wire_tools tools;
-    const seld_wire_hello hello = {SELD_WIRE_PROTOCOL_MAJOR, SELD_WIRE_PROTOCOL_MINOR,
-                                   seld_wire_schema_hash()};
-    const seld_wire_rig tracks = {.tracks_count = 1, .tracks = {*track}};
-    const seld_wire_entry entry = {
+    static crn_wire_tools tools;
+    const crn_wire_hello hello = {CRN_WIRE_PROTOCOL_MAJOR, CRN_WIRE_PROTOCOL_MINOR, crn_wire_schema_hash()};
+    const crn_wire_rig tracks = {.tracks_count = 1, .tracks = {*track}};
+    const crn_wire_entry entry = {
         .direction_x_q30 = 1 << 30, .inserted_um_count = 1, .inserted_um = {inserted_um}};
     SAY(rig, hello, &hello);
     SAY(rig, rig, &tracks);
@@ -88,30 +87,30 @@ static void set_up(haptic_rig *rig, const seld_lumen *lumen, const seld_wire_ins
     }
 }
 
-bool haptic_begin(haptic_rig *rig, const seld_lumen *lumen, const seld_wire_instrument *wire,
-                  uint32_t inserted_um, const seld_wire_track *track, const haptic_hand *hand)
+bool haptic_begin(haptic_rig *rig, const crn_lumen *lumen, const crn_wire_instrument *wire,
+                  uint32_t inserted_um, const crn_wire_track *track, const haptic_hand *hand)
 {
     memset(rig, 0, sizeof *rig);
-    rig->port = (seld_port){.context = rig,
-                            .transmit = transmit,
-                            .transmit_room = room,
-                            .inputs = inputs,
-                            .outputs = outputs,
-                            .now_us = now_us,
-                            .serial = "haptic"};
+    rig->port = (crn_port){.context = rig,
+                           .transmit = transmit,
+                           .transmit_room = room,
+                           .inputs = inputs,
+                           .outputs = outputs,
+                           .now_us = now_us,
+                           .serial = "haptic"};
     rig->inputs.supply_good = true;
     rig->hand = *hand;
     rig->random = 1;
-    seld_wire_decoder_init(&rig->decoder);
-    seld_app_init(&rig->app, &rig->port);
+    crn_wire_decoder_init(&rig->decoder);
+    crn_app_init(&rig->app, &rig->port);
     set_up(rig, lumen, wire, inserted_um, track);
-    command(rig, SELD_WIRE_ACTION_FREE_RUN, 0);
-    command(rig, SELD_WIRE_ACTION_ARM, 0);
+    command(rig, CRN_WIRE_ACTION_FREE_RUN, 0);
+    command(rig, CRN_WIRE_ACTION_ARM, 0);
     haptic_tick(rig, 0);
-    command(rig, SELD_WIRE_ACTION_ARM_MOTORS, 0);
-    command(rig, SELD_WIRE_ACTION_CONFIRM, rig->status.arm_code);
-    command(rig, SELD_WIRE_ACTION_START, 0);
-    return rig->refusals == 0 && rig->status.state == SELD_WIRE_STATE_RUNNING && rig->status.motors_armed;
+    command(rig, CRN_WIRE_ACTION_ARM_MOTORS, 0);
+    command(rig, CRN_WIRE_ACTION_CONFIRM, rig->status.arm_code);
+    command(rig, CRN_WIRE_ACTION_START, 0);
+    return rig->refusals == 0 && rig->status.state == CRN_WIRE_STATE_RUNNING && rig->status.motors_armed;
 }
 
 /* --- physics --- */
@@ -144,7 +143,7 @@ static double noise(haptic_rig *rig)
 
 void haptic_tick(haptic_rig *rig, double wanted_m)
 {
-    const seld_wire_get get = {SELD_WIRE_GET_STATUS};
+    const crn_wire_get get = {CRN_WIRE_GET_STATUS};
     const double from_m = rig->wanted_m;
     rig->wanted_m_s = (wanted_m - from_m) * 1000;
     for (int i = 1; i <= SUBSTEPS; i++) {
@@ -157,5 +156,5 @@ void haptic_tick(haptic_rig *rig, double wanted_m)
     rig->inputs.hands[0].translation_counts = (int32_t)floor(rig->carriage_m * 1e6 + noise(rig));
     rig->inputs.tracks[0].force_raw = (int32_t)lround(rig->hand_N * 1e3 + 10 * noise(rig));
     if (rig->time_us % 8000 == 0 && rig->app.is_greeted) SAY(rig, get, &get);
-    seld_app_timer(&rig->app);
+    crn_app_timer(&rig->app);
 }

@@ -1,8 +1,8 @@
 /* A rig with a hand on it, in double precision, for tests of the haptic loop: the app itself behind its own port, a carriage
  * with mass, damping, friction and a lagging motor, an encoder with steps and jitter, and a hand as a spring and damper that
  * wants to be somewhere. 20 steps of physics per tick. Called by: firmware/tests. */
-#ifndef SELD_TEST_HAPTIC_RIG_H
-#define SELD_TEST_HAPTIC_RIG_H
+#ifndef CRN_TEST_HAPTIC_RIG_H
+#define CRN_TEST_HAPTIC_RIG_H
 
 #include "firmware/app/app.h"
 
@@ -11,14 +11,14 @@ typedef struct haptic_hand {
 } haptic_hand;
 
 typedef struct haptic_rig {
-    seld_app app;
-    seld_port port;
-    seld_port_inputs inputs;
-    seld_port_outputs outputs;
+    crn_app app;
+    crn_port port;
+    crn_port_inputs inputs;
+    crn_port_outputs outputs;
     uint32_t stage_hold_ms, time_us;
-    seld_wire_decoder decoder;
-    seld_wire_status status; /* last one heard */
-    uint32_t refusals;       /* rejects heard */
+    crn_wire_decoder decoder;
+    crn_wire_status status; /* last one heard */
+    uint32_t refusals;      /* rejects heard */
     haptic_hand hand;
     double wanted_m, wanted_m_s; /* of the hand */
     double carriage_m, carriage_m_s, motor_N;
@@ -30,8 +30,8 @@ enum { HAPTIC_MASS_g = 80, HAPTIC_DAMPING_mN_s_m = 1000, HAPTIC_FRICTION_mN = 20
 
 /* A powered session in `lumen` (NULL: free space) with one wire, `inserted_um` of it outside, on the given track. False when
  * the device refused something. */
-bool haptic_begin(haptic_rig *rig, const seld_lumen *lumen, const seld_wire_instrument *wire,
-                  uint32_t inserted_um, const seld_wire_track *track, const haptic_hand *hand);
+bool haptic_begin(haptic_rig *rig, const crn_lumen *lumen, const crn_wire_instrument *wire,
+                  uint32_t inserted_um, const crn_wire_track *track, const haptic_hand *hand);
 
 /* One millisecond, the hand wanting to be at `wanted_m`. */
 void haptic_tick(haptic_rig *rig, double wanted_m);

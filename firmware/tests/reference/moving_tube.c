@@ -64,7 +64,7 @@ void reference_pull(reference_map map, const double *x, double phase, double bre
 /* Coefficients c with (c[i-1] + 6 c[i] + c[i+1]) / 8 = w[i], periodic: Gauss-Seidel, which gains a factor of 9 in each round. */
 static void prefilter(const double *w, double *c)
 {
-    enum { N = SELD_MOTION_KEYFRAMES };
+    enum { N = CRN_MOTION_KEYFRAMES };
     memcpy(c, w, N * sizeof *c);
     for (int round = 0; round < 20; round++) {
         for (int i = 0; i < N; i++) c[i] = (8 * w[i] - c[(i + N - 1) % N] - c[(i + 1) % N]) / 6;
@@ -74,22 +74,22 @@ static void prefilter(const double *w, double *c)
 static int16_t coefficient(double way_m)
 {
     const double value = round(way_m / unit_m);
-    return (int16_t)fmax(-SELD_MOTION_COEFFICIENT_MAX, fmin(SELD_MOTION_COEFFICIENT_MAX, value));
+    return (int16_t)fmax(-CRN_MOTION_COEFFICIENT_MAX, fmin(CRN_MOTION_COEFFICIENT_MAX, value));
 }
 
 /* The three rows of a node, and its way in a full breath. */
 static void fill_node(const reference_motion *m, const double *x, int16_t *rows, int16_t *inhaled)
 {
-    double w[3][SELD_MOTION_KEYFRAMES], X[3], deep[3], c[SELD_MOTION_KEYFRAMES];
-    for (int i = 0; i < SELD_MOTION_KEYFRAMES; i++) {
-        reference_pull(m->map, x, i / (double)SELD_MOTION_KEYFRAMES, 0, X);
+    double w[3][CRN_MOTION_KEYFRAMES], X[3], deep[3], c[CRN_MOTION_KEYFRAMES];
+    for (int i = 0; i < CRN_MOTION_KEYFRAMES; i++) {
+        reference_pull(m->map, x, i / (double)CRN_MOTION_KEYFRAMES, 0, X);
         for (int k = 0; k < 3; k++) w[k][i] = X[k] - x[k];
     }
     reference_pull(m->map, x, 0, 1, deep);
-    for (int k = 0; k < 3; k++, rows += SELD_MOTION_ROW) {
+    for (int k = 0; k < 3; k++, rows += CRN_MOTION_ROW) {
         prefilter(w[k], c);
-        for (int i = 0; i < SELD_MOTION_KEYFRAMES + 2; i++)
-            rows[i] = coefficient(c[(i + SELD_MOTION_KEYFRAMES - 1) % SELD_MOTION_KEYFRAMES]);
+        for (int i = 0; i < CRN_MOTION_KEYFRAMES + 2; i++)
+            rows[i] = coefficient(c[(i + CRN_MOTION_KEYFRAMES - 1) % CRN_MOTION_KEYFRAMES]);
         inhaled[k] = coefficient(deep[k] - x[k]);
     }
 }
@@ -100,7 +100,7 @@ static reference_motion *lattice_over(const double *low_m, const double *high_m,
     reference_motion *m = calloc(1, sizeof *m);
     const double spacing = (double)(1 << spacing_log2_q30) / q30_per_m;
     size_t nodes = 1;
-    seld_lattice *lattice = &m->motion.beat;
+    crn_lattice *lattice = &m->motion.beat;
     lattice->spacing_log2_q30 = spacing_log2_q30;
     for (int k = 0; k < 3; k++) {
         lattice->origin_m_q30[k] = (int32_t)lround(low_m[k] * q30_per_m);
@@ -108,7 +108,7 @@ static reference_motion *lattice_over(const double *low_m, const double *high_m,
         nodes *= lattice->count_xyz[k];
     }
     m->motion.breath = *lattice;
-    m->motion.rows = calloc(nodes * 3 * SELD_MOTION_ROW, sizeof *m->motion.rows);
+    m->motion.rows = calloc(nodes * 3 * CRN_MOTION_ROW, sizeof *m->motion.rows);
     m->motion.inhaled = calloc(nodes * 3, sizeof *m->motion.inhaled);
     return m;
 }
@@ -128,7 +128,7 @@ reference_motion *reference_motion_make(reference_map map, const double *low_m, 
         for (int k = 0; k < 3; k++) x[k] = m->motion.beat.origin_m_q30[k] / q30_per_m + at[k] * spacing;
         const bool is_edge =
             at[0] == 0 || at[1] == 0 || at[2] == 0 || at[0] + 1 == nx || at[1] + 1 == ny || at[2] + 1 == nz;
-        if (!is_edge) fill_node(m, x, rows + (size_t)i * 3 * SELD_MOTION_ROW, inhaled + (size_t)i * 3);
+        if (!is_edge) fill_node(m, x, rows + (size_t)i * 3 * CRN_MOTION_ROW, inhaled + (size_t)i * 3);
     }
     return m;
 }
@@ -152,7 +152,7 @@ static uint32_t steps_inside(uint32_t at, uint32_t count, uint32_t most)
 static void make_breath(reference_motion *m)
 {
     enum { FADE = 4 };
-    seld_lattice *breath = &m->motion.breath;
+    crn_lattice *breath = &m->motion.breath;
     breath->spacing_log2_q30++;
     for (int k = 0; k < 3; k++) breath->count_xyz[k] = breath->count_xyz[k] / 2 + 1;
     const uint32_t *n = breath->count_xyz;
@@ -174,9 +174,9 @@ reference_motion *reference_waves_make(const double *low_m, const double *high_m
     reference_motion *m = lattice_over(low_m, high_m, spacing_log2_q30);
     const uint32_t *n = m->motion.beat.count_xyz, nodes = n[0] * n[1] * n[2];
     const double spacing = (double)(1 << spacing_log2_q30) / q30_per_m, wave = 2 * acos(-1.0) / 0.25;
-    double beat[SELD_MOTION_KEYFRAMES], c[SELD_MOTION_KEYFRAMES];
-    for (int i = 0; i < SELD_MOTION_KEYFRAMES; i++)
-        beat[i] = -0.005 * reference_contraction(i / (double)SELD_MOTION_KEYFRAMES);
+    double beat[CRN_MOTION_KEYFRAMES], c[CRN_MOTION_KEYFRAMES];
+    for (int i = 0; i < CRN_MOTION_KEYFRAMES; i++)
+        beat[i] = -0.005 * reference_contraction(i / (double)CRN_MOTION_KEYFRAMES);
     prefilter(beat, c);
     int16_t *row = (int16_t *)(uintptr_t)m->motion.rows;
     for (uint32_t i = 0; i < nodes; i++) {
@@ -187,19 +187,19 @@ reference_motion *reference_waves_make(const double *low_m, const double *high_m
             x[k] = m->motion.beat.origin_m_q30[k] / q30_per_m + at[k] * spacing;
             inside = steps_inside(at[k], n[k], inside);
         }
-        for (int k = 0; k < 3; k++, row += SELD_MOTION_ROW) {
+        for (int k = 0; k < 3; k++, row += CRN_MOTION_ROW) {
             const double part = (double)inside / FADE * sin(wave * x[(k + 1) % 3] + k);
-            for (int j = 0; j < SELD_MOTION_KEYFRAMES + 2; j++)
-                row[j] = coefficient(part * c[(j + SELD_MOTION_KEYFRAMES - 1) % SELD_MOTION_KEYFRAMES]);
+            for (int j = 0; j < CRN_MOTION_KEYFRAMES + 2; j++)
+                row[j] = coefficient(part * c[(j + CRN_MOTION_KEYFRAMES - 1) % CRN_MOTION_KEYFRAMES]);
         }
     }
     make_breath(m);
     return m;
 }
 
-seld_instrument reference_coronary_wire(void)
+crn_instrument reference_coronary_wire(void)
 {
-    seld_instrument wire = reference_wire(3e-5, 400000, 2000, 0.1);
+    crn_instrument wire = reference_wire(3e-5, 400000, 2000, 0.1);
     wire.element_tip_um = 1000;
     wire.element_fine_um = 40000;
     wire.knot_count = 3;

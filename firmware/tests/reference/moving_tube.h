@@ -1,8 +1,8 @@
 /* Vessels that move by a closed form, for tests, benchmarks and validation: the lattice a baker would fit, made here node by node
  * from the inverse map, and the map itself in double.
  * May include: core.h, motion.h. Called by: firmware/tests, firmware/bench, tools/validate. */
-#ifndef SELD_REFERENCE_MOVING_TUBE_H
-#define SELD_REFERENCE_MOVING_TUBE_H
+#ifndef CRN_REFERENCE_MOVING_TUBE_H
+#define CRN_REFERENCE_MOVING_TUBE_H
 
 #include "firmware/core/core.h"
 #include "firmware/core/motion.h"
@@ -13,7 +13,7 @@ typedef void (*reference_map)(const double *X_m, double phase, double breath, do
 
 typedef struct reference_motion {
     reference_map map;
-    seld_motion motion; /* owns rows and inhaled */
+    crn_motion motion; /* owns rows and inhaled */
 } reference_motion;
 
 /* The lattice over a box, with nodes 2^log2 Q30 m apart; its outermost nodes stand still, so that the box must reach beyond what
@@ -41,6 +41,6 @@ extern const double reference_coronary_low_m[3], reference_coronary_high_m[3];
 reference_motion *reference_waves_make(const double *low_m, const double *high_m, uint32_t spacing_log2_q30);
 
 /* A 0.014 in wire of 400 mm with a soft tip. */
-seld_instrument reference_coronary_wire(void);
+crn_instrument reference_coronary_wire(void);
 
 #endif

@@ -1,7 +1,7 @@
 /* Seeded random numbers for tests: SplitMix64 (Steele, Lea, Flood 2014). One seed reproduces a run.
  * May include: nothing. Called by: firmware/tests. */
-#ifndef SELD_REFERENCE_RANDOM_H
-#define SELD_REFERENCE_RANDOM_H
+#ifndef CRN_REFERENCE_RANDOM_H
+#define CRN_REFERENCE_RANDOM_H
 
 #include <stdint.h>
 

@@ -11,10 +11,10 @@ static const double Q30 = 1073741824.0;
 enum { RELEASE_TICKS = 300, SPEED_TICKS = 200, EXACT_EVERY = 10 };
 
 /* Curved and soft over the first `bent_mm`. */
-static seld_instrument make_tool(double tip_N_m2, double shaft_N_m2, double curve_per_m, double bent_mm,
-                                 uint32_t radius_um, uint32_t bore_um)
+static crn_instrument make_tool(double tip_N_m2, double shaft_N_m2, double curve_per_m, double bent_mm,
+                                uint32_t radius_um, uint32_t bore_um)
 {
-    seld_instrument tool = reference_wire(shaft_N_m2, 900000, 4000, 0.1);
+    crn_instrument tool = reference_wire(shaft_N_m2, 900000, 4000, 0.1);
     tool.element_tip_um = 1000;
     tool.element_fine_um = 40000;
     tool.lumen_friction_milli = 50;
@@ -36,13 +36,13 @@ static seld_instrument make_tool(double tip_N_m2, double shaft_N_m2, double curv
 }
 
 typedef struct session {
-    seld_model model;
-    seld_state state;
-    seld_input input;
-    seld_output output;
+    crn_model model;
+    crn_state state;
+    crn_input input;
+    crn_output output;
     reference_tube *vessel;
     reference_random random;
-    int32_t speed[SELD_TOOL_MAX], turn[SELD_TOOL_MAX];
+    int32_t speed[CRN_TOOL_MAX], turn[CRN_TOOL_MAX];
 } session;
 
 static session *start(uint32_t tool_count, uint32_t number)
@@ -52,18 +52,18 @@ static session *start(uint32_t tool_count, uint32_t number)
     const reference_piece left[] = {{0.08, 1.2, 0}, {0.2, 0.5, 0.4}};
     const reference_piece right[] = {{0.08, 0.9, 3.14}, {0.2, -0.6, 1}};
     const uint32_t inserted_um[] = {60000, 40000, 20000};
-    const seld_instrument tools[] = {
+    const crn_instrument tools[] = {
         make_tool(number % 4 == 0 ? 2e-6 : 1e-5, shaft_N_m2[number % 5], number % 2 ? 66 : 0, 20, 445, 0),
         make_tool(2e-4, 4e-4 + 1e-4 * (number % 6), 30, 40, 800, 500),
         make_tool(5e-4, 8e-4, number % 2 ? 0 : 15, 40, 1150, 850)};
-    seld_entry entry = reference_entry();
-    seld_build_place place;
+    crn_entry entry = reference_entry();
+    crn_build_place place;
     session *s = calloc(1, sizeof *s);
     s->vessel = reference_fork_make(&trunk, left, right, 0.005, 1);
     s->random = reference_random_seed(1000 + number);
-    if (seld_model_build(&s->model, tools, tool_count, &s->vessel->lumen, &entry, &place) != SELD_BUILD_OK)
+    if (crn_model_build(&s->model, tools, tool_count, &s->vessel->lumen, &entry, &place) != CRN_BUILD_OK)
         abort();
-    seld_state_init(&s->model, &s->state, inserted_um);
+    crn_state_init(&s->model, &s->state, inserted_um);
     return s;
 }
 
@@ -71,14 +71,14 @@ static void move_hands(session *s, uint32_t tool_count, int tick)
 {
     for (uint32_t k = 0; k < tool_count; k++) {
         if (tick % SPEED_TICKS == 0) {
-            double inserted_m = seld_state_inserted(&s->state, k) / Q30;
+            double inserted_m = crn_state_inserted(&s->state, k) / Q30;
             s->speed[k] = (int32_t)reference_random_below(&s->random, 1073742) - 536871;
             s->turn[k] = (int32_t)reference_random_below(&s->random, 16400000) - 8200000;
             if (reference_random_below(&s->random, 4) == 0) s->speed[k] = 0;
             if (inserted_m > 0.5) s->speed[k] = -abs(s->speed[k]);
             if (inserted_m < 0.02) s->speed[k] = abs(s->speed[k]);
         }
-        s->input.hands[k].feed_m_q30 = seld_add_sat(s->input.hands[k].feed_m_q30, s->speed[k]);
+        s->input.hands[k].feed_m_q30 = crn_add_sat(s->input.hands[k].feed_m_q30, s->speed[k]);
         s->input.hands[k].turn32 += (uint32_t)s->turn[k];
     }
 }
@@ -87,10 +87,10 @@ static void move_hands(session *s, uint32_t tool_count, int tick)
 static double exact_depth_mm(const session *s)
 {
     double deepest = -1e3;
-    for (uint32_t i = 0; i < seld_state_free_count(&s->state); i++) {
-        seld_vec3 p = seld_state_position(&s->state, i);
+    for (uint32_t i = 0; i < crn_state_free_count(&s->state); i++) {
+        crn_vec3 p = crn_state_position(&s->state, i);
         double x[3] = {p.v[0] / Q30, p.v[1] / Q30, p.v[2] / Q30};
-        double depth_m = reference_tube_distance(s->vessel, x) + seld_state_radius(&s->state, i) / Q30;
+        double depth_m = reference_tube_distance(s->vessel, x) + crn_state_radius(&s->state, i) / Q30;
         deepest = fmax(deepest, 1e3 * depth_m);
     }
     return deepest;
@@ -101,7 +101,7 @@ void reference_random_hands(uint32_t tool_count, uint32_t number, int ticks, ref
     session *s = start(tool_count, number);
     for (int t = 0; t < ticks; t++) {
         move_hands(s, tool_count, t);
-        seld_step(&s->model, &s->state, &s->input, &s->output);
+        crn_step(&s->model, &s->state, &s->input, &s->output);
         if (t < RELEASE_TICKS) continue;
         double strain_pct = 100 * fabs(s->output.strain_max_q30 / Q30);
         double depth_mm = 1e3 * s->output.penetration_max_m_q30 / Q30;

@@ -151,12 +151,12 @@ static uint16_t make_entry(builder *b, const double *corner, uint32_t level)
     double centre[3] = {corner[0] + 4 * voxel, corner[1] + 4 * voxel, corner[2] + 4 * voxel};
     double d = reference_tube_distance(b->tube, centre);
     double band = 4 * voxel * 1.7321 + 0.0025;
-    if (d > band) return SELD_LUMEN_ENTRY_OUTSIDE;
-    if (d < -band) return SELD_LUMEN_ENTRY_INSIDE;
+    if (d > band) return CRN_LUMEN_ENTRY_OUTSIDE;
+    if (d < -band) return CRN_LUMEN_ENTRY_INSIDE;
     if (level == b->level) {
-        b->samples = realloc(b->samples, (size_t)(b->bricks + 1) * SELD_LUMEN_BRICK_SAMPLES);
-        fill_brick(b->tube, corner, voxel, b->samples + (size_t)b->bricks * SELD_LUMEN_BRICK_SAMPLES);
-        return (uint16_t)(SELD_LUMEN_ENTRY_FIRST_BRICK + b->bricks++);
+        b->samples = realloc(b->samples, (size_t)(b->bricks + 1) * CRN_LUMEN_BRICK_SAMPLES);
+        fill_brick(b->tube, corner, voxel, b->samples + (size_t)b->bricks * CRN_LUMEN_BRICK_SAMPLES);
+        return (uint16_t)(CRN_LUMEN_ENTRY_FIRST_BRICK + b->bricks++);
     }
     uint32_t row = b->rows++;
     b->children = realloc(b->children, b->rows * 8 * sizeof *b->children);
@@ -166,13 +166,13 @@ static uint16_t make_entry(builder *b, const double *corner, uint32_t level)
         uint16_t entry = make_entry(b, c, level + 1);
         b->children[row * 8 + k] = entry;
     }
-    return (uint16_t)(SELD_LUMEN_ENTRY_REFINED | row);
+    return (uint16_t)(CRN_LUMEN_ENTRY_REFINED | row);
 }
 
 static void build_field(reference_tube *tube, uint32_t level)
 {
     double brick = EDGE * voxel0_m;
-    seld_lumen *lumen = &tube->lumen;
+    crn_lumen *lumen = &tube->lumen;
     for (int k = 0; k < 3; k++) {
         double low = 1e9, high = -1e9;
         for (uint32_t i = 0; i < tube->point_count; i++) {
@@ -269,18 +269,18 @@ void reference_tube_free(reference_tube *tube)
 
 /* --- scenes ---------------------------------------------------------------------------------------------------- */
 
-seld_entry reference_entry(void)
+crn_entry reference_entry(void)
 {
-    seld_entry entry = {{{0, 0, 0}}, {{SELD_ONE_Q30, 0, 0}}};
+    crn_entry entry = {{{0, 0, 0}}, {{CRN_ONE_Q30, 0, 0}}};
     return entry;
 }
 
-seld_instrument reference_wire(double bend_N_m2, uint32_t length_um, uint32_t element_um, double friction)
+crn_instrument reference_wire(double bend_N_m2, uint32_t length_um, uint32_t element_um, double friction)
 {
-    seld_instrument wire = {0};
+    crn_instrument wire = {0};
     wire.knot_count = 2;
     for (uint32_t i = 0; i < 2; i++) {
-        seld_knot *knot = &wire.knots[i];
+        crn_knot *knot = &wire.knots[i];
         knot->arc_um = i * length_um;
         knot->bend_stiffness_nN_m2 = (uint32_t)lround(bend_N_m2 * 1e9);
         knot->twist_stiffness_nN_m2 = (uint32_t)lround(bend_N_m2 / 1.3 * 1e9);
@@ -293,9 +293,9 @@ seld_instrument reference_wire(double bend_N_m2, uint32_t length_um, uint32_t el
     return wire;
 }
 
-seld_instrument reference_floppy_j(double bend_N_m2)
+crn_instrument reference_floppy_j(double bend_N_m2)
 {
-    seld_instrument wire = reference_wire(bend_N_m2, 900000, 3000, 0.2);
+    crn_instrument wire = reference_wire(bend_N_m2, 900000, 3000, 0.2);
     wire.knot_count = 4;
     wire.knots[3] = wire.knots[2] = wire.knots[1];
     wire.knots[1] = wire.knots[0];

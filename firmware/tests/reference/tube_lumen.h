@@ -1,8 +1,8 @@
 /* A lumen from a closed form, for tests and benchmarks: a tube of one radius around a path of straight pieces and arcs.
  * The distance is exact (double), and the field is what a baker would store, made here independently of it.
  * May include: core.h. Called by: firmware/tests, firmware/bench. */
-#ifndef SELD_REFERENCE_TUBE_LUMEN_H
-#define SELD_REFERENCE_TUBE_LUMEN_H
+#ifndef CRN_REFERENCE_TUBE_LUMEN_H
+#define CRN_REFERENCE_TUBE_LUMEN_H
 
 #include "firmware/core/core.h"
 
@@ -13,7 +13,7 @@ typedef struct reference_tube {
     double radius_m;
     double throat_m, throat_at_m,
         throat_length_m; /* of a straight tube: narrowed there as a cosine; length 0: nowhere */
-    seld_lumen lumen;    /* owns index, children, samples */
+    crn_lumen lumen;     /* owns index, children, samples */
 } reference_tube;
 
 /* A piece of path: `length_m` along the current direction, or an arc of `angle_rad` and radius `length_m / angle_rad`
@@ -37,11 +37,11 @@ void reference_tube_free(reference_tube *tube);
 double reference_tube_distance(const reference_tube *tube, const double *point_m);
 
 /* Standard scenes. All enter at the origin along +x. */
-seld_entry reference_entry(void);
+crn_entry reference_entry(void);
 /* Uniform instrument: EI in N m^2, elements of `element_um`, friction kinetic = static. */
-seld_instrument reference_wire(double bend_N_m2, uint32_t length_um, uint32_t element_um, double friction);
+crn_instrument reference_wire(double bend_N_m2, uint32_t length_um, uint32_t element_um, double friction);
 /* 0.9 m of it with a floppy J of 12 mm, which snaps from wall to wall. */
-seld_instrument reference_floppy_j(double bend_N_m2);
+crn_instrument reference_floppy_j(double bend_N_m2);
 /* Three bends out of one plane, 0.9 m long, r 4 mm: the insertion scene. */
 reference_tube *reference_three_bends(double radius_m, uint32_t level);
 

@@ -58,7 +58,7 @@ void a_host_that_died_within_a_frame_does_not_keep_the_next_one_out(void **)
     hil::SimBench bench(hil::campaign_plant());
     const std::uint8_t half[] = {9, 1, 2, 3};
     bench.pipe().write(half);
-    seld::Link link(bench.pipe());
+    crn::Link link(bench.pipe());
     assert_true(link.hello().accepted);
 }
 
@@ -66,14 +66,14 @@ void a_host_that_died_within_a_frame_does_not_keep_the_next_one_out(void **)
 void a_host_that_waits_is_not_silent(void **)
 {
     hil::SimBench bench(hil::campaign_plant());
-    seld::Link link(bench.pipe());
+    crn::Link link(bench.pipe());
     hil::campaign_set_up(link);
     hil::start_free_run(bench, link);
     assert_int_equal(link.free_run(500).size(), 496); // batches of 16
-    assert_int_equal(link.read_status().state, SELD_WIRE_STATE_RUNNING);
-    const seld_wire_fault_log log = link.read_fault_log();
+    assert_int_equal(link.read_status().state, CRN_WIRE_STATE_RUNNING);
+    const crn_wire_fault_log log = link.read_fault_log();
     for (std::uint16_t i = 0; i < log.entries_count; i++)
-        assert_int_not_equal(log.entries[i].code, SELD_FAULT_CODE_HOST_SILENT);
+        assert_int_not_equal(log.entries[i].code, CRN_FAULT_CODE_HOST_SILENT);
 }
 
 } // namespace

@@ -111,10 +111,10 @@ class Patient
 {
   public:
     explicit Patient(int icount_shift)
-        : path_((std::filesystem::temp_directory_path() / ("seldinger_crash_" + std::to_string(getpid())))
+        : path_((std::filesystem::temp_directory_path() / ("cournand_crash_" + std::to_string(getpid())))
                     .string()),
           debugger(path_), helper_([this] { debugger.let_go(); }),
-          bench(hil::PlantSettings{}, seld::EmulatorOptions{{}, icount_shift, {}, path_})
+          bench(hil::PlantSettings{}, crn::EmulatorOptions{{}, icount_shift, {}, path_})
     {
         helper_.join();
     }
@@ -187,7 +187,7 @@ void guarded(void (*body)())
 void power_goes_with_a_hard_fault()
 {
     Patient patient(0);
-    seld::Link link(patient.bench.pipe());
+    crn::Link link(patient.bench.pipe());
     hil::set_up(link);
     hil::start_free_run(patient.bench, link);
     hil::push_by_spring_hand(patient.bench.plant());
@@ -197,7 +197,7 @@ void power_goes_with_a_hard_fault()
     patient.expect_console("power off");
     hil::check(!patient.has_power(), "the crashed device still asks for power");
     hil::Plant &plant = patient.bench.plant();
-    seld_port_outputs outputs = patient.bench.outputs();
+    crn_port_outputs outputs = patient.bench.outputs();
     outputs.enable = false; // as the page says
     plant.step(outputs);
     hil::check(!plant.is_stage_on(), "the power stage holds");
@@ -234,15 +234,15 @@ void the_watchdog_ends_a_loop_and_the_host_is_told()
         [&] { return rig_read(&patient.bench.emulator().page().device.magic) == RIG_MAGIC; }, "the device");
     std::string first_error;
     try {
-        seld::Link old(patient.bench.pipe());
+        crn::Link old(patient.bench.pipe());
         old.hello();
-    } catch (const seld::LinkError &error) {
+    } catch (const crn::LinkError &error) {
         first_error = error.what();
     }
     hil::check(first_error.find("started again") != std::string::npos, "the host is not told: '%s'",
                first_error.c_str());
-    seld::Link link(patient.bench.pipe());
-    hil::check(link.hello().accepted && link.read_status().state == SELD_WIRE_STATE_READY,
+    crn::Link link(patient.bench.pipe());
+    hil::check(link.hello().accepted && link.read_status().state == CRN_WIRE_STATE_READY,
                "no new conversation");
 }
 

@@ -25,7 +25,7 @@ namespace
 {
 
 // A cable to a bench: it goes after so many reads, and whoever opens the device again gets a new one.
-class Cable final : public seld::Transport
+class Cable final : public crn::Transport
 {
   public:
     Cable(hil::Bench &bench, std::uint32_t &reads_left) : bench_(bench), reads_left_(reads_left)
@@ -50,7 +50,7 @@ class Cable final : public seld::Transport
   private:
     void check() const
     {
-        if (is_gone_) throw seld::DeviceLost("gone");
+        if (is_gone_) throw crn::DeviceLost("gone");
     }
     hil::Bench &bench_;
     std::uint32_t &reads_left_;
@@ -67,44 +67,44 @@ struct Trial {
             return std::make_unique<Cable>(bench, reads_left);
         };
         choice.return_limit_ms = 1000;
-        seld::Link link(bench.pipe());
+        crn::Link link(bench.pipe());
         hil::set_up(link); // the rig knows its couplings
         hil::push_by_spring_hand(bench.plant());
         bench.plant().track(0).translation.set_hand(hil::Hand::spring);
     }
 
-    seld::RunResult run(double seconds, const std::function<void(seld::Device &)> &before = {})
+    crn::RunResult run(double seconds, const std::function<void(crn::Device &)> &before = {})
     {
-        const seld::SceneFile scene = seld::read_scene("");
-        const std::vector<seld::Instrument> tools = {
-            seld::read_instrument("shared/examples/instruments/j_wire.toml")};
-        const seld_wire_entry entry = seld::entry_of(scene, 1, {});
-        seld::Device device(scene, tools, entry, seld::host_rig(), choice);
+        const crn::SceneFile scene = crn::read_scene("");
+        const std::vector<crn::Instrument> tools = {
+            crn::read_instrument("shared/examples/instruments/j_wire.toml")};
+        const crn_wire_entry entry = crn::entry_of(scene, 1, {});
+        crn::Device device(scene, tools, entry, crn::host_rig(), choice);
         if (before) before(device);
-        const seld::RecordingHeader header = {device.identity().core_version,
-                                              device.identity().schema_hash,
-                                              0,
-                                              0,
-                                              "",
-                                              "rig",
-                                              tools,
-                                              entry,
-                                              device.rig()};
-        seld::Recorder recorder(path, header);
-        return seld::run_free_session(device, {}, seconds, &recorder, nullptr, {});
+        const crn::RecordingHeader header = {device.identity().core_version,
+                                             device.identity().schema_hash,
+                                             0,
+                                             0,
+                                             "",
+                                             "rig",
+                                             tools,
+                                             entry,
+                                             device.rig()};
+        crn::Recorder recorder(path, header);
+        return crn::run_free_session(device, {}, seconds, &recorder, nullptr, {});
     }
 
     // Every tick again, on a device of the host's own.
-    void check_replay(const seld::RunResult &result)
+    void check_replay(const crn::RunResult &result)
     {
-        const seld::Recording recording = seld::read_recording(path);
-        const seld::SceneFile scene = seld::read_scene("");
+        const crn::Recording recording = crn::read_recording(path);
+        const crn::SceneFile scene = crn::read_scene("");
         for (double from_s : {0.0, result.figures.ticks * 0.7e-3}) {
-            seld::Device device(scene, recording.header.tools, recording.header.entry, recording.header.rig);
-            seld::ReplaySettings settings;
+            crn::Device device(scene, recording.header.tools, recording.header.entry, recording.header.rig);
+            crn::ReplaySettings settings;
             settings.verifies = true;
             settings.from_s = from_s;
-            const seld::ReplayResult replay = seld::replay_recording(device, recording, nullptr, settings);
+            const crn::ReplayResult replay = crn::replay_recording(device, recording, nullptr, settings);
             if (replay.first_difference_tick) {
                 fail_msg("from %.1f s: tick %u: %s", from_s, unsigned{*replay.first_difference_tick},
                          replay.difference.c_str());
@@ -115,11 +115,11 @@ struct Trial {
     }
 
     hil::SimBench bench;
-    seld::DeviceChoice choice;
+    crn::DeviceChoice choice;
     std::uint32_t reads_left = 0, away_ms = 1500;
     int opens = 0;
     std::string path =
-        (std::filesystem::temp_directory_path() / ("seldinger_free_run_" + std::to_string(getpid()) + ".rec"))
+        (std::filesystem::temp_directory_path() / ("cournand_free_run_" + std::to_string(getpid()) + ".rec"))
             .string();
     ~Trial() { std::filesystem::remove(path); }
 };
@@ -128,7 +128,7 @@ void what_hands_do_at_a_rig_replays_bit_for_bit(void **)
 {
     for (bool with_motors : {false, true}) {
         Trial trial(with_motors);
-        const seld::RunResult result = trial.run(2.0);
+        const crn::RunResult result = trial.run(2.0);
         if (!result.stopped_by.empty()) fail_msg("%s", result.stopped_by.c_str());
         assert_in_range(result.figures.ticks, 2000, 2060);
         assert_int_equal(result.powered_ticks > 0, with_motors);
@@ -145,12 +145,12 @@ void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
 {
     for (std::uint32_t cut : {100u, 401u, 702u}) {
         Trial trial(true);
-        const seld::RunResult result = trial.run(2.0, [&](seld::Device &) { trial.reads_left = cut; });
+        const crn::RunResult result = trial.run(2.0, [&](crn::Device &) { trial.reads_left = cut; });
         if (!result.stopped_by.empty()) fail_msg("%s", result.stopped_by.c_str());
         print_message("# cut after %u reads: %u ticks, came back %u times\n", cut, result.figures.ticks,
                       result.resumes);
         assert_int_equal(result.resumes, 1);
-        assert_int_equal(seld::read_recording(trial.path).resumes.size(), 1);
+        assert_int_equal(crn::read_recording(trial.path).resumes.size(), 1);
         assert_in_range(result.figures.ticks, 2000, 2060);
         trial.check_replay(result);
     }
@@ -161,35 +161,34 @@ void a_long_session_resumes_from_a_snapshot(void **)
 {
     Trial trial(false);
     trial.bench.plant().track(0).translation.move_hand(0.01);
-    const seld::RunResult result = trial.run(13.0, [&](seld::Device &) { trial.reads_left = 4700; });
+    const crn::RunResult result = trial.run(13.0, [&](crn::Device &) { trial.reads_left = 4700; });
     if (!result.stopped_by.empty()) fail_msg("%s", result.stopped_by.c_str());
     assert_int_equal(result.resumes, 1);
-    assert_true(!seld::read_recording(trial.path).snapshots.empty());
+    assert_true(!crn::read_recording(trial.path).snapshots.empty());
     trial.check_replay(result);
 }
 
 void a_rig_that_stops_ends_the_session_with_the_cause(void **)
 {
     Trial trial(true);
-    seld::RunResult result =
-        trial.run(2.0, [&](seld::Device &) { trial.bench.plant().emergency_stop = true; });
+    crn::RunResult result = trial.run(2.0, [&](crn::Device &) { trial.bench.plant().emergency_stop = true; });
     print_message("# %s\n", result.stopped_by.c_str());
     assert_true(result.stopped_by.find("EMERGENCY_STOP") != std::string::npos);
     assert_true(result.stopped_by.find("Remedy: ") != std::string::npos);
     assert_true(result.figures.ticks < 2000);
-    assert_int_equal(seld::read_recording(trial.path).ticks.size(), result.figures.ticks);
+    assert_int_equal(crn::read_recording(trial.path).ticks.size(), result.figures.ticks);
     if (result.figures.ticks > 0) trial.check_replay(result);
 }
 
 void motors_without_a_coupling_are_refused_with_a_remedy(void **)
 {
     Trial trial(true);
-    seld::Link link(trial.bench.pipe());
+    crn::Link link(trial.bench.pipe());
     link.hello();
-    link.set_rig(seld::host_rig());
+    link.set_rig(crn::host_rig());
     try {
         trial.run(1.0);
-    } catch (const seld::LinkError &error) {
+    } catch (const crn::LinkError &error) {
         assert_true(std::string(error.what()).find("Remedy: ") != std::string::npos);
         return;
     }

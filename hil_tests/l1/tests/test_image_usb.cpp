@@ -53,8 +53,8 @@ class Session
   public:
     Session() : emulator(options())
     {
-        seld_wire_decoder_init(&decoder);
-        host.mailbox = reinterpret_cast<seld_mailbox *>(emulator.memory());
+        crn_wire_decoder_init(&decoder);
+        host.mailbox = reinterpret_cast<crn_mailbox *>(emulator.memory());
         host.wait = wait_a_little;
         host.begin_wait = begin_wait;
         host.context = &patience_;
@@ -62,9 +62,9 @@ class Session
         host.naks_max = 20000;
     }
 
-    static seld::EmulatorOptions options()
+    static crn::EmulatorOptions options()
     {
-        seld::EmulatorOptions options;
+        crn::EmulatorOptions options;
         options.icount_shift = 0;
         options.serial = "AN500-0042";
         return options;
@@ -75,7 +75,7 @@ class Session
         const usb_request address = {0, 5, 5, 0, 0}, configure = {0, 9, 1, 0, 0};
         std::uint32_t count = 0;
         assert_true(usb_host_sees_device(&host));
-        expect(usb_host_bus(&host, SELD_MAILBOX_RESET_HIGH), "reset of the bus");
+        expect(usb_host_bus(&host, CRN_MAILBOX_RESET_HIGH), "reset of the bus");
         expect(usb_host_control(&host, &address, nullptr, &count), "SET_ADDRESS");
         host.address = 5;
         expect(usb_host_control(&host, &configure, nullptr, &count), "SET_CONFIGURATION");
@@ -84,20 +84,20 @@ class Session
     std::vector<std::uint8_t> framed(std::uint16_t type, std::span<const std::uint8_t> payload)
     {
         std::vector<std::uint8_t> frame(256);
-        const seld_wire_header header = {++sequence_, 0, type};
+        const crn_wire_header header = {++sequence_, 0, type};
         frame.resize(
-            seld_wire_frame_encode(&header, payload.data(), payload.size(), frame.data(), frame.size()));
+            crn_wire_frame_encode(&header, payload.data(), payload.size(), frame.data(), frame.size()));
         return frame;
     }
 
     std::vector<std::uint8_t> framed_hello()
     {
-        const seld_wire_hello hello = {SELD_WIRE_PROTOCOL_MAJOR, SELD_WIRE_PROTOCOL_MINOR,
-                                       seld_wire_schema_hash()};
+        const crn_wire_hello hello = {CRN_WIRE_PROTOCOL_MAJOR, CRN_WIRE_PROTOCOL_MINOR,
+                                      crn_wire_schema_hash()};
         std::uint8_t payload[64];
-        seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-        assert_true(seld_wire_put_hello(&writer, &hello));
-        return framed(SELD_WIRE_TYPE_hello, {payload, writer.length});
+        crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+        assert_true(crn_wire_put_hello(&writer, &hello));
+        return framed(CRN_WIRE_TYPE_hello, {payload, writer.length});
     }
 
     void write_usb(const std::vector<std::uint8_t> &frame)
@@ -124,7 +124,7 @@ class Session
             std::uint32_t count = 0;
             expect(usb_host_packet_in(&host, stream, packet, sizeof packet, &count), "an answer");
             for (std::uint32_t i = 0; i < count; i++) {
-                if (seld_wire_decoder_push(&decoder, packet[i]) != SELD_WIRE_FRAME) continue;
+                if (crn_wire_decoder_push(&decoder, packet[i]) != CRN_WIRE_FRAME) continue;
                 assert_int_equal(decoder.header.type, type);
                 return;
             }
@@ -132,9 +132,9 @@ class Session
         fail_msg("no frame in 8 packets");
     }
 
-    seld::Emulator emulator;
+    crn::Emulator emulator;
     usb_host host{};
-    seld_wire_decoder decoder{};
+    crn_wire_decoder decoder{};
 
   private:
     Patience patience_;
@@ -155,9 +155,9 @@ void the_image_answers_hello_over_usb(void **)
     assert_int_equal(count, 2 + 2 * serial.size());
     for (std::size_t i = 0; i < serial.size(); i++) assert_int_equal(descriptor[2 + 2 * i], serial[i]);
     session.write_usb(session.framed_hello());
-    session.expect_frame(SELD_WIRE_TYPE_hello_reply);
-    seld_wire_hello_reply reply;
-    assert_true(seld_wire_decode_hello_reply(session.decoder.payload, session.decoder.payload_bytes, &reply));
+    session.expect_frame(CRN_WIRE_TYPE_hello_reply);
+    crn_wire_hello_reply reply;
+    assert_true(crn_wire_decode_hello_reply(session.decoder.payload, session.decoder.payload_bytes, &reply));
     assert_int_equal(reply.accepted, 1);
 }
 
@@ -167,14 +167,14 @@ void a_sleeping_bus_keeps_what_the_app_says(void **)
     Session session;
     session.configure();
     session.write_usb(session.framed_hello());
-    session.expect_frame(SELD_WIRE_TYPE_hello_reply);
+    session.expect_frame(CRN_WIRE_TYPE_hello_reply);
     const std::uint32_t said = rig_read(&session.emulator.page().device.to_host_head);
-    expect(usb_host_bus(&session.host, SELD_MAILBOX_SUSPENDED), "suspend");
-    const std::uint8_t get[] = {SELD_WIRE_GET_STATUS};
-    session.write_page(session.framed(SELD_WIRE_TYPE_get, get));
+    expect(usb_host_bus(&session.host, CRN_MAILBOX_SUSPENDED), "suspend");
+    const std::uint8_t get[] = {CRN_WIRE_GET_STATUS};
+    session.write_page(session.framed(CRN_WIRE_TYPE_get, get));
     assert_int_equal(rig_read(&session.emulator.page().device.to_host_head), said);
-    expect(usb_host_bus(&session.host, SELD_MAILBOX_RESUMED), "resume");
-    session.expect_frame(SELD_WIRE_TYPE_status);
+    expect(usb_host_bus(&session.host, CRN_MAILBOX_RESUMED), "resume");
+    session.expect_frame(CRN_WIRE_TYPE_status);
     assert_int_equal(session.decoder.header.answers, 2);
 }
 
@@ -184,13 +184,13 @@ void work_that_comes_by_usb_takes_the_plants_time(void **)
     Session session;
     session.configure();
     session.write_usb(session.framed_hello());
-    session.expect_frame(SELD_WIRE_TYPE_hello_reply);
+    session.expect_frame(CRN_WIRE_TYPE_hello_reply);
     const rig_device_half &device = session.emulator.page().device;
     const std::uint32_t idle_us = rig_read(&device.clock_us), idle_counts = rig_read(&device.receive_counts);
     usleep(20000);
     assert_int_equal(rig_read(&device.clock_us), idle_us);
     session.write_usb(session.framed_hello());
-    session.expect_frame(SELD_WIRE_TYPE_hello_reply);
+    session.expect_frame(CRN_WIRE_TYPE_hello_reply);
     const std::uint32_t counts = rig_read(&device.receive_counts) - idle_counts,
                         us = rig_read(&device.clock_us) - idle_us;
     std::printf("# HELLO over USB: %u us, %.0f instructions\n", us, session.emulator.instructions(counts));

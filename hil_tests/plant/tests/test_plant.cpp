@@ -172,16 +172,16 @@ void encoders_wrap_and_have_faults(void **)
     faulty.set_fault(SensorFault::stuck);
     faulty.sample(5e-3, random);
     assert_int_equal(faulty.counts(), 8200);
-    assert_int_equal(faulty.health(), SELD_PORT_SENSOR_OK);
+    assert_int_equal(faulty.health(), CRN_PORT_SENSOR_OK);
     faulty.set_fault(SensorFault::range);
-    assert_int_equal(faulty.health(), SELD_PORT_SENSOR_RANGE);
+    assert_int_equal(faulty.health(), CRN_PORT_SENSOR_RANGE);
 }
 
-// A device that flips the line every millisecond has power; n ms after the last flip it is gone, n = SELD_PORT_DRIVE_HOLD_ms.
+// A device that flips the line every millisecond has power; n ms after the last flip it is gone, n = CRN_PORT_DRIVE_HOLD_ms.
 void the_power_stage_drops_power_5_ms_after_the_last_flip(void **)
 {
     Plant plant(PlantSettings{});
-    seld_port_outputs outputs{};
+    crn_port_outputs outputs{};
     outputs.enable = true;
     plant.step(outputs);
     assert_false(plant.is_stage_on());
@@ -195,7 +195,7 @@ void the_power_stage_drops_power_5_ms_after_the_last_flip(void **)
     near("force with power in N", plant.motor_peak_N(), 3.0, 1e-3);
     int on_ms = 0;
     for (; on_ms < 100 && plant.is_stage_on(); on_ms++) plant.step(outputs);
-    assert_int_equal(on_ms, SELD_PORT_DRIVE_HOLD_ms);
+    assert_int_equal(on_ms, CRN_PORT_DRIVE_HOLD_ms);
     for (int i = 0; i < 3; i++) plant.step(outputs);
     near("force without power in N", plant.motor_peak_N(), 0.0, 0.01);
 }
@@ -204,7 +204,7 @@ void the_power_stage_obeys_enable_stop_and_supply_at_once(void **)
 {
     for (int what = 0; what < 3; what++) {
         Plant plant(PlantSettings{});
-        seld_port_outputs outputs{};
+        crn_port_outputs outputs{};
         outputs.enable = outputs.drive = true;
         plant.step(outputs);
         assert_true(plant.is_stage_on());
@@ -222,7 +222,7 @@ void the_force_sensor_shows_the_force_and_saturates(void **)
     PlantSettings settings;
     settings.force_noise_N = 0.0;
     Plant plant(settings);
-    seld_port_outputs outputs{};
+    crn_port_outputs outputs{};
     outputs.enable = true;
     outputs.motors[0].axial_mN = 2000;
     for (int i = 0; i < 100; i++) {
@@ -233,7 +233,7 @@ void the_force_sensor_shows_the_force_and_saturates(void **)
     plant.track(0).force_fault = SensorFault::jump;
     plant.track(0).force_jump_N = 30.0;
     plant.step(outputs);
-    assert_int_equal(plant.inputs().tracks[0].force_sensor, SELD_PORT_SENSOR_RANGE);
+    assert_int_equal(plant.inputs().tracks[0].force_sensor, CRN_PORT_SENSOR_RANGE);
     assert_int_equal(plant.inputs().tracks[0].force_raw, 20000);
 }
 
@@ -247,7 +247,7 @@ void a_seed_gives_the_same_rig_every_time(void **)
         Plant plant(settings);
         plant.track(0).translation.set_hand(Hand::spring);
         plant.track(0).translation.move_hand(0.05);
-        seld_port_outputs outputs{};
+        crn_port_outputs outputs{};
         outputs.enable = true;
         for (int ms = 0; ms < 300; ms++) {
             outputs.drive = !outputs.drive;

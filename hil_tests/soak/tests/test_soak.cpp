@@ -27,7 +27,7 @@ soak::Catalogue catalogue; // free space and all that ships
 
 int make_catalogue(void **)
 {
-    folder = fs::temp_directory_path() / ("seldinger_soak_" + std::to_string(getpid()));
+    folder = fs::temp_directory_path() / ("cournand_soak_" + std::to_string(getpid()));
     catalogue = soak::read_catalogue({""}, "shared/examples/instruments", "shared/examples/stents");
     return fs::create_directories(folder) ? 0 : 1;
 }
@@ -142,7 +142,7 @@ void a_session_that_is_long_enough_ends_at_that_tick(void **)
 void a_recording_that_differs_in_one_input_is_told_at_its_tick(void **)
 {
     soak::TrialSettings settings = settings_with();
-    settings.disturb = [](seld::Recording &recording) {
+    settings.disturb = [](crn::Recording &recording) {
         recording.ticks.at(300).input.hands[0].translation_counts += 100;
     };
     const soak::Verdict verdict =
@@ -154,7 +154,7 @@ void a_recording_that_differs_in_one_input_is_told_at_its_tick(void **)
 void a_recording_that_lost_its_end_is_told(void **)
 {
     soak::TrialSettings settings = settings_with();
-    settings.disturb = [](seld::Recording &recording) { recording.ticks.resize(recording.ticks.size() - 1); };
+    settings.disturb = [](crn::Recording &recording) { recording.ticks.resize(recording.ticks.size() - 1); };
     const soak::Verdict verdict =
         soak::run_trial(catalogue, written({"begin inserted 40 mm", "wait 200 ms"}), settings);
     assert_string_equal(verdict.broken.c_str(), "replay");

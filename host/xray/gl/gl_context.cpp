@@ -3,7 +3,7 @@
 #include "host/xray/gl/gl_headless.hpp"
 #include <cstring>
 
-namespace seld
+namespace crn
 {
 
 GlFunctions load_functions(const GlContext &context)
@@ -16,9 +16,9 @@ GlFunctions load_functions(const GlContext &context)
         static_assert(sizeof function == sizeof address);
         std::memcpy(&function, &address, sizeof function);
     };
-#define SELD_GL_LOAD(result, name, arguments) load(functions.name, "gl" #name);
-    SELD_GL_FUNCTIONS(SELD_GL_LOAD)
-#undef SELD_GL_LOAD
+#define CRN_GL_LOAD(result, name, arguments) load(functions.name, "gl" #name);
+    CRN_GL_FUNCTIONS(CRN_GL_LOAD)
+#undef CRN_GL_LOAD
     return functions;
 }
 
@@ -53,4 +53,4 @@ std::unique_ptr<GlContext> open_headless(GlLibrary library, const GlFileNames &n
     throw GlError("OpenGL: no context: " + problems + "; the picture needs none with --xray raster");
 }
 
-} // namespace seld
+} // namespace crn

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 // Says what is missing or refused, and what to do about it.
@@ -69,4 +69,4 @@ struct GlDescription {
 };
 GlDescription describe(GlContext &context);
 
-} // namespace seld
+} // namespace crn

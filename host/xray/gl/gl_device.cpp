@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -300,4 +300,4 @@ void GlDevice::draw(const BodyMeshes &meshes, std::span<const std::uint8_t> is_s
     check("drawing");
 }
 
-} // namespace seld
+} // namespace crn

@@ -3,7 +3,7 @@
 #include "host/xray/gl/gl_context.hpp"
 #include "host/xray/paths.hpp"
 
-namespace seld
+namespace crn
 {
 
 class GlDevice
@@ -43,4 +43,4 @@ class GlDevice
     std::vector<unsigned> pictures_; // one texture per channel
 };
 
-} // namespace seld
+} // namespace crn

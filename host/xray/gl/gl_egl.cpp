@@ -3,7 +3,7 @@
 #include "host/xray/gl/gl_library.hpp"
 #include <mutex>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -162,4 +162,4 @@ std::unique_ptr<GlContext> open_egl(const std::vector<std::string> &file_names)
     return std::make_unique<EglContext>(Display::shared(file_names));
 }
 
-} // namespace seld
+} // namespace crn

@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace seld
+namespace crn
 {
 
 // X(result, name without gl, arguments)
-#define SELD_GL_FUNCTIONS(X)                                                                                 \
+#define CRN_GL_FUNCTIONS(X)                                                                                  \
     X(unsigned, GetError, ())                                                                                \
     X(const unsigned char *, GetString, (unsigned name))                                                     \
     X(void, GetIntegerv, (unsigned name, int *value))                                                        \
@@ -76,9 +76,9 @@ namespace seld
     X(void, Uniform4f, (int place, float x, float y, float z, float w))
 
 struct GlFunctions {
-#define SELD_GL_MEMBER(result, name, arguments) result(*name) arguments = nullptr;
-    SELD_GL_FUNCTIONS(SELD_GL_MEMBER)
-#undef SELD_GL_MEMBER
+#define CRN_GL_MEMBER(result, name, arguments) result(*name) arguments = nullptr;
+    CRN_GL_FUNCTIONS(CRN_GL_MEMBER)
+#undef CRN_GL_MEMBER
 };
 
 namespace gl
@@ -102,4 +102,4 @@ constexpr unsigned vendor = 0x1F00, renderer = 0x1F01, version = 0x1F02, max_tex
 constexpr unsigned no_error = 0, out_of_memory = 0x0505, context_lost = 0x0507;
 
 } // namespace gl
-} // namespace seld
+} // namespace crn

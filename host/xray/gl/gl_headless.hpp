@@ -2,11 +2,11 @@
 #pragma once
 #include "host/xray/gl/gl_context.hpp"
 
-namespace seld
+namespace crn
 {
 
 // Both throw GlError with the package that would help.
 std::unique_ptr<GlContext> open_osmesa(const std::vector<std::string> &file_names);
 std::unique_ptr<GlContext> open_egl(const std::vector<std::string> &file_names);
 
-} // namespace seld
+} // namespace crn

@@ -1,7 +1,7 @@
 #include "host/xray/gl/gl_library.hpp"
 #include <dlfcn.h>
 
-namespace seld
+namespace crn
 {
 
 GlLibraryFile::GlLibraryFile(const std::vector<std::string> &names)
@@ -22,4 +22,4 @@ void *GlLibraryFile::symbol(const char *name) const
     return handle_ ? dlsym(handle_, name) : nullptr;
 }
 
-} // namespace seld
+} // namespace crn

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace seld
+namespace crn
 {
 
 class GlLibraryFile
@@ -32,4 +32,4 @@ class GlLibraryFile
     std::string name_, problem_;
 };
 
-} // namespace seld
+} // namespace crn

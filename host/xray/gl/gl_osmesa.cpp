@@ -3,7 +3,7 @@
 #include "host/xray/gl/gl_library.hpp"
 #include <array>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -84,4 +84,4 @@ std::unique_ptr<GlContext> open_osmesa(const std::vector<std::string> &file_name
     return std::make_unique<OsMesaContext>(library);
 }
 
-} // namespace seld
+} // namespace crn

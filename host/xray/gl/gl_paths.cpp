@@ -3,7 +3,7 @@
 #include "host/xray/parallel.hpp"
 #include <algorithm>
 
-namespace seld
+namespace crn
 {
 
 namespace
@@ -93,4 +93,4 @@ void GlPaths::resolve_row(const View &view, const PixelRect &rect, int row, Path
                        picture.data() + static_cast<std::size_t>(rect.y0 + row) * view.size);
 }
 
-} // namespace seld
+} // namespace crn

@@ -6,7 +6,7 @@
 #include "host/xray/paths.hpp"
 #include <functional>
 
-namespace seld
+namespace crn
 {
 
 // Makes a context whenever one is needed: at the start, and once more when it was lost.
@@ -43,4 +43,4 @@ class GlPaths final : public BodyPaths
     std::vector<std::vector<float>> sums_mm_; // [channel], rectangle of the last draw
 };
 
-} // namespace seld
+} // namespace crn

@@ -1,7 +1,7 @@
 #include "host/xray/gl/gl_program.hpp"
 #include <array>
 
-namespace seld
+namespace crn
 {
 namespace
 {
@@ -49,4 +49,4 @@ unsigned build_program(const GlFunctions &gl, const char *vertex_text, const cha
     throw GlError("OpenGL: the driver refuses a program: " + std::string(log.data()));
 }
 
-} // namespace seld
+} // namespace crn

@@ -2,10 +2,10 @@
 #pragma once
 #include "host/xray/gl/gl_context.hpp"
 
-namespace seld
+namespace crn
 {
 
 // Throws GlError with the driver's own words. The caller deletes the program.
 unsigned build_program(const GlFunctions &gl, const char *vertex_text, const char *fragment_text);
 
-} // namespace seld
+} // namespace crn

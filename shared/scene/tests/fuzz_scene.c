@@ -14,7 +14,7 @@ static void promise(bool kept)
 }
 
 /* Refinement ends after two rows and every brick is there. */
-static void walk_entry(const seld_scene_lumen *lumen, uint32_t entry)
+static void walk_entry(const crn_scene_lumen *lumen, uint32_t entry)
 {
     for (int level = 0; entry >= 0x8000; level++) {
         uint32_t row = entry & 0x7fffu;
@@ -31,29 +31,29 @@ static void walk_entry(const seld_scene_lumen *lumen, uint32_t entry)
     promise(entry < 2 || entry - 2 < lumen->brick_count);
 }
 
-static void walk_branch(const seld_scene *scene, uint32_t index, const uint8_t *end)
+static void walk_branch(const crn_scene *scene, uint32_t index, const uint8_t *end)
 {
-    seld_scene_branch_view branch = seld_scene_branch(scene, index);
-    promise(strlen(branch.name) < SELD_SCENE_BRANCH_NAME_BYTES && branch.bed < SELD_SCENE_BED_COUNT);
+    crn_scene_branch_view branch = crn_scene_branch(scene, index);
+    promise(strlen(branch.name) < CRN_SCENE_BRANCH_NAME_BYTES && branch.bed < CRN_SCENE_BED_COUNT);
     promise(branch.parent < (int32_t)index && (branch.parent == -1) == (index == 0));
     if (index > 0)
-        promise(branch.parent_point < seld_scene_branch(scene, (uint32_t)branch.parent).point_count);
+        promise(branch.parent_point < crn_scene_branch(scene, (uint32_t)branch.parent).point_count);
     promise(branch.point_count >= 2 &&
-            branch.points + SELD_SCENE_TREE_POINT_BYTES * (size_t)branch.point_count <= end);
+            branch.points + CRN_SCENE_TREE_POINT_BYTES * (size_t)branch.point_count <= end);
 }
 
-static void walk_lesion(const seld_scene *scene, uint32_t index, const uint8_t *end)
+static void walk_lesion(const crn_scene *scene, uint32_t index, const uint8_t *end)
 {
-    seld_scene_lesion_view lesion = seld_scene_lesion(scene, index);
-    promise(strlen(lesion.name) < SELD_SCENE_BRANCH_NAME_BYTES && lesion.branch < scene->branch_count);
-    const uint32_t points = seld_scene_branch(scene, lesion.branch).point_count;
+    crn_scene_lesion_view lesion = crn_scene_lesion(scene, index);
+    promise(strlen(lesion.name) < CRN_SCENE_BRANCH_NAME_BYTES && lesion.branch < scene->branch_count);
+    const uint32_t points = crn_scene_branch(scene, lesion.branch).point_count;
     promise(lesion.point_count >= 3 && lesion.first_point < points &&
             lesion.point_count <= points - lesion.first_point);
-    promise(lesion.healthy_points + SELD_SCENE_TREE_POINT_BYTES * (size_t)lesion.point_count <= end);
+    promise(lesion.healthy_points + CRN_SCENE_TREE_POINT_BYTES * (size_t)lesion.point_count <= end);
 }
 
 /* Every number is within its range, so that the core's sums fit, and the boundary stands still. */
-static void walk_motion(const seld_scene_motion *motion, size_t row, const uint8_t *end)
+static void walk_motion(const crn_scene_motion *motion, size_t row, const uint8_t *end)
 {
     const size_t nx = motion->node_count_xyz[0], ny = motion->node_count_xyz[1],
                  nz = motion->node_count_xyz[2];
@@ -62,44 +62,44 @@ static void walk_motion(const seld_scene_motion *motion, size_t row, const uint8
     for (size_t i = 0; i < nx * ny * nz * 3 * row; i++) {
         const size_t node = i / (3 * row), x = node % nx, y = node / nx % ny, z = node / nx / ny;
         const bool is_edge = x == 0 || y == 0 || z == 0 || x + 1 == nx || y + 1 == ny || z + 1 == nz;
-        promise(motion->rows[i] <= SELD_SCENE_MOTION_VALUE_MAX &&
-                motion->rows[i] >= -SELD_SCENE_MOTION_VALUE_MAX);
+        promise(motion->rows[i] <= CRN_SCENE_MOTION_VALUE_MAX &&
+                motion->rows[i] >= -CRN_SCENE_MOTION_VALUE_MAX);
         promise(!is_edge || motion->rows[i] == 0);
     }
 }
 
-static void walk_plaque(const seld_scene *scene, uint32_t index, const uint8_t *end)
+static void walk_plaque(const crn_scene *scene, uint32_t index, const uint8_t *end)
 {
-    const seld_scene_plaque_view plaque = seld_scene_plaque(scene, index);
-    promise(plaque.station_count >= 3 && plaque.station_count <= SELD_SCENE_PLAQUE_STATION_MAX);
-    promise(plaque.stations + SELD_SCENE_PLAQUE_STATION_BYTES * (size_t)plaque.station_count <= end);
+    const crn_scene_plaque_view plaque = crn_scene_plaque(scene, index);
+    promise(plaque.station_count >= 3 && plaque.station_count <= CRN_SCENE_PLAQUE_STATION_MAX);
+    promise(plaque.stations + CRN_SCENE_PLAQUE_STATION_BYTES * (size_t)plaque.station_count <= end);
     for (uint32_t i = 0; i < plaque.station_count; i++) {
-        const uint8_t *station = plaque.stations + SELD_SCENE_PLAQUE_STATION_BYTES * (size_t)i;
-        promise(seld_scene_i32(station + 28) > 0 &&
-                seld_scene_i32(station + 12) >= seld_scene_i32(station + 28));
+        const uint8_t *station = plaque.stations + CRN_SCENE_PLAQUE_STATION_BYTES * (size_t)i;
+        promise(crn_scene_i32(station + 28) > 0 &&
+                crn_scene_i32(station + 12) >= crn_scene_i32(station + 28));
     }
 }
 
-static void walk(const seld_scene *scene, const uint8_t *end)
+static void walk(const crn_scene *scene, const uint8_t *end)
 {
     promise(strlen(scene->name) < 64 && strlen(scene->source) < 192);
-    const seld_scene_lumen *lumen = &scene->lumen;
-    if (scene->kind == SELD_SCENE_KIND_SCENE) {
+    const crn_scene_lumen *lumen = &scene->lumen;
+    if (scene->kind == CRN_SCENE_KIND_SCENE) {
         size_t count =
             (size_t)lumen->brick_count_xyz[0] * lumen->brick_count_xyz[1] * lumen->brick_count_xyz[2];
         for (size_t i = 0; i < count; i++) walk_entry(lumen, lumen->index[i]);
         promise((const uint8_t *)lumen->samples + (size_t)lumen->brick_count * 1000 <= end);
-        if (scene->has_motion) walk_motion(&scene->motion, SELD_SCENE_MOTION_ROW, end);
+        if (scene->has_motion) walk_motion(&scene->motion, CRN_SCENE_MOTION_ROW, end);
         if (scene->has_breath) walk_motion(&scene->breath, 1, end);
         for (uint32_t i = 0; i < scene->plaque_count; i++) walk_plaque(scene, i, end);
     }
     for (uint32_t i = 0; i < scene->body_count; i++) {
-        seld_scene_body_view body = seld_scene_body(scene, i);
+        crn_scene_body_view body = crn_scene_body(scene, i);
         promise(body.parent < (int32_t)scene->body_count && strlen(body.name) < 32 &&
                 strlen(body.material) < 16);
         promise(body.triangles + 12 * (size_t)body.triangle_count <= end);
         for (size_t k = 0; k < 3 * (size_t)body.triangle_count; k++)
-            promise(seld_scene_u32(body.triangles + 4 * k) < body.vertex_count);
+            promise(crn_scene_u32(body.triangles + 4 * k) < body.vertex_count);
     }
     for (uint32_t i = 0; i < scene->branch_count; i++) walk_branch(scene, i, end);
     for (uint32_t i = 0; i < scene->lesion_count; i++) walk_lesion(scene, i, end);
@@ -107,11 +107,11 @@ static void walk(const seld_scene *scene, const uint8_t *end)
 
 static void offer(const uint8_t *bytes, size_t size)
 {
-    seld_scene scene;
+    crn_scene scene;
     uint32_t where = 0;
-    seld_scene_status status = seld_scene_open(bytes, size, &scene, &where);
-    promise(seld_scene_status_text(status)[0] != 0 && where <= size);
-    if (status == SELD_SCENE_OK) walk(&scene, bytes + size);
+    crn_scene_status status = crn_scene_open(bytes, size, &scene, &where);
+    promise(crn_scene_status_text(status)[0] != 0 && where <= size);
+    if (status == CRN_SCENE_OK) walk(&scene, bytes + size);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
@@ -120,7 +120,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     if (copy == NULL) return 0;
     memcpy(copy, bytes, size);
     offer(copy, size);
-    if (size >= 20) seld_scene_put_u32(copy + 16, (uint32_t)size);
+    if (size >= 20) crn_scene_put_u32(copy + 16, (uint32_t)size);
     sample_seal(copy, size);
     offer(copy, size);
     free(copy);

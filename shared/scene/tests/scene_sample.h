@@ -1,7 +1,7 @@
 /* Small valid files for the tests of the scene container, and sealing of files changed on purpose.
  * May include: shared. Called by: shared/scene/tests. */
-#ifndef SELD_SCENE_SAMPLE_H
-#define SELD_SCENE_SAMPLE_H
+#ifndef CRN_SCENE_SAMPLE_H
+#define CRN_SCENE_SAMPLE_H
 
 #include "shared/scene/scene_write.h"
 #include "shared/wire/wire_frame.h"
@@ -18,65 +18,65 @@ enum {
     SAMPLE_TREE_BYTES = 16 + 2 * 64 + 5 * 16,
     SAMPLE_NODES = 3, /* along each axis: only the middle one may move */
     SAMPLE_MIDDLE = 13,
-    SAMPLE_MOTION_BYTES = 32 + SAMPLE_NODES * SAMPLE_NODES * SAMPLE_NODES * 3 * SELD_SCENE_MOTION_ROW * 2,
+    SAMPLE_MOTION_BYTES = 32 + SAMPLE_NODES * SAMPLE_NODES * SAMPLE_NODES * 3 * CRN_SCENE_MOTION_ROW * 2,
     SAMPLE_BREATH_BYTES = 32 + SAMPLE_NODES * SAMPLE_NODES * SAMPLE_NODES * 3 * 2,
 };
 
 static inline void sample_meta(uint8_t *meta)
 {
-    memset(meta, 0, SELD_SCENE_META_BYTES);
+    memset(meta, 0, CRN_SCENE_META_BYTES);
     memcpy(meta, "sample", 6);
-    memcpy(meta + SELD_SCENE_NAME_BYTES, "made by the tests", 17);
+    memcpy(meta + CRN_SCENE_NAME_BYTES, "made by the tests", 17);
 }
 
 static inline void sample_entry(uint8_t *entry)
 {
-    memset(entry, 0, SELD_SCENE_ENTRY_BYTES);
-    seld_scene_put_u32(entry + 16, 1u << 30); /* +y */
+    memset(entry, 0, CRN_SCENE_ENTRY_BYTES);
+    crn_scene_put_u32(entry + 16, 1u << 30); /* +y */
 }
 
 /* Coarse brick 0 is brick 0; coarse brick 1 is row 0, whose first octant is row 1; all others are bricks 1 and 2. */
 static inline void sample_lumen(uint8_t *lumen)
 {
     memset(lumen, 0, SAMPLE_LUMEN_BYTES);
-    seld_scene_put_u32(lumen, (uint32_t) - (1 << 23));
-    seld_scene_put_u16(lumen + 12, 2);
-    seld_scene_put_u16(lumen + 14, 1);
-    seld_scene_put_u16(lumen + 16, 1);
-    seld_scene_put_u16(lumen + 18, SAMPLE_ROWS);
-    seld_scene_put_u32(lumen + 20, SAMPLE_BRICKS);
-    seld_scene_put_u16(lumen + 24, 1);
-    seld_scene_put_u16(lumen + 32, 2);
-    seld_scene_put_u16(lumen + 34, 0x8000);
+    crn_scene_put_u32(lumen, (uint32_t) - (1 << 23));
+    crn_scene_put_u16(lumen + 12, 2);
+    crn_scene_put_u16(lumen + 14, 1);
+    crn_scene_put_u16(lumen + 16, 1);
+    crn_scene_put_u16(lumen + 18, SAMPLE_ROWS);
+    crn_scene_put_u32(lumen + 20, SAMPLE_BRICKS);
+    crn_scene_put_u16(lumen + 24, 1);
+    crn_scene_put_u16(lumen + 32, 2);
+    crn_scene_put_u16(lumen + 34, 0x8000);
     for (int i = 0; i < 16; i++)
-        seld_scene_put_u16(lumen + 36 + 2 * i, (uint16_t)(i == 0 ? 0x8001 : i < 8 ? 3 : 4));
+        crn_scene_put_u16(lumen + 36 + 2 * i, (uint16_t)(i == 0 ? 0x8001 : i < 8 ? 3 : 4));
     for (int i = 0; i < 1000 * SAMPLE_BRICKS; i++) lumen[68 + i] = (uint8_t)(i * 37);
 }
 
 static inline size_t sample_scene(uint8_t *file, size_t capacity)
 {
-    uint8_t meta[SELD_SCENE_META_BYTES], entry[SELD_SCENE_ENTRY_BYTES], lumen[SAMPLE_LUMEN_BYTES];
+    uint8_t meta[CRN_SCENE_META_BYTES], entry[CRN_SCENE_ENTRY_BYTES], lumen[SAMPLE_LUMEN_BYTES];
     sample_meta(meta);
     sample_entry(entry);
     sample_lumen(lumen);
-    const seld_scene_part parts[3] = {{SELD_SCENE_META, meta, sizeof meta},
-                                      {SELD_SCENE_ENTRY, entry, sizeof entry},
-                                      {SELD_SCENE_LUMEN, lumen, sizeof lumen}};
-    return seld_scene_write(SELD_SCENE_KIND_SCENE, parts, 3, file, capacity);
+    const crn_scene_part parts[3] = {{CRN_SCENE_META, meta, sizeof meta},
+                                     {CRN_SCENE_ENTRY, entry, sizeof entry},
+                                     {CRN_SCENE_LUMEN, lumen, sizeof lumen}};
+    return crn_scene_write(CRN_SCENE_KIND_SCENE, parts, 3, file, capacity);
 }
 
 /* Place of a number in the MOTION section: keyframe column `i` of component `k` of node `node`. */
 static inline size_t sample_motion_at(int node, int k, int i)
 {
-    return 32 + 2 * (size_t)((node * 3 + k) * SELD_SCENE_MOTION_ROW + i);
+    return 32 + 2 * (size_t)((node * 3 + k) * CRN_SCENE_MOTION_ROW + i);
 }
 
 /* Header of a lattice, 7.8 mm apart. */
 static inline void sample_lattice(uint8_t *motion)
 {
-    seld_scene_put_u32(motion, (uint32_t) - (1 << 23));
-    for (int k = 0; k < 3; k++) seld_scene_put_u16(motion + 12 + 2 * k, SAMPLE_NODES);
-    seld_scene_put_u16(motion + 18, 23);
+    crn_scene_put_u32(motion, (uint32_t) - (1 << 23));
+    for (int k = 0; k < 3; k++) crn_scene_put_u16(motion + 12 + 2 * k, SAMPLE_NODES);
+    crn_scene_put_u16(motion + 18, 23);
 }
 
 /* Its middle node breathes 0.5 mm along y. */
@@ -84,7 +84,7 @@ static inline void sample_breath(uint8_t *breath)
 {
     memset(breath, 0, SAMPLE_BREATH_BYTES);
     sample_lattice(breath);
-    seld_scene_put_u16(breath + 32 + 2 * (3 * SAMPLE_MIDDLE + 1), 262);
+    crn_scene_put_u16(breath + 32 + 2 * (3 * SAMPLE_MIDDLE + 1), 262);
 }
 
 /* The middle node goes 1 mm along x and back. */
@@ -92,29 +92,29 @@ static inline void sample_motion(uint8_t *motion)
 {
     memset(motion, 0, SAMPLE_MOTION_BYTES);
     sample_lattice(motion);
-    seld_scene_put_u16(motion + 20, SELD_SCENE_MOTION_KEYFRAMES);
-    for (int i = 0; i < SELD_SCENE_MOTION_KEYFRAMES + 2; i++) {
-        const int key = i % SELD_SCENE_MOTION_KEYFRAMES;
-        seld_scene_put_u16(motion + sample_motion_at(SAMPLE_MIDDLE, 0, i),
-                           (uint16_t)(key < 12 ? 44 * key : 44 * (24 - key)));
+    crn_scene_put_u16(motion + 20, CRN_SCENE_MOTION_KEYFRAMES);
+    for (int i = 0; i < CRN_SCENE_MOTION_KEYFRAMES + 2; i++) {
+        const int key = i % CRN_SCENE_MOTION_KEYFRAMES;
+        crn_scene_put_u16(motion + sample_motion_at(SAMPLE_MIDDLE, 0, i),
+                          (uint16_t)(key < 12 ? 44 * key : 44 * (24 - key)));
     }
 }
 
 static inline size_t sample_moving_scene(uint8_t *file, size_t capacity)
 {
-    uint8_t meta[SELD_SCENE_META_BYTES], entry[SELD_SCENE_ENTRY_BYTES], lumen[SAMPLE_LUMEN_BYTES],
+    uint8_t meta[CRN_SCENE_META_BYTES], entry[CRN_SCENE_ENTRY_BYTES], lumen[SAMPLE_LUMEN_BYTES],
         motion[SAMPLE_MOTION_BYTES], breath[SAMPLE_BREATH_BYTES];
     sample_meta(meta);
     sample_entry(entry);
     sample_lumen(lumen);
     sample_motion(motion);
     sample_breath(breath);
-    const seld_scene_part parts[5] = {{SELD_SCENE_META, meta, sizeof meta},
-                                      {SELD_SCENE_ENTRY, entry, sizeof entry},
-                                      {SELD_SCENE_LUMEN, lumen, sizeof lumen},
-                                      {SELD_SCENE_MOTION, motion, sizeof motion},
-                                      {SELD_SCENE_BREATH, breath, sizeof breath}};
-    return seld_scene_write(SELD_SCENE_KIND_SCENE, parts, 5, file, capacity);
+    const crn_scene_part parts[5] = {{CRN_SCENE_META, meta, sizeof meta},
+                                     {CRN_SCENE_ENTRY, entry, sizeof entry},
+                                     {CRN_SCENE_LUMEN, lumen, sizeof lumen},
+                                     {CRN_SCENE_MOTION, motion, sizeof motion},
+                                     {CRN_SCENE_BREATH, breath, sizeof breath}};
+    return crn_scene_write(CRN_SCENE_KIND_SCENE, parts, 5, file, capacity);
 }
 
 enum { SAMPLE_STATIONS = 3, SAMPLE_PLAQUES_BYTES = 16 + 80 + SAMPLE_STATIONS * 48 };
@@ -124,44 +124,44 @@ static inline void sample_plaques(uint8_t *plaques)
 {
     const uint32_t one_q30 = 1u << 30, mm_q30 = 1073742, spacing = 1u << 20;
     memset(plaques, 0, SAMPLE_PLAQUES_BYTES);
-    seld_scene_put_u32(plaques, 1);
-    seld_scene_put_u32(plaques + 4, SAMPLE_STATIONS);
+    crn_scene_put_u32(plaques, 1);
+    crn_scene_put_u32(plaques + 4, SAMPLE_STATIONS);
     uint8_t *record = plaques + 16;
     for (int k = 0; k < 3; k++) {
-        seld_scene_put_u32(record + 4 * k, 0u - 5 * mm_q30);
-        seld_scene_put_u32(record + 12 + 4 * k, 5 * mm_q30);
+        crn_scene_put_u32(record + 4 * k, 0u - 5 * mm_q30);
+        crn_scene_put_u32(record + 12 + 4 * k, 5 * mm_q30);
     }
     const uint32_t numbers[] = {0,      one_q30, 0,           1u << 28, 20, SAMPLE_STATIONS,
                                 500000, 300000,  one_q30 / 3, 1 << 22};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
-        seld_scene_put_u32(record + 24 + 4 * i, numbers[i]);
+        crn_scene_put_u32(record + 24 + 4 * i, numbers[i]);
     for (uint32_t i = 0; i < SAMPLE_STATIONS; i++) {
         uint8_t *station = record + 80 + 48 * (size_t)i;
-        seld_scene_put_u32(station + 4, i * spacing);
-        seld_scene_put_u32(station + 12, 2 * mm_q30);
-        seld_scene_put_u32(station + 16, mm_q30 / 2);
-        seld_scene_put_u32(station + 20, i * spacing);
-        seld_scene_put_u32(station + 28, mm_q30);
-        seld_scene_put_u32(station + 36, one_q30);
+        crn_scene_put_u32(station + 4, i * spacing);
+        crn_scene_put_u32(station + 12, 2 * mm_q30);
+        crn_scene_put_u32(station + 16, mm_q30 / 2);
+        crn_scene_put_u32(station + 20, i * spacing);
+        crn_scene_put_u32(station + 28, mm_q30);
+        crn_scene_put_u32(station + 36, one_q30);
     }
 }
 
 /* Behind the lumen, or behind its motion. */
 static inline size_t sample_diseased_scene(uint8_t *file, size_t capacity, bool moves)
 {
-    uint8_t meta[SELD_SCENE_META_BYTES], entry[SELD_SCENE_ENTRY_BYTES], lumen[SAMPLE_LUMEN_BYTES],
+    uint8_t meta[CRN_SCENE_META_BYTES], entry[CRN_SCENE_ENTRY_BYTES], lumen[SAMPLE_LUMEN_BYTES],
         motion[SAMPLE_MOTION_BYTES], plaques[SAMPLE_PLAQUES_BYTES];
     sample_meta(meta);
     sample_entry(entry);
     sample_lumen(lumen);
     sample_motion(motion);
     sample_plaques(plaques);
-    seld_scene_part parts[5] = {{SELD_SCENE_META, meta, sizeof meta},
-                                {SELD_SCENE_ENTRY, entry, sizeof entry},
-                                {SELD_SCENE_LUMEN, lumen, sizeof lumen},
-                                {SELD_SCENE_MOTION, motion, sizeof motion}};
-    parts[moves ? 4 : 3] = (seld_scene_part){SELD_SCENE_PLAQUES, plaques, sizeof plaques};
-    return seld_scene_write(SELD_SCENE_KIND_SCENE, parts, moves ? 5 : 4, file, capacity);
+    crn_scene_part parts[5] = {{CRN_SCENE_META, meta, sizeof meta},
+                               {CRN_SCENE_ENTRY, entry, sizeof entry},
+                               {CRN_SCENE_LUMEN, lumen, sizeof lumen},
+                               {CRN_SCENE_MOTION, motion, sizeof motion}};
+    parts[moves ? 4 : 3] = (crn_scene_part){CRN_SCENE_PLAQUES, plaques, sizeof plaques};
+    return crn_scene_write(CRN_SCENE_KIND_SCENE, parts, moves ? 5 : 4, file, capacity);
 }
 
 /* A tetrahedron of 1 m named by `name`. */
@@ -171,21 +171,21 @@ static inline void sample_body(uint8_t *body, const char *name, int32_t parent)
     memset(body, 0, SAMPLE_BODY_BYTES);
     memcpy(body, name, strlen(name));
     memcpy(body + 32, "bone", 4);
-    seld_scene_put_u32(body + 48, (uint32_t)parent);
-    seld_scene_put_u32(body + 52, 4);
-    seld_scene_put_u32(body + 56, 4);
-    for (int k = 0; k < 3; k++) seld_scene_put_u32(body + 64 + 12 * (k + 1) + 4 * k, 1000000);
-    for (int i = 0; i < 12; i++) seld_scene_put_u32(body + 112 + 4 * i, triangles[i]);
+    crn_scene_put_u32(body + 48, (uint32_t)parent);
+    crn_scene_put_u32(body + 52, 4);
+    crn_scene_put_u32(body + 56, 4);
+    for (int k = 0; k < 3; k++) crn_scene_put_u32(body + 64 + 12 * (k + 1) + 4 * k, 1000000);
+    for (int i = 0; i < 12; i++) crn_scene_put_u32(body + 112 + 4 * i, triangles[i]);
 }
 
 static inline void sample_branch(uint8_t *branch, const char *name, int32_t parent, uint32_t parent_point,
                                  uint32_t first, uint32_t count)
 {
     memcpy(branch, name, strlen(name));
-    seld_scene_put_u32(branch + 32, (uint32_t)parent);
-    seld_scene_put_u32(branch + 36, parent_point);
-    seld_scene_put_u32(branch + 40, first);
-    seld_scene_put_u32(branch + 44, count);
+    crn_scene_put_u32(branch + 32, (uint32_t)parent);
+    crn_scene_put_u32(branch + 36, parent_point);
+    crn_scene_put_u32(branch + 40, first);
+    crn_scene_put_u32(branch + 44, count);
 }
 
 /* An aorta of three points along +y, 10 mm wide, and a renal artery of two that leaves its middle. */
@@ -194,15 +194,14 @@ static inline void sample_tree(uint8_t *tree)
     static const int32_t points_um[5][3] = {
         {0, 0, 0}, {0, 20000, 0}, {0, 40000, 0}, {0, 20000, 0}, {30000, 20000, 0}};
     memset(tree, 0, SAMPLE_TREE_BYTES);
-    seld_scene_put_u32(tree, 2);
-    seld_scene_put_u32(tree + 4, 5);
+    crn_scene_put_u32(tree, 2);
+    crn_scene_put_u32(tree + 4, 5);
     sample_branch(tree + 16, "aorta", -1, 0, 0, 3);
     sample_branch(tree + 80, "renal", 0, 1, 3, 2);
-    seld_scene_put_u32(tree + 80 + 52, 8000); /* mm3/s */
+    crn_scene_put_u32(tree + 80 + 52, 8000); /* mm3/s */
     for (int i = 0; i < 5; i++) {
-        for (int k = 0; k < 3; k++)
-            seld_scene_put_u32(tree + 144 + 16 * i + 4 * k, (uint32_t)points_um[i][k]);
-        seld_scene_put_u32(tree + 144 + 16 * i + 12, i < 3 ? 5000 : 3000);
+        for (int k = 0; k < 3; k++) crn_scene_put_u32(tree + 144 + 16 * i + 4 * k, (uint32_t)points_um[i][k]);
+        crn_scene_put_u32(tree + 144 + 16 * i + 12, i < 3 ? 5000 : 3000);
     }
 }
 
@@ -211,13 +210,13 @@ enum { SAMPLE_LESIONS_BYTES = 16 + 48 + 3 * 16 };
 static inline void sample_lesions(uint8_t *lesions)
 {
     memset(lesions, 0, SAMPLE_LESIONS_BYTES);
-    seld_scene_put_u32(lesions, 1);
-    seld_scene_put_u32(lesions + 4, 3);
+    crn_scene_put_u32(lesions, 1);
+    crn_scene_put_u32(lesions + 4, 3);
     memcpy(lesions + 16, "coarctation", 11);
-    seld_scene_put_u32(lesions + 16 + 40, 3);
+    crn_scene_put_u32(lesions + 16 + 40, 3);
     for (uint32_t i = 0; i < 3; i++) {
-        seld_scene_put_u32(lesions + 64 + 16 * i + 4, 20000 * i);
-        seld_scene_put_u32(lesions + 64 + 16 * i + 12, 9000);
+        crn_scene_put_u32(lesions + 64 + 16 * i + 4, 20000 * i);
+        crn_scene_put_u32(lesions + 64 + 16 * i + 12, 9000);
     }
 }
 
@@ -228,10 +227,10 @@ enum { SAMPLE_PARTNER_BYTES = 4112, SAMPLE_PARTNER_CRC32 = 0x1234abcd };
 static inline size_t sample_body_file_of(uint8_t *file, size_t capacity, sample_vessels vessels,
                                          int has_partner)
 {
-    uint8_t partner[SELD_SCENE_PARTNER_BYTES];
-    seld_scene_put_u32(partner, SAMPLE_PARTNER_BYTES);
-    seld_scene_put_u32(partner + 4, SAMPLE_PARTNER_CRC32);
-    uint8_t meta[SELD_SCENE_META_BYTES], skin[SAMPLE_BODY_BYTES], bone[SAMPLE_BODY_BYTES];
+    uint8_t partner[CRN_SCENE_PARTNER_BYTES];
+    crn_scene_put_u32(partner, SAMPLE_PARTNER_BYTES);
+    crn_scene_put_u32(partner + 4, SAMPLE_PARTNER_CRC32);
+    uint8_t meta[CRN_SCENE_META_BYTES], skin[SAMPLE_BODY_BYTES], bone[SAMPLE_BODY_BYTES];
     uint8_t tree[SAMPLE_TREE_BYTES];
     sample_meta(meta);
     sample_body(bone, "bone", 1);
@@ -239,15 +238,15 @@ static inline size_t sample_body_file_of(uint8_t *file, size_t capacity, sample_
     sample_tree(tree);
     uint8_t lesions[SAMPLE_LESIONS_BYTES];
     sample_lesions(lesions);
-    seld_scene_part parts[6] = {{SELD_SCENE_META, meta, sizeof meta},
-                                {SELD_SCENE_BODY, bone, sizeof bone},
-                                {SELD_SCENE_BODY, skin, sizeof skin},
-                                {SELD_SCENE_TREE, tree, sizeof tree},
-                                {SELD_SCENE_LESIONS, lesions, sizeof lesions}};
+    crn_scene_part parts[6] = {{CRN_SCENE_META, meta, sizeof meta},
+                               {CRN_SCENE_BODY, bone, sizeof bone},
+                               {CRN_SCENE_BODY, skin, sizeof skin},
+                               {CRN_SCENE_TREE, tree, sizeof tree},
+                               {CRN_SCENE_LESIONS, lesions, sizeof lesions}};
     uint32_t count = 3 + (uint32_t)vessels;
-    const seld_scene_part scene = {SELD_SCENE_PARTNER, partner, sizeof partner};
+    const crn_scene_part scene = {CRN_SCENE_PARTNER, partner, sizeof partner};
     if (has_partner) parts[count++] = scene;
-    return seld_scene_write(SELD_SCENE_KIND_BODIES, parts, count, file, capacity);
+    return crn_scene_write(CRN_SCENE_KIND_BODIES, parts, count, file, capacity);
 }
 
 static inline size_t sample_body_file(uint8_t *file, size_t capacity, sample_vessels vessels)
@@ -263,16 +262,16 @@ static inline size_t sample_bodies(uint8_t *file, size_t capacity)
 /* Make every CRC right again where the section table still allows it. */
 static inline void sample_seal(uint8_t *file, size_t size)
 {
-    uint32_t count = size < 32 ? 0 : seld_scene_u32(file + 20);
+    uint32_t count = size < 32 ? 0 : crn_scene_u32(file + 20);
     if (size < 32 || count > (size - 32) / 16) return;
     for (uint32_t i = 0; i < count; i++) {
         uint8_t *row = file + 32 + 16 * (size_t)i;
-        uint32_t offset = seld_scene_u32(row + 4), bytes = seld_scene_u32(row + 8);
+        uint32_t offset = crn_scene_u32(row + 4), bytes = crn_scene_u32(row + 8);
         if (offset <= size && bytes <= size - offset)
-            seld_scene_put_u32(row + 12, seld_wire_crc32(0, file + offset, bytes));
+            crn_scene_put_u32(row + 12, crn_wire_crc32(0, file + offset, bytes));
     }
-    seld_scene_put_u32(file + 24, 0);
-    seld_scene_put_u32(file + 24, seld_wire_crc32(0, file, 32 + 16 * (size_t)count));
+    crn_scene_put_u32(file + 24, 0);
+    crn_scene_put_u32(file + 24, crn_wire_crc32(0, file, 32 + 16 * (size_t)count));
 }
 
 #endif

@@ -63,30 +63,29 @@ static int make_moving_scene(void **state)
     return file_bytes == 0;
 }
 
-static seld_scene_status open_file(uint32_t *where)
+static crn_scene_status open_file(uint32_t *where)
 {
-    seld_scene scene;
+    crn_scene scene;
     memset(&scene, 0x5a, sizeof scene);
-    seld_scene before = scene;
-    seld_scene_status status = seld_scene_open(file, file_bytes, &scene, where);
-    if (status != SELD_SCENE_OK && memcmp(&scene, &before, sizeof scene) != 0)
+    crn_scene before = scene;
+    crn_scene_status status = crn_scene_open(file, file_bytes, &scene, where);
+    if (status != CRN_SCENE_OK && memcmp(&scene, &before, sizeof scene) != 0)
         fail_msg("a refused scene was handed out");
     return status;
 }
 
-static void refuses(seld_scene_status expected, uint32_t place)
+static void refuses(crn_scene_status expected, uint32_t place)
 {
     uint32_t where = 0;
-    seld_scene_status status = open_file(&where);
+    crn_scene_status status = open_file(&where);
     if (status != expected || where != place) {
         fail_msg("status %d (%s) at byte %u, expected %d (%s) at byte %u", status,
-                 seld_scene_status_text(status), where, expected, seld_scene_status_text(expected), place);
+                 crn_scene_status_text(status), where, expected, crn_scene_status_text(expected), place);
     }
 }
 
 /* Write a word, make the CRCs right, and expect a refusal; then put the word back. */
-static void refuses_word(size_t at, unsigned bytes, uint32_t value, seld_scene_status expected,
-                         uint32_t place)
+static void refuses_word(size_t at, unsigned bytes, uint32_t value, crn_scene_status expected, uint32_t place)
 {
     uint8_t saved[4];
     memcpy(saved, file + at, bytes);
@@ -95,14 +94,14 @@ static void refuses_word(size_t at, unsigned bytes, uint32_t value, seld_scene_s
     refuses(expected, place);
     memcpy(file + at, saved, bytes);
     sample_seal(file, file_bytes);
-    assert_int_equal(open_file(NULL), SELD_SCENE_OK);
+    assert_int_equal(open_file(NULL), CRN_SCENE_OK);
 }
 
 static void scene_gives_back_what_was_written(void **state)
 {
     (void)state;
-    seld_scene scene;
-    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+    crn_scene scene;
+    assert_int_equal(crn_scene_open(file, file_bytes, &scene, NULL), CRN_SCENE_OK);
     assert_string_equal(scene.name, "sample");
     assert_string_equal(scene.source, "made by the tests");
     assert_int_equal(scene.entry_direction_q30[1], 1 << 30);
@@ -112,48 +111,48 @@ static void scene_gives_back_what_was_written(void **state)
     assert_int_equal(scene.lumen.index[1], 0x8000);
     assert_int_equal(scene.lumen.children[0], 0x8001);
     assert_int_equal(scene.lumen.samples[2999], (int8_t)(uint8_t)(2999 * 37));
-    assert_int_equal(scene.hash, seld_scene_u32(file + 24));
+    assert_int_equal(scene.hash, crn_scene_u32(file + 24));
 }
 
 static void bodies_give_back_what_was_written(void **state)
 {
     (void)state;
-    seld_scene scene;
-    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+    crn_scene scene;
+    assert_int_equal(crn_scene_open(file, file_bytes, &scene, NULL), CRN_SCENE_OK);
     assert_int_equal(scene.body_count, 2);
-    seld_scene_body_view bone = seld_scene_body(&scene, 0), skin = seld_scene_body(&scene, 1);
+    crn_scene_body_view bone = crn_scene_body(&scene, 0), skin = crn_scene_body(&scene, 1);
     assert_string_equal(bone.name, "bone");
     assert_string_equal(skin.material, "bone");
     assert_int_equal(bone.parent, 1);
     assert_int_equal(skin.parent, -1);
-    assert_int_equal(seld_scene_i32(skin.vertices_um + 12), 1000000);
-    assert_int_equal(seld_scene_u32(skin.triangles + 44), 3);
+    assert_int_equal(crn_scene_i32(skin.vertices_um + 12), 1000000);
+    assert_int_equal(crn_scene_u32(skin.triangles + 44), 3);
 }
 
 static void a_tree_gives_back_what_was_written(void **state)
 {
     (void)state;
-    seld_scene scene;
-    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+    crn_scene scene;
+    assert_int_equal(crn_scene_open(file, file_bytes, &scene, NULL), CRN_SCENE_OK);
     assert_int_equal(scene.body_count, 2);
     assert_int_equal(scene.branch_count, 2);
-    seld_scene_branch_view renal = seld_scene_branch(&scene, 1);
+    crn_scene_branch_view renal = crn_scene_branch(&scene, 1);
     assert_string_equal(renal.name, "renal");
     assert_int_equal(renal.parent, 0);
     assert_int_equal(renal.parent_point, 1);
     assert_int_equal(renal.point_count, 2);
     assert_int_equal(renal.flow_mm3_per_s, 8000);
-    assert_int_equal(seld_scene_i32(renal.points + 16), 30000);
-    assert_int_equal(seld_scene_u32(renal.points + 12), 3000);
+    assert_int_equal(crn_scene_i32(renal.points + 16), 30000);
+    assert_int_equal(crn_scene_u32(renal.points + 12), 3000);
 }
 
 /* Only files that hold a tree ask for a reader that knows trees. */
 static void a_file_without_a_tree_is_of_the_old_version(void **state)
 {
     (void)state;
-    assert_int_equal(seld_scene_u16(file + 10), 1);
+    assert_int_equal(crn_scene_u16(file + 10), 1);
     sample_bodies(file, sizeof file);
-    assert_int_equal(seld_scene_u16(file + 10), 0);
+    assert_int_equal(crn_scene_u16(file + 10), 0);
 }
 
 static void every_shorter_file_is_refused(void **state)
@@ -162,8 +161,8 @@ static void every_shorter_file_is_refused(void **state)
     size_t whole = file_bytes;
     for (file_bytes = 0; file_bytes < whole; file_bytes++) {
         uint32_t where = 0;
-        seld_scene_status status = open_file(&where);
-        if (status != SELD_SCENE_TRUNCATED) fail_msg("cut to %zu bytes: status %d", file_bytes, status);
+        crn_scene_status status = open_file(&where);
+        if (status != CRN_SCENE_TRUNCATED) fail_msg("cut to %zu bytes: status %d", file_bytes, status);
         assert_true(where <= file_bytes);
     }
     file_bytes = whole;
@@ -174,240 +173,246 @@ static void every_flipped_bit_is_refused(void **state)
     (void)state;
     for (size_t bit = 0; bit < 8 * file_bytes; bit++) {
         file[bit / 8] ^= (uint8_t)(1u << bit % 8);
-        if (open_file(NULL) == SELD_SCENE_OK)
+        if (open_file(NULL) == CRN_SCENE_OK)
             fail_msg("bit %zu of byte %zu flipped: accepted", bit % 8, bit / 8);
         file[bit / 8] ^= (uint8_t)(1u << bit % 8);
     }
-    assert_int_equal(open_file(NULL), SELD_SCENE_OK);
+    assert_int_equal(open_file(NULL), CRN_SCENE_OK);
 }
 
 static void other_files_newer_and_older_ones_are_told_apart(void **state)
 {
     (void)state;
-    refuses_word(0, 4, 0x46445025, SELD_SCENE_MAGIC, 0); /* a PDF */
-    refuses_word(8, 2, SELD_SCENE_MAJOR + 1, SELD_SCENE_NEWER, 8);
-    refuses_word(10, 2, SELD_SCENE_MINOR + 1, SELD_SCENE_NEWER, 8);
-    refuses_word(8, 2, 0, SELD_SCENE_OLDER, 8);
-    refuses_word(12, 4, 7, SELD_SCENE_KIND, 12);
-    refuses_word(28, 4, 1, SELD_SCENE_RESERVED, 28);
-    refuses_word(24, 1, file[24] ^ 1u, SELD_SCENE_OK,
+    refuses_word(0, 4, 0x46445025, CRN_SCENE_MAGIC, 0); /* a PDF */
+    refuses_word(8, 2, CRN_SCENE_MAJOR + 1, CRN_SCENE_NEWER, 8);
+    refuses_word(10, 2, CRN_SCENE_MINOR + 1, CRN_SCENE_NEWER, 8);
+    refuses_word(8, 2, 0, CRN_SCENE_OLDER, 8);
+    refuses_word(12, 4, 7, CRN_SCENE_KIND, 12);
+    refuses_word(28, 4, 1, CRN_SCENE_RESERVED, 28);
+    refuses_word(24, 1, file[24] ^ 1u, CRN_SCENE_OK,
                  0); /* sealed again: the control of refuses_word itself */
+}
+
+static void a_scene_from_before_the_renaming_is_read(void **state)
+{
+    (void)state;
+    refuses_word(0, 4, 0x444c4553, CRN_SCENE_OK, 0);
 }
 
 static void oversized_and_trailing_bytes_are_refused(void **state)
 {
     (void)state;
-    refuses_word(16, 4, SELD_SCENE_BYTES_MAX + 16, SELD_SCENE_OVERSIZED, 16);
-    refuses_word(16, 4, 0xffffffffu, SELD_SCENE_OVERSIZED, 16);
+    refuses_word(16, 4, CRN_SCENE_BYTES_MAX + 16, CRN_SCENE_OVERSIZED, 16);
+    refuses_word(16, 4, 0xffffffffu, CRN_SCENE_OVERSIZED, 16);
     size_t whole = file_bytes;
     file_bytes = whole + 16;
-    refuses(SELD_SCENE_TRAILING, (uint32_t)whole);
+    refuses(CRN_SCENE_TRAILING, (uint32_t)whole);
     file_bytes = whole;
 }
 
 static void an_unaligned_buffer_is_refused(void **state)
 {
     (void)state;
-    seld_scene scene;
+    crn_scene scene;
     memmove(file + 1, file, file_bytes);
-    assert_int_equal(seld_scene_open(file + 1, file_bytes, &scene, NULL), SELD_SCENE_UNALIGNED);
+    assert_int_equal(crn_scene_open(file + 1, file_bytes, &scene, NULL), CRN_SCENE_UNALIGNED);
 }
 
 static void section_table_faults_are_refused(void **state)
 {
     (void)state;
-    refuses_word(20, 4, 2, SELD_SCENE_SECTION_COUNT, 20);
-    refuses_word(20, 4, 0xffffffff, SELD_SCENE_SECTION_COUNT, 20);
-    refuses_word(32, 4, SELD_SCENE_LUMEN, SELD_SCENE_SECTION_TYPE, 32);
-    refuses_word(52, 4, META_AT, SELD_SCENE_SECTION_PLACE, 52);       /* ENTRY over META */
-    refuses_word(52, 4, ENTRY_AT + 16, SELD_SCENE_SECTION_PLACE, 52); /* a gap */
-    refuses_word(68, 4, 0xfffffff0u, SELD_SCENE_SECTION_PLACE, 68);
-    refuses_word(72, 4, 0xfffffff0u, SELD_SCENE_SECTION_PLACE, 68);
-    refuses_word(ENTRY_AT + 24, 1, 1, SELD_SCENE_RESERVED, ENTRY_AT + 24); /* padding */
-    refuses_word(40, 4, 255, SELD_SCENE_SECTION_SIZE, META_AT);
-    refuses_word(56, 4, 23, SELD_SCENE_SECTION_SIZE, ENTRY_AT);
+    refuses_word(20, 4, 2, CRN_SCENE_SECTION_COUNT, 20);
+    refuses_word(20, 4, 0xffffffff, CRN_SCENE_SECTION_COUNT, 20);
+    refuses_word(32, 4, CRN_SCENE_LUMEN, CRN_SCENE_SECTION_TYPE, 32);
+    refuses_word(52, 4, META_AT, CRN_SCENE_SECTION_PLACE, 52);       /* ENTRY over META */
+    refuses_word(52, 4, ENTRY_AT + 16, CRN_SCENE_SECTION_PLACE, 52); /* a gap */
+    refuses_word(68, 4, 0xfffffff0u, CRN_SCENE_SECTION_PLACE, 68);
+    refuses_word(72, 4, 0xfffffff0u, CRN_SCENE_SECTION_PLACE, 68);
+    refuses_word(ENTRY_AT + 24, 1, 1, CRN_SCENE_RESERVED, ENTRY_AT + 24); /* padding */
+    refuses_word(40, 4, 255, CRN_SCENE_SECTION_SIZE, META_AT);
+    refuses_word(56, 4, 23, CRN_SCENE_SECTION_SIZE, ENTRY_AT);
 }
 
 static void a_damaged_section_is_told_from_a_damaged_header(void **state)
 {
     (void)state;
     file[LUMEN_AT + 100] ^= 4;
-    refuses(SELD_SCENE_SECTION_CRC, LUMEN_AT);
+    refuses(CRN_SCENE_SECTION_CRC, LUMEN_AT);
     file[LUMEN_AT + 100] ^= 4;
     file[44] ^= 4;
-    refuses(SELD_SCENE_HEADER_CRC, 24);
+    refuses(CRN_SCENE_HEADER_CRC, 24);
 }
 
 static void texts_must_end_and_be_printable(void **state)
 {
     (void)state;
-    refuses_word(META_AT + 3, 1, '\n', SELD_SCENE_TEXT, META_AT + 3);
-    refuses_word(META_AT + 63, 1, 'x', SELD_SCENE_TEXT, META_AT + 63);
+    refuses_word(META_AT + 3, 1, '\n', CRN_SCENE_TEXT, META_AT + 3);
+    refuses_word(META_AT + 63, 1, 'x', CRN_SCENE_TEXT, META_AT + 63);
     memset(file + META_AT, 'x', 64);
     sample_seal(file, file_bytes);
-    refuses(SELD_SCENE_TEXT, META_AT);
+    refuses(CRN_SCENE_TEXT, META_AT);
 }
 
 static void entry_must_be_a_place_and_a_unit_vector(void **state)
 {
     (void)state;
-    refuses_word(ENTRY_AT + 4, 4, (uint32_t)SELD_SCENE_ENTRY_REACH_Q30 + 1, SELD_SCENE_ENTRY_POSITION,
+    refuses_word(ENTRY_AT + 4, 4, (uint32_t)CRN_SCENE_ENTRY_REACH_Q30 + 1, CRN_SCENE_ENTRY_POSITION,
                  ENTRY_AT + 4);
-    refuses_word(ENTRY_AT + 8, 4, 0x80000000u, SELD_SCENE_ENTRY_POSITION, ENTRY_AT + 8);
-    refuses_word(ENTRY_AT + 16, 4, 0, SELD_SCENE_ENTRY_DIRECTION, ENTRY_AT + 12);
-    refuses_word(ENTRY_AT + 16, 4, (1u << 30) + 2000, SELD_SCENE_ENTRY_DIRECTION, ENTRY_AT + 12);
-    refuses_word(ENTRY_AT + 12, 4, 0x80000000u, SELD_SCENE_ENTRY_DIRECTION, ENTRY_AT + 12);
+    refuses_word(ENTRY_AT + 8, 4, 0x80000000u, CRN_SCENE_ENTRY_POSITION, ENTRY_AT + 8);
+    refuses_word(ENTRY_AT + 16, 4, 0, CRN_SCENE_ENTRY_DIRECTION, ENTRY_AT + 12);
+    refuses_word(ENTRY_AT + 16, 4, (1u << 30) + 2000, CRN_SCENE_ENTRY_DIRECTION, ENTRY_AT + 12);
+    refuses_word(ENTRY_AT + 12, 4, 0x80000000u, CRN_SCENE_ENTRY_DIRECTION, ENTRY_AT + 12);
 }
 
 static void lattice_and_index_must_stay_inside(void **state)
 {
     (void)state;
     const uint32_t lumen = LUMEN_AT, index = LUMEN_AT + 32, children = LUMEN_AT + 36;
-    refuses_word(lumen + 12, 2, 0, SELD_SCENE_LATTICE, lumen + 12);
-    refuses_word(lumen + 16, 2, 513, SELD_SCENE_LATTICE, lumen + 16);
-    refuses_word(lumen, 4, 0x7fffffffu, SELD_SCENE_LATTICE, lumen);
-    refuses_word(lumen + 14, 2, 2, SELD_SCENE_SECTION_SIZE, lumen + 12);
-    refuses_word(lumen + 20, 4, 4, SELD_SCENE_SECTION_SIZE, lumen + 12);
-    refuses_word(lumen + 20, 4, 0x83126f, SELD_SCENE_SECTION_SIZE, lumen + 12); /* x 1000 passes 2^32 */
-    refuses_word(lumen + 24, 2, 3, SELD_SCENE_CHILD_ROWS, lumen + 24);
-    refuses_word(lumen + 26, 2, 1, SELD_SCENE_RESERVED, lumen + 26);
-    refuses_word(index, 2, 2 + SAMPLE_BRICKS, SELD_SCENE_INDEX_BRICK, index);
-    refuses_word(index, 2, 0x7fff, SELD_SCENE_INDEX_BRICK, index);
-    refuses_word(index, 2, 0x8001, SELD_SCENE_INDEX_ROW, index);       /* a row of the second rank */
-    refuses_word(children, 2, 0x8000, SELD_SCENE_INDEX_ROW, children); /* itself: a circle */
-    refuses_word(children, 2, 0x8002, SELD_SCENE_INDEX_ROW, children);
-    refuses_word(children + 16, 2, 0x8001, SELD_SCENE_INDEX_ROW, children + 16); /* a third refinement */
-    refuses_word(children + 30, 2, 5, SELD_SCENE_INDEX_BRICK, children + 30);
+    refuses_word(lumen + 12, 2, 0, CRN_SCENE_LATTICE, lumen + 12);
+    refuses_word(lumen + 16, 2, 513, CRN_SCENE_LATTICE, lumen + 16);
+    refuses_word(lumen, 4, 0x7fffffffu, CRN_SCENE_LATTICE, lumen);
+    refuses_word(lumen + 14, 2, 2, CRN_SCENE_SECTION_SIZE, lumen + 12);
+    refuses_word(lumen + 20, 4, 4, CRN_SCENE_SECTION_SIZE, lumen + 12);
+    refuses_word(lumen + 20, 4, 0x83126f, CRN_SCENE_SECTION_SIZE, lumen + 12); /* x 1000 passes 2^32 */
+    refuses_word(lumen + 24, 2, 3, CRN_SCENE_CHILD_ROWS, lumen + 24);
+    refuses_word(lumen + 26, 2, 1, CRN_SCENE_RESERVED, lumen + 26);
+    refuses_word(index, 2, 2 + SAMPLE_BRICKS, CRN_SCENE_INDEX_BRICK, index);
+    refuses_word(index, 2, 0x7fff, CRN_SCENE_INDEX_BRICK, index);
+    refuses_word(index, 2, 0x8001, CRN_SCENE_INDEX_ROW, index);       /* a row of the second rank */
+    refuses_word(children, 2, 0x8000, CRN_SCENE_INDEX_ROW, children); /* itself: a circle */
+    refuses_word(children, 2, 0x8002, CRN_SCENE_INDEX_ROW, children);
+    refuses_word(children + 16, 2, 0x8001, CRN_SCENE_INDEX_ROW, children + 16); /* a third refinement */
+    refuses_word(children + 30, 2, 5, CRN_SCENE_INDEX_BRICK, children + 30);
 }
 
 static void bodies_must_be_whole_and_lie_in_each_other_without_circle(void **state)
 {
     (void)state;
-    refuses_word(BONE_AT + 48, 4, 2, SELD_SCENE_BODY_PARENT, BONE_AT + 48);
-    refuses_word(BONE_AT + 48, 4, (uint32_t)-2, SELD_SCENE_BODY_PARENT, BONE_AT + 48);
-    refuses_word(BONE_AT + 48, 4, 0, SELD_SCENE_BODY_PARENT, BONE_AT + 48);
-    refuses_word(SKIN_AT + 48, 4, 0, SELD_SCENE_BODY_PARENT, BONE_AT + 48); /* bone in skin in bone */
-    refuses_word(SKIN_AT + 56, 4, 0, SELD_SCENE_BODY_SIZE, SKIN_AT + 56);
-    refuses_word(SKIN_AT + 56, 4, 0xffffffffu, SELD_SCENE_BODY_SIZE, SKIN_AT + 56);
-    refuses_word(SKIN_AT + 52, 4, 5, SELD_SCENE_SECTION_SIZE, SKIN_AT + 52);
-    refuses_word(SKIN_AT + 60, 4, 2, SELD_SCENE_RESERVED, SKIN_AT + 60);
-    refuses_word(SKIN_AT + 64, 4, 2000001, SELD_SCENE_BODY_VERTEX, SKIN_AT + 64);
-    refuses_word(SKIN_AT + 112, 4, 4, SELD_SCENE_BODY_TRIANGLE, SKIN_AT + 112);
-    refuses_word(SKIN_AT + 116, 4, 0, SELD_SCENE_BODY_TRIANGLE, SKIN_AT + 112);
-    refuses_word(SKIN_AT + 32 + 15, 1, 'x', SELD_SCENE_TEXT, SKIN_AT + 32 + 15);
+    refuses_word(BONE_AT + 48, 4, 2, CRN_SCENE_BODY_PARENT, BONE_AT + 48);
+    refuses_word(BONE_AT + 48, 4, (uint32_t)-2, CRN_SCENE_BODY_PARENT, BONE_AT + 48);
+    refuses_word(BONE_AT + 48, 4, 0, CRN_SCENE_BODY_PARENT, BONE_AT + 48);
+    refuses_word(SKIN_AT + 48, 4, 0, CRN_SCENE_BODY_PARENT, BONE_AT + 48); /* bone in skin in bone */
+    refuses_word(SKIN_AT + 56, 4, 0, CRN_SCENE_BODY_SIZE, SKIN_AT + 56);
+    refuses_word(SKIN_AT + 56, 4, 0xffffffffu, CRN_SCENE_BODY_SIZE, SKIN_AT + 56);
+    refuses_word(SKIN_AT + 52, 4, 5, CRN_SCENE_SECTION_SIZE, SKIN_AT + 52);
+    refuses_word(SKIN_AT + 60, 4, 2, CRN_SCENE_RESERVED, SKIN_AT + 60);
+    refuses_word(SKIN_AT + 64, 4, 2000001, CRN_SCENE_BODY_VERTEX, SKIN_AT + 64);
+    refuses_word(SKIN_AT + 112, 4, 4, CRN_SCENE_BODY_TRIANGLE, SKIN_AT + 112);
+    refuses_word(SKIN_AT + 116, 4, 0, CRN_SCENE_BODY_TRIANGLE, SKIN_AT + 112);
+    refuses_word(SKIN_AT + 32 + 15, 1, 'x', CRN_SCENE_TEXT, SKIN_AT + 32 + 15);
 }
 
 static void a_tree_must_hang_together(void **state)
 {
     (void)state;
-    refuses_word(TREE_AT, 4, 0, SELD_SCENE_TREE_SIZE, TREE_AT);
-    refuses_word(TREE_AT, 4, 3, SELD_SCENE_SECTION_SIZE, TREE_AT);
-    refuses_word(TREE_AT + 4, 4, 200001, SELD_SCENE_TREE_SIZE, TREE_AT + 4);
-    refuses_word(TREE_AT + 8, 4, 1, SELD_SCENE_RESERVED, TREE_AT + 8);
-    refuses_word(TREE_AT + 16 + 32, 4, 0, SELD_SCENE_TREE_BRANCH, TREE_AT + 16 + 32);
-    refuses_word(RENAL_AT + 31, 1, 'x', SELD_SCENE_TEXT, RENAL_AT + 31);
-    refuses_word(RENAL_AT + 32, 4, 1, SELD_SCENE_TREE_BRANCH, RENAL_AT + 32);            /* of itself */
-    refuses_word(RENAL_AT + 32, 4, (uint32_t)-1, SELD_SCENE_TREE_BRANCH, RENAL_AT + 32); /* a second root */
-    refuses_word(RENAL_AT + 36, 4, 3, SELD_SCENE_TREE_BRANCH, RENAL_AT + 36);
-    refuses_word(RENAL_AT + 40, 4, 2, SELD_SCENE_TREE_SIZE, RENAL_AT + 40);
-    refuses_word(RENAL_AT + 44, 4, 1, SELD_SCENE_TREE_SIZE, RENAL_AT + 44);
-    refuses_word(RENAL_AT + 44, 4, 3, SELD_SCENE_TREE_SIZE, TREE_AT + 4);
-    refuses_word(RENAL_AT + 44, 4, 0xffffffffu, SELD_SCENE_TREE_SIZE, RENAL_AT + 44);
-    refuses_word(RENAL_AT + 48, 4, SELD_SCENE_BED_COUNT, SELD_SCENE_TREE_BRANCH, RENAL_AT + 48);
-    refuses_word(RENAL_AT + 52, 4, 1000001, SELD_SCENE_TREE_BRANCH, RENAL_AT + 52);
-    refuses_word(RENAL_AT + 60, 4, 1, SELD_SCENE_RESERVED, RENAL_AT + 60);
-    refuses_word(POINTS_AT, 4, 2000001, SELD_SCENE_TREE_POINT, POINTS_AT);
-    refuses_word(POINTS_AT + 16 + 4, 4, 0, SELD_SCENE_TREE_POINT, POINTS_AT + 16); /* twice the same place */
-    refuses_word(POINTS_AT + 12, 4, 9, SELD_SCENE_TREE_POINT, POINTS_AT + 12);
-    refuses_word(POINTS_AT + 12, 4, 100001, SELD_SCENE_TREE_POINT, POINTS_AT + 12);
+    refuses_word(TREE_AT, 4, 0, CRN_SCENE_TREE_SIZE, TREE_AT);
+    refuses_word(TREE_AT, 4, 3, CRN_SCENE_SECTION_SIZE, TREE_AT);
+    refuses_word(TREE_AT + 4, 4, 200001, CRN_SCENE_TREE_SIZE, TREE_AT + 4);
+    refuses_word(TREE_AT + 8, 4, 1, CRN_SCENE_RESERVED, TREE_AT + 8);
+    refuses_word(TREE_AT + 16 + 32, 4, 0, CRN_SCENE_TREE_BRANCH, TREE_AT + 16 + 32);
+    refuses_word(RENAL_AT + 31, 1, 'x', CRN_SCENE_TEXT, RENAL_AT + 31);
+    refuses_word(RENAL_AT + 32, 4, 1, CRN_SCENE_TREE_BRANCH, RENAL_AT + 32);            /* of itself */
+    refuses_word(RENAL_AT + 32, 4, (uint32_t)-1, CRN_SCENE_TREE_BRANCH, RENAL_AT + 32); /* a second root */
+    refuses_word(RENAL_AT + 36, 4, 3, CRN_SCENE_TREE_BRANCH, RENAL_AT + 36);
+    refuses_word(RENAL_AT + 40, 4, 2, CRN_SCENE_TREE_SIZE, RENAL_AT + 40);
+    refuses_word(RENAL_AT + 44, 4, 1, CRN_SCENE_TREE_SIZE, RENAL_AT + 44);
+    refuses_word(RENAL_AT + 44, 4, 3, CRN_SCENE_TREE_SIZE, TREE_AT + 4);
+    refuses_word(RENAL_AT + 44, 4, 0xffffffffu, CRN_SCENE_TREE_SIZE, RENAL_AT + 44);
+    refuses_word(RENAL_AT + 48, 4, CRN_SCENE_BED_COUNT, CRN_SCENE_TREE_BRANCH, RENAL_AT + 48);
+    refuses_word(RENAL_AT + 52, 4, 1000001, CRN_SCENE_TREE_BRANCH, RENAL_AT + 52);
+    refuses_word(RENAL_AT + 60, 4, 1, CRN_SCENE_RESERVED, RENAL_AT + 60);
+    refuses_word(POINTS_AT, 4, 2000001, CRN_SCENE_TREE_POINT, POINTS_AT);
+    refuses_word(POINTS_AT + 16 + 4, 4, 0, CRN_SCENE_TREE_POINT, POINTS_AT + 16); /* twice the same place */
+    refuses_word(POINTS_AT + 12, 4, 9, CRN_SCENE_TREE_POINT, POINTS_AT + 12);
+    refuses_word(POINTS_AT + 12, 4, 100001, CRN_SCENE_TREE_POINT, POINTS_AT + 12);
 }
 
 /* Behind the bodies and once: row 3 of the table is the tree's. */
 static void a_tree_stands_behind_the_bodies(void **state)
 {
     (void)state;
-    refuses_word(32 + 16, 4, SELD_SCENE_TREE, SELD_SCENE_SECTION_TYPE, 32 + 16);
-    refuses_word(32 + 48, 4, SELD_SCENE_LUMEN, SELD_SCENE_SECTION_TYPE, 32 + 48);
+    refuses_word(32 + 16, 4, CRN_SCENE_TREE, CRN_SCENE_SECTION_TYPE, 32 + 16);
+    refuses_word(32 + 48, 4, CRN_SCENE_LUMEN, CRN_SCENE_SECTION_TYPE, 32 + 48);
 }
 
 static void lesions_give_back_what_was_written(void **state)
 {
     (void)state;
-    seld_scene scene;
-    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+    crn_scene scene;
+    assert_int_equal(crn_scene_open(file, file_bytes, &scene, NULL), CRN_SCENE_OK);
     assert_int_equal(scene.body_count, 2);
     assert_int_equal(scene.branch_count, 2);
     assert_int_equal(scene.lesion_count, 1);
-    assert_int_equal(seld_scene_u16(file + 10), 2); /* minor version */
-    seld_scene_lesion_view lesion = seld_scene_lesion(&scene, 0);
+    assert_int_equal(crn_scene_u16(file + 10), 2); /* minor version */
+    crn_scene_lesion_view lesion = crn_scene_lesion(&scene, 0);
     assert_string_equal(lesion.name, "coarctation");
     assert_int_equal(lesion.branch, 0);
     assert_int_equal(lesion.first_point, 0);
     assert_int_equal(lesion.point_count, 3);
-    assert_int_equal(seld_scene_i32(lesion.healthy_points + 32 + 4), 40000);
-    assert_int_equal(seld_scene_u32(lesion.healthy_points + 32 + 12), 9000);
+    assert_int_equal(crn_scene_i32(lesion.healthy_points + 32 + 4), 40000);
+    assert_int_equal(crn_scene_u32(lesion.healthy_points + 32 + 12), 9000);
 }
 
 static void a_lesion_lies_where_there_is_vessel(void **state)
 {
     (void)state;
-    refuses_word(LESIONS_AT, 4, 0, SELD_SCENE_LESION_SIZE, LESIONS_AT);
-    refuses_word(LESIONS_AT, 4, 33, SELD_SCENE_LESION_SIZE, LESIONS_AT);
-    refuses_word(LESIONS_AT, 4, 2, SELD_SCENE_SECTION_SIZE, LESIONS_AT);
-    refuses_word(LESIONS_AT + 4, 4, 0xffffffffu, SELD_SCENE_SECTION_SIZE, LESIONS_AT);
-    refuses_word(LESIONS_AT + 12, 4, 1, SELD_SCENE_RESERVED, LESIONS_AT + 8);
-    refuses_word(LESION_AT + 31, 1, 'x', SELD_SCENE_TEXT, LESION_AT + 31);
-    refuses_word(LESION_AT + 32, 4, 2, SELD_SCENE_LESION_PLACE, LESION_AT + 32);
-    refuses_word(LESION_AT + 32, 4, 1, SELD_SCENE_LESION_PLACE, LESION_AT + 40); /* that one has two points */
-    refuses_word(LESION_AT + 36, 4, 3, SELD_SCENE_LESION_PLACE, LESION_AT + 36);
-    refuses_word(LESION_AT + 36, 4, 1, SELD_SCENE_LESION_PLACE, LESION_AT + 40);
-    refuses_word(LESION_AT + 40, 4, 2, SELD_SCENE_LESION_PLACE, LESION_AT + 40);
-    refuses_word(LESION_AT + 40, 4, 0xffffffffu, SELD_SCENE_LESION_PLACE, LESION_AT + 40);
-    refuses_word(LESION_AT + 44, 4, 1, SELD_SCENE_LESION_SIZE, LESION_AT + 44);
-    refuses_word(HEALTHY_AT + 4, 4, 2000001, SELD_SCENE_LESION_PLACE, HEALTHY_AT + 4);
-    refuses_word(HEALTHY_AT + 12, 4, 9, SELD_SCENE_LESION_PLACE, HEALTHY_AT + 12);
+    refuses_word(LESIONS_AT, 4, 0, CRN_SCENE_LESION_SIZE, LESIONS_AT);
+    refuses_word(LESIONS_AT, 4, 33, CRN_SCENE_LESION_SIZE, LESIONS_AT);
+    refuses_word(LESIONS_AT, 4, 2, CRN_SCENE_SECTION_SIZE, LESIONS_AT);
+    refuses_word(LESIONS_AT + 4, 4, 0xffffffffu, CRN_SCENE_SECTION_SIZE, LESIONS_AT);
+    refuses_word(LESIONS_AT + 12, 4, 1, CRN_SCENE_RESERVED, LESIONS_AT + 8);
+    refuses_word(LESION_AT + 31, 1, 'x', CRN_SCENE_TEXT, LESION_AT + 31);
+    refuses_word(LESION_AT + 32, 4, 2, CRN_SCENE_LESION_PLACE, LESION_AT + 32);
+    refuses_word(LESION_AT + 32, 4, 1, CRN_SCENE_LESION_PLACE, LESION_AT + 40); /* that one has two points */
+    refuses_word(LESION_AT + 36, 4, 3, CRN_SCENE_LESION_PLACE, LESION_AT + 36);
+    refuses_word(LESION_AT + 36, 4, 1, CRN_SCENE_LESION_PLACE, LESION_AT + 40);
+    refuses_word(LESION_AT + 40, 4, 2, CRN_SCENE_LESION_PLACE, LESION_AT + 40);
+    refuses_word(LESION_AT + 40, 4, 0xffffffffu, CRN_SCENE_LESION_PLACE, LESION_AT + 40);
+    refuses_word(LESION_AT + 44, 4, 1, CRN_SCENE_LESION_SIZE, LESION_AT + 44);
+    refuses_word(HEALTHY_AT + 4, 4, 2000001, CRN_SCENE_LESION_PLACE, HEALTHY_AT + 4);
+    refuses_word(HEALTHY_AT + 12, 4, 9, CRN_SCENE_LESION_PLACE, HEALTHY_AT + 12);
 }
 
 /* Rows 3 and 4 of the table are the tree's and the lesions'. */
 static void lesions_stand_behind_their_tree(void **state)
 {
     (void)state;
-    refuses_word(32 + 48, 4, SELD_SCENE_BODY, SELD_SCENE_SECTION_TYPE, 32 + 64);
-    refuses_word(32 + 48, 4, SELD_SCENE_LESIONS, SELD_SCENE_SECTION_TYPE, 32 + 48);
-    refuses_word(32 + 64, 4, SELD_SCENE_TREE, SELD_SCENE_SECTION_TYPE, 32 + 48);
+    refuses_word(32 + 48, 4, CRN_SCENE_BODY, CRN_SCENE_SECTION_TYPE, 32 + 64);
+    refuses_word(32 + 48, 4, CRN_SCENE_LESIONS, CRN_SCENE_SECTION_TYPE, 32 + 48);
+    refuses_word(32 + 64, 4, CRN_SCENE_TREE, CRN_SCENE_SECTION_TYPE, 32 + 48);
 }
 
 static void a_moving_scene_gives_back_its_lattice(void **state)
 {
     (void)state;
-    seld_scene scene;
-    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+    crn_scene scene;
+    assert_int_equal(crn_scene_open(file, file_bytes, &scene, NULL), CRN_SCENE_OK);
     assert_true(scene.has_motion);
     assert_int_equal(scene.motion.origin_m_q30[0], -(1 << 23));
     assert_int_equal(scene.motion.node_count_xyz[2], SAMPLE_NODES);
     assert_int_equal(scene.motion.spacing_log2_q30, 23);
-    const int16_t *row = scene.motion.rows + (size_t)SAMPLE_MIDDLE * 3 * SELD_SCENE_MOTION_ROW;
+    const int16_t *row = scene.motion.rows + (size_t)SAMPLE_MIDDLE * 3 * CRN_SCENE_MOTION_ROW;
     assert_int_equal(row[3], 132);
     assert_true(scene.has_breath);
     assert_int_equal(scene.breath.origin_m_q30[2], 0);
     assert_int_equal(scene.breath.node_count_xyz[1], SAMPLE_NODES);
     assert_int_equal(scene.breath.rows[3 * SAMPLE_MIDDLE + 1], 262);
-    assert_int_equal(seld_scene_u16(file + 10), 4); /* minor version */
+    assert_int_equal(crn_scene_u16(file + 10), 4); /* minor version */
     make_scene(state);
-    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+    assert_int_equal(crn_scene_open(file, file_bytes, &scene, NULL), CRN_SCENE_OK);
     assert_false(scene.has_motion || scene.has_breath);
-    assert_int_equal(seld_scene_u16(file + 10), 0);
+    assert_int_equal(crn_scene_u16(file + 10), 0);
 }
 
 static void a_body_may_move(void **state)
 {
     (void)state;
-    seld_scene scene;
-    seld_scene_put_u32(file + SKIN_AT + 60, SELD_SCENE_BODY_MOVES);
+    crn_scene scene;
+    crn_scene_put_u32(file + SKIN_AT + 60, CRN_SCENE_BODY_MOVES);
     sample_seal(file, file_bytes);
-    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
-    assert_false(seld_scene_body(&scene, 0).moves);
-    assert_true(seld_scene_body(&scene, 1).moves);
+    assert_int_equal(crn_scene_open(file, file_bytes, &scene, NULL), CRN_SCENE_OK);
+    assert_false(crn_scene_body(&scene, 0).moves);
+    assert_true(crn_scene_body(&scene, 1).moves);
 }
 
 /* Each rule of the MOTION and BREATH sections broken alone: the spacing is 4096 units, so neighbours may differ by 2560, in breath by 1536. */
@@ -416,31 +421,31 @@ static void a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_bound
     (void)state;
     const uint32_t middle = MOTION_AT + (uint32_t)sample_motion_at(SAMPLE_MIDDLE, 0, 0);
     const uint32_t breath = BREATH_AT + 32 + 2 * 3 * SAMPLE_MIDDLE;
-    const uint32_t before = middle - 6 * SELD_SCENE_MOTION_ROW; /* the node whose neighbour it is along x */
-    refuses_word(MOTION_AT + 18, 2, 19, SELD_SCENE_MOTION_LATTICE, MOTION_AT + 18);
-    refuses_word(MOTION_AT + 18, 2, 25, SELD_SCENE_MOTION_LATTICE, MOTION_AT + 18);
-    refuses_word(MOTION_AT + 20, 2, 23, SELD_SCENE_MOTION_LATTICE, MOTION_AT + 18);
-    refuses_word(MOTION_AT + 12, 2, 1, SELD_SCENE_MOTION_LATTICE, MOTION_AT + 12);
-    refuses_word(MOTION_AT + 16, 2, 257, SELD_SCENE_MOTION_LATTICE, MOTION_AT + 16);
-    refuses_word(MOTION_AT + 4, 4, 0x7fffffffu, SELD_SCENE_MOTION_LATTICE, MOTION_AT + 4);
-    refuses_word(MOTION_AT + 14, 2, 4, SELD_SCENE_SECTION_SIZE, MOTION_AT + 12);
-    refuses_word(MOTION_AT + 28, 4, 1, SELD_SCENE_RESERVED, MOTION_AT + 22);
-    refuses_word(MOTION_AT + 32 + 2 * 5, 2, 16385, SELD_SCENE_MOTION_VALUE, MOTION_AT + 32);
-    refuses_word(middle + 2 * 24, 2, 1, SELD_SCENE_MOTION_VALUE, middle); /* not what keyframe 23 says */
-    refuses_word(middle + 2 * 5, 2, 2561, SELD_SCENE_MOTION_STEEP, middle - 9 * 6 * SELD_SCENE_MOTION_ROW);
-    refuses_word(before + 2 * 5, 2, 1, SELD_SCENE_MOTION_EDGE, before);
-    refuses_word(BREATH_AT + 20, 2, SELD_SCENE_MOTION_KEYFRAMES, SELD_SCENE_MOTION_LATTICE, BREATH_AT + 18);
-    refuses_word(BREATH_AT + 14, 2, 4, SELD_SCENE_SECTION_SIZE, BREATH_AT + 12);
-    refuses_word(BREATH_AT + 32, 2, 16385, SELD_SCENE_MOTION_VALUE, BREATH_AT + 32);
-    refuses_word(breath, 2, 1537, SELD_SCENE_MOTION_STEEP, breath - 9 * 6);
-    refuses_word(breath - 6, 2, 1, SELD_SCENE_MOTION_EDGE, breath - 6);
+    const uint32_t before = middle - 6 * CRN_SCENE_MOTION_ROW; /* the node whose neighbour it is along x */
+    refuses_word(MOTION_AT + 18, 2, 19, CRN_SCENE_MOTION_LATTICE, MOTION_AT + 18);
+    refuses_word(MOTION_AT + 18, 2, 25, CRN_SCENE_MOTION_LATTICE, MOTION_AT + 18);
+    refuses_word(MOTION_AT + 20, 2, 23, CRN_SCENE_MOTION_LATTICE, MOTION_AT + 18);
+    refuses_word(MOTION_AT + 12, 2, 1, CRN_SCENE_MOTION_LATTICE, MOTION_AT + 12);
+    refuses_word(MOTION_AT + 16, 2, 257, CRN_SCENE_MOTION_LATTICE, MOTION_AT + 16);
+    refuses_word(MOTION_AT + 4, 4, 0x7fffffffu, CRN_SCENE_MOTION_LATTICE, MOTION_AT + 4);
+    refuses_word(MOTION_AT + 14, 2, 4, CRN_SCENE_SECTION_SIZE, MOTION_AT + 12);
+    refuses_word(MOTION_AT + 28, 4, 1, CRN_SCENE_RESERVED, MOTION_AT + 22);
+    refuses_word(MOTION_AT + 32 + 2 * 5, 2, 16385, CRN_SCENE_MOTION_VALUE, MOTION_AT + 32);
+    refuses_word(middle + 2 * 24, 2, 1, CRN_SCENE_MOTION_VALUE, middle); /* not what keyframe 23 says */
+    refuses_word(middle + 2 * 5, 2, 2561, CRN_SCENE_MOTION_STEEP, middle - 9 * 6 * CRN_SCENE_MOTION_ROW);
+    refuses_word(before + 2 * 5, 2, 1, CRN_SCENE_MOTION_EDGE, before);
+    refuses_word(BREATH_AT + 20, 2, CRN_SCENE_MOTION_KEYFRAMES, CRN_SCENE_MOTION_LATTICE, BREATH_AT + 18);
+    refuses_word(BREATH_AT + 14, 2, 4, CRN_SCENE_SECTION_SIZE, BREATH_AT + 12);
+    refuses_word(BREATH_AT + 32, 2, 16385, CRN_SCENE_MOTION_VALUE, BREATH_AT + 32);
+    refuses_word(breath, 2, 1537, CRN_SCENE_MOTION_STEEP, breath - 9 * 6);
+    refuses_word(breath - 6, 2, 1, CRN_SCENE_MOTION_EDGE, breath - 6);
 }
 
 /* Before minor version 4 breath stood in the rows of the beat. */
 static void a_motion_of_an_older_format_is_refused_by_name(void **state)
 {
     (void)state;
-    refuses_word(10, 2, 3, SELD_SCENE_MOTION_OLDER, 10);
+    refuses_word(10, 2, 3, CRN_SCENE_MOTION_OLDER, 10);
 }
 
 /* In the scene with plaques: header 32 + table 64; LUMEN 384 .. 3452; PLAQUES behind it. */
@@ -457,24 +462,24 @@ static int make_diseased_scene(void **state)
 static void plaques_give_back_what_was_written(void **state)
 {
     (void)state;
-    seld_scene scene;
+    crn_scene scene;
     for (int moves = 0; moves < 2; moves++) {
         file_bytes = sample_diseased_scene(file, sizeof file, moves != 0);
-        assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+        assert_int_equal(crn_scene_open(file, file_bytes, &scene, NULL), CRN_SCENE_OK);
         assert_int_equal(scene.has_motion, moves);
         assert_int_equal(scene.plaque_count, 1);
-        assert_int_equal(seld_scene_u16(file + 10), moves ? 4 : 3); /* minor version */
-        const seld_scene_plaque_view plaque = seld_scene_plaque(&scene, 0);
+        assert_int_equal(crn_scene_u16(file + 10), moves ? 4 : 3); /* minor version */
+        const crn_scene_plaque_view plaque = crn_scene_plaque(&scene, 0);
         assert_int_equal(plaque.high_m_q30[2], 5 * 1073742);
         assert_int_equal(plaque.chord_q30[1], 1 << 30);
         assert_int_equal(plaque.spacing_log2_q30, 20);
         assert_int_equal(plaque.station_count, SAMPLE_STATIONS);
         assert_int_equal(plaque.yield_Pa, 500000);
         assert_int_equal(plaque.pace_q30, 1 << 22);
-        assert_int_equal(seld_scene_i32(plaque.stations + 2 * 48 + 4), 2 << 20);
+        assert_int_equal(crn_scene_i32(plaque.stations + 2 * 48 + 4), 2 << 20);
     }
     make_scene(state);
-    assert_int_equal(seld_scene_open(file, file_bytes, &scene, NULL), SELD_SCENE_OK);
+    assert_int_equal(crn_scene_open(file, file_bytes, &scene, NULL), CRN_SCENE_OK);
     assert_int_equal(scene.plaque_count, 0);
 }
 
@@ -507,27 +512,27 @@ static void a_plaque_must_fit_the_cores_arithmetic(void **state)
       station[] = {{0, 6000000},  {12, 10000},    {12, 30000000}, {28, 10000}, {28, 2147485},
                    {16, 5000000}, {36, 1u << 29}, {32, 1u << 30}, {44, 1},     {4, 3u << 20}};
     for (size_t i = 0; i < sizeof record / sizeof record[0]; i++)
-        refuses_word(PLAQUE_AT + record[i].at, 4, record[i].value, SELD_SCENE_PLAQUE, PLAQUE_AT);
+        refuses_word(PLAQUE_AT + record[i].at, 4, record[i].value, CRN_SCENE_PLAQUE, PLAQUE_AT);
     for (size_t i = 0; i < sizeof station / sizeof station[0]; i++)
-        refuses_word(STATIONS_AT + 48 + station[i].at, 4, station[i].value, SELD_SCENE_PLAQUE,
+        refuses_word(STATIONS_AT + 48 + station[i].at, 4, station[i].value, CRN_SCENE_PLAQUE,
                      STATIONS_AT + 48);
-    refuses_word(PLAQUES_AT, 4, 0, SELD_SCENE_PLAQUE, PLAQUES_AT);
-    refuses_word(PLAQUES_AT, 4, 5, SELD_SCENE_PLAQUE, PLAQUES_AT);
-    refuses_word(PLAQUES_AT + 4, 4, 4, SELD_SCENE_SECTION_SIZE, PLAQUES_AT);
-    refuses_word(PLAQUES_AT + 8, 4, 1, SELD_SCENE_RESERVED, PLAQUES_AT + 8);
+    refuses_word(PLAQUES_AT, 4, 0, CRN_SCENE_PLAQUE, PLAQUES_AT);
+    refuses_word(PLAQUES_AT, 4, 5, CRN_SCENE_PLAQUE, PLAQUES_AT);
+    refuses_word(PLAQUES_AT + 4, 4, 4, CRN_SCENE_SECTION_SIZE, PLAQUES_AT);
+    refuses_word(PLAQUES_AT + 8, 4, 1, CRN_SCENE_RESERVED, PLAQUES_AT + 8);
 }
 
 static void every_status_has_its_own_sentence(void **state)
 {
     (void)state;
-    for (int a = 0; a < SELD_SCENE_STATUS_COUNT; a++) {
-        assert_non_null(seld_scene_status_text((seld_scene_status)a));
+    for (int a = 0; a < CRN_SCENE_STATUS_COUNT; a++) {
+        assert_non_null(crn_scene_status_text((crn_scene_status)a));
         for (int b = 0; b < a; b++) {
-            assert_string_not_equal(seld_scene_status_text((seld_scene_status)a),
-                                    seld_scene_status_text((seld_scene_status)b));
+            assert_string_not_equal(crn_scene_status_text((crn_scene_status)a),
+                                    crn_scene_status_text((crn_scene_status)b));
         }
     }
-    assert_non_null(seld_scene_status_text(SELD_SCENE_STATUS_COUNT));
+    assert_non_null(crn_scene_status_text(CRN_SCENE_STATUS_COUNT));
 }
 
 static void writer_refuses_a_buffer_that_is_too_small(void **state)
@@ -541,9 +546,9 @@ static void writer_refuses_a_buffer_that_is_too_small(void **state)
 static void no_bytes_at_all_are_refused(void **state)
 {
     (void)state;
-    seld_scene scene;
+    crn_scene scene;
     uint32_t where = 7;
-    assert_int_equal(seld_scene_open(NULL, 0, &scene, &where), SELD_SCENE_TRUNCATED);
+    assert_int_equal(crn_scene_open(NULL, 0, &scene, &where), CRN_SCENE_TRUNCATED);
     assert_int_equal(where, 0);
 }
 
@@ -559,6 +564,7 @@ int main(void)
         {"every_flipped_bit_of_a_body_file_is_refused", every_flipped_bit_is_refused, make_bodies, NULL,
          NULL},
         cmocka_unit_test_setup(other_files_newer_and_older_ones_are_told_apart, make_scene),
+        cmocka_unit_test_setup(a_scene_from_before_the_renaming_is_read, make_scene),
         cmocka_unit_test_setup(oversized_and_trailing_bytes_are_refused, make_scene),
         cmocka_unit_test_setup(an_unaligned_buffer_is_refused, make_scene),
         cmocka_unit_test_setup(section_table_faults_are_refused, make_scene),

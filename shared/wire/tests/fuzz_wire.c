@@ -8,18 +8,18 @@
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count);
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity);
 
-static uint8_t again[SELD_WIRE_PAYLOAD_MAX];
+static uint8_t again[CRN_WIRE_PAYLOAD_MAX];
 
 /* The codecs are each other's inverse on whatever one of them accepts. */
 static void check_message(uint16_t type, const uint8_t *payload, size_t length)
 {
-    seld_wire_writer writer = seld_wire_writer_make(again, sizeof again);
+    crn_wire_writer writer = crn_wire_writer_make(again, sizeof again);
     switch (type) {
 #define MESSAGE(name, number, direction, text)                                                               \
     case number: {                                                                                           \
-        static seld_wire_##name value;                                                                       \
-        if (!seld_wire_decode_##name(payload, length, &value)) break;                                        \
-        if (!seld_wire_put_##name(&writer, &value)) abort();                                                 \
+        static crn_wire_##name value;                                                                        \
+        if (!crn_wire_decode_##name(payload, length, &value)) break;                                         \
+        if (!crn_wire_put_##name(&writer, &value)) abort();                                                  \
         if (writer.length != length || memcmp(again, payload, length) != 0) abort();                         \
         break;                                                                                               \
     }
@@ -31,10 +31,10 @@ static void check_message(uint16_t type, const uint8_t *payload, size_t length)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count)
 {
-    static seld_wire_decoder decoder;
-    seld_wire_decoder_init(&decoder);
+    static crn_wire_decoder decoder;
+    crn_wire_decoder_init(&decoder);
     for (size_t i = 0; i < count; i++) {
-        if (seld_wire_decoder_push(&decoder, bytes[i]) != SELD_WIRE_FRAME) continue;
+        if (crn_wire_decoder_push(&decoder, bytes[i]) != CRN_WIRE_FRAME) continue;
         check_message(decoder.header.type, decoder.payload, decoder.payload_bytes);
     }
     if (count > 0) check_message(bytes[0], bytes + 1, count - 1);
@@ -55,6 +55,6 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
         memset(bytes + 1, 0, 12);
         return 13;
     }
-    const seld_wire_header header = {1, 0, type};
-    return seld_wire_frame_encode(&header, payload, sizeof payload, bytes, capacity);
+    const crn_wire_header header = {1, 0, type};
+    return crn_wire_frame_encode(&header, payload, sizeof payload, bytes, capacity);
 }

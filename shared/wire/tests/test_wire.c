@@ -25,28 +25,28 @@ static size_t encode_random(uint8_t *payload, size_t length, int zero_share, uin
 {
     for (size_t i = 0; i < length; i++)
         payload[i] = random_u32() % 8 < (uint32_t)zero_share ? 0 : (uint8_t)random_u32();
-    const seld_wire_header header = {(uint16_t)random_u32(), (uint16_t)random_u32(), (uint16_t)random_u32()};
-    return seld_wire_frame_encode(&header, payload, length, frame, SELD_WIRE_FRAME_MAX);
+    const crn_wire_header header = {(uint16_t)random_u32(), (uint16_t)random_u32(), (uint16_t)random_u32()};
+    return crn_wire_frame_encode(&header, payload, length, frame, CRN_WIRE_FRAME_MAX);
 }
 
-static seld_wire_event push_all(seld_wire_decoder *decoder, const uint8_t *bytes, size_t count)
+static crn_wire_event push_all(crn_wire_decoder *decoder, const uint8_t *bytes, size_t count)
 {
-    seld_wire_event event = SELD_WIRE_NEED_MORE;
-    for (size_t i = 0; i < count; i++) event = seld_wire_decoder_push(decoder, bytes[i]);
+    crn_wire_event event = CRN_WIRE_NEED_MORE;
+    for (size_t i = 0; i < count; i++) event = crn_wire_decoder_push(decoder, bytes[i]);
     return event;
 }
 
-static uint8_t payload[SELD_WIRE_PAYLOAD_MAX];
-static uint8_t frame[SELD_WIRE_FRAME_MAX];
-static seld_wire_decoder decoder;
+static uint8_t payload[CRN_WIRE_PAYLOAD_MAX];
+static uint8_t frame[CRN_WIRE_FRAME_MAX];
+static crn_wire_decoder decoder;
 
 /* The published check value of CRC-32 (IEEE 802.3) for the digits 1 to 9. */
 static void crc32_of_the_digits_is_the_published_value(void **state)
 {
     (void)state;
-    assert_int_equal(seld_wire_crc32(0, (const uint8_t *)"123456789", 9), 0xcbf43926u);
+    assert_int_equal(crn_wire_crc32(0, (const uint8_t *)"123456789", 9), 0xcbf43926u);
     uint32_t in_two =
-        seld_wire_crc32(seld_wire_crc32(0, (const uint8_t *)"1234", 4), (const uint8_t *)"56789", 5);
+        crn_wire_crc32(crn_wire_crc32(0, (const uint8_t *)"1234", 4), (const uint8_t *)"56789", 5);
     assert_int_equal(in_two, 0xcbf43926u);
 }
 
@@ -57,7 +57,7 @@ static void crc32_of_every_byte_is_that_of_its_bits(void **state)
     for (uint32_t byte = 0; byte < 256; byte++) {
         uint32_t crc = 0xffffffffu ^ byte;
         for (int bit = 0; bit < 8; bit++) crc = (crc >> 1) ^ ((crc & 1u) != 0 ? 0xedb88320u : 0);
-        assert_int_equal(seld_wire_crc32(0, &(const uint8_t){(uint8_t)byte}, 1), ~crc);
+        assert_int_equal(crn_wire_crc32(0, &(const uint8_t){(uint8_t)byte}, 1), ~crc);
     }
 }
 
@@ -65,14 +65,14 @@ static void crc32_of_every_byte_is_that_of_its_bits(void **state)
 static void frames_of_every_length_come_back(void **state)
 {
     (void)state;
-    seld_wire_decoder_init(&decoder);
-    for (size_t length = 0; length <= SELD_WIRE_PAYLOAD_MAX;
+    crn_wire_decoder_init(&decoder);
+    for (size_t length = 0; length <= CRN_WIRE_PAYLOAD_MAX;
          length = length < 800 ? length + 1 : length + 431) {
         for (int zero_share = 0; zero_share <= 8; zero_share += 4) {
             size_t bytes = encode_random(payload, length, zero_share, frame);
             assert_true(bytes > 0);
             assert_null(memchr(frame, 0, bytes - 1));
-            assert_int_equal(push_all(&decoder, frame, bytes), SELD_WIRE_FRAME);
+            assert_int_equal(push_all(&decoder, frame, bytes), CRN_WIRE_FRAME);
             assert_int_equal(decoder.payload_bytes, length);
             assert_memory_equal(decoder.payload, payload, length);
         }
@@ -82,22 +82,22 @@ static void frames_of_every_length_come_back(void **state)
 static void a_frame_without_payload_needs_no_bytes(void **state)
 {
     (void)state;
-    const seld_wire_header header = {1, 0, 1};
-    seld_wire_decoder_init(&decoder);
-    const size_t bytes = seld_wire_frame_encode(&header, NULL, 0, frame, sizeof frame);
-    assert_int_equal(push_all(&decoder, frame, bytes), SELD_WIRE_FRAME);
+    const crn_wire_header header = {1, 0, 1};
+    crn_wire_decoder_init(&decoder);
+    const size_t bytes = crn_wire_frame_encode(&header, NULL, 0, frame, sizeof frame);
+    assert_int_equal(push_all(&decoder, frame, bytes), CRN_WIRE_FRAME);
     assert_int_equal(decoder.payload_bytes, 0);
 }
 
 static void the_longest_payload_fits_and_one_more_byte_is_refused(void **state)
 {
     (void)state;
-    const seld_wire_header header = {1, 0, 1};
-    static uint8_t longer[SELD_WIRE_PAYLOAD_MAX + 1];
+    const crn_wire_header header = {1, 0, 1};
+    static uint8_t longer[CRN_WIRE_PAYLOAD_MAX + 1];
     memset(longer, 1, sizeof longer);
-    assert_true(seld_wire_frame_encode(&header, longer, SELD_WIRE_PAYLOAD_MAX, frame, sizeof frame) > 0);
-    assert_int_equal(seld_wire_frame_encode(&header, longer, sizeof longer, frame, sizeof frame), 0);
-    assert_int_equal(seld_wire_frame_encode(&header, longer, 100, frame, 100), 0);
+    assert_true(crn_wire_frame_encode(&header, longer, CRN_WIRE_PAYLOAD_MAX, frame, sizeof frame) > 0);
+    assert_int_equal(crn_wire_frame_encode(&header, longer, sizeof longer, frame, sizeof frame), 0);
+    assert_int_equal(crn_wire_frame_encode(&header, longer, 100, frame, 100), 0);
 }
 
 /* Every bit of a frame flipped once: never a frame with other contents. A flip may split it or eat the end mark. */
@@ -106,10 +106,10 @@ static void a_flipped_bit_never_gives_another_message(void **state)
     (void)state;
     size_t bytes = encode_random(payload, 300, 2, frame);
     for (size_t bit = 0; bit < 8 * bytes; bit++) {
-        seld_wire_decoder_init(&decoder);
+        crn_wire_decoder_init(&decoder);
         frame[bit / 8] ^= (uint8_t)(1u << (bit % 8));
         for (size_t i = 0; i < bytes; i++) {
-            assert_int_not_equal(seld_wire_decoder_push(&decoder, frame[i]), SELD_WIRE_FRAME);
+            assert_int_not_equal(crn_wire_decoder_push(&decoder, frame[i]), CRN_WIRE_FRAME);
         }
         frame[bit / 8] ^= (uint8_t)(1u << (bit % 8));
     }
@@ -118,74 +118,74 @@ static void a_flipped_bit_never_gives_another_message(void **state)
 static void the_frame_after_garbage_is_received(void **state)
 {
     (void)state;
-    seld_wire_decoder_init(&decoder);
+    crn_wire_decoder_init(&decoder);
     for (int round = 0; round < 200; round++) {
         size_t garbage = random_u32() % 12000;
-        for (size_t i = 0; i < garbage; i++) seld_wire_decoder_push(&decoder, (uint8_t)random_u32());
-        seld_wire_decoder_push(&decoder, 0);
+        for (size_t i = 0; i < garbage; i++) crn_wire_decoder_push(&decoder, (uint8_t)random_u32());
+        crn_wire_decoder_push(&decoder, 0);
         size_t bytes = encode_random(payload, random_u32() % 500, 2, frame);
-        assert_int_equal(push_all(&decoder, frame, bytes), SELD_WIRE_FRAME);
+        assert_int_equal(push_all(&decoder, frame, bytes), CRN_WIRE_FRAME);
     }
-    assert_int_equal(decoder.event_counts[SELD_WIRE_FRAME], 200);
-    assert_true(decoder.event_counts[SELD_WIRE_BAD_SIZE] > 0 && decoder.event_counts[SELD_WIRE_BAD_COBS] > 0);
+    assert_int_equal(decoder.event_counts[CRN_WIRE_FRAME], 200);
+    assert_true(decoder.event_counts[CRN_WIRE_BAD_SIZE] > 0 && decoder.event_counts[CRN_WIRE_BAD_COBS] > 0);
 }
 
 static void damage_is_counted_by_its_cause(void **state)
 {
     (void)state;
     const uint8_t cobs_past_end[] = {9, 1, 2, 0}, too_short[] = {3, 1, 2, 0};
-    seld_wire_decoder_init(&decoder);
-    assert_int_equal(push_all(&decoder, cobs_past_end, sizeof cobs_past_end), SELD_WIRE_BAD_COBS);
-    assert_int_equal(push_all(&decoder, too_short, sizeof too_short), SELD_WIRE_BAD_SIZE);
-    for (int i = 0; i < 3 * SELD_WIRE_FRAME_MAX; i++) seld_wire_decoder_push(&decoder, 1);
-    assert_int_equal(seld_wire_decoder_push(&decoder, 0), SELD_WIRE_BAD_SIZE);
+    crn_wire_decoder_init(&decoder);
+    assert_int_equal(push_all(&decoder, cobs_past_end, sizeof cobs_past_end), CRN_WIRE_BAD_COBS);
+    assert_int_equal(push_all(&decoder, too_short, sizeof too_short), CRN_WIRE_BAD_SIZE);
+    for (int i = 0; i < 3 * CRN_WIRE_FRAME_MAX; i++) crn_wire_decoder_push(&decoder, 1);
+    assert_int_equal(crn_wire_decoder_push(&decoder, 0), CRN_WIRE_BAD_SIZE);
     size_t bytes = encode_random(payload, 20, 0, frame);
     frame[14] = (uint8_t)(frame[14] == 7 ? 8 : 7);
-    assert_int_equal(push_all(&decoder, frame, bytes), SELD_WIRE_BAD_CRC);
+    assert_int_equal(push_all(&decoder, frame, bytes), CRN_WIRE_BAD_CRC);
 }
 
 static void idle_zeros_between_frames_are_no_errors(void **state)
 {
     (void)state;
-    seld_wire_decoder_init(&decoder);
-    for (int i = 0; i < 100; i++) assert_int_equal(seld_wire_decoder_push(&decoder, 0), SELD_WIRE_NEED_MORE);
-    assert_int_equal(decoder.event_counts[SELD_WIRE_BAD_SIZE], 0);
+    crn_wire_decoder_init(&decoder);
+    for (int i = 0; i < 100; i++) assert_int_equal(crn_wire_decoder_push(&decoder, 0), CRN_WIRE_NEED_MORE);
+    assert_int_equal(decoder.event_counts[CRN_WIRE_BAD_SIZE], 0);
 }
 
 /* The bytes stand here as the document states them: little end first, count before the elements. */
 static void a_step_is_laid_out_as_documented(void **state)
 {
     (void)state;
-    static seld_wire_step step = {.tick = 0x01020304,
-                                  .want_nodes = 1,
-                                  .inputs_count = 1,
-                                  .inputs = {{.hands_count = 2,
-                                              .hands = {{-2, 5}, {7, -1}},
-                                              .buttons = 0x80,
-                                              .inflator_raw = 3,
-                                              .rhythm_action = 1,
-                                              .rhythm_value = 150,
-                                              .scaffold_lesion = 1,
-                                              .scaffold_first = 4,
-                                              .scaffold_last = 12,
-                                              .scaffold_open_q15 = 0x7ffe,
-                                              .strut_number = 64,
-                                              .strut_joined = 1,
-                                              .strut_x_um = 1,
-                                              .strut_y_um = -2,
-                                              .strut_z_um = 0x10203,
-                                              .strut_inside_um = 1500,
-                                              .strut_thickness_um = 81}}};
+    static crn_wire_step step = {.tick = 0x01020304,
+                                 .want_nodes = 1,
+                                 .inputs_count = 1,
+                                 .inputs = {{.hands_count = 2,
+                                             .hands = {{-2, 5}, {7, -1}},
+                                             .buttons = 0x80,
+                                             .inflator_raw = 3,
+                                             .rhythm_action = 1,
+                                             .rhythm_value = 150,
+                                             .scaffold_lesion = 1,
+                                             .scaffold_first = 4,
+                                             .scaffold_last = 12,
+                                             .scaffold_open_q15 = 0x7ffe,
+                                             .strut_number = 64,
+                                             .strut_joined = 1,
+                                             .strut_x_um = 1,
+                                             .strut_y_um = -2,
+                                             .strut_z_um = 0x10203,
+                                             .strut_inside_um = 1500,
+                                             .strut_thickness_um = 81}}};
     const uint8_t expected[] = {4, 3, 2, 1,    1,    1,    0,    2,    0,    0xfe, 0xff, 0xff, 0xff, 5,  0, 0,
                                 0, 7, 0, 0,    0,    0xff, 0xff, 0xff, 0xff, 0x80, 0,    0,    0,    0,  0, 0,
                                 0, 3, 0, 0,    0,    1,    150,  0,    1,    4,    12,   0xfe, 0x7f, 64, 1, 1,
                                 0, 0, 0, 0xfe, 0xff, 0xff, 0xff, 3,    2,    1,    0,    0xdc, 5,    81, 0};
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    assert_true(seld_wire_put_step(&writer, &step));
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    assert_true(crn_wire_put_step(&writer, &step));
     assert_int_equal(writer.length, sizeof expected);
     assert_memory_equal(payload, expected, sizeof expected);
-    static seld_wire_step back;
-    assert_true(seld_wire_decode_step(payload, writer.length, &back));
+    static crn_wire_step back;
+    assert_true(crn_wire_decode_step(payload, writer.length, &back));
     assert_int_equal(back.inputs[0].hands_count, 2);
     assert_int_equal(back.inputs[0].hands[0].translation_counts, -2);
     assert_int_equal(back.inputs[0].hands[1].rotation_counts, -1);
@@ -196,12 +196,12 @@ static void extreme_values_come_back(void **state)
     (void)state;
     const int32_t values[] = {INT32_MIN, INT32_MIN + 1, -1, 0, 1, INT32_MAX};
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
-        const seld_wire_contact contact = {UINT16_MAX, values[i], -(values[i] / 2), 0};
-        seld_wire_contact back;
-        seld_wire_reader reader = seld_wire_reader_make(payload, SELD_WIRE_BYTES_contact);
-        seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-        assert_true(seld_wire_put_contact(&writer, &contact));
-        assert_true(seld_wire_get_contact(&reader, &back));
+        const crn_wire_contact contact = {UINT16_MAX, values[i], -(values[i] / 2), 0};
+        crn_wire_contact back;
+        crn_wire_reader reader = crn_wire_reader_make(payload, CRN_WIRE_BYTES_contact);
+        crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+        assert_true(crn_wire_put_contact(&writer, &contact));
+        assert_true(crn_wire_get_contact(&reader, &back));
         assert_int_equal(back.node, contact.node);
         assert_int_equal(back.force_x_N_q22, contact.force_x_N_q22);
         assert_int_equal(back.force_y_N_q22, contact.force_y_N_q22);
@@ -212,42 +212,42 @@ static void extreme_values_come_back(void **state)
 static void a_payload_of_wrong_length_is_refused(void **state)
 {
     (void)state;
-    static seld_wire_ticks ticks;
+    static crn_wire_ticks ticks;
     const int empty_bytes =
-        (int)SELD_WIRE_BYTES_tick_state - SELD_WIRE_TOOL_MAX * (int)SELD_WIRE_BYTES_tool_state;
+        (int)CRN_WIRE_BYTES_tick_state - CRN_WIRE_TOOL_MAX * (int)CRN_WIRE_BYTES_tool_state;
     memset(payload, 0, sizeof payload);
     payload[0] = 3; /* states without a tool */
     for (size_t length = 0; length < 500; length++) {
         bool fits = length == 2 + 3 * (size_t)empty_bytes;
-        assert_int_equal(seld_wire_decode_ticks(payload, length, &ticks), fits);
+        assert_int_equal(crn_wire_decode_ticks(payload, length, &ticks), fits);
     }
-    payload[2 + 12] = SELD_WIRE_TOOL_MAX; /* three tools in the first */
+    payload[2 + 12] = CRN_WIRE_TOOL_MAX; /* three tools in the first */
     for (size_t length = 0; length < 500; length++) {
-        bool fits = length == 2 + 3 * (size_t)empty_bytes + SELD_WIRE_TOOL_MAX * SELD_WIRE_BYTES_tool_state;
-        assert_int_equal(seld_wire_decode_ticks(payload, length, &ticks), fits);
+        bool fits = length == 2 + 3 * (size_t)empty_bytes + CRN_WIRE_TOOL_MAX * CRN_WIRE_BYTES_tool_state;
+        assert_int_equal(crn_wire_decode_ticks(payload, length, &ticks), fits);
     }
-    payload[2 + 12] = SELD_WIRE_TOOL_MAX + 1;
+    payload[2 + 12] = CRN_WIRE_TOOL_MAX + 1;
     for (size_t length = 0; length < 500; length++)
-        assert_false(seld_wire_decode_ticks(payload, length, &ticks));
+        assert_false(crn_wire_decode_ticks(payload, length, &ticks));
     payload[2 + 12] = 0;
-    payload[0] = SELD_WIRE_MAX_ticks_states + 1;
+    payload[0] = CRN_WIRE_MAX_ticks_states + 1;
     assert_false(
-        seld_wire_decode_ticks(payload, 2 + (SELD_WIRE_MAX_ticks_states + 1) * (size_t)empty_bytes, &ticks));
-    ticks.states_count = SELD_WIRE_MAX_ticks_states + 1;
-    seld_wire_writer writer = seld_wire_writer_make(payload, sizeof payload);
-    assert_false(seld_wire_put_ticks(&writer, &ticks));
+        crn_wire_decode_ticks(payload, 2 + (CRN_WIRE_MAX_ticks_states + 1) * (size_t)empty_bytes, &ticks));
+    ticks.states_count = CRN_WIRE_MAX_ticks_states + 1;
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    assert_false(crn_wire_put_ticks(&writer, &ticks));
     ticks.states_count = 1;
-    ticks.states[0].tools_count = SELD_WIRE_TOOL_MAX + 1;
-    writer = seld_wire_writer_make(payload, sizeof payload);
-    assert_false(seld_wire_put_ticks(&writer, &ticks));
+    ticks.states[0].tools_count = CRN_WIRE_TOOL_MAX + 1;
+    writer = crn_wire_writer_make(payload, sizeof payload);
+    assert_false(crn_wire_put_ticks(&writer, &ticks));
 }
 
-/* SELD_WIRE_PAYLOAD_MAX must be the largest of all. */
+/* CRN_WIRE_PAYLOAD_MAX must be the largest of all. */
 static void no_message_is_longer_than_the_longest_payload(void **state)
 {
     (void)state;
 #define MESSAGE(name, type, direction, text)                                                                 \
-    assert_true((int)SELD_WIRE_BYTES_##name <= (int)SELD_WIRE_PAYLOAD_MAX);
+    assert_true((int)CRN_WIRE_BYTES_##name <= (int)CRN_WIRE_PAYLOAD_MAX);
 #include "shared/wire/wire_messages.def"
 }
 
@@ -275,7 +275,7 @@ static void the_schema_hash_covers_names_types_and_units(void **state)
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         for (size_t k = 0; k <= strlen(texts[i]); k++) hash = (hash ^ (uint8_t)texts[i][k]) * 1099511628211u;
     }
-    if (hash != seld_wire_schema_hash()) {
+    if (hash != crn_wire_schema_hash()) {
         fail_msg("the messages have changed: write 0x%016llxu in shared/wire/wire_schema.c, then make docs",
                  (unsigned long long)hash);
     }
@@ -285,16 +285,16 @@ static void every_fault_and_refusal_has_a_text_and_a_remedy(void **state)
 {
     (void)state;
 #define FAULT(NAME, code, effect, safe_ms, test, text, detection, remedy)                                    \
-    assert_string_equal(seld_wire_fault_name(code), #NAME);                                                  \
-    assert_int_equal(seld_wire_fault_safe_ms(code), safe_ms);                                                \
+    assert_string_equal(crn_wire_fault_name(code), #NAME);                                                   \
+    assert_int_equal(crn_wire_fault_safe_ms(code), safe_ms);                                                 \
     assert_true(strlen(text) > 10 && strlen(remedy) > 5 && strlen(detection) > 5 && strlen(test) > 10);      \
     assert_true((effect[0] == 'l') == ((safe_ms) == 0) && (safe_ms) <= (effect[0] == 'f' ? 50 : 9));
 #define REJECT(NAME, code, text, remedy)                                                                     \
-    assert_string_equal(seld_wire_reject_name(code), #NAME);                                                 \
+    assert_string_equal(crn_wire_reject_name(code), #NAME);                                                  \
     assert_true(strlen(text) > 10 && strlen(remedy) > 5);
 #include "shared/wire/wire_faults.def"
-    assert_string_equal(seld_wire_fault_name(9999), "unknown fault");
-    assert_string_equal(seld_wire_reject_name(9999), "unknown refusal");
+    assert_string_equal(crn_wire_fault_name(9999), "unknown fault");
+    assert_string_equal(crn_wire_reject_name(9999), "unknown refusal");
 }
 
 int main(void)

@@ -1,6 +1,6 @@
 #!/bin/sh
-# A lesion from the command line to the report of a session: anatomy, bake, seldinger.
-programs="anatomy bake seldinger"
+# A lesion from the command line to the report of a session: anatomy, bake, cournand.
+programs="anatomy bake cournand"
 . "$(dirname "$0")/../../check/tool.sh"
 wire=shared/examples/instruments/bentson.toml
 
@@ -14,7 +14,7 @@ report "anatomy writes lesions into the scene's text" $?
 report "bake makes them and says how narrow they are" $?
 
 printf 'wait 0.1 s\n' >"$work/short.session"
-"$BUILD/bin/seldinger" run --scene "$work/p.scene" --tool $wire --session "$work/short.session" \
+"$BUILD/bin/cournand" run --scene "$work/p.scene" --tool $wire --session "$work/short.session" \
     --json "$work/s.json" --png "$work/s.png" --size 64 >"$work/said" 2>&1 &&
     python3 - "$work/s.json" >>"$work/said" 2>&1 <<'PY'
 import json, sys

@@ -12,7 +12,7 @@ extern "C" std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_
 namespace
 {
 
-using namespace seld::bake;
+using namespace crn::bake;
 
 const char *const endings[] = {".ply", ".stl", ".obj", ".gltf"};
 

@@ -11,7 +11,7 @@
 #include <functional>
 #include <string>
 
-namespace seld::bake::tests
+namespace crn::bake::tests
 {
 
 // A surface over a u-v grid, closed along u when `round_u`, along v always.
@@ -108,4 +108,4 @@ inline std::string complaint(const std::function<void()> &work)
     return "";
 }
 
-} // namespace seld::bake::tests
+} // namespace crn::bake::tests

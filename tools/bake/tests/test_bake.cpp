@@ -14,8 +14,8 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld::bake;
-using namespace seld::bake::tests;
+using namespace crn::bake;
+using namespace crn::bake::tests;
 
 namespace
 {
@@ -38,8 +38,8 @@ double worst_of(Field &field, double inner_mm)
         const double u = turn * draw(), v = turn * draw(), r = inner_mm - 1.5 + 3 * draw(),
                      w = ring_mm + r * std::cos(v);
         const Eigen::Vector3d p(w * std::cos(u), w * std::sin(u), r * std::sin(v));
-        const seld_vec3 q = to_q30(p);
-        const double got = seld_lumen_contact(field.view(), &q).distance_m_q30 * mm_per_q30;
+        const crn_vec3 q = to_q30(p);
+        const double got = crn_lumen_contact(field.view(), &q).distance_m_q30 * mm_per_q30;
         worst = std::max(worst, std::abs(got - torus_distance(p, ring_mm, inner_mm)));
     }
     return worst;
@@ -157,16 +157,16 @@ void whole_run_writes_files_that_open(void **)
     auto bytes = read_file(folder.path / "out.scene");
     assert_true(bytes.size() <= sizeof buffer);
     std::memcpy(buffer, bytes.data(), bytes.size());
-    seld_scene scene;
-    assert_int_equal(seld_scene_open(buffer, bytes.size(), &scene, nullptr), SELD_SCENE_OK);
+    crn_scene scene;
+    assert_int_equal(crn_scene_open(buffer, bytes.size(), &scene, nullptr), CRN_SCENE_OK);
     assert_string_equal(scene.name, "test");
     assert_int_equal(scene.entry_direction_q30[0], -(1 << 30));
     bytes = read_file(folder.path / "out.bodies");
     std::memcpy(buffer, bytes.data(), bytes.size());
-    assert_int_equal(seld_scene_open(buffer, bytes.size(), &scene, nullptr), SELD_SCENE_OK);
+    assert_int_equal(crn_scene_open(buffer, bytes.size(), &scene, nullptr), CRN_SCENE_OK);
     assert_int_equal(scene.body_count, 2);
-    assert_int_equal(seld_scene_body(&scene, 0).parent, 1);
-    assert_int_equal(seld_scene_body(&scene, 1).parent, -1);
+    assert_int_equal(crn_scene_body(&scene, 0).parent, 1);
+    assert_int_equal(crn_scene_body(&scene, 1).parent, -1);
 }
 
 void same_input_gives_the_same_bytes(void **)
@@ -297,7 +297,7 @@ void faults_of_a_centreline_name_point_and_field(void **)
 
 void stevebench_obj_is_refused_with_its_faults(void **)
 {
-    const char *folder_name = std::getenv("SELD_ANATOMY");
+    const char *folder_name = std::getenv("CRN_ANATOMY");
     const std::filesystem::path obj = std::filesystem::path(folder_name ? folder_name : "../shared/anatomy") /
                                       "steve_bench/mechanical_thrombectomy_collision_FIX_REMESH.obj";
     if (!std::filesystem::exists(obj)) skip();
@@ -309,7 +309,7 @@ void stevebench_obj_is_refused_with_its_faults(void **)
 // The example that ships, on the real centrelines: at most 2 MB, and 99.9 % of places near the wall within 0.15 mm.
 void stevebench_scene_keeps_its_size_and_error(void **)
 {
-    const char *folder_name = std::getenv("SELD_ANATOMY");
+    const char *folder_name = std::getenv("CRN_ANATOMY");
     const std::filesystem::path data = folder_name ? folder_name : "../shared/anatomy";
     if (!std::filesystem::exists(data / "steve_bench")) skip();
     Progress progress;

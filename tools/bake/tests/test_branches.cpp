@@ -17,8 +17,8 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld;
-using namespace seld::bake;
+using namespace crn;
+using namespace crn::bake;
 
 namespace
 {
@@ -130,7 +130,7 @@ void a_branch_is_called_as_its_file(void **)
 void a_tree_of_the_text_comes_back_from_the_body_file(void **)
 {
     const std::filesystem::path folder =
-        std::filesystem::temp_directory_path() / ("seldinger-branches-" + std::to_string(getpid()));
+        std::filesystem::temp_directory_path() / ("cournand-branches-" + std::to_string(getpid()));
     std::filesystem::create_directory(folder);
     const std::filesystem::path file = folder / "a.toml", bodies_file = folder / "a.bodies";
     std::ofstream(file) << "[scene]\nname = \"a\"\n[lumen]\nmesh = \"a.toml\"\nunit = \"mm\"\n"

@@ -12,8 +12,8 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld::bake;
-using namespace seld::bake::tests;
+using namespace crn::bake;
+using namespace crn::bake::tests;
 
 namespace
 {

@@ -17,9 +17,9 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld;
-using namespace seld::bake;
-using namespace seld::bake::tests;
+using namespace crn;
+using namespace crn::bake;
+using namespace crn::bake::tests;
 using Eigen::Vector3d;
 
 namespace
@@ -154,9 +154,8 @@ void the_field_knows_the_narrowed_wall(void **)
     for (double off_mm : {0.42, 0.6})
         for (int k = 0; k < 24; ++k) {
             const double angle = turn * k / 24;
-            const seld_vec3 place =
-                to_q30(throat_mm + off_mm * Vector3d(std::cos(angle), 0, std::sin(angle)));
-            const double phi_mm = seld_lumen_contact(field.view(), &place).distance_m_q30 * mm_per_q30;
+            const crn_vec3 place = to_q30(throat_mm + off_mm * Vector3d(std::cos(angle), 0, std::sin(angle)));
+            const double phi_mm = crn_lumen_contact(field.view(), &place).distance_m_q30 * mm_per_q30;
             worst_mm = std::max(worst_mm, std::abs(phi_mm - (off_mm - 0.6)));
         }
     print_message("# worst %.3f mm\n", worst_mm);
@@ -181,9 +180,8 @@ void a_lesion_asks_more_of_the_field_than_its_scene(void **)
             Field field = make_field(surface, text, progress);
             double least = 10;
             for (double y = 28; y <= 32; y += 0.1) {
-                const seld_vec3 place = to_q30({0, y, 0});
-                least =
-                    std::min(least, -seld_lumen_contact(field.view(), &place).distance_m_q30 * mm_per_q30);
+                const crn_vec3 place = to_q30({0, y, 0});
+                least = std::min(least, -crn_lumen_contact(field.view(), &place).distance_m_q30 * mm_per_q30);
             }
             return least;
         };
@@ -202,9 +200,9 @@ struct BakedLesion {
     Progress progress;
     std::optional<Field> field;
     Bytes file;
-    seld_scene scene{};
-    seld_lesion lesion{};
-    seld_lumen lumen{};
+    crn_scene scene{};
+    crn_lesion lesion{};
+    crn_lumen lumen{};
 
     BakedLesion()
     {
@@ -219,9 +217,9 @@ struct BakedLesion {
         const TriangleTree surface(mesh);
         field.emplace(make_field(surface, {0.03, 2.5, 1.5, 2}, progress));
         file = scene_bytes(text, {0, 3, 0}, {0, 1, 0}, *field, nullptr, &tree);
-        assert_int_equal(seld_scene_open(file.data(), file.size(), &scene, nullptr), SELD_SCENE_OK);
+        assert_int_equal(crn_scene_open(file.data(), file.size(), &scene, nullptr), CRN_SCENE_OK);
         assert_int_equal(scene.plaque_count, 1);
-        const seld_scene_plaque_view view = seld_scene_plaque(&scene, 0);
+        const crn_scene_plaque_view view = crn_scene_plaque(&scene, 0);
         assert_int_equal(view.yield_Pa, 500000);
         for (int k = 0; k < 3; ++k) {
             lesion.low_m_q30[k] = view.low_m_q30[k];
@@ -231,7 +229,7 @@ struct BakedLesion {
         lesion.stretch_q28 = view.stretch_q28;
         lesion.spacing_log2_q30 = view.spacing_log2_q30;
         lesion.station_count = view.station_count;
-        lesion.stations = reinterpret_cast<const seld_lesion_station *>(view.stations);
+        lesion.stations = reinterpret_cast<const crn_lesion_station *>(view.stations);
         lumen = *field->view();
         lumen.lesion_count = 1;
         lumen.lesions = &lesion;
@@ -240,13 +238,13 @@ struct BakedLesion {
     // What the core has at a place, stations open by those shares: mm outside the wall.
     double distance_mm(const Vector3d &place_mm, const std::vector<double> &open) const
     {
-        seld_lesion_state state{};
+        crn_lesion_state state{};
         state.bits = 1;
         for (std::size_t i = 0; i < open.size(); ++i)
             state.open_q30[0][i] = static_cast<std::int32_t>(std::lround(std::ldexp(open[i], 30)));
-        const seld_vec3 place = to_q30(place_mm);
-        seld_lumen_sample sample;
-        assert_true(seld_lesion_contact(&lumen, &state, &place, &sample));
+        const crn_vec3 place = to_q30(place_mm);
+        crn_lumen_sample sample;
+        assert_true(crn_lesion_contact(&lumen, &state, &place, &sample));
         return sample.distance_m_q30 * mm_per_q30;
     }
 };
@@ -512,7 +510,7 @@ void a_text_says_where_it_is_wrong(void **)
     assert_non_null(
         std::strstr(refusal(whole + "[[lesion]]\n" + whole).c_str(), "two lesions are called 'p'"));
     std::string bodies;
-    for (int i = 0; i < SELD_SCENE_BODY_MAX; ++i)
+    for (int i = 0; i < CRN_SCENE_BODY_MAX; ++i)
         bodies += "[[body]]\nname = \"b" + std::to_string(i) + "\"\nmesh = \"lumen\"\nmaterial = \"blood\"\n";
     assert_string_equal(refusal(whole + bodies).c_str(), "");
     assert_non_null(std::strstr(refusal(whole + "calcified_deg = 90\n" + bodies).c_str(),

@@ -21,8 +21,8 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld::bake;
-using namespace seld::bake::tests;
+using namespace crn::bake;
+using namespace crn::bake::tests;
 using nlohmann::json;
 using namespace std::chrono_literals;
 
@@ -181,14 +181,14 @@ void damaged_texts_are_named_by_line(void **)
 
 // --- the child ---
 // 15 s of the wall, since a busy machine may let a new process wait for seconds.
-const seld::ReadLimits small = {std::uint64_t{64} << 20, 2, 15, std::uint64_t{8} << 20};
+const crn::ReadLimits small = {std::uint64_t{64} << 20, 2, 15, std::uint64_t{8} << 20};
 
-std::string apart(const std::function<void(seld::Outbox &)> &parse, const seld::ReadLimits &limits = small)
+std::string apart(const std::function<void(crn::Outbox &)> &parse, const crn::ReadLimits &limits = small)
 {
     std::uint64_t got = 0;
     const auto began = std::chrono::steady_clock::now();
     const std::string text = said([&] {
-        seld::read_apart("a.ply", limits, parse, [&](seld::Inbox &in) { got = in.value<std::uint64_t>(); });
+        crn::read_apart("a.ply", limits, parse, [&](crn::Inbox &in) { got = in.value<std::uint64_t>(); });
     });
     if (text.empty()) assert_int_equal(got, 42);
     assert_true(std::chrono::steady_clock::now() - began < 20s);
@@ -197,17 +197,17 @@ std::string apart(const std::function<void(seld::Outbox &)> &parse, const seld::
 
 void a_reader_that_crashes_ends_alone(void **)
 {
-    assert_string_equal(apart([](seld::Outbox &out) { out.value<std::uint64_t>(42); }).c_str(), "");
-    contains(apart([](seld::Outbox &) { throw std::runtime_error("a.ply: no mesh"); }), {"a.ply: no mesh"});
+    assert_string_equal(apart([](crn::Outbox &out) { out.value<std::uint64_t>(42); }).c_str(), "");
+    contains(apart([](crn::Outbox &) { throw std::runtime_error("a.ply: no mesh"); }), {"a.ply: no mesh"});
     contains(
-        apart([](seld::Outbox &) {
+        apart([](crn::Outbox &) {
             std::fprintf(stderr, "library: \033[31mbad\n");
             std::abort();
         }),
         {"a.ply: is damaged in a way that ends its reader (Aborted: library:  [31mbad)", "export it again"});
-    contains(apart([](seld::Outbox &) { ::raise(SIGSEGV); }), {"a.ply", "ends its reader"});
-    contains(apart([](seld::Outbox &) { ::_exit(7); }), {"a.ply", "it stopped"});
-    contains(apart([](seld::Outbox &out) { out.value<char>('x'); }), {"a.ply", "it stopped"});
+    contains(apart([](crn::Outbox &) { ::raise(SIGSEGV); }), {"a.ply", "ends its reader"});
+    contains(apart([](crn::Outbox &) { ::_exit(7); }), {"a.ply", "it stopped"});
+    contains(apart([](crn::Outbox &out) { out.value<char>('x'); }), {"a.ply", "it stopped"});
 }
 
 int deeper(int level, volatile char *above)
@@ -220,17 +220,17 @@ int deeper(int level, volatile char *above)
 void a_reader_has_limits_of_stack_memory_and_time(void **)
 {
     volatile char zero = 0;
-    contains(apart([&](seld::Outbox &) { deeper(1 << 20, &zero); }), {"a.ply", "Segmentation fault"});
-    contains(apart([](seld::Outbox &) {
+    contains(apart([&](crn::Outbox &) { deeper(1 << 20, &zero); }), {"a.ply", "Segmentation fault"});
+    contains(apart([](crn::Outbox &) {
                  std::vector<std::vector<char>> all;
                  for (;;) all.emplace_back(1 << 20, 'x');
              }),
              {"a.ply", "takes over 64 MiB of memory"});
-    contains(apart([](seld::Outbox &) { std::this_thread::sleep_for(60s); },
+    contains(apart([](crn::Outbox &) { std::this_thread::sleep_for(60s); },
                    {std::uint64_t{64} << 20, 2, 3, std::uint64_t{8} << 20}),
              {"a.ply", "not done after 3 s"});
     contains(apart(
-                 [](seld::Outbox &) {
+                 [](crn::Outbox &) {
                      for (std::atomic<int> i = 0;; ++i) {
                      }
                  },
@@ -239,7 +239,7 @@ void a_reader_has_limits_of_stack_memory_and_time(void **)
     // A file left behind by a dead reader would be litter.
     const Folder folder;
     const std::string litter = folder.write("litter", "").string();
-    apart([&](seld::Outbox &) {
+    apart([&](crn::Outbox &) {
         std::FILE *file = std::fopen(litter.c_str(), "w");
         std::fputs("half", file);
         std::fflush(file);
@@ -252,16 +252,16 @@ void a_reader_has_limits_of_stack_memory_and_time(void **)
 void counts_from_the_child_are_bounded(void **)
 {
     contains(said([] {
-                 seld::read_apart(
-                     "a.ply", small, [](seld::Outbox &out) { out.value<std::uint64_t>(1ull << 60); },
-                     [](seld::Inbox &in) { in.list<double>(1000); });
+                 crn::read_apart(
+                     "a.ply", small, [](crn::Outbox &out) { out.value<std::uint64_t>(1ull << 60); },
+                     [](crn::Inbox &in) { in.list<double>(1000); });
              }),
              {"a.ply", "1152921504606846976 values", "1000"});
     contains(said([] {
-                 seld::read_apart(
+                 crn::read_apart(
                      "a.ply", small,
-                     [](seld::Outbox &out) { out.value<std::uint64_t>(1), out.value<char>('x'); },
-                     [](seld::Inbox &in) { in.value<std::uint64_t>(); });
+                     [](crn::Outbox &out) { out.value<std::uint64_t>(1), out.value<char>('x'); },
+                     [](crn::Inbox &in) { in.value<std::uint64_t>(); });
              }),
              {"a.ply", "more than it announced"});
 }
@@ -270,27 +270,27 @@ bool is_stopped = false;
 
 void ctrl_c_ends_the_reader_within_a_second(void **)
 {
-    seld::stop_reading_when([] { return is_stopped; });
+    crn::stop_reading_when([] { return is_stopped; });
     std::signal(SIGINT, [](int) { is_stopped = true; });
     const pid_t self = ::getpid();
     const auto began = std::chrono::steady_clock::now();
-    contains(apart([&](seld::Outbox &) {
+    contains(apart([&](crn::Outbox &) {
                  ::kill(self, SIGINT); // as from outside, to the parent alone
                  std::this_thread::sleep_for(60s);
              }),
              {"a.ply", "interrupted"});
     assert_true(std::chrono::steady_clock::now() - began < 1s);
     std::signal(SIGINT, SIG_DFL);
-    seld::stop_reading_when(nullptr);
+    crn::stop_reading_when(nullptr);
     is_stopped = false;
 }
 
 void the_time_grows_with_the_file_and_the_memory_has_an_end(void **)
 {
-    assert_true(seld::read_limits(1000, 64).wall_s <= 20);
-    assert_true(seld::read_limits(std::uint64_t{2} << 20, 64).wall_s <= 20);
-    assert_true(seld::read_limits(std::uint64_t{512} << 20, 64).wall_s > 600);
-    assert_true(seld::read_limits(std::uint64_t{4} << 30, 1100).memory_bytes < 2000000000);
+    assert_true(crn::read_limits(1000, 64).wall_s <= 20);
+    assert_true(crn::read_limits(std::uint64_t{2} << 20, 64).wall_s <= 20);
+    assert_true(crn::read_limits(std::uint64_t{512} << 20, 64).wall_s > 600);
+    assert_true(crn::read_limits(std::uint64_t{4} << 30, 1100).memory_bytes < 2000000000);
 }
 
 } // namespace

@@ -16,9 +16,9 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld::bake;
-using namespace seld::bake::tests;
-using seld::Bodies;
+using namespace crn::bake;
+using namespace crn::bake::tests;
+using crn::Bodies;
 
 namespace
 {
@@ -119,10 +119,10 @@ void the_moved_lumen_is_the_moved_mesh_in_every_frame(void **)
     }();
     std::vector<std::uint32_t> aligned((bytes.size() + 3) / 4);
     std::memcpy(aligned.data(), bytes.data(), bytes.size());
-    seld_scene scene;
-    assert_int_equal(seld_scene_open(reinterpret_cast<const std::uint8_t *>(aligned.data()), bytes.size(),
-                                     &scene, nullptr),
-                     SELD_SCENE_OK);
+    crn_scene scene;
+    assert_int_equal(
+        crn_scene_open(reinterpret_cast<const std::uint8_t *>(aligned.data()), bytes.size(), &scene, nullptr),
+        CRN_SCENE_OK);
     assert_true(scene.has_motion && !scene.has_breath);
     assert_int_equal(scene.motion.spacing_log2_q30, 23);
 }
@@ -142,14 +142,14 @@ void a_full_breath_carries_every_frame(void **)
     assert_true(report.find("  inhaled   moved lumen") != std::string::npos);
     assert_true(number_behind(report, "  worst     ") < 0.3);
     std::string error;
-    const std::optional<seld::Motion> motion = seld::read_motion((folder.path / "out.scene").string(), error);
+    const std::optional<crn::Motion> motion = crn::read_motion((folder.path / "out.scene").string(), error);
     assert_true(motion && motion->breathes());
     const double pose = number_behind(report, "pose of keyframe ") / 24;
     double worst_mm = 0;
     for (std::uint32_t k = 0; k < 24; k += 3)
         for (const Eigen::Vector3d &v : reference.vertices_mm) {
-            const seld::MotionMoment moment{static_cast<std::uint32_t>((std::uint64_t{k} << 32) / 24),
-                                            1u << 31};
+            const crn::MotionMoment moment{static_cast<std::uint32_t>((std::uint64_t{k} << 32) / 24),
+                                           1u << 31};
             const Eigen::Vector3d pulled = 1e3 * motion->pull(1e-3 * inhaled(beating(v, k / 24.0)), moment);
             worst_mm = std::max(worst_mm, (pulled - beating(v, pose)).norm());
         }
@@ -216,9 +216,9 @@ void a_lesion_moves_with_its_vessel(void **)
     std::string error;
     Bodies bodies;
     assert_true(read_bodies((folder.path / "out.bodies").string(), bodies, error));
-    const auto motion = seld::read_motion((folder.path / "out.scene").string(), error);
+    const auto motion = crn::read_motion((folder.path / "out.scene").string(), error);
     assert_true(motion.has_value());
-    const seld::VesselTree &tree = bodies.vessels;
+    const crn::VesselTree &tree = bodies.vessels;
     const Eigen::Vector3d throat_m = tree.branches.at(0).points_m[tree.throat(tree.lesions.at(0))];
     for (int k : {0, 5, 10, 17}) {
         const auto phase32 = static_cast<std::uint32_t>(k * (4294967296.0 / 24));

@@ -13,8 +13,8 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld::bake;
-using namespace seld::bake::tests;
+using namespace crn::bake;
+using namespace crn::bake::tests;
 
 namespace
 {
@@ -28,7 +28,7 @@ Patient *patient = nullptr;
 
 int read_patient(void **)
 {
-    const char *folder = std::getenv("SELD_ANATOMY");
+    const char *folder = std::getenv("CRN_ANATOMY");
     const std::filesystem::path data = folder ? folder : "../shared/anatomy";
     patient = new Patient;
     if (!std::filesystem::exists(data / "hra") || !std::filesystem::exists(data / "myo_sim")) return 0;
@@ -49,7 +49,7 @@ int forget_patient(void **)
 void skip_without_anatomy()
 {
     if (patient->is_there) return;
-    print_message("skipped: no hra and myo_sim in $SELD_ANATOMY or ../shared/anatomy\n");
+    print_message("skipped: no hra and myo_sim in $CRN_ANATOMY or ../shared/anatomy\n");
     skip();
 }
 

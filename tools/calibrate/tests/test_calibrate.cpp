@@ -18,9 +18,9 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld::calibrate;
-using seld::tests::Folder;
-namespace insertion = seld::insertion;
+using namespace crn::calibrate;
+using crn::tests::Folder;
+namespace insertion = crn::insertion;
 
 namespace
 {
@@ -121,8 +121,8 @@ void parameters_and_shares_are_each_others_inverse(void **)
 // EI of tip and shaft, radius and mass per length, straight from their definitions.
 void a_virtual_instrument_has_the_values_asked_for(void **)
 {
-    const seld_wire_instrument nominal =
-        seld::read_instrument(std::string(instruments) + "beacon_5f.toml").table;
+    const crn_wire_instrument nominal =
+        crn::read_instrument(std::string(instruments) + "beacon_5f.toml").table;
     RodValues values = nominal_values(nominal);
     values.bend_shaft_N_m2 *= 2.0;
     values.tip_over_shaft *= 0.5;
@@ -131,9 +131,9 @@ void a_virtual_instrument_has_the_values_asked_for(void **)
     insertion::Case c;
     c.friction_kinetic = 0.07;
     c.friction_static = 0.09;
-    const seld_wire_instrument table = virtual_instrument(nominal, values, c);
-    const seld_wire_knot &shaft = table.knots[table.knots_count - 1],
-                         &was = nominal.knots[nominal.knots_count - 1];
+    const crn_wire_instrument table = virtual_instrument(nominal, values, c);
+    const crn_wire_knot &shaft = table.knots[table.knots_count - 1],
+                        &was = nominal.knots[nominal.knots_count - 1];
     assert_near(shaft.bend_stiffness_nN_m2, 2.0 * was.bend_stiffness_nN_m2, 1);
     assert_near(table.knots[0].bend_stiffness_nN_m2, nominal.knots[0].bend_stiffness_nN_m2, 1);
     assert_near(shaft.radius_outer_um, 1.1 * was.radius_outer_um, 0.51);
@@ -153,19 +153,19 @@ void a_fitted_file_is_read_as_the_table_it_was_made_of(void **)
     c.friction_static = 0.12;
     for (const char *name : {"j_wire", "beacon_5f", "rosen", "terumo_4f", "simmons_2_5f"}) {
         const std::string nominal = std::string(instruments) + name + ".toml";
-        const seld_wire_instrument table = seld::read_instrument(nominal).table;
+        const crn_wire_instrument table = crn::read_instrument(nominal).table;
         RodValues values = nominal_values(table);
         values.bend_shaft_N_m2 *= 1.7;
         values.tip_over_shaft *= 0.8;
         values.density_kg_m3 *= 1.3;
-        const seld_wire_instrument fitted = virtual_instrument(table, values, c);
+        const crn_wire_instrument fitted = virtual_instrument(table, values, c);
         std::ofstream(folder.file("fitted.toml"))
             << fitted_instrument_text(nominal, fitted, "fitted in a test");
-        const seld::Instrument back = seld::read_instrument(folder.file("fitted.toml"));
+        const crn::Instrument back = crn::read_instrument(folder.file("fitted.toml"));
         const unsigned length_mm = fitted.knots[fitted.knots_count - 1].arc_um / 1000;
         for (unsigned mm = 0; mm <= length_mm; mm++) {
-            const seld_wire_knot got = knot_at(back.table, mm + 0.25, true),
-                                 want = knot_at(fitted, mm + 0.25, true);
+            const crn_wire_knot got = knot_at(back.table, mm + 0.25, true),
+                                want = knot_at(fitted, mm + 0.25, true);
             assert_near(got.bend_stiffness_nN_m2, want.bend_stiffness_nN_m2,
                         2 + 1e-3 * want.bend_stiffness_nN_m2);
             assert_near(got.twist_stiffness_nN_m2, want.twist_stiffness_nN_m2,
@@ -180,7 +180,7 @@ void a_fitted_file_is_read_as_the_table_it_was_made_of(void **)
 void a_preset_made_from_another_one_cannot_be_written(void **)
 {
     const std::string nominal = std::string(instruments) + "j_wire.toml:vcsim3-fit";
-    const seld_wire_instrument table = seld::read_instrument(nominal).table;
+    const crn_wire_instrument table = crn::read_instrument(nominal).table;
     bool is_refused = false;
     try {
         fitted_instrument_text(nominal, table, "x");
@@ -422,7 +422,7 @@ void a_checkpoint_of_another_case_or_a_damaged_one_is_refused(void **)
                                           static_cast<std::size_t>(share * static_cast<double>(text.size())));
         assert_true(is_refused(cut, 77, "is damaged"));
     }
-    std::ofstream(cut) << "seldinger-calibrate-checkpoint 9\n" << text;
+    std::ofstream(cut) << "cournand-calibrate-checkpoint 9\n" << text;
     assert_true(is_refused(cut, 77, "of this version"));
 }
 

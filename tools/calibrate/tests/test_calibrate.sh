@@ -1,7 +1,7 @@
 #!/bin/sh
 # The program `calibrate` on a short insertion: same bits for 1, 2 and 4 threads and for 1 to 4 ranks of MPI, also after it was
 # killed at several moments; the fitted file is loaded by the simulator; messages for bad input. Prints TAP.
-programs="calibrate bake seldinger"
+programs="calibrate bake cournand"
 . "$(dirname "$0")/../../check/tool.sh"
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
 
@@ -53,7 +53,7 @@ for ranks in 1 2 3 4; do
     report "the same bits from $ranks ranks" $?
 done
 launch=
-"$BUILD/bin/seldinger" instruments "$work/one/instrument.toml" >"$work/said" 2>&1 && grep -q "fitted" "$work/said"
+"$BUILD/bin/cournand" instruments "$work/one/instrument.toml" >"$work/said" 2>&1 && grep -q "fitted" "$work/said"
 report "the simulator loads the fitted instrument" $?
 
 # Killed as soon as so many generations are done, then prolonged: the moment within the next generation is chance.

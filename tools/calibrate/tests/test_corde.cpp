@@ -15,9 +15,9 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld::calibrate;
-using seld::tests::Folder;
-namespace insertion = seld::insertion;
+using namespace crn::calibrate;
+using crn::tests::Folder;
+namespace insertion = crn::insertion;
 
 namespace
 {
@@ -32,15 +32,15 @@ void assert_near(double got, double expected, double tolerance)
     assert_true(false);
 }
 
-seld::Instrument instrument_of(const std::string &name)
+crn::Instrument instrument_of(const std::string &name)
 {
-    return seld::read_instrument(std::string(instruments) + name + ".toml");
+    return crn::read_instrument(std::string(instruments) + name + ".toml");
 }
 
 // A lattice of 125 mm around the origin without a wall.
 struct Space {
-    std::vector<std::uint16_t> index = std::vector<std::uint16_t>(16 * 16 * 16, SELD_LUMEN_ENTRY_INSIDE);
-    seld_lumen lumen{};
+    std::vector<std::uint16_t> index = std::vector<std::uint16_t>(16 * 16 * 16, CRN_LUMEN_ENTRY_INSIDE);
+    crn_lumen lumen{};
     std::unique_ptr<vcsim3::Vessel> vessel;
 
     Space()
@@ -75,9 +75,9 @@ insertion::Case free_case(const std::string &name)
 void nominal_values_make_the_files_stiffness_and_mass(void **)
 {
     for (const char *name : {"amplatz_super_stiff", "beacon_5f"}) {
-        const seld::Instrument instrument = instrument_of(name);
+        const crn::Instrument instrument = instrument_of(name);
         const CordeValues values = nominal_corde_values(instrument);
-        const seld_wire_knot &shaft = instrument.table.knots[instrument.table.knots_count - 1];
+        const crn_wire_knot &shaft = instrument.table.knots[instrument.table.knots_count - 1];
         const double radius_m = shaft.radius_outer_um * 1e-6;
         assert_near(values.young_Pa * pi * std::pow(radius_m, 4) / 4.0 * 1e9 / shaft.bend_stiffness_nN_m2,
                     1.0, 1e-9);
@@ -88,7 +88,7 @@ void nominal_values_make_the_files_stiffness_and_mass(void **)
 // Along a wire with a soft tip: at the tip alpha EI, on the shaft EI, GJ in the file's ratio; between them never outside.
 void joints_have_the_stiffness_asked_for(void **)
 {
-    const seld::Instrument instrument = instrument_of("amplatz_super_stiff");
+    const crn::Instrument instrument = instrument_of("amplatz_super_stiff");
     CordeValues values = nominal_corde_values(instrument);
     values.tip_over_shaft = 0.02;
     values.young_Pa *= 3.0;
@@ -137,7 +137,7 @@ void a_bent_tip_lies_where_our_rods_tip_lies(void **)
 {
     const Space space;
     insertion::Case c = free_case("j_wire");
-    const seld::Instrument instrument = instrument_of("j_wire");
+    const crn::Instrument instrument = instrument_of("j_wire");
     CordeSettings settings = corde_settings();
     settings.element_mm = 1.5;
     const CordeModel model =
@@ -271,7 +271,7 @@ void bounds_hold_the_row_of_the_thesis_table(void **)
 void a_rod_that_leaves_the_vessel_is_refused(void **)
 {
     const insertion::Case c = free_case("bentson");
-    const seld::Instrument instrument = instrument_of("bentson");
+    const crn::Instrument instrument = instrument_of("bentson");
     const CordeModel model =
         corde_model(instrument.table, nominal_corde_values(instrument), c, corde_settings(), 60.0);
     const vcsim3::Wall outside = [](const vcsim3::Vector &) {

@@ -10,8 +10,8 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld::calibrate;
-namespace insertion = seld::insertion;
+using namespace crn::calibrate;
+namespace insertion = crn::insertion;
 
 namespace
 {

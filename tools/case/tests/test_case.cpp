@@ -14,8 +14,8 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld::insertion;
-using seld::tests::Folder;
+using namespace crn::insertion;
+using crn::tests::Folder;
 
 namespace
 {

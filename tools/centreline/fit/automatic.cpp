@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <numeric>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -218,4 +218,4 @@ Tree fit_automatic(const Lumen &lumen, const AutoWish &wish, std::vector<std::st
     return tree;
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -5,7 +5,7 @@
 
 #include <optional>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 struct AutoWish {
@@ -21,4 +21,4 @@ struct AutoWish {
 Tree fit_automatic(const Lumen &lumen, const AutoWish &wish, std::vector<std::string> &notes,
                    bake::Progress &progress);
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -6,7 +6,7 @@
 #include <cctype>
 #include <cmath>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -184,4 +184,4 @@ std::vector<Frame> carried(const Tree &tree, const std::vector<std::filesystem::
     return frames;
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

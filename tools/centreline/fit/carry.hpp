@@ -3,7 +3,7 @@
 #pragma once
 #include "tools/centreline/fit/line_fit.hpp"
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 constexpr std::size_t frames_max = 1000;
@@ -23,4 +23,4 @@ std::vector<std::filesystem::path> frames_of(const std::filesystem::path &folder
 std::vector<Frame> carried(const Tree &tree, const std::vector<std::filesystem::path> &files,
                            const bake::MeshText &text, const LumenWish &wish, bake::Progress &progress);
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -11,7 +11,7 @@
 #include <cstdio>
 #include <sstream>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -250,4 +250,4 @@ int command_edit(const Options &options)
     return run_editor(lumen, project, wish, progress);
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 struct Options {
@@ -38,4 +38,4 @@ int command_carry(const Options &options);
 int command_show(const Options &options);
 int command_edit(const Options &options);
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -17,7 +17,7 @@
 #include <stdexcept>
 #include <thread>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -36,7 +36,7 @@ class Editor
   public:
     Editor(const Lumen &lumen, Project &project, const EditorWish &wish, bake::Progress &progress)
         : lumen_(lumen), project_(project), wish_(wish), progress_(progress),
-          screen_("Seldinger centreline", edge), view_(view_of(lumen.wall(), 0, 0, edge, edge))
+          screen_("Cournand centreline", edge), view_(view_of(lumen.wall(), 0, 0, edge, edge))
     {
         screen_.on_key([this](const Screen::KeyEvent &event) {
             if (event.is_press || event.is_repeat) take_key(event.key);
@@ -364,4 +364,4 @@ int run_editor(const Lumen &lumen, Project &project, const EditorWish &wish, bak
     return 1;
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -5,7 +5,7 @@
 #include "tools/centreline/fit/project.hpp"
 #include "tools/centreline/flow.hpp"
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 struct EditorWish {
@@ -24,4 +24,4 @@ std::optional<Eigen::Vector3d> picked(const Lumen &lumen, const View &view, doub
 // std::runtime_error where there is no display.
 int run_editor(const Lumen &lumen, Project &project, const EditorWish &wish, bake::Progress &progress);
 
-} // namespace seld::centreline
+} // namespace crn::centreline

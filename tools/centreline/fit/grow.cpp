@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -142,4 +142,4 @@ int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &
     return static_cast<int>(tree.branches.size()) - 1;
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

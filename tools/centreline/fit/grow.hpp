@@ -3,7 +3,7 @@
 #pragma once
 #include "tools/centreline/fit/line_fit.hpp"
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 struct GrowWish {
@@ -31,4 +31,4 @@ int parent_of(const Tree &tree, const std::vector<Eigen::Vector3d> &way_mm);
 // The ends of a way that nobody gave: at the middle of an opening that is near, or left as it is.
 void finish_last(const Lumen &lumen, std::vector<Eigen::Vector3d> &points_mm);
 
-} // namespace seld::centreline
+} // namespace crn::centreline

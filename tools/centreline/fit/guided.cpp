@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -220,4 +220,4 @@ std::vector<Point> points_of(const Tree &tree)
     return points;
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -4,7 +4,7 @@
 #include "tools/centreline/fit/grow.hpp"
 #include "tools/centreline/fit/points.hpp"
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 // A tree with a branch from each point to the next. `notes` gets what was moved or looks odd. Throws Fault naming the point
@@ -15,4 +15,4 @@ Tree fit_points(const Lumen &lumen, const std::vector<Point> &points, const Grow
 // Start, bifurcations and ends of a tree, named as its branches.
 std::vector<Point> points_of(const Tree &tree);
 
-} // namespace seld::centreline
+} // namespace crn::centreline

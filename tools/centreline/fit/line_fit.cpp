@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -119,4 +119,4 @@ std::vector<Sphere> fit_line(const Lumen &lumen, const Points &way_mm, const Lin
     return spaced(lumen, line, wish.spacing);
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -4,7 +4,7 @@
 #include "tools/centreline/fit/lumen.hpp"
 #include "tools/centreline/tree.hpp"
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 struct LineWish {
@@ -25,4 +25,4 @@ std::vector<Sphere> fit_line(const Lumen &lumen, const std::vector<Eigen::Vector
 // The same line with spheres at other distances; first and last stay.
 std::vector<Sphere> spaced(const Lumen &lumen, const std::vector<Eigen::Vector3d> &line_mm, double spacing);
 
-} // namespace seld::centreline
+} // namespace crn::centreline

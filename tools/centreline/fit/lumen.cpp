@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -112,4 +112,4 @@ double Lumen::radius_mm(const Eigen::Vector3d &p_mm, double bound_mm) const
     return std::abs(tree_->nearest(p_mm, bound_mm).distance_mm);
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

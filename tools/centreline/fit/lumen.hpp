@@ -6,7 +6,7 @@
 
 #include <memory>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 // Where the mesh was open: a vessel's end, through which a line goes on to the very plane.
@@ -45,4 +45,4 @@ class Lumen
     std::unique_ptr<Voxels> voxels_;
 };
 
-} // namespace seld::centreline
+} // namespace crn::centreline

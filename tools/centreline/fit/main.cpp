@@ -11,7 +11,7 @@
 namespace
 {
 
-using seld::centreline::Options;
+using crn::centreline::Options;
 
 constexpr const char *examples =
     "Examples:\n"
@@ -160,7 +160,7 @@ void add_using(CLI::App &app, Options &options)
 
 int run(const std::string &command, const Options &options)
 {
-    using namespace seld::centreline;
+    using namespace crn::centreline;
     if (command == "fit") return command_fit(options);
     if (command == "auto") return command_auto(options);
     if (command == "convert") return command_convert(options);
@@ -174,27 +174,27 @@ int run(const std::string &command, const Options &options)
 int main(int argc, char **argv)
 {
     Options options;
-    if (const char *folder = std::getenv("SELD_ANATOMY")) options.data = folder;
+    if (const char *folder = std::getenv("CRN_ANATOMY")) options.data = folder;
     CLI::App app{"centreline: vessel trees of inscribed spheres, from a mesh and a few points, or from the "
                  "mesh alone"};
     app.footer(examples);
     app.require_subcommand(1);
     add_making(app, options);
     add_using(app, options);
-    seld::refuse_empty_values(app);
+    crn::refuse_empty_values(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
-    seld::bake::Progress::catch_interrupts();
+    crn::bake::Progress::catch_interrupts();
     try {
         return run(app.get_subcommands().front()->get_name(), options);
-    } catch (const seld::UsageError &error) {
-        seld::say(stderr, "centreline: %s\n", error.what());
+    } catch (const crn::UsageError &error) {
+        crn::say(stderr, "centreline: %s\n", error.what());
         return 2;
     } catch (const std::exception &error) {
-        seld::say(stderr, "centreline: %s\n", error.what());
+        crn::say(stderr, "centreline: %s\n", error.what());
     }
     return 1;
 }

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -56,4 +56,4 @@ std::optional<Eigen::Vector3d> picked(const Lumen &lumen, const View &view, doub
     return voxels.centre_mm(voxels.middle_near(static_cast<std::size_t>(voxel)));
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

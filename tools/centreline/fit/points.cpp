@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -124,4 +124,4 @@ void write_points(const std::filesystem::path &file, const PointText &text)
     write_whole_file(file.string(), points_text(text));
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

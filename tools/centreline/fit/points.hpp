@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 constexpr std::size_t points_max = 2000;
@@ -31,4 +31,4 @@ PointText read_points(const std::filesystem::path &file);
 std::string points_text(const PointText &text);
 void write_points(const std::filesystem::path &file, const PointText &text); // whole or not at all
 
-} // namespace seld::centreline
+} // namespace crn::centreline

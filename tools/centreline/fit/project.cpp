@@ -2,7 +2,7 @@
 #include "tools/centreline/fit/project.hpp"
 #include "host/model/pending_file.hpp"
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -92,4 +92,4 @@ void Project::save()
     saved_ = points_text(text_);
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -3,7 +3,7 @@
 #pragma once
 #include "tools/centreline/fit/points.hpp"
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 class Project
@@ -38,4 +38,4 @@ class Project
     std::vector<std::vector<Point>> before_, after_;
 };
 
-} // namespace seld::centreline
+} // namespace crn::centreline

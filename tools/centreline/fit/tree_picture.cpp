@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -233,4 +233,4 @@ Sheet draw_tree(const std::vector<float> &glass, const View &view, const TreeDra
     return sheet;
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

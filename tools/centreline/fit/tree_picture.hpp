@@ -5,7 +5,7 @@
 #include "tools/centreline/fit/points.hpp"
 #include "tools/centreline/tree.hpp"
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 // Parallel view. Angles as of a C-arm turned about the patient: 0, 0 looks from the front (from +z), head (+y) up.
@@ -36,4 +36,4 @@ struct TreeDrawing {
 };
 Sheet draw_tree(const std::vector<float> &glass, const View &view, const TreeDrawing &drawing);
 
-} // namespace seld::centreline
+} // namespace crn::centreline

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <queue>
 
-namespace seld::centreline
+namespace crn::centreline
 {
 namespace
 {
@@ -151,4 +151,4 @@ Ways find_ways(const Voxels &voxels, const std::vector<std::size_t> &sources, lo
     return ways;
 }
 
-} // namespace seld::centreline
+} // namespace crn::centreline

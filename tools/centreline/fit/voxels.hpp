@@ -3,7 +3,7 @@
 #pragma once
 #include "tools/bake/mesh.hpp"
 
-namespace seld::centreline
+namespace crn::centreline
 {
 
 constexpr double voxels_inside_max = 3e7;
@@ -77,4 +77,4 @@ struct Ways {
 // Stops early when `target` (not -1) is reached. Throws Fault when the user interrupted.
 Ways find_ways(const Voxels &voxels, const std::vector<std::size_t> &sources, long target);
 
-} // namespace seld::centreline
+} // namespace crn::centreline

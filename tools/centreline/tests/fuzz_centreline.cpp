@@ -12,7 +12,7 @@ extern "C" std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_
 namespace
 {
 
-using namespace seld::centreline;
+using namespace crn::centreline;
 
 Tree read(unsigned format, const std::string &text)
 {
@@ -63,7 +63,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
         check_tree(tree, "fuzz");
         const std::string again = written(bytes[0], tree);
         if (again.empty()) std::abort();
-    } catch (const seld::Fault &fault) {
+    } catch (const crn::Fault &fault) {
         if (std::strncmp(fault.what(), "fuzz", 4) != 0) std::abort();
     }
     return 0;

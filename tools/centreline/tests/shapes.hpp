@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 
-namespace seld::centreline::tests
+namespace crn::centreline::tests
 {
 
 constexpr double turn = 2 * 3.14159265358979323846;
@@ -106,4 +106,4 @@ inline void write_obj(const std::filesystem::path &file, const bake::Mesh &mesh)
         out << "f " << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << "\n";
 }
 
-} // namespace seld::centreline::tests
+} // namespace crn::centreline::tests

@@ -101,7 +101,7 @@ result $? "without a display the editor says so"
 cat >"$work/person.sh" <<'EOF2'
 "$program" edit "$tube" --project "$work/p.toml" -o "$work/edited.csv" --screenshot "$work/edit.png" >"$work/log" 2>&1 &
 editor=$!
-for _ in $(seq 600); do window=$(xdotool search --name "Seldinger centreline" 2>/dev/null) && break; sleep 0.05; done
+for _ in $(seq 600); do window=$(xdotool search --name "Cournand centreline" 2>/dev/null) && break; sleep 0.05; done
 xdotool windowfocus "$window"
 # Saves until the project has so many points: the editor has heard everything before, on a machine of any speed.
 saved() {
@@ -132,7 +132,7 @@ cp "$work/p.toml" "$work/kept.toml"
 cat >"$work/stop.sh" <<'EOF2'
 env --default-signal=INT "$program" edit "$tube" --project "$work/p.toml" >"$work/log" 2>&1 &
 editor=$!
-for _ in $(seq 200); do xdotool search --name "Seldinger centreline" >/dev/null 2>&1 && break; sleep 0.05; done
+for _ in $(seq 200); do xdotool search --name "Cournand centreline" >/dev/null 2>&1 && break; sleep 0.05; done
 sleep 0.3
 kill -INT "$editor"
 wait "$editor"

@@ -6,9 +6,9 @@
 #include "tools/centreline/fit/guided.hpp"
 #include "tools/centreline/tests/shapes.hpp"
 
-using namespace seld;
-using namespace seld::centreline;
-using namespace seld::centreline::tests;
+using namespace crn;
+using namespace crn::centreline;
+using namespace crn::centreline::tests;
 
 namespace
 {

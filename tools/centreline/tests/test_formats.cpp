@@ -7,8 +7,8 @@
 #include <random>
 #include <zlib.h>
 
-using namespace seld::centreline;
-using namespace seld::centreline::tests;
+using namespace crn::centreline;
+using namespace crn::centreline::tests;
 
 namespace
 {
@@ -157,9 +157,9 @@ void damaged_files_are_trees_or_faults(void **)
          vmtk_file(true, true)},
         {[](const std::string &t, const std::string &n) { return read_polydata(t, n); },
          vmtk_file(false, false)}};
-    const char *seed_text = std::getenv("SELD_SEED");
+    const char *seed_text = std::getenv("CRN_SEED");
     const unsigned seed = seed_text ? static_cast<unsigned>(std::atoi(seed_text)) : 5;
-    std::printf("# SELD_SEED=%u shows the same damage again\n", seed);
+    std::printf("# CRN_SEED=%u shows the same damage again\n", seed);
     std::mt19937 random(seed);
     const auto draw = [&](std::size_t count) { return static_cast<std::size_t>(random() % count); };
     std::size_t trees = 0, faults = 0;
@@ -187,7 +187,7 @@ void damaged_files_are_trees_or_faults(void **)
             try {
                 check_tree(read(text, "damaged"), "damaged");
                 ++trees;
-            } catch (const seld::Fault &fault) {
+            } catch (const crn::Fault &fault) {
                 assert_true(std::string(fault.what()).rfind("damaged", 0) == 0);
                 ++faults;
             }

@@ -7,9 +7,9 @@
 #include <array>
 #include <random>
 
-using namespace seld;
-using namespace seld::centreline;
-using namespace seld::centreline::tests;
+using namespace crn;
+using namespace crn::centreline;
+using namespace crn::centreline::tests;
 
 namespace
 {

@@ -1,15 +1,15 @@
 // Claims, on anatomy that does not ship (skipped and said so where it is not there): the stEVE_bench curves, made a surface and
 // recovered from it, are where they were (mean distance <= 0.5 mm) and as wide (mean error <= 5 %); the dirty surface beside
 // them gives a tree, or a message that names what to mend. Issue 6, bar 5. The whole of it takes half a minute, so without
-// SELD_WHOLE only the way from the iliac arteries to the arch is done; `make validate-centreline` does it all.
+// CRN_WHOLE only the way from the iliac arteries to the arch is done; `make validate-centreline` does it all.
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/tests/shapes.hpp"
 
 #include <algorithm>
 
-using namespace seld;
-using namespace seld::centreline;
-using namespace seld::centreline::tests;
+using namespace crn;
+using namespace crn::centreline;
+using namespace crn::centreline::tests;
 
 namespace
 {
@@ -18,20 +18,20 @@ bake::Progress progress;
 
 std::filesystem::path data()
 {
-    const char *folder = std::getenv("SELD_ANATOMY");
+    const char *folder = std::getenv("CRN_ANATOMY");
     return std::filesystem::path(folder ? folder : "../shared/anatomy") / "steve_bench";
 }
 
 void skip_without_anatomy()
 {
     if (std::filesystem::exists(data() / "centrelines")) return;
-    print_message("skipped: no steve_bench in $SELD_ANATOMY or ../shared/anatomy\n");
+    print_message("skipped: no steve_bench in $CRN_ANATOMY or ../shared/anatomy\n");
     skip();
 }
 
 bool is_whole()
 {
-    return std::getenv("SELD_WHOLE") != nullptr;
+    return std::getenv("CRN_WHOLE") != nullptr;
 }
 
 Tree curves()
@@ -125,7 +125,7 @@ void the_dirty_surface_gives_a_tree_or_says_what_to_mend(void **)
 {
     skip_without_anatomy();
     if (!is_whole()) {
-        print_message("skipped: SELD_WHOLE is not set, as make validate-centreline does\n");
+        print_message("skipped: CRN_WHOLE is not set, as make validate-centreline does\n");
         skip();
     }
     bake::MeshText text;

@@ -3,8 +3,8 @@
 #include "tools/centreline/flow.hpp"
 #include "tools/centreline/tests/trees.hpp"
 
-using namespace seld::centreline;
-using namespace seld::centreline::tests;
+using namespace crn::centreline;
+using namespace crn::centreline::tests;
 
 namespace
 {

@@ -12,7 +12,7 @@ extern "C" {
 #include <cmocka.h>
 }
 
-namespace seld::centreline::tests
+namespace crn::centreline::tests
 {
 
 inline Branch straight(const std::string &name, const Eigen::Vector3d &from, const Eigen::Vector3d &to,
@@ -77,4 +77,4 @@ inline void says(const std::function<void()> &work, std::initializer_list<const 
         if (text.find(part) == text.npos) fail_msg("\"%s\" does not say \"%s\"", text.c_str(), part);
 }
 
-} // namespace seld::centreline::tests
+} // namespace crn::centreline::tests

@@ -14,7 +14,7 @@ extern "C" std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_
 namespace
 {
 
-using namespace seld::ct;
+using namespace crn::ct;
 
 const char *const texts[] = {
     "NRRD0004\n# a comment\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 7 9 5\n"
@@ -44,7 +44,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
         const auto voxels =
             static_cast<std::uint64_t>(declared.size[0] * declared.size[1] * declared.size[2]);
         if (declared.value_bytes < voxels || declared.value_bytes > 8 * voxels) std::abort();
-    } catch (const seld::Fault &fault) {
+    } catch (const crn::Fault &fault) {
         if (std::strncmp(fault.what(), "fuzz:", 5) != 0) std::abort();
     }
     return 0;

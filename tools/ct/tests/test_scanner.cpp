@@ -15,8 +15,8 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld::ct;
-using namespace seld::tests;
+using namespace crn::ct;
+using namespace crn::tests;
 using Eigen::Vector3d;
 
 namespace

@@ -20,8 +20,8 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld::ct;
-using namespace seld::tests;
+using namespace crn::ct;
+using namespace crn::tests;
 using Eigen::Vector3d;
 
 namespace
@@ -74,7 +74,7 @@ void refused(const Volume &volume, const char *part)
 {
     try {
         line_in(volume);
-    } catch (const seld::Fault &fault) {
+    } catch (const crn::Fault &fault) {
         if (std::string(fault.what()).find(part) != std::string::npos) return;
         std::printf("# %s\n", fault.what());
     }
@@ -105,16 +105,16 @@ void a_j_wire_and_its_lumen_are_within_the_bars(void **)
     }
     std::printf("#- unsure by %.3f mm on the shaft, %.3f mm in the slice\n", shaft, top);
     assert_true(top > 0.1 && top > 3 * shaft);
-    assert_true(seld::insertion::read_centreline(folder.file("centreline.csv")).size() ==
+    assert_true(crn::insertion::read_centreline(folder.file("centreline.csv")).size() ==
                 result.line.points.size());
     for (const char *name : {"lumen.ply", "instrument.ply", "report.json", "index.html", "1_scan_front.png",
                              "2_speed_slice.png", "3_snake_front.png", "5_line_side.png"})
         assert_true(std::filesystem::file_size(folder.file(name)) > 100);
-    seld::bake::Mesh lumen = result.lumen, reference = tube_mesh(radius_mm, -40, 40, 64);
-    seld::bake::check_closed(lumen, seld::bake::Cap::none);
+    crn::bake::Mesh lumen = result.lumen, reference = tube_mesh(radius_mm, -40, 40, 64);
+    crn::bake::check_closed(lumen, crn::bake::Cap::none);
     // The scan's ends cut the tube; what they close is no wall.
     std::erase_if(lumen.triangles,
-                  [&](const seld::bake::Triangle &t) { return std::abs(lumen.vertices_mm[t[0]].y()) > 12; });
+                  [&](const crn::bake::Triangle &t) { return std::abs(lumen.vertices_mm[t[0]].y()) > 12; });
     const Apart wall = surfaces_apart(lumen, reference);
     std::printf("#- lumen: mean %.3f mm, most %.3f mm, %zu triangles\n", wall.mean_mm, wall.max_mm,
                 lumen.triangles.size());

@@ -21,9 +21,9 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld::ct;
-using seld::Fault;
-using seld::tests::Folder;
+using namespace crn::ct;
+using crn::Fault;
+using crn::tests::Folder;
 namespace fs = std::filesystem;
 
 namespace

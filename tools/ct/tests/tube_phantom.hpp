@@ -5,7 +5,7 @@
 #include "tools/ct/scanner.hpp"
 #include <cmath>
 
-namespace seld::tests
+namespace crn::tests
 {
 
 inline bake::Mesh tube_mesh(double radius_mm, double low_mm, double high_mm, int sides = 96)
@@ -40,4 +40,4 @@ inline ct::ScannerSettings quick_scanner(double half_side_mm, double low_mm, dou
 
 inline void no_report(const std::string &, double) {}
 
-} // namespace seld::tests
+} // namespace crn::tests

@@ -70,15 +70,15 @@ def packets_of_test():
 
 
 CLAIMS = [
-    ("the_schema_hash_of_a_hello_is_read", 0, "seldinger.hello.schema_hash", "81985529216486895"),
-    ("a_hand_s_counts_are_signed", 1, "seldinger.hand.translation_counts", "-5"),
-    ("the_syringe_s_counts_are_read", 1, "seldinger.encoders.syringe_counts", "-2"),
-    ("a_step_s_tick_is_read", 1, "seldinger.step.tick", "41"),
+    ("the_schema_hash_of_a_hello_is_read", 0, "cournand.hello.schema_hash", "81985529216486895"),
+    ("a_hand_s_counts_are_signed", 1, "cournand.hand.translation_counts", "-5"),
+    ("the_syringe_s_counts_are_read", 1, "cournand.encoders.syringe_counts", "-2"),
+    ("a_step_s_tick_is_read", 1, "cournand.step.tick", "41"),
     ("two_frames_in_one_packet_are_both_read", 2, "_ws.col.Info", "reject, notice"),
-    ("a_refusal_has_its_text", 2, "seldinger.reject", "WRONG_STATE: not possible in this state (detail: state)"),
-    ("a_fault_has_its_text", 2, "seldinger.fault", "EMERGENCY_STOP: the emergency stop was pressed, or its loop is open"),
+    ("a_refusal_has_its_text", 2, "cournand.reject", "WRONG_STATE: not possible in this state (detail: state)"),
+    ("a_fault_has_its_text", 2, "cournand.fault", "EMERGENCY_STOP: the emergency stop was pressed, or its loop is open"),
     ("half_a_frame_waits", 3, "_ws.col.Info", "part of a frame"),
-    ("the_other_half_completes_it", 4, "seldinger.scene_chunk.offset", "4096"),
+    ("the_other_half_completes_it", 4, "cournand.scene_chunk.offset", "4096"),
     ("a_damaged_frame_is_marked", 5, "_ws.col.Info", "damaged hello"),
     ("a_payload_without_its_form_is_marked", 6, "_ws.expert.message", "payload does not have the message's form"),
 ]
@@ -94,14 +94,14 @@ BUS_CLAIMS = [
     ("before_the_first_whole_frame_a_pipe_is_nobody_s", 0, "_ws.col.Info", "URB_BULK out"),
     ("another_device_s_bytes_are_left_alone", 1, "_ws.col.Info", "URB_BULK out"),
     ("a_frame_on_the_bus_is_found_without_the_device_s_class", 2, "_ws.col.Info", "hello"),
-    ("from_then_on_the_pipe_is_read", 4, "seldinger.scene_chunk.offset", "4096"),
+    ("from_then_on_the_pipe_is_read", 4, "cournand.scene_chunk.offset", "4096"),
 ]
 
 
 def main():
     fields = sorted({claim[2] for claim in CLAIMS} - {"_ws.col.Info"})
     with tempfile.TemporaryDirectory() as folder:
-        script, path = os.path.join(folder, "seldinger.lua"), os.path.join(folder, "wire.pcap")
+        script, path = os.path.join(folder, "cournand.lua"), os.path.join(folder, "wire.pcap")
         made = subprocess.run([DOCS, "--dissector", script], cwd=ROOT, capture_output=True, text=True, timeout=60)
         rows, errors = [], made.stderr
         for packets, kind in ((packets_of_test(), USER0), (packets_of_bus(), USB_LINUX)):

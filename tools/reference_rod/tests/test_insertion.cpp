@@ -19,8 +19,8 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld::reference;
-namespace lumen = seld::reference::lumen;
+using namespace crn::reference;
+namespace lumen = crn::reference::lumen;
 
 namespace
 {
@@ -42,7 +42,7 @@ class Tube
             {0.02, 0, 0}, {quarter_m, 1.5707963267948966, 0}, {quarter_m, 1.5707963267948966, 2.2}};
         tube_.reset(reference_tube_make(pieces, 3, 0.004, 1));
     }
-    const seld_lumen &field() const { return tube_->lumen; }
+    const crn_lumen &field() const { return tube_->lumen; }
     Wall wall() const
     {
         return [this](const Vector &x) { return lumen::lumen_field(tube_->lumen, x); };
@@ -62,12 +62,12 @@ const Tube &tube()
 }
 
 // A wire with a soft end of 40 mm, a tenth as stiff, and a taper to 80 mm.
-seld_wire_instrument wire(double factor)
+crn_wire_instrument wire(double factor)
 {
-    seld_wire_instrument table{};
+    crn_wire_instrument table{};
     const double bends[][2] = {{0, 3e-5}, {40, 3e-5}, {60, 1e-4}, {80, 3e-4}, {400, 3e-4}};
     for (const auto &[arc_mm, bend_N_m2] : bends) {
-        seld_wire_knot &knot = table.knots[table.knots_count++];
+        crn_wire_knot &knot = table.knots[table.knots_count++];
         knot.arc_um = static_cast<std::uint32_t>(std::lround(arc_mm * 1e3));
         knot.bend_stiffness_nN_m2 = static_cast<std::uint32_t>(std::lround(bend_N_m2 * factor * 1e9));
         knot.twist_stiffness_nN_m2 = knot.bend_stiffness_nN_m2;
@@ -78,7 +78,7 @@ seld_wire_instrument wire(double factor)
 
 Run run(double factor, double friction, const Cut &cut, const Step &step)
 {
-    seld::insertion::Case c;
+    crn::insertion::Case c;
     c.depths = {{"half", 55, 0, {}, {}}, {"end", 90, 40, {}, {}}};
     return insert(c, wire(factor), tube().wall(), friction, cut, step);
 }

@@ -16,7 +16,7 @@ extern "C" {
 #include <cmocka.h>
 }
 
-using namespace seld::reference;
+using namespace crn::reference;
 
 namespace
 {
@@ -134,7 +134,7 @@ void cantilever_is_the_elastica(void **)
     std::vector<Anchor> anchors(rod.nodes());
     const Outcome outcome = find_rest(rod, physics, free, rod.nodes(), anchors, state);
     assert_true(outcome.at_rest);
-    const seld::validate::PlaneShape exact = seld::validate::elastica(load, 0.0);
+    const crn::validate::PlaneShape exact = crn::validate::elastica(load, 0.0);
     for (const double share : {0.25, 0.5, 0.75, 1.0}) {
         const std::size_t at =
             static_cast<std::size_t>(std::lround(share * static_cast<double>(exact.x.size() - 1)));
@@ -148,10 +148,10 @@ void cantilever_is_the_elastica(void **)
 // have a circle 0.1 % larger.
 void curved_tip_rests_in_its_circle_where_the_hand_turned_it(void **)
 {
-    seld_wire_instrument table{};
+    crn_wire_instrument table{};
     const double arc_mm = pi * 3.0;
     const auto knot = [&](double at_mm, double curvature_per_m) {
-        seld_wire_knot &k = table.knots[table.knots_count++];
+        crn_wire_knot &k = table.knots[table.knots_count++];
         k.arc_um = static_cast<std::uint32_t>(std::lround(at_mm * 1e3));
         k.bend_stiffness_nN_m2 = k.twist_stiffness_nN_m2 = 20000;
         k.radius_outer_um = 400;

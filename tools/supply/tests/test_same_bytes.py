@@ -18,7 +18,7 @@ import tree  # noqa: E402
 BUILD = os.environ.get("BUILD", "build")
 TARGETS = ["build/lib/libshared_wire.a", "build/lib/libshared_scene.a", "build/lib/libfirmware_port_sim.a", "build/obj/host/model/terminal.cpp.o",
            "build/obj/host/model/pending_file.cpp.o", "build/obj/firmware/core/fixed.c.o", "build/bin/docs",
-           "build/firmware/seldinger-imxrt1062.hex"]
+           "build/firmware/cournand-imxrt1062.hex"]
 COMPARED = re.compile(r"\.(o|a|elf|hex)$|/bin/[a-z]+$")
 # Folders that these targets are made of.
 COPIED = re.compile(r"^(Makefile$|shared/(wire|scene|mailbox)/|firmware/|host/model/|tools/docs/|tools/.*\.mk$|hil_tests/(usb|library)/|hil_tests/.*\.mk$)")

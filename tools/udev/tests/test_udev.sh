@@ -3,7 +3,7 @@
 cd "$(dirname "$0")/../../.." || exit 1
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-rule="$folder/etc/udev/rules.d/60-seldinger.rules"
+rule="$folder/etc/udev/rules.d/60-cournand.rules"
 count=0
 status=0
 

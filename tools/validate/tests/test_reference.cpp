@@ -20,7 +20,7 @@ extern "C" {
 namespace
 {
 
-using namespace seld::validate;
+using namespace crn::validate;
 
 void check_near(const char *what, double value, double expected, double allowed)
 {
@@ -106,10 +106,10 @@ void field_lies_where_its_distance_says(void **)
         Vector3d across = std::cos(40 * s) * side + std::sin(40 * s) * ahead.cross(side);
         for (double at : {0.7, 0.9, 1.0, 1.1}) {
             Vector3d p = centre + at * radius * across;
-            seld_vec3 fixed = seld_vec3_make(std::int32_t(std::lround(p[0] * (1 << 30))),
-                                             std::int32_t(std::lround(p[1] * (1 << 30))),
-                                             std::int32_t(std::lround(p[2] * (1 << 30))));
-            seld_lumen_sample sample = seld_lumen_contact(field.lumen(), &fixed);
+            crn_vec3 fixed = crn_vec3_make(std::int32_t(std::lround(p[0] * (1 << 30))),
+                                           std::int32_t(std::lround(p[1] * (1 << 30))),
+                                           std::int32_t(std::lround(p[2] * (1 << 30))));
+            crn_lumen_sample sample = crn_lumen_contact(field.lumen(), &fixed);
             check_near("distance (m)", sample.distance_m_q30 / double(1 << 30), (at - 1) * radius, 3e-5);
             Vector3d normal =
                 Vector3d(sample.normal_q30.v[0], sample.normal_q30.v[1], sample.normal_q30.v[2]) / (1 << 30);

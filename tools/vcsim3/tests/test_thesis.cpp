@@ -141,11 +141,11 @@ void lumen_in_doubles_is_the_cores_lumen(void **)
     };
     double worst_m = 0.0, worst_normal = 0.0;
     for (int i = 0; i < 20000; i++) {
-        const seld_vec3 q = seld_vec3_make(static_cast<std::int32_t>(std::ldexp(draw(-0.03, 0.12), 30)),
-                                           static_cast<std::int32_t>(std::ldexp(draw(-0.02, 0.02), 30)),
-                                           static_cast<std::int32_t>(std::ldexp(draw(-0.02, 0.02), 30)));
+        const crn_vec3 q = crn_vec3_make(static_cast<std::int32_t>(std::ldexp(draw(-0.03, 0.12), 30)),
+                                         static_cast<std::int32_t>(std::ldexp(draw(-0.02, 0.02), 30)),
+                                         static_cast<std::int32_t>(std::ldexp(draw(-0.02, 0.02), 30)));
         const Vector p(std::ldexp(q.v[0], -30), std::ldexp(q.v[1], -30), std::ldexp(q.v[2], -30));
-        const seld_lumen_sample core = seld_lumen_contact(&tube->lumen, &q);
+        const crn_lumen_sample core = crn_lumen_contact(&tube->lumen, &q);
         const LumenSample ours = sample_lumen(tube->lumen, p);
         worst_m = std::max(worst_m, std::abs(ours.distance_m - std::ldexp(core.distance_m_q30, -30)));
         // Where the field saturates the direction means nothing.

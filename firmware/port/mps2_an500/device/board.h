@@ -1,7 +1,7 @@
 /* Registers of ARM's MPS2 board with the AN500 image, as far as the device uses them.
  * May include: nothing. Called by: this folder. */
-#ifndef SELD_AN500_BOARD_H
-#define SELD_AN500_BOARD_H
+#ifndef CRN_AN500_BOARD_H
+#define CRN_AN500_BOARD_H
 
 #include <stdint.h>
 

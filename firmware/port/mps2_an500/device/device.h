@@ -5,8 +5,8 @@
  *   pipe.c     bytes from and to the host            main.c     memory, the port's table, the loop
  *
  * May include: firmware/port, firmware/app/app.h. Called by: this folder. */
-#ifndef SELD_AN500_DEVICE_H
-#define SELD_AN500_DEVICE_H
+#ifndef CRN_AN500_DEVICE_H
+#define CRN_AN500_DEVICE_H
 
 #include "firmware/port/mps2_an500/rig_page.h"
 #include "firmware/port/port.h"
@@ -35,8 +35,8 @@ void clock_tick(void); /* the interrupt */
 
 /* rig.c */
 bool rig_is_there(void);
-bool rig_inputs_read(void *context, seld_port_inputs *inputs);
-void rig_outputs_write(void *context, const seld_port_outputs *outputs);
+bool rig_inputs_read(void *context, crn_port_inputs *inputs);
+void rig_outputs_write(void *context, const crn_port_outputs *outputs);
 void rig_outputs_off(void); /* from any state of the processor */
 
 /* pipe.c */

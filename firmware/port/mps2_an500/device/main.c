@@ -1,7 +1,7 @@
 /* The device on ARM's MPS2 board (AN500, Cortex-M7) with an emulated rig: memory, the port's table, and the loop that hands
  * bytes and milliseconds to the app. Nothing here allocates; interrupts only count.
  *
- *   loop:  bytes came -> seld_app_receive     USB tokens -> seld_rig_usb_poll     an edge is due -> seld_app_timer
+ *   loop:  bytes came -> crn_app_receive     USB tokens -> crn_rig_usb_poll     an edge is due -> crn_app_timer
  *
  * One piece of bytes and one edge per round, so that neither starves the other. */
 #include "firmware/app/app.h"
@@ -9,12 +9,12 @@
 #include "firmware/port/mps2_an500/device/device.h"
 #include "firmware/port/usb/rig_usb.h"
 
-static seld_app app __attribute__((section(".hot"), aligned(8)));
-static seld_mailbox_udc controller;
-static seld_rig_usb usb;
+static crn_app app __attribute__((section(".hot"), aligned(8)));
+static crn_mailbox_udc controller;
+static crn_rig_usb usb;
 static bool usb_has_more; /* to do without being asked */
 static uint8_t slots[2][RIG_SLOT_BYTES] __attribute__((section(".scenes"), aligned(8)));
-static char serial[SELD_PORT_SERIAL_BYTES + 1] = "AN500-0001";
+static char serial[CRN_PORT_SERIAL_BYTES + 1] = "AN500-0001";
 
 static bool has_worked; /* since the watchdog was fed */
 enum {
@@ -31,16 +31,16 @@ static uint32_t now_us(void *context)
  * be counted. */
 static bool transmit(void *context, const uint8_t *frame, size_t frame_bytes)
 {
-    return seld_rig_usb_is_configured(&usb) ? seld_rig_usb_transmit(context, frame, frame_bytes)
-                                            : pipe_transmit(context, frame, frame_bytes);
+    return crn_rig_usb_is_configured(&usb) ? crn_rig_usb_transmit(context, frame, frame_bytes)
+                                           : pipe_transmit(context, frame, frame_bytes);
 }
 
 static size_t transmit_room(void *context)
 {
-    return seld_rig_usb_is_configured(&usb) ? seld_rig_usb_room(context) : pipe_room(context);
+    return crn_rig_usb_is_configured(&usb) ? crn_rig_usb_room(context) : pipe_room(context);
 }
 
-static seld_port port = {
+static crn_port port = {
     .context = &usb,
     .transmit = transmit,
     .transmit_room = transmit_room,
@@ -53,8 +53,8 @@ static seld_port port = {
     .built = {.damping_mN_s_per_m = 1000, .damping_nN_m_s_per_rad = 2000}, /* of hil_tests/plant */
 };
 
-_Static_assert((int)RIG_TRACK_COUNT == (int)SELD_PORT_TOOL_MAX &&
-                   (int)RIG_SERIAL_BYTES == (int)SELD_PORT_SERIAL_BYTES,
+_Static_assert((int)RIG_TRACK_COUNT == (int)CRN_PORT_TOOL_MAX &&
+                   (int)RIG_SERIAL_BYTES == (int)CRN_PORT_SERIAL_BYTES,
                "page and port agree");
 
 /* The serial of the emulated device, when whoever started it gave one. */
@@ -78,10 +78,10 @@ static void tell_crash(void)
 
 static void greet(void)
 {
-    console_number("seldinger on mps2_an500: core ", SELD_CORE_VERSION);
-    console_number(", protocol ", SELD_WIRE_PROTOCOL_MAJOR);
-    console_number(".", SELD_WIRE_PROTOCOL_MINOR);
-    console_hex(", schema ", seld_wire_schema_hash(), 16);
+    console_number("cournand on mps2_an500: core ", CRN_CORE_VERSION);
+    console_number(", protocol ", CRN_WIRE_PROTOCOL_MAJOR);
+    console_number(".", CRN_WIRE_PROTOCOL_MINOR);
+    console_hex(", schema ", crn_wire_schema_hash(), 16);
     console_text(", serial ");
     console_text(serial);
     console_number("\napp ", sizeof app);
@@ -106,7 +106,7 @@ static void receive(void)
     size_t count = pipe_received(&bytes);
     if (count == 0) return;
     uint32_t begin = clock_work_begin();
-    seld_app_receive(&app, bytes, count);
+    crn_app_receive(&app, bytes, count);
     end_receiving(begin);
     pipe_release(count);
 }
@@ -115,12 +115,12 @@ static void receive(void)
  * only where work may come: that costs an emulator more than all the rest of a round. */
 static void poll_usb(void)
 {
-    const seld_mailbox_demand demand = seld_mailbox_udc_demand(&controller);
-    if (demand == SELD_MAILBOX_IDLE && !usb_has_more) return;
-    const bool may_work = usb_has_more || demand == SELD_MAILBOX_BRINGS_WORK;
+    const crn_mailbox_demand demand = crn_mailbox_udc_demand(&controller);
+    if (demand == CRN_MAILBOX_IDLE && !usb_has_more) return;
+    const bool may_work = usb_has_more || demand == CRN_MAILBOX_BRINGS_WORK;
     const uint32_t works = usb.works;
     uint32_t begin = may_work ? clock_work_begin() : 0;
-    usb_has_more = seld_rig_usb_poll(&usb);
+    usb_has_more = crn_rig_usb_poll(&usb);
     if (usb.works != works) end_receiving(may_work ? begin : clock_work_begin());
 }
 
@@ -129,8 +129,8 @@ static void tick(void)
     if (clock_edges_due() == 0) return;
     clock_edge_begin();
     uint32_t begin = clock_counts();
-    seld_app_timer(&app);
-    seld_rig_usb_timer(&usb);
+    crn_app_timer(&app);
+    crn_rig_usb_timer(&usb);
     usb_has_more = true; /* a report, and what the app said */
     uint32_t counts = clock_counts() - begin;
     rig_write(&rig->device.clock_us, clock_us());
@@ -157,18 +157,18 @@ int main(void)
     console_start();
     rig_write(&rig->device.magic, 0);
     take_serial();
-    if (rig_is_there()) port.capabilities = SELD_WIRE_CAPABILITY_ENCODERS | SELD_WIRE_CAPABILITY_MOTORS;
+    if (rig_is_there()) port.capabilities = CRN_WIRE_CAPABILITY_ENCODERS | CRN_WIRE_CAPABILITY_MOTORS;
     rig->device.version = RIG_VERSION;
     rig->device.app_bytes = sizeof app;
     rig->device.edge_counts = rig->device.edge_counts_max = 0;
     rig_write(&rig->device.boot_count, rig->device.boot_count + 1);
     greet();
     pipe_start();
-    seld_app_init(&app, &port);
-    seld_mailbox_udc_init(&controller, (seld_mailbox *)RIG_MEMORY_ADDRESS, true);
-    bool has_usb = seld_rig_usb_init(&usb, &app, &controller.udc);
+    crn_app_init(&app, &port);
+    crn_mailbox_udc_init(&controller, (crn_mailbox *)RIG_MEMORY_ADDRESS, true);
+    bool has_usb = crn_rig_usb_init(&usb, &app, &controller.udc);
     console_text(has_usb ? "USB: on the bus\n" : "USB: off, the serial is not printable\n");
-    seld_rig_usb_connect(&usb, has_usb);
+    crn_rig_usb_connect(&usb, has_usb);
     clock_start();
     rig_write(&rig->device.magic, RIG_MAGIC);
     for (uint32_t round = 0;; round++) {

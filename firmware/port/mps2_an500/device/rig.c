@@ -13,13 +13,13 @@ static int32_t signed_of(uint32_t word)
 
 static uint8_t sensor_of(uint32_t word)
 {
-    return word <= SELD_PORT_SENSOR_ERROR ? (uint8_t)word : (uint8_t)SELD_PORT_SENSOR_ERROR;
+    return word <= CRN_PORT_SENSOR_ERROR ? (uint8_t)word : (uint8_t)CRN_PORT_SENSOR_ERROR;
 }
 
-static void take_track(const rig_track_inputs *from, seld_port_hand *hand, seld_port_track *track)
+static void take_track(const rig_track_inputs *from, crn_port_hand *hand, crn_port_track *track)
 {
-    *hand = (seld_port_hand){signed_of(from->translation_counts), signed_of(from->rotation_counts)};
-    *track = (seld_port_track){
+    *hand = (crn_port_hand){signed_of(from->translation_counts), signed_of(from->rotation_counts)};
+    *track = (crn_port_track){
         .force_raw = signed_of(from->force_raw),
         .translation_sensor = sensor_of(from->translation_sensor),
         .rotation_sensor = sensor_of(from->rotation_sensor),
@@ -28,7 +28,7 @@ static void take_track(const rig_track_inputs *from, seld_port_hand *hand, seld_
     };
 }
 
-static void take_sample(const rig_inputs *from, seld_port_inputs *to)
+static void take_sample(const rig_inputs *from, crn_port_inputs *to)
 {
     for (int k = 0; k < RIG_TRACK_COUNT; k++) take_track(&from->tracks[k], &to->hands[k], &to->tracks[k]);
     to->syringe_counts = signed_of(from->syringe_counts);
@@ -43,23 +43,23 @@ static void take_sample(const rig_inputs *from, seld_port_inputs *to)
 }
 
 /* No new sample: the app holds the hands and decides how long that may last. */
-static void mark_stale(seld_port_inputs *inputs)
+static void mark_stale(crn_port_inputs *inputs)
 {
     for (int k = 0; k < RIG_TRACK_COUNT; k++) {
-        inputs->tracks[k].translation_sensor = SELD_PORT_SENSOR_ERROR;
-        inputs->tracks[k].rotation_sensor = SELD_PORT_SENSOR_ERROR;
-        inputs->tracks[k].force_sensor = SELD_PORT_SENSOR_ERROR;
+        inputs->tracks[k].translation_sensor = CRN_PORT_SENSOR_ERROR;
+        inputs->tracks[k].rotation_sensor = CRN_PORT_SENSOR_ERROR;
+        inputs->tracks[k].force_sensor = CRN_PORT_SENSOR_ERROR;
     }
 }
 
-bool rig_inputs_read(void *context, seld_port_inputs *inputs)
+bool rig_inputs_read(void *context, crn_port_inputs *inputs)
 {
-    static seld_port_inputs last;
+    static crn_port_inputs last;
     (void)context;
     if (!rig_is_there()) return false;
     for (int i = 0; i < RIG_INPUT_TRIES; i++) {
         uint32_t begin = rig_read(&rig->host.inputs_begin);
-        seld_port_inputs sample = {0};
+        crn_port_inputs sample = {0};
         take_sample(&rig->host.inputs, &sample);
         __atomic_thread_fence(__ATOMIC_ACQUIRE);
         if (rig_read(&rig->host.inputs_end) != begin || rig_read(&rig->host.inputs_begin) != begin) continue;
@@ -72,7 +72,7 @@ bool rig_inputs_read(void *context, seld_port_inputs *inputs)
     return true;
 }
 
-void rig_outputs_write(void *context, const seld_port_outputs *outputs)
+void rig_outputs_write(void *context, const crn_port_outputs *outputs)
 {
     (void)context;
     rig_outputs *page = &rig->device.outputs;
@@ -92,5 +92,5 @@ void rig_outputs_off(void)
         rig_write(&rig->device.outputs.axial_mN[k], 0);
         rig_write(&rig->device.outputs.torque_uN_m[k], 0);
     }
-    rig_write(&rig->device.outputs.lamp, SELD_PORT_LAMP_FAULT);
+    rig_write(&rig->device.outputs.lamp, CRN_PORT_LAMP_FAULT);
 }
