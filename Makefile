@@ -33,7 +33,7 @@ CXXFLAGS := -std=c++20 $(SAME) $(DEBUG) $(WARN) $(CXXWARN) -I. -isystem /usr/inc
 LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
-LIBS       := tools/case hil_tests/soak hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/room host/dicom host/xray/gl host/xray host/stent host/effects host/link host/model tools/anatomy tools/centreline/fit tools/bake tools/centreline tools/mesh tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
+LIBS       := tools/case hil_tests/soak hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/patient host/room host/dicom host/xray/gl host/xray host/stent host/effects host/link host/model tools/anatomy tools/centreline/fit tools/bake tools/centreline tools/mesh tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
               firmware/port/mailbox firmware/app/usb firmware/core shared/scene shared/wire
 lib_file    = $(BUILD)/lib/lib$(subst /,_,$(1)).a
 lib_sources = $(filter-out %/main.cpp,$(wildcard $(1)/*.c $(1)/*.cpp))
@@ -42,7 +42,7 @@ objects     = $(patsubst %,$(BUILD)/obj/%.o,$(1))
 # What each program and test folder links, in link order.
 FIRMWARE_LIBS := firmware/port/sim firmware/app firmware/core shared/scene shared/wire
 DEVICE_LIBS   := hil_tests/usb firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
-HOST_LIBS     := host/app host/room host/dicom host/xray/gl host/xray host/stent host/effects host/link host/model $(FIRMWARE_LIBS)
+HOST_LIBS     := host/app host/patient host/room host/dicom host/xray/gl host/xray host/stent host/effects host/link host/model $(FIRMWARE_LIBS)
 BAKE_LIBS     := tools/bake tools/centreline tools/mesh host/model firmware/core shared/scene shared/wire
 LINE_LIBS     := tools/centreline/fit tools/bake tools/centreline tools/mesh host/xray/gl host/model
 LINE_HOST     := host/app/picture_canvas.cpp host/app/picture_font.cpp host/app/picture_png.cpp host/app/window_screen.cpp
@@ -91,7 +91,7 @@ UNOPTIMISED := $(BUILD)/obj/host/app/cli.cpp.o $(BUILD)/obj/host/app/cli_rig.cpp
 UNOPTIMISED += $(if $(SAN),$(foreach folder,host/app host/dicom host/link hil_tests,$(BUILD)/obj/$(folder)/%.cpp.o))
 UNOPTIMISED += $(if $(SAN),$(patsubst %,$(BUILD)/obj/%.o,$(filter-out host/model/lesion_%.cpp host/model/opened_%.cpp,$(wildcard host/model/*.cpp))))
 # So are the tests of it; those that look at pixels are not: they would run longer than they compile.
-UNOPTIMISED += $(if $(SAN),$(foreach name,bodies contrast dicom dicom_export heart instrument instrument_shape link pending recording rig session session_contrast tools usb,$(BUILD)/obj/host/tests/test_$(name).cpp.o))
+UNOPTIMISED += $(if $(SAN),$(foreach name,bodies contrast dicom dicom_export heart instrument instrument_shape link pending recording rig session patient_contrast tools usb,$(BUILD)/obj/host/tests/test_$(name).cpp.o))
 $(UNOPTIMISED): override OPT := -O0
 # Frames and codecs are loops over bytes, where comparing is half of a fuzzer's time and teaches it nothing.
 $(BUILD)/obj/shared/wire/%.c.o: CFLAGS += $(if $(findstring fuzzer,$(SAN)),-fno-sanitize-coverage=trace-cmp)

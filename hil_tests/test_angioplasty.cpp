@@ -123,13 +123,11 @@ struct Case {
         const Session session = parse_session(script, "case");
         const crn_wire_entry entry = entry_of(scene, instruments.size(), session.inserted_um);
         Device device(scene, instruments, entry, host_rig());
+        const SceneAnatomy anatomy = read_anatomy(settings);
+        const std::unique_ptr<Patient> patient = make_patient(settings, anatomy, instruments);
         std::unique_ptr<SessionPictures> pictures;
-        std::unique_ptr<SessionStents> unseen;
         if (has_pictures)
-            pictures = std::make_unique<SessionPictures>(settings, instruments);
-        else
-            unseen = make_stents(settings, instruments);
-        FrameSink *sink = has_pictures ? static_cast<FrameSink *>(pictures.get()) : unseen.get();
+            pictures = std::make_unique<SessionPictures>(settings, instruments, *patient, anatomy);
         Recorder recorder((folder / record).string(),
                           {device.identity().core_version, device.identity().schema_hash,
                            static_cast<std::uint32_t>(scene.bytes.size()), scene.crc32, scene.path, "case",
@@ -137,8 +135,8 @@ struct Case {
         RunSettings how;
         if (script.find("load stent") == std::string::npos && stents > 0)
             how.begin.push_back({RoomAction::load_stent, {}});
-        result = run_session(device, session, &recorder, sink, how);
-        if (SessionStents *kept = has_pictures ? pictures->stents() : unseen.get()) {
+        result = run_session(device, *patient, session, &recorder, pictures.get(), how);
+        if (PatientStents *kept = patient->stents()) {
             placed = kept->results();
             refusals = kept->refusals();
         }
@@ -163,7 +161,7 @@ struct Case {
         ReplaySettings settings;
         settings.verifies = at_end == nullptr;
         settings.from_s = from_s;
-        const ReplayResult replayed = replay_recording(device, recording, nullptr, settings);
+        const ReplayResult replayed = replay_recording(device, recording, nullptr, nullptr, settings);
         if (at_end) {
             device.link().read_nodes();
             *at_end = session_frame(device, {}, {}).wire.nodes;
@@ -471,7 +469,7 @@ void in_free_run_the_core_is_told_by_requests_and_the_ticks_replay(void **)
     choice.free_run = true;
     choice.opens = [] { return std::make_unique<PumpedRig>(); };
     Device device(scene, before.tools, before.entry, host_rig(), choice);
-    const std::unique_ptr<SessionStents> stents = make_stents(settings, before.tools);
+    const std::unique_ptr<Patient> patient = make_patient(settings, read_anatomy(settings), before.tools);
     RecordingHeader header = before;
     header.rig = device.rig();
     Case led{""};
@@ -479,11 +477,11 @@ void in_free_run_the_core_is_told_by_requests_and_the_ticks_replay(void **)
     {
         Recorder recorder((folder / led.record).string(), header);
         led.result =
-            run_free_session(device, {{RoomAction::load_stent, {}}}, 2.0, &recorder, stents.get(), {});
+            run_free_session(device, *patient, {{RoomAction::load_stent, {}}}, 2.0, &recorder, nullptr, {});
     }
     assert_string_equal(led.result.stopped_by.c_str(), "");
     assert_true(led.result.figures.balloon.pressure_max_kPa == 1000);
-    assert_true(stents->stents()[0].stage() == StentStage::deployed);
+    assert_true(patient->stents()->stents()[0].stage() == StentStage::deployed);
     assert_true(orders_of(led.recorded()) > 0);
     assert_int_equal(rings_of(led.recorded()), 12);
     assert_replays(led);

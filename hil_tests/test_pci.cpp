@@ -17,7 +17,8 @@
 #include <vector>
 
 #include "host/app/run.hpp"
-#include "host/app/session_effects.hpp"
+#include "host/app/session_expect.hpp"
+#include "host/app/session_pictures.hpp"
 #include "host/model/bodies.hpp"
 #include "host/model/instrument.hpp"
 #include <nlohmann/json.hpp>
@@ -76,12 +77,7 @@ Vector3d place_m(const crn::WireFrame &wire, double arc_m)
 class Watch : public crn::SteadySink
 {
   public:
-    Watch(const crn::VesselTree &tree, crn::SessionEffects &effects)
-        : SteadySink(10), tree_(tree), effects_(effects)
-    {
-    }
-
-    void look(const crn::SessionFrame &frame) override { effects_.look(frame); }
+    explicit Watch(const crn::VesselTree &tree) : SteadySink(10), tree_(tree) {}
 
     void tick(const crn_wire_encoders &, const crn_wire_tick_state &state) override
     {
@@ -102,7 +98,6 @@ class Watch : public crn::SteadySink
         wire_off_mm = arc_behind_throat_mm(place_m(wire, wire.tip_arc_m.at(0)));
         ++frames_filled;
     }
-    void finish() override {}
 
     double balloon_off_mm = 1e9, wire_off_mm = 0, open_most = 0, kept = 0;
     std::uint32_t pressure_kPa = 0, frames_filled = 0;
@@ -128,7 +123,6 @@ class Watch : public crn::SteadySink
     }
 
     const crn::VesselTree &tree_;
-    crn::SessionEffects &effects_; // knows how narrow the lesion is, which the script expects something of
 };
 
 void check(const char *what, double value, double least, double most)
@@ -155,14 +149,14 @@ void treat(const char *scene_name, const std::string &session_name,
     crn::PictureSettings files;
     files.bodies_path = fs::path(file).replace_extension(".bodies").string();
     files.scene_path = file.string();
-    crn::SessionEffects effects(files, tools);
+    const std::unique_ptr<crn::Patient> patient = crn::make_patient(files, crn::read_anatomy(files), tools);
     const std::unique_ptr<crn::TipPlaces> tips = crn::read_tip_places(files.bodies_path, files.scene_path);
-    const crn::EffectsWitness witness(tips->map(), effects.contrast(), nullptr);
-    Watch watch(bodies.vessels, effects);
+    const crn::EffectsWitness witness(tips->map(), *patient);
+    Watch watch(bodies.vessels);
     crn::RunSettings settings;
     settings.tips = tips.get();
     settings.witness = &witness;
-    const crn::RunResult result = crn::run_session(device, session, nullptr, &watch, settings);
+    const crn::RunResult result = crn::run_session(device, *patient, session, nullptr, &watch, settings);
     if (!result.failures.empty()) fail_msg("%s", result.failures[0].c_str());
     assert_true(result.given_up_lines.empty());
     assert_false(watch.burst);

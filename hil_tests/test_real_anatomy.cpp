@@ -104,7 +104,6 @@ class Referee : public crn::SteadySink
         inserted_max_mm = std::max(inserted_max_mm, frame.tools[0].inserted_m * 1e3);
         axial_max_N = std::max(axial_max_N, frame.tools[0].axial_N);
     }
-    void finish() override {}
 
     std::uint64_t samples = 0, deep_samples = 0; // deeper than 0.3 mm
     double depth_max_mm = -1e9, length_error_max_pct = 0.0, inserted_max_mm = 0.0, axial_max_N = 0.0;
@@ -144,8 +143,9 @@ void drive(const std::vector<std::string> &instrument_files, const crn::Session 
     const crn_wire_entry entry = crn::entry_of(scene, tools.size(), session.inserted_um);
     crn::Device device(scene, tools, entry, crn::host_rig());
     Referee referee;
+    crn::Patient patient({}, tools);
     const crn::RunSettings settings;
-    const crn::RunResult result = crn::run_session(device, session, nullptr, &referee, settings);
+    const crn::RunResult result = crn::run_session(device, patient, session, nullptr, &referee, settings);
     const double deep_pct =
         100.0 * static_cast<double>(referee.deep_samples) / static_cast<double>(referee.samples);
     std::printf("# %s: %llu samples, %.4f %% deeper than 0.3 mm, deepest %.3f mm, length error %.4f %%, "

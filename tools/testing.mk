@@ -39,7 +39,7 @@ $(foreach t,$(CASE_TESTS),$(eval $(call test_rule,$(t),$(CASE_LIBS),,)))
 $(foreach t,$(CT_TESTS),$(eval $(call test_rule,$(t),$(CT_LIBS),$(CT_LINK),$(CT_HOST))))
 $(foreach t,$(CALIBRATE_TESTS),$(eval $(call test_rule,$(t),$(CALIBRATE_LIBS),$(CALIBRATE_LINK),)))
 $(foreach t,$(HIL_TESTS),$(eval $(call test_rule,$(t),$(HIL_LIBS),$(HOST_LINK),$(REFERENCE) $(if $(findstring hil_tests/lies/,$(t)),$(LIES_SOURCES)))))
-$(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/room host/dicom host/xray/gl host/xray host/stent host/effects host/link tools/bake tools/centreline tools/mesh host/model $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
+$(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/patient host/room host/dicom host/xray/gl host/xray host/stent host/effects host/link tools/bake tools/centreline tools/mesh host/model $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
 ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS) $(TOOL_TESTS) $(LINE_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(ROD_TESTS) $(CASE_TESTS) $(CT_TESTS) $(CALIBRATE_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
 

@@ -2,7 +2,7 @@
 // roadmap and a cine run. Pictures are blank here; that X-rays are drawn of them is host/tests' claim.
 #include "hil_tests/cases/conversation.hpp"
 #include "host/app/rig_pedals.hpp"
-#include "host/room/room.hpp"
+#include "host/room/room_screen.hpp"
 
 namespace hil
 {
@@ -20,8 +20,6 @@ crn::XrayPicture blank_picture(std::uint32_t tick)
     picture.tick = tick;
     picture.grey.assign(picture_size * picture_size, 128);
     picture.raw.assign(picture_size * picture_size, 1024);
-    picture.technique.tube_voltage_kV = 70.0;
-    picture.air_kerma_uGy = 1.0;
     return picture;
 }
 
@@ -43,6 +41,7 @@ class Suite
     }
 
     crn::Room &room() { return room_; }
+    const crn::RoomScreen &screen() const { return screen_; }
     std::uint32_t tick() const { return last_; }
 
     void go(std::uint32_t milliseconds)
@@ -77,8 +76,12 @@ class Suite
         room_.advance(tick, nullptr);
         if (room_.is_pulse_due()) {
             press_.pulses++;
-            room_.expose(blank_picture(tick));
+            room_.expose({{}, false, 1.0, 0.0});
         }
+        const crn::XrayPicture picture = blank_picture(tick);
+        for (const crn::RoomEvent &event : room_.events())
+            screen_.take(event, event.kind == crn::RoomEvent::Kind::pulse ? &picture : nullptr);
+        room_.forget_events();
         for (const crn::RoomCommand &command : pedals_.changes(live.input.buttons)) {
             (command.values[0] ? press_.down_tick : press_.up_tick) = tick;
             const std::string why = room_.give(tick + 1, command);
@@ -89,6 +92,7 @@ class Suite
     std::unique_ptr<Bench> bench_;
     crn::Link link_;
     crn::Room room_;
+    crn::RoomScreen screen_{room_};
     crn::RigPedals pedals_;
     Press press_;
     std::uint32_t last_ = 0;
@@ -116,12 +120,12 @@ void pedals_make_fluoroscopy_a_roadmap_and_a_cine_run(Level &level, const CaseOp
     check(suite.room().give(suite.tick() + 1, {crn::RoomAction::roadmap, {2, 0, 0}}).empty(),
           "no new roadmap");
     check_press(suite.press(CRN_WIRE_BUTTON_XRAY, 72), "roadmap", 15);
-    check(suite.room().status().roadmap == crn::RoadmapState::shown, "the press made no roadmap");
+    check(suite.screen().status().roadmap == crn::RoadmapState::shown, "the press made no roadmap");
 
     const Press cine = suite.press(CRN_WIRE_BUTTON_CINE, 80);
     check_press(cine, "cine", 15);
-    check(suite.room().status().runs_kept == 1, "%d runs are kept, not the cine run alone",
-          suite.room().status().runs_kept);
+    check(suite.screen().status().runs_kept == 1, "%d runs are kept, not the cine run alone",
+          suite.screen().status().runs_kept);
     check(fluoro.down_tick - fluoro.down_ms == cine.down_tick - cine.down_ms,
           "the pedals come with different delays");
     const auto presses = suite.room().dose().irradiations().size();

@@ -1,6 +1,6 @@
 #include "hil_tests/soak/draw.hpp"
 #include "hil_tests/soak/plans.hpp"
-#include "host/app/session_stents.hpp"
+#include "host/patient/stents.hpp"
 #include <algorithm>
 #include <stdexcept>
 

@@ -48,13 +48,11 @@ struct Stage {
     {
         for (const std::string &path : drawn.tools) tools.push_back(catalogue.tool(path).instrument);
         for (const std::string &path : drawn.stents) designs.push_back(catalogue.stent(path).design);
-        const crn::Motion *motion = scene.motion ? &*scene.motion : nullptr;
-        if (!designs.empty())
-            stents =
-                std::make_unique<crn::SessionStents>(designs, scene.vessels, motion, scene.stations, tools);
-        if (has_action(script, crn::RoomAction::inject) && !scene.vessels.branches.empty())
-            contrast = std::make_unique<crn::SessionContrast>(
-                scene.vessels, tools, motion, crn::LesionOpening(scene.vessels, scene.stations));
+        crn::SceneAnatomy anatomy; // no bodies: nobody is X-rayed
+        anatomy.bodies.vessels = scene.vessels;
+        anatomy.motion = scene.motion;
+        anatomy.stations = scene.stations;
+        patient = std::make_unique<crn::Patient>(anatomy, tools, crn::PatientSettings{"", designs, 1});
         entry = crn::entry_of(scene.file, tools.size(), script.inserted_um);
     }
 
@@ -83,8 +81,7 @@ struct Stage {
     const crn::Session script;
     std::vector<crn::Instrument> tools;
     std::vector<crn::StentDesign> designs;
-    std::unique_ptr<crn::SessionStents> stents;
-    std::unique_ptr<crn::SessionContrast> contrast;
+    std::unique_ptr<crn::Patient> patient;
     crn_wire_entry entry{};
 };
 
@@ -92,7 +89,7 @@ struct Stage {
 Verdict run_once(Stage &stage, const TrialSettings &settings, const std::string &recording)
 {
     const std::unique_ptr<crn::Device> device = stage.device();
-    Watch watch(settings, stage.stents.get(), stage.contrast.get(), [&] {
+    Watch watch(settings, stage.patient->contrast(), [&] {
         crn_wire_fault_log log{};
         device->ask([&](crn::Link &link) { log = link.read_fault_log(); });
         return log;
@@ -100,13 +97,13 @@ Verdict run_once(Stage &stage, const TrialSettings &settings, const std::string 
     std::unique_ptr<crn::Recorder> recorder;
     if (settings.replays) recorder = std::make_unique<crn::Recorder>(recording, stage.header(*device));
     crn::RunSettings run_settings;
-    if (stage.stents && !has_action(stage.script, crn::RoomAction::load_stent))
+    if (stage.patient->stents() && !has_action(stage.script, crn::RoomAction::load_stent))
         run_settings.begin = {first_stent};
     Enough end;
     bool was_interrupted = false;
     try {
         const crn::RunResult result =
-            crn::run_session(*device, stage.script, recorder.get(), &watch, run_settings);
+            crn::run_session(*device, *stage.patient, stage.script, recorder.get(), &watch, run_settings);
         was_interrupted = result.was_interrupted;
         watch.look_at_faults(device->link().tick());
         watch.balance_iodine(device->link().tick());
@@ -123,7 +120,7 @@ Verdict run_once(Stage &stage, const TrialSettings &settings, const std::string 
     verdict.text = end.text;
     verdict.tick = end.tick;
     verdict.was_interrupted = was_interrupted;
-    if (stage.contrast) verdict.injected_mg = stage.contrast->flow().budget().injected_mg;
+    verdict.injected_mg = stage.patient->contrast().flow().budget().injected_mg;
     return verdict;
 }
 
@@ -135,7 +132,8 @@ void replay_once(const Stage &stage, const TrialSettings &settings, const std::s
     const std::unique_ptr<crn::Device> device = stage.device();
     crn::ReplaySettings replay_settings;
     replay_settings.verifies = true;
-    const crn::ReplayResult replay = crn::replay_recording(*device, recording, nullptr, replay_settings);
+    const crn::ReplayResult replay =
+        crn::replay_recording(*device, recording, nullptr, nullptr, replay_settings);
     verdict.was_interrupted = replay.was_interrupted;
     if (replay.was_interrupted) return;
     if (!replay.first_difference_tick && replay.ticks_compared == recording.ticks.size() &&

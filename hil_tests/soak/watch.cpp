@@ -26,9 +26,9 @@ std::string sentence(const char *format, double a, double b, const char *unit)
 
 } // namespace
 
-Watch::Watch(const TrialSettings &settings, crn::SessionStents *stents, crn::SessionContrast *contrast,
+Watch::Watch(const TrialSettings &settings, const crn::PatientContrast &contrast,
              std::function<crn_wire_fault_log()> log)
-    : settings_(settings), stents_(stents), contrast_(contrast), log_(std::move(log))
+    : settings_(settings), contrast_(contrast), log_(std::move(log))
 {
 }
 
@@ -38,10 +38,8 @@ void Watch::hold(const char *bar, double value, double most, const char *unit, s
     throw Enough{bar, std::string(bar) + sentence(" of %.4g %s, at most %.4g %s", value, most, unit), tick};
 }
 
-void Watch::tick(const crn_wire_encoders &input, const crn_wire_tick_state &state)
+void Watch::tick(const crn_wire_encoders &, const crn_wire_tick_state &state)
 {
-    if (stents_) stents_->tick(input, state);
-    if (contrast_) contrast_->tick(state);
     seen_tick_ = state.tick;
     worst_.ticks = state.tick;
     const double depth_mm = crn::units::metres(state.penetration_max_m_q30) * 1e3;
@@ -61,19 +59,12 @@ void Watch::tick(const crn_wire_encoders &input, const crn_wire_tick_state &stat
     fault_bits_ = state.core_fault_bits;
 }
 
-void Watch::command(std::uint32_t tick, const crn::RoomCommand &command)
-{
-    if (stents_) stents_->command(tick, command);
-    if (contrast_) contrast_->command(tick, command);
-}
-
 // After a new bit of the core the log is read at the end of the next batch. A session that is long enough ends where device and
 // recording are at the same tick. Neither tick moves while a batch is done.
 std::uint32_t Watch::next_tick() const
 {
     const std::uint32_t end = seen_tick_ <= settings_.ticks_max ? settings_.ticks_max : UINT32_MAX;
-    return std::min({news_tick_, end, stents_ ? stents_->next_tick() : UINT32_MAX,
-                     contrast_ ? contrast_->next_tick() : UINT32_MAX});
+    return std::min(news_tick_, end);
 }
 
 void Watch::frame(const crn::SessionFrame &frame)
@@ -82,19 +73,7 @@ void Watch::frame(const crn::SessionFrame &frame)
         look_at_faults(frame.wire.tick);
         news_tick_ = UINT32_MAX;
     }
-    if (contrast_) contrast_->advance(frame.wire);
-    if (stents_) stents_->advance(frame.wire);
     if (frame.wire.tick >= settings_.ticks_max) throw Enough{"", "", frame.wire.tick};
-}
-
-std::optional<crn_wire_scaffold> Watch::order()
-{
-    return stents_ ? stents_->order() : std::optional<crn_wire_scaffold>();
-}
-
-std::optional<crn_wire_strut> Watch::strut_order()
-{
-    return stents_ ? stents_->strut_order() : std::optional<crn_wire_strut>();
 }
 
 void Watch::look_at_faults(std::uint32_t tick)
@@ -113,11 +92,11 @@ void Watch::look_at_faults(std::uint32_t tick)
 
 void Watch::balance_iodine(std::uint32_t tick) const
 {
-    if (!contrast_ || !contrast_->was_used()) return;
-    const crn::IodineBudget &budget = contrast_->flow().budget();
-    const std::optional<crn::RunContrast> given = contrast_->given(0, tick);
+    if (!contrast_.was_used()) return;
+    const crn::IodineBudget &budget = contrast_.flow().budget();
+    const std::optional<crn::RunContrast> given = contrast_.given(0, tick);
     const double asked_mg = given ? given->volume_ml * given->iodine_mg_ml : 0.0;
-    const double found_mg = contrast_->flow().held_mg() + budget.out_mg + budget.reflux_mg;
+    const double found_mg = contrast_.flow().held_mg() + budget.out_mg + budget.reflux_mg;
     const double most_mg = settings_.bars.iodine_share * asked_mg + 1e-9;
     const auto differs = [&](double mg) { return !(std::abs(mg - asked_mg) <= most_mg); };
     if (!differs(found_mg) && !differs(budget.injected_mg)) return;

@@ -1,10 +1,10 @@
-// The sink of a trial: holds every tick against the bars, and does the work of stents and contrast medium, which nobody draws.
+// The sink of a trial: holds every tick against the bars.
 // May include: host, trial. Called by: trial.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
+#include "host/app/frame_sink.hpp"
 #include "host/app/session.hpp"
-#include "host/app/session_contrast.hpp"
-#include "host/app/session_stents.hpp"
+#include "host/patient/patient.hpp"
 #include <stdexcept>
 
 namespace soak
@@ -19,17 +19,13 @@ struct Enough {
 class Watch final : public crn::FrameSink
 {
   public:
-    // `stents` and `contrast` may be nullptr. `log` reads the device's fault log.
-    Watch(const TrialSettings &settings, crn::SessionStents *stents, crn::SessionContrast *contrast,
+    // `log` reads the device's fault log.
+    Watch(const TrialSettings &settings, const crn::PatientContrast &contrast,
           std::function<crn_wire_fault_log()> log);
 
     void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state) override;
-    void command(std::uint32_t tick, const crn::RoomCommand &command) override;
     std::uint32_t next_tick() const override;
     void frame(const crn::SessionFrame &frame) override;
-    std::optional<crn_wire_scaffold> order() override;
-    std::optional<crn_wire_strut> strut_order() override;
-    void finish() override {}
 
     // The device's log as it is now. Throws Enough for what no session may have.
     void look_at_faults(std::uint32_t tick);
@@ -41,8 +37,7 @@ class Watch final : public crn::FrameSink
     void hold(const char *bar, double value, double most, const char *unit, std::uint32_t tick) const;
 
     const TrialSettings &settings_;
-    crn::SessionStents *stents_;
-    crn::SessionContrast *contrast_;
+    const crn::PatientContrast &contrast_;
     std::function<crn_wire_fault_log()> log_;
     Verdict worst_;
     std::uint32_t fault_bits_ = 0, seen_tick_ = 0;

@@ -138,9 +138,9 @@ void add_run(CLI::App &app, RunOptions &options)
     add_device(*command, options.device);
     command->add_option("--record", options.record, "Write a recording");
     command->add_option("--json", options.json, "Write the figures of the session");
-    command->add_option(
-        "--score", options.score,
-        "Write what the angioplasty is worth, as one HTML page, and add it to --json (docs/score.md)");
+    command->add_option("--score", options.score,
+                        "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
+    command->add_option("--timing", options.timing, "Write what the session took of the machine");
     command->add_flag("--quiet", options.quiet, "No progress line");
     add_pictures(*command, options.pictures);
     command->footer(
@@ -175,9 +175,8 @@ void add_replay(CLI::App &app, ReplayOptions &options)
         ->check(CLI::Range(0.0, 1e6));
     command->add_option("--scene", options.scene, "The scene, when it is no longer where the recording says");
     command->add_option("--json", options.json, "Write the figures of the session, as run does");
-    command->add_option(
-        "--score", options.score,
-        "Write what the angioplasty is worth, as one HTML page, and add it to --json (docs/score.md)");
+    command->add_option("--score", options.score,
+                        "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
     add_pictures(*command, options.pictures);
     command->footer("Examples:\n  cournand replay out/demo.rec --verify\n  cournand replay out/demo.rec "
                     "--speed slow --from 12.5\n"
@@ -227,9 +226,8 @@ void add_view(CLI::App &app, WindowOptions &options)
                         "~/.local/state/cournand");
     command->add_flag("!--no-record", options.keeps_recording, "Without --record: keep no recording");
     command->add_option("--json", options.json, "Write the figures of the session at its end, as run does");
-    command->add_option(
-        "--score", options.score,
-        "Write what the angioplasty is worth, as one HTML page, and add it to --json (docs/score.md)");
+    command->add_option("--score", options.score,
+                        "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
     add_dicom_options(*command, options.pictures.dicom);
     command->add_option("--bodies", options.pictures.bodies_path,
                         "Body file; default: the .bodies file beside the scene, when there is one");

@@ -14,7 +14,7 @@ namespace crn
 {
 
 struct RunOptions {
-    std::string scene, instrument, session, record, json, score;
+    std::string scene, instrument, session, record, json, score, timing;
     std::string device = "sim"; // as parse_device
     std::vector<std::string> tools, stents;
     PictureSettings pictures;

@@ -1,11 +1,12 @@
 // cournand replay
 #include "host/app/cli.hpp"
 #include "host/app/replay.hpp"
-#include "host/app/session_effects.hpp"
+#include "host/app/session_pictures.hpp"
 #include "host/app/session_summary.hpp"
 #include "host/model/interrupt.hpp"
 #include "host/model/terminal.hpp"
 #include "host/model/text.hpp"
+#include "host/patient/patient.hpp"
 #include <algorithm>
 #include <cstdio>
 #include <unistd.h>
@@ -44,15 +45,6 @@ void check_core(const RecordingHeader &header, const crn_wire_hello_reply &ident
 
 namespace
 {
-
-bool has_effects(const Recording &recording)
-{
-    const auto injects = [](const RecordedCommand &recorded) {
-        return recorded.command.action == RoomAction::inject;
-    };
-    return !recording.header.stents.empty() ||
-           std::any_of(recording.commands.begin(), recording.commands.end(), injects);
-}
 
 RunResult run_result(const ReplayResult &replayed)
 {
@@ -134,28 +126,35 @@ int command_replay(const ReplayOptions &options)
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(scene.path);
     picture_settings.scene_path = scene.path;
     picture_settings.stents = header.stents;
-    const SessionSinks sinks = make_sinks(picture_settings, header.tools, !options.score.empty(),
-                                          is_reported && has_effects(recording));
+    const bool has_pictures = writes_pictures(picture_settings) || !options.score.empty();
+    std::unique_ptr<Patient> patient;
+    std::unique_ptr<SessionPictures> pictures;
+    if (has_pictures || is_reported) {
+        const SceneAnatomy anatomy = read_anatomy(picture_settings);
+        patient = make_patient(picture_settings, anatomy, header.tools);
+        if (has_pictures)
+            pictures = std::make_unique<SessionPictures>(picture_settings, header.tools, *patient, anatomy);
+    }
     watch_for_interrupt();
     ReplaySettings settings;
     settings.speed = *replay_speed(options.speed);
     settings.verifies = options.verify;
     settings.from_s = options.from_s;
     settings.waits_for_enter = isatty(STDIN_FILENO) != 0;
-    settings.measures_contacts = !options.score.empty();
-    ReplayResult result = replay_recording(device, recording, sinks.sink(), settings);
+    settings.measures_contacts = is_reported;
+    ReplayResult result = replay_recording(device, recording, patient.get(), pictures.get(), settings);
     name_range_branch(result.figures.range, picture_settings.bodies_path);
     if (is_reported) {
         const std::unique_ptr<TipPlaces> tips =
             read_tip_places(picture_settings.bodies_path, picture_settings.scene_path);
         device.link().read_nodes();
         result.tips = tips->at(session_frame(device, {}, {}).wire);
-        write_session_files({options.json, options.score}, run_result(result), scene.path, header.tools,
-                            header.session_path, sinks.sources());
+        write_session_files({options.json, options.score, ""}, run_result(result), scene.path, header.tools,
+                            header.session_path, *patient, pictures ? &pictures->screen() : nullptr);
     }
-    if (sinks.pictures) print_files(sinks.pictures->files());
+    if (pictures) print_files(pictures->files());
     const int code = print_result(recording, options, result);
-    return sinks.pictures && sinks.pictures->was_stopped() ? 1 : code;
+    return pictures && pictures->was_stopped() ? 1 : code;
 }
 
 } // namespace crn

@@ -2,12 +2,13 @@
 #include "host/app/cli.hpp"
 #include "host/app/cli_rig.hpp"
 #include "host/app/run.hpp"
-#include "host/app/session_balloon.hpp"
-#include "host/app/session_effects.hpp"
+#include "host/app/session_pictures.hpp"
 #include "host/app/session_summary.hpp"
 #include "host/model/interrupt.hpp"
 #include "host/model/terminal.hpp"
 #include "host/model/text.hpp"
+#include "host/patient/balloon.hpp"
+#include "host/patient/patient.hpp"
 #include <algorithm>
 #include <cstdio>
 #include <unistd.h>
@@ -30,6 +31,7 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
     check_outputs(inputs, {{"--record", options.record},
                            {"--json", options.json},
                            {"--score", options.score},
+                           {"--timing", options.timing},
                            {"--png", pictures.png_path},
                            {"--png16", pictures.png16_path},
                            {"--mp4", pictures.mp4_path}});
@@ -37,15 +39,13 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
 }
 
 // An injection that these tools or this scene do not allow is found before the session begins.
-void check_injections(const Session &session, const std::vector<Instrument> &tools,
-                      const SessionPictures *pictures)
+void check_injections(const Session &session, const PatientContrast &contrast)
 {
     double iodine_mg_per_ml = iodine_default_mg_per_ml;
     for (const Statement &statement : session.statements)
         for (const RoomCommand &command : statement.room) {
             if (command.action == RoomAction::contrast_strength) iodine_mg_per_ml = command.values[0];
-            const std::string why = pictures ? pictures->contrast().refusal(command, iodine_mg_per_ml)
-                                             : injection_refusal(tools, command, iodine_mg_per_ml);
+            const std::string why = contrast.refusal(command, iodine_mg_per_ml);
             if (!why.empty()) throw FileError(session.file, statement.line, 0, why);
         }
 }
@@ -80,19 +80,19 @@ void check_loads(const Session &session, std::size_t stents)
         }
 }
 
-RunResult carry_out(Device &device, const SceneFile &scene, const RunOptions &options, const Session &session,
-                    Recorder *recorder, FrameSink *sink, bool is_mounted, const TipPlaces &tips,
-                    const SessionWitness &witness)
+RunResult carry_out(Device &device, Patient &patient, const SceneFile &scene, const RunOptions &options,
+                    const Session &session, Recorder *recorder, FrameSink *sink, const TipPlaces &tips)
 {
     RunSettings settings{!options.quiet && isatty(STDERR_FILENO) != 0};
     settings.tips = &tips;
+    const EffectsWitness witness(tips.map(), patient);
     settings.witness = &witness;
     std::vector<RoomCommand> begin = options.free_run_s ? entry_commands(scene) : std::vector<RoomCommand>();
-    if (is_mounted) begin.push_back(first_stent);
+    if (patient.stents() && count_loads(session) == 0) begin.push_back(first_stent);
     settings.begin = begin;
-    settings.measures_contacts = !options.score.empty();
-    return options.free_run_s ? run_free_session(device, begin, *options.free_run_s, recorder, sink, settings)
-                              : run_session(device, session, recorder, sink, settings);
+    return options.free_run_s
+               ? run_free_session(device, patient, begin, *options.free_run_s, recorder, sink, settings)
+               : run_session(device, patient, session, recorder, sink, settings);
 }
 
 } // namespace
@@ -114,7 +114,7 @@ DeviceChoice free_run_device(const std::string &device, bool motors, bool yes)
 }
 
 // Why it did not end as it should, if so; the exit code.
-static int tell_end(const RunResult &result, const ReportSources &sources, bool was_stopped)
+static int tell_end(const RunResult &result, const Patient &patient, bool was_stopped)
 {
     for (const std::string &failure : result.failures) say(stderr, "cournand: %s\n", failure.c_str());
     if (!result.stopped_by.empty()) {
@@ -122,7 +122,7 @@ static int tell_end(const RunResult &result, const ReportSources &sources, bool 
         return 1;
     }
     if (const int code = exit_of_range(result.figures.range)) return code;
-    if (!sources.refusals.empty()) {
+    if (!patient.refusals().empty()) {
         std::fprintf(stderr,
                      "cournand: something that the session asked for was refused, see 'refused' above\n");
         return 1;
@@ -152,18 +152,17 @@ int command_run(const RunOptions &options)
     watch_for_interrupt();
     DeviceChoice choice =
         is_led ? free_run_device(options.device, options.motors, options.yes) : parse_device(options.device);
-    choice.picture_every_ticks = static_cast<std::uint16_t>(
-        (1000 + picture_settings.pictures_per_second - 1) / picture_settings.pictures_per_second);
     Device device(scene, tools, entry, host_rig(), choice);
 
     picture_settings.shows_progress = !options.quiet;
-    const SessionSinks sinks = make_sinks(picture_settings, tools, !options.score.empty(),
-                                          !picture_settings.stents.empty() || needs_effects(session));
-    SessionStents *stents = sinks.stents();
+    const SceneAnatomy anatomy = read_anatomy(picture_settings);
+    const std::unique_ptr<Patient> patient = make_patient(picture_settings, anatomy, tools);
+    std::unique_ptr<SessionPictures> pictures;
+    if (writes_pictures(picture_settings) || !options.score.empty()) // a score's page shows the runs
+        pictures = std::make_unique<SessionPictures>(picture_settings, tools, *patient, anatomy);
     const std::unique_ptr<TipPlaces> tips =
         read_tip_places(picture_settings.bodies_path, picture_settings.scene_path);
-    const EffectsWitness witness(tips->map(), sinks.contrast(), stents);
-    check_injections(session, tools, sinks.pictures.get());
+    check_injections(session, patient->contrast());
     std::unique_ptr<Recorder> recorder;
     if (!options.record.empty()) {
         const RecordingHeader header = {device.identity().core_version,
@@ -178,14 +177,14 @@ int command_run(const RunOptions &options)
                                         picture_settings.stents};
         recorder = std::make_unique<Recorder>(options.record, header);
     }
-    RunResult result = carry_out(device, scene, options, session, recorder.get(), sinks.sink(),
-                                 stents && count_loads(session) == 0, *tips, witness);
+    RunResult result =
+        carry_out(device, *patient, scene, options, session, recorder.get(), pictures.get(), *tips);
     name_range_branch(result.figures.range, picture_settings.bodies_path);
-    const ReportSources sources = sinks.sources();
-    print_session(result, tools, sources);
-    write_session_files({options.json, options.score}, result, scene.path, tools, session.file, sources);
-    if (sinks.pictures) print_files(sinks.pictures->files());
-    return tell_end(result, sources, sinks.pictures && sinks.pictures->was_stopped());
+    print_session(result, tools, *patient);
+    write_session_files({options.json, options.score, options.timing}, result, scene.path, tools,
+                        session.file, *patient, pictures ? &pictures->screen() : nullptr);
+    if (pictures) print_files(pictures->files());
+    return tell_end(result, *patient, pictures && pictures->was_stopped());
 }
 
 } // namespace crn

@@ -79,7 +79,7 @@ int command_surface(const SurfaceOptions &options)
     Device device(scene, recording.header.tools, recording.header.entry, recording.header.rig);
     check_core(recording.header, device.identity());
     watch_for_interrupt();
-    const ReplayResult result = replay_recording(device, recording, &sink, {});
+    const ReplayResult result = replay_recording(device, recording, nullptr, &sink, {});
     if (result.was_interrupted) {
         say(stderr, "cournand: interrupted: only %zu of %zu moments are in the file\n", sink.panels().size(),
             ticks.size());

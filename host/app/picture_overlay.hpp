@@ -2,7 +2,7 @@
 #pragma once
 #include "host/app/picture.hpp"
 #include "host/effects/pulse.hpp"
-#include "host/room/room.hpp"
+#include "host/room/room_screen.hpp"
 #include <string>
 #include <string_view>
 #include <vector>

@@ -28,8 +28,10 @@ std::string hex(std::uint64_t value)
 class Replayer
 {
   public:
-    Replayer(Device &device, const Recording &recording, FrameSink *sink, const ReplaySettings &settings)
-        : device_(device), link_(device.link()), recording_(recording), sink_(sink), settings_(settings)
+    Replayer(Device &device, const Recording &recording, Patient *patient, FrameSink *sink,
+             const ReplaySettings &settings)
+        : device_(device), link_(device.link()), recording_(recording), patient_(patient), sink_(sink),
+          settings_(settings)
     {
     }
 
@@ -39,7 +41,7 @@ class Replayer
         pass_commands();
         begin_ = Clock::now();
         begin_tick_ = link_.tick();
-        picture_when_due(true);
+        look_when_due(true);
         while (link_.tick() < recording_.ticks.size() && !is_interrupted() &&
                !result_.first_difference_tick) {
             batch();
@@ -50,6 +52,7 @@ class Replayer
         result_.hash = link_.read_hash64().hash;
         result_.faults = link_.read_fault_log();
         compare_hash(result_.tick, result_.hash);
+        if (patient_) look_at_the_end();
         if (sink_) sink_->finish();
         result_.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
         return result_;
@@ -61,30 +64,30 @@ class Replayer
         const double last = static_cast<double>(recording_.ticks.size());
         const auto wanted =
             static_cast<std::uint32_t>(std::clamp(settings_.from_s * ticks_per_second, 0.0, last));
-        const std::uint32_t known = sink_ && sink_->needs_beginning() ? 0 : first_injection();
+        const std::uint32_t known = patient_ && patient_->needs_beginning() ? 0 : first_injection();
         const RecordedSnapshot *snapshot = recording_.snapshot_before(std::min(wanted, known));
         if (snapshot) device_.restore(snapshot->bytes);
         while (link_.tick() < wanted && !is_interrupted() && !result_.first_difference_tick) {
-            const std::uint32_t look = sink_ ? sink_->next_look() : UINT32_MAX;
+            const std::uint32_t look = patient_ ? patient_->next_vessel_look() : UINT32_MAX;
             std::size_t count =
                 std::min<std::size_t>({batch_ticks - link_.tick() % batch_ticks, wanted - link_.tick(),
                                        recording_.ticks_to_resume(link_.tick())});
             if (look > link_.tick()) count = std::min<std::size_t>(count, look - link_.tick());
-            if (sink_ && command_ < recording_.commands.size())
+            if (patient_ && command_ < recording_.commands.size())
                 count = std::min<std::size_t>(count, std::max<std::size_t>(command_ticks(), 1));
             step(count, false);
             pass_commands();
-            if (!sink_ || link_.tick() < sink_->next_look()) continue;
+            if (!patient_ || link_.tick() < patient_->next_vessel_look()) continue;
             link_.read_nodes();
-            sink_->look(session_frame(device_, state_, inputs_.back()));
+            patient_->look_at_vessels(session_frame(device_, state_, inputs_.back()).wire);
         }
     }
 
-    // Medium that was injected earlier may still be in the vessels: what the sink knows begins with it.
+    // Medium that was injected earlier may still be in the vessels: what the patient knows begins with it.
     std::uint32_t first_injection() const
     {
         for (const RecordedCommand &recorded : recording_.commands)
-            if (sink_ && recorded.command.action == RoomAction::inject) return recorded.tick;
+            if (patient_ && recorded.command.action == RoomAction::inject) return recorded.tick;
         return UINT32_MAX;
     }
 
@@ -103,21 +106,27 @@ class Replayer
         if (settings_.speed.is_paused)
             count = std::min<std::size_t>(count, ticks_per_second - tick % ticks_per_second);
         if (settings_.speed.is_paused && tick % ticks_per_second < batch_ticks) count = 1;
-        if (sink_) count = std::min<std::size_t>(count, sink_->next_tick() - tick);
+        if (next_stop() != UINT32_MAX) count = std::min<std::size_t>(count, next_stop() - tick);
         if (command_ < recording_.commands.size())
             count = std::min<std::size_t>(count, recording_.commands[command_].tick - tick);
         return count;
     }
 
+    // When patient or sink want to see the line; UINT32_MAX: never.
+    std::uint32_t next_stop() const
+    {
+        return std::min(patient_ ? patient_->next_look() : UINT32_MAX,
+                        sink_ ? sink_->next_tick() : UINT32_MAX);
+    }
+
     void batch()
     {
         const std::size_t count = batch_size();
-        const bool is_picture_due =
-            sink_ && (link_.tick() + count == sink_->next_tick() || is_command_due(link_.tick() + count));
-        step(count, is_picture_due);
+        const std::size_t end = link_.tick() + count;
+        step(count, end == next_stop() || (patient_ && is_command_due(end)));
         look_at_contacts();
         pass_commands();
-        picture_when_due(false);
+        look_when_due(false);
     }
 
     // Where the device went and came back the session went on from another state.
@@ -134,6 +143,7 @@ class Replayer
         for (std::size_t i = 0; i < count; i++) inputs_.push_back(recording_.ticks[link_.tick() + i].input);
         for (const crn_wire_tick_state &state : link_.step(inputs_, want_nodes)) {
             result_.figures.take(state);
+            if (patient_) patient_->tick(recording_.ticks[state.tick - 1].input, state);
             if (sink_) sink_->tick(recording_.ticks[state.tick - 1].input, state);
             state_ = state;
             compare_lanes(state);
@@ -181,12 +191,22 @@ class Replayer
         }
     }
 
-    void picture_when_due(bool is_first)
+    void look_when_due(bool is_first)
     {
-        if (!sink_ || link_.tick() < sink_->next_tick()) return;
+        const std::uint32_t tick = link_.tick();
+        if (tick < next_stop()) return;
+        const bool is_wanted = sink_ && tick >= sink_->next_tick();
         if (is_first) link_.read_nodes();
-        const crn_wire_encoders input = inputs_.empty() ? crn_wire_encoders{} : inputs_.back();
-        sink_->frame(session_frame(device_, state_, input));
+        const SessionFrame frame =
+            session_frame(device_, state_, inputs_.empty() ? crn_wire_encoders{} : inputs_.back());
+        if (patient_) patient_->look(frame.wire);
+        if (is_wanted) sink_->frame(frame);
+    }
+
+    void look_at_the_end()
+    {
+        link_.read_nodes();
+        patient_->look(session_frame(device_, state_, {}).wire);
     }
 
     bool is_command_due(std::size_t tick) const
@@ -194,12 +214,12 @@ class Replayer
         return command_ < recording_.commands.size() && recording_.commands[command_].tick <= tick;
     }
 
-    // What the room was asked for up to the present tick.
+    // What was asked for up to the present tick.
     void pass_commands()
     {
         for (; is_command_due(link_.tick()); command_++) {
             const RecordedCommand &recorded = recording_.commands[command_];
-            if (sink_) sink_->command(recorded.tick, recorded.command);
+            if (patient_) patient_->command(recorded.tick, recorded.command);
         }
     }
 
@@ -227,6 +247,7 @@ class Replayer
     Device &device_;
     Link &link_;
     const Recording &recording_;
+    Patient *patient_;
     FrameSink *sink_;
     const ReplaySettings &settings_;
     ReplayResult result_;
@@ -251,10 +272,10 @@ std::optional<ReplaySpeed> replay_speed(const std::string &text)
     return ReplaySpeed{factor, false};
 }
 
-ReplayResult replay_recording(Device &device, const Recording &recording, FrameSink *sink,
+ReplayResult replay_recording(Device &device, const Recording &recording, Patient *patient, FrameSink *sink,
                               const ReplaySettings &settings)
 {
-    return Replayer(device, recording, sink, settings).run();
+    return Replayer(device, recording, patient, sink, settings).run();
 }
 
 } // namespace crn

@@ -1,10 +1,11 @@
 // Play a recording again on a fresh device and compare every hash.
-// May include: device, recording, frame_sink. Called by: cli.
+// May include: device, recording, frame_sink, host/patient. Called by: cli.
 #pragma once
 #include "host/app/contact_figures.hpp"
 #include "host/app/device.hpp"
 #include "host/app/frame_sink.hpp"
 #include "host/app/tip_places.hpp"
+#include "host/patient/patient.hpp"
 #include <optional>
 
 namespace crn
@@ -42,8 +43,9 @@ struct ReplayResult {
     std::string difference; // what differed
 };
 
-// Throws LinkError. Stops at the first difference when it verifies.
-ReplayResult replay_recording(Device &device, const Recording &recording, FrameSink *sink,
+// `patient` and `sink` may be nullptr: what the core was told is in the recording. Throws LinkError. Stops at the first difference when
+// it verifies.
+ReplayResult replay_recording(Device &device, const Recording &recording, Patient *patient, FrameSink *sink,
                               const ReplaySettings &settings);
 
 } // namespace crn

@@ -1,7 +1,7 @@
 // The figures of a session as JSON.
 #include "host/app/report_angioplasty.hpp"
 #include "host/app/run.hpp"
-#include "host/app/session_contrast.hpp"
+#include "host/app/score.hpp"
 #include "host/effects/lesion_figures.hpp"
 #include "host/model/pending_file.hpp"
 #include <cmath>
@@ -54,16 +54,14 @@ nlohmann::ordered_json room_report(const Room &room)
         report["irradiations"].push_back(entry);
     }
     report["runs"] = nlohmann::ordered_json::array();
-    for (const auto &stored : room.store().runs())
-        report["runs"].push_back({{"number", stored->run.number},
-                                  {"kind", name_of(stored->run.kind)},
-                                  {"frames", stored->run.frames.size()},
-                                  {"images_dropped", stored->is_dropped}});
+    for (const RoomRun &run : room.runs())
+        report["runs"].push_back(
+            {{"number", run.number}, {"kind", name_of(run.kind)}, {"frames", run.frames}});
     return report;
 }
 
 // What each branch received, as share of what was injected.
-nlohmann::ordered_json branches_report(const SessionContrast &contrast)
+nlohmann::ordered_json branches_report(const PatientContrast &contrast)
 {
     nlohmann::ordered_json report = nlohmann::ordered_json::array();
     const double injected_mg = contrast.flow().budget().injected_mg;
@@ -107,12 +105,11 @@ void report_goals(nlohmann::ordered_json &report, const RunResult &result)
     report["failures"] = result.failures;
 }
 
-// Where the iodine is, and what the medium cost: mean time of a 1 ms step and of the columns of a frame, as share of the whole.
-nlohmann::ordered_json contrast_report(const SessionContrast &contrast, double wall_clock_s)
+// Where the iodine is.
+nlohmann::ordered_json contrast_report(const PatientContrast &contrast)
 {
     const ContrastFlow &flow = contrast.flow();
     const IodineBudget &budget = flow.budget();
-    const ContrastCost &cost = contrast.cost();
     const double lost_mg = budget.injected_mg - flow.held_mg() - budget.out_mg - budget.reflux_mg;
     const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 0.0; };
     return {{"injected_ml", contrast.injected_ml()},
@@ -122,12 +119,7 @@ nlohmann::ordered_json contrast_report(const SessionContrast &contrast, double w
             {"iodine_reflux_mg", budget.reflux_mg},
             {"iodine_error", ratio(std::fabs(lost_mg), budget.injected_mg)},
             {"branches", branches_report(contrast)},
-            {"cells", flow.cells().size()},
-            {"steps", cost.steps},
-            {"frames", cost.frames},
-            {"step_us", ratio(cost.step_s * 1e6, static_cast<double>(cost.steps))},
-            {"frame_ms", ratio(cost.frame_s * 1e3, static_cast<double>(cost.frames))},
-            {"share_of_wall_clock", ratio(cost.step_s + cost.frame_s, wall_clock_s)}};
+            {"cells", flow.cells().size()}};
 }
 
 nlohmann::ordered_json lesion_report(const LesionFigures &f)
@@ -144,7 +136,7 @@ nlohmann::ordered_json lesion_report(const LesionFigures &f)
 }
 
 // How narrow each lesion is, and what it does to the flow at rest and in hyperaemia: as baked, and "after", as open as it was at last.
-nlohmann::ordered_json lesions_report(const SessionContrast &contrast)
+nlohmann::ordered_json lesions_report(const PatientContrast &contrast)
 {
     nlohmann::ordered_json report = nlohmann::ordered_json::array();
     const double viscosity_mPa_s = ContrastSettings{}.viscosity_mPa_s;
@@ -161,7 +153,7 @@ nlohmann::ordered_json lesions_report(const SessionContrast &contrast)
     return report;
 }
 
-// null when nobody looked.
+// null where nobody can look: at a rig that leads.
 nlohmann::ordered_json contact_report(const ContactFigures &contacts)
 {
     if (!contacts.is_known) return {};
@@ -192,9 +184,9 @@ nlohmann::ordered_json grip_report(const GripFigures &grip)
 
 nlohmann::ordered_json report_of(const RunResult &result, const std::string &scene,
                                  const std::vector<Instrument> &tools, const std::string &session,
-                                 const ReportSources &sources)
+                                 Patient &patient)
 {
-    const SessionContrast *contrast = sources.contrast;
+    const PatientContrast &contrast = patient.contrast();
     const SessionFigures &figures = result.figures;
     char hash[20];
     std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(result.hash));
@@ -203,8 +195,6 @@ nlohmann::ordered_json report_of(const RunResult &result, const std::string &sce
     report["session"] = session;
     report["ticks"] = figures.ticks;
     report["hash"] = hash;
-    report["wall_clock_s"] = result.seconds;
-    report["realtime_factor"] = result.seconds > 0.0 ? figures.ticks * 1e-3 / result.seconds : 0.0;
     report["penetration_max_mm"] = figures.penetration_max_m * 1e3;
     report["penetration_max_tick"] = figures.penetration_max_tick;
     report["length_error_max_pct"] = figures.strain_max * 1e2;
@@ -230,17 +220,16 @@ nlohmann::ordered_json report_of(const RunResult &result, const std::string &sce
                        {"last_rate_per_min", heart.monitor.rate_per_min()},
                        {"aortic_pressure_max_mmHg", heart.pressure_max_mmHg},
                        {"aortic_pressure_min_mmHg", heart.pressure_min_mmHg}};
-    report["room"] = sources.room ? room_report(*sources.room) : nlohmann::ordered_json();
-    report["contrast"] = contrast && contrast->was_used() ? contrast_report(*contrast, result.seconds)
-                                                          : nlohmann::ordered_json();
-    report["lesions"] = contrast ? lesions_report(*contrast) : nlohmann::ordered_json::array();
+    report["room"] = room_report(patient.room());
+    report["contrast"] = contrast.was_used() ? contrast_report(contrast) : nlohmann::ordered_json();
+    report["lesions"] = lesions_report(contrast);
     report["balloon"] = balloon_report(figures.balloon, tools);
-    report["stents"] = stents_report(sources.stents);
+    report["stents"] = stents_report(patient.stents());
     report["contact"] = contact_report(result.contacts);
     report["interrupted"] = result.was_interrupted;
     report["script_lines_given_up"] = result.given_up_lines;
     report["refused"] = nlohmann::ordered_json::array();
-    for (const Refusal &refusal : sources.refusals)
+    for (const Refusal &refusal : patient.refusals())
         report["refused"].push_back({{"at_s", refusal.tick * 1e-3}, {"why", refusal.why}});
     report_goals(report, result);
     report["faults"] = nlohmann::ordered_json::array();
@@ -251,7 +240,22 @@ nlohmann::ordered_json report_of(const RunResult &result, const std::string &sce
                                     {"count", fault.count},
                                     {"text", crn_wire_fault_text(fault.code)}});
     }
+    report["score"] = score_of(report);
     return report;
+}
+
+nlohmann::ordered_json timing_of(const RunResult &result, const Patient &patient)
+{
+    const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 0.0; };
+    const ContrastCost &cost = patient.contrast().cost();
+    return {{"ticks", result.figures.ticks},
+            {"wall_clock_s", result.seconds},
+            {"realtime_factor", ratio(result.figures.ticks * 1e-3, result.seconds)},
+            {"contrast_steps", cost.steps},
+            {"contrast_frames", cost.frames},
+            {"contrast_step_us", ratio(cost.step_s * 1e6, static_cast<double>(cost.steps))},
+            {"contrast_frame_ms", ratio(cost.frame_s * 1e3, static_cast<double>(cost.frames))},
+            {"contrast_share_of_wall_clock", ratio(cost.step_s + cost.frame_s, result.seconds)}};
 }
 
 void write_report(const std::string &path, const nlohmann::ordered_json &report)

@@ -1,6 +1,6 @@
 #include "host/app/report_angioplasty.hpp"
-#include "host/app/session_balloon.hpp"
-#include "host/app/session_stents.hpp"
+#include "host/patient/balloon.hpp"
+#include "host/patient/stents.hpp"
 
 namespace crn
 {
@@ -98,7 +98,7 @@ Json balloon_report(const BalloonFigures &balloon, const std::vector<Instrument>
     return report;
 }
 
-Json stents_report(SessionStents *stents)
+Json stents_report(PatientStents *stents)
 {
     Json report = Json::array();
     if (!stents) return report;

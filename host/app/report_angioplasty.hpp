@@ -1,4 +1,4 @@
-// What a session's report says of balloon and stents. May include: balloon_figures, session_stents, model. Called by: report.cpp.
+// What a session's report says of balloon and stents. May include: balloon_figures, host/patient, model. Called by: report.cpp.
 #pragma once
 #include "host/app/balloon_figures.hpp"
 #include "host/model/instrument.hpp"
@@ -8,11 +8,11 @@
 namespace crn
 {
 
-class SessionStents;
+class PatientStents;
 
 // null without a balloon. The curves leave out the time before and after inflations.
 nlohmann::ordered_json balloon_report(const BalloonFigures &balloon, const std::vector<Instrument> &tools);
 // [] without stents.
-nlohmann::ordered_json stents_report(SessionStents *stents);
+nlohmann::ordered_json stents_report(PatientStents *stents);
 
 } // namespace crn

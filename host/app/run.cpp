@@ -16,17 +16,15 @@ using Clock = std::chrono::steady_clock;
 
 } // namespace
 
-crn_wire_encoders with_order(crn_wire_encoders input, FrameSink *sink)
+crn_wire_encoders with_order(crn_wire_encoders input, Patient &patient)
 {
-    const std::optional<crn_wire_scaffold> order = sink ? sink->order() : std::optional<crn_wire_scaffold>();
-    if (order) {
+    if (const std::optional<crn_wire_scaffold> order = patient.hold_order()) {
         input.scaffold_lesion = order->lesion;
         input.scaffold_first = order->first;
         input.scaffold_last = order->last;
         input.scaffold_open_q15 = order->open_q15;
     }
-    const std::optional<crn_wire_strut> strut = sink ? sink->strut_order() : std::optional<crn_wire_strut>();
-    if (strut) {
+    if (const std::optional<crn_wire_strut> strut = patient.strut_order()) {
         input.strut_number = strut->number;
         input.strut_joined = strut->joined;
         input.strut_x_um = strut->x_um;
@@ -44,9 +42,9 @@ namespace
 class Runner
 {
   public:
-    Runner(Device &device, const Session &session, Recorder *recorder, FrameSink *sink,
+    Runner(Device &device, Patient &patient, const Session &session, Recorder *recorder, FrameSink *sink,
            const RunSettings &settings)
-        : device_(device), link_(device.link()),
+        : device_(device), link_(device.link()), patient_(patient),
           player_(session, device.tools().size(), settings.tips ? &settings.tips->map() : nullptr),
           recorder_(recorder), sink_(sink), settings_(settings)
     {
@@ -57,7 +55,7 @@ class Runner
         const Clock::time_point begin = Clock::now();
         for (const RoomCommand &command : settings_.begin) pass(0, command);
         pass_commands(0);
-        picture_when_due();
+        look_when_due();
         while (!player_.is_done() && !is_interrupted() && !figures_.range.is_placed()) batch();
         RunResult result;
         result.figures = figures_;
@@ -70,11 +68,13 @@ class Runner
         result.failures = player_.failures();
         result.hash = device_.read_hash64().hash;
         device_.ask([&](Link &link) {
-            if (settings_.tips) link.read_nodes();
+            link.read_nodes();
             result.faults = link.read_fault_log();
         });
         result.resumes = device_.resumes();
-        if (settings_.tips) result.tips = settings_.tips->at(session_frame(device_, state_, {}).wire);
+        const WireFrame wire = session_frame(device_, state_, {}).wire;
+        patient_.look(wire);
+        if (settings_.tips) result.tips = settings_.tips->at(wire);
         if (recorder_) recorder_->finish(link_.tick(), result.hash);
         if (sink_) sink_->finish();
         result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
@@ -90,8 +90,14 @@ class Runner
         std::uint32_t count =
             std::min(SessionPlayer::observe_every_ticks - tick % SessionPlayer::observe_every_ticks,
                      grip_.batch_max(tick));
-        if (sink_) count = std::min(count, sink_->next_tick() - tick);
+        count = std::min(count, next_stop() - tick);
         return std::min(count, Recorder::snapshot_every_ticks - tick % Recorder::snapshot_every_ticks);
+    }
+
+    // When patient or sink want to see the line.
+    std::uint32_t next_stop() const
+    {
+        return std::min(patient_.next_look(), sink_ ? sink_->next_tick() : UINT32_MAX);
     }
 
     void batch()
@@ -100,18 +106,19 @@ class Runner
         const std::uint32_t count = batch_size();
         inputs_.clear();
         while (inputs_.size() < count && !player_.is_done()) {
-            inputs_.push_back(with_order(grip_.hold(player_.next()), sink_));
+            inputs_.push_back(with_order(grip_.hold(player_.next()), patient_));
             if (pass_commands(begin + static_cast<std::uint32_t>(inputs_.size()))) break;
         }
-        const bool is_picture_due = sink_ && begin + inputs_.size() == sink_->next_tick();
+        const bool is_stop = begin + inputs_.size() == next_stop();
         const bool is_look_due =
             player_.wants_tips() && (begin + inputs_.size()) % SessionPlayer::observe_every_ticks == 0;
-        const auto states = device_.step(inputs_, is_picture_due || is_look_due);
+        const auto states = device_.step(inputs_, is_stop || is_look_due);
         for (std::size_t i = 0; i < states.size(); i++) {
             figures_.take(states[i]);
             grip_.feel(states[i]);
             state_ = states[i];
             if (recorder_) recorder_->tick(inputs_[i], states[i]);
+            patient_.tick(inputs_[i], states[i]);
             if (sink_) sink_->tick(inputs_[i], states[i]);
         }
         if (link_.tick() % SessionPlayer::observe_every_ticks == 0) look(is_look_due);
@@ -119,7 +126,7 @@ class Runner
         if (figures_.range.wants_place(link_.tick(), player_.is_done()))
             device_.ask([&](Link &link) { figures_.range.find_place(link); });
         record_state();
-        picture_when_due();
+        look_when_due();
     }
 
     // What the script decides by. What it expects of medium and stents is of this very tick, whatever pictures are made.
@@ -130,7 +137,7 @@ class Runner
         if (has_nodes) {
             const SessionFrame frame = session_frame(device_, state_, inputs_.back());
             if (settings_.tips) tips = settings_.tips->at(frame.wire);
-            if (sink_ && player_.expects()) sink_->look(frame);
+            if (player_.expects()) patient_.look_at_vessels(frame.wire);
         }
         player_.observe({lengths_m, tips, settings_.witness, link_.tick()});
     }
@@ -146,14 +153,14 @@ class Runner
     void pass(std::uint32_t tick, const RoomCommand &command)
     {
         if (recorder_) recorder_->command(tick, command);
-        if (sink_) sink_->command(tick, command);
+        patient_.command(tick, command);
     }
 
     void look_at_contacts()
     {
         static_assert(ContactFigures::look_every_ticks ==
                       SessionPlayer::observe_every_ticks); // batches end there
-        if (!settings_.measures_contacts || link_.tick() % ContactFigures::look_every_ticks != 0) return;
+        if (link_.tick() % ContactFigures::look_every_ticks != 0) return;
         device_.ask([&](Link &link) { contacts_.take(link.read_contacts()); });
     }
 
@@ -169,11 +176,17 @@ class Runner
         recorder_->snapshot(link_.tick(), device_.read_snapshot());
     }
 
-    void picture_when_due()
+    void look_when_due()
     {
-        if (!sink_ || link_.tick() != sink_->next_tick()) return;
-        if (link_.tick() == 0) device_.ask([](Link &link) { link.read_nodes(); });
-        sink_->frame(session_frame(device_, state_, inputs_.empty() ? crn_wire_encoders{} : inputs_.back()));
+        const std::uint32_t tick = link_.tick();
+        if (tick != next_stop()) return;
+        const bool is_wanted = sink_ && sink_->next_tick() == tick;
+        if (tick == 0) device_.ask([](Link &link) { link.read_nodes(); });
+        const SessionFrame frame =
+            session_frame(device_, state_, inputs_.empty() ? crn_wire_encoders{} : inputs_.back());
+        patient_.look(frame.wire);
+        if (!is_wanted) return;
+        sink_->frame(frame);
         if (settings_.shows_progress && link_.tick() >= progress_tick_) {
             progress_tick_ = link_.tick() + 1000;
             std::string lengths;
@@ -192,6 +205,7 @@ class Runner
 
     Device &device_;
     Link &link_;
+    Patient &patient_;
     SessionPlayer player_;
     Recorder *recorder_;
     FrameSink *sink_;
@@ -207,10 +221,10 @@ class Runner
 
 } // namespace
 
-RunResult run_session(Device &device, const Session &session, Recorder *recorder, FrameSink *sink,
-                      const RunSettings &settings)
+RunResult run_session(Device &device, Patient &patient, const Session &session, Recorder *recorder,
+                      FrameSink *sink, const RunSettings &settings)
 {
-    return Runner(device, session, recorder, sink, settings).run();
+    return Runner(device, patient, session, recorder, sink, settings).run();
 }
 
 } // namespace crn

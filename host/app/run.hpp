@@ -1,13 +1,13 @@
-// Carry out a session on a device: a script in LOCKSTEP, as fast as the machine allows, or what hands do at a rig in FREE_RUN; recorded
-// and pictured on the way.
-// May include: device, session, recording, frame_sink. Called by: cli.
+// Carry out a session on a device and its patient: a script in LOCKSTEP, as fast as the machine allows, or what hands do at a rig in
+// FREE_RUN; recorded and pictured on the way.
+// May include: device, session, recording, frame_sink, host/patient. Called by: cli.
 #pragma once
 #include "host/app/contact_figures.hpp"
 #include "host/app/device.hpp"
 #include "host/app/frame_sink.hpp"
 #include "host/app/hand_grip.hpp"
 #include "host/app/session.hpp"
-#include "host/room/room.hpp"
+#include "host/patient/patient.hpp"
 #include <nlohmann/json_fwd.hpp>
 
 namespace crn
@@ -16,7 +16,6 @@ namespace crn
 struct RunSettings {
     bool shows_progress = false;             // one line on stderr, rewritten
     std::vector<RoomCommand> begin{};        // of a script's session, before its first statement
-    bool measures_contacts = false;          // of a script's session: RunResult::contacts
     const TipPlaces *tips = nullptr;         // where tips are: of a script that steers, and for the report
     const SessionWitness *witness = nullptr; // of what a script expects besides
 };
@@ -39,35 +38,27 @@ struct RunResult {
     crn_wire_fault_log faults{};
 };
 
-// The input of a tick with what the sink wants the core to know, if anything. `sink` may be nullptr.
-crn_wire_encoders with_order(crn_wire_encoders input, FrameSink *sink);
+// The input of a tick with what the patient wants the core to know, if anything.
+crn_wire_encoders with_order(crn_wire_encoders input, Patient &patient);
 // The same in FREE_RUN: one message a round, because a device keeps few. What it does not take up is asked for again at the next look.
-void send_order(Link &link, FrameSink &sink);
+void send_order(Link &link, Patient &patient);
 
 // `recorder` and `sink` may be nullptr. Throws LinkError, RecordingError.
-RunResult run_session(Device &device, const Session &session, Recorder *recorder, FrameSink *sink,
-                      const RunSettings &settings);
+RunResult run_session(Device &device, Patient &patient, const Session &session, Recorder *recorder,
+                      FrameSink *sink, const RunSettings &settings);
 
 // FREE_RUN: `seconds` of a session that the device leads, 0: until Ctrl-C, which ends it properly. The rig's first button is the
 // X-ray pedal, its second the cine pedal. `begin`: what the room is asked for at the start. A rig that stops ends it: `stopped_by` says why, and everything up to there is valid.
-RunResult run_free_session(Device &device, const std::vector<RoomCommand> &begin, double seconds,
-                           Recorder *recorder, FrameSink *sink, const RunSettings &settings);
+RunResult run_free_session(Device &device, Patient &patient, const std::vector<RoomCommand> &begin,
+                           double seconds, Recorder *recorder, FrameSink *sink, const RunSettings &settings);
 
-class SessionContrast;
-class SessionStents;
-
-// Who knows more of a session; null: nobody. Room (dose and runs) and contrast are there where pictures are made.
-struct ReportSources {
-    const Room *room = nullptr;
-    const SessionContrast *contrast = nullptr;
-    SessionStents *stents = nullptr;
-    std::vector<Refusal> refusals{}; // runs and injections
-};
-
-// The figures of a session, and as a file.
+// The figures of a session: the same for the same session, whatever else is asked for and whatever machine it runs on.
 nlohmann::ordered_json report_of(const RunResult &result, const std::string &scene,
                                  const std::vector<Instrument> &tools, const std::string &session,
-                                 const ReportSources &sources);
+                                 Patient &patient);
+// What the session took of the machine: never the same twice.
+nlohmann::ordered_json timing_of(const RunResult &result, const Patient &patient);
+// Either of them as a file. Throws OutputError.
 void write_report(const std::string &path, const nlohmann::ordered_json &report);
 
 } // namespace crn

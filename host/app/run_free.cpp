@@ -4,18 +4,19 @@
 #include "host/app/run.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/model/interrupt.hpp"
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 
 namespace crn
 {
 
-void send_order(Link &link, FrameSink &sink)
+void send_order(Link &link, Patient &patient)
 {
     try {
-        if (const auto order = sink.order())
+        if (const auto order = patient.hold_order())
             link.hold_open(*order);
-        else if (const auto strut = sink.strut_order())
+        else if (const auto strut = patient.strut_order())
             link.place_strut(*strut);
     } catch (const DeviceLost &) {
         // The next round finds it gone as well, and waits for it.
@@ -30,8 +31,9 @@ using Clock = std::chrono::steady_clock;
 class FreeRunner final : private FreeRunSink
 {
   public:
-    FreeRunner(Device &device, Recorder *recorder, FrameSink *sink, const RunSettings &settings)
-        : device_(device), recorder_(recorder), sink_(sink), settings_(settings)
+    FreeRunner(Device &device, Patient &patient, Recorder *recorder, FrameSink *sink,
+               const RunSettings &settings)
+        : device_(device), patient_(patient), recorder_(recorder), sink_(sink), settings_(settings)
     {
     }
 
@@ -59,6 +61,7 @@ class FreeRunner final : private FreeRunSink
             result_.stopped_by = error.what(); // the recording ends where the rig did
         }
         read_faults();
+        look_at_the_end();
         if (sink_) sink_->finish();
         result_.figures = figures_;
         result_.resumes = device_.resumes();
@@ -78,6 +81,7 @@ class FreeRunner final : private FreeRunSink
         result_.late_ticks += (tick.flags & CRN_WIRE_LIVE_LATE) != 0;
         result_.powered_ticks += (tick.flags & CRN_WIRE_LIVE_POWERED) != 0;
         if (recorder_) recorder_->tick(tick.input, tick.state);
+        patient_.tick(tick.input, tick.state);
         if (sink_) sink_->tick(tick.input, tick.state);
         for (const RoomCommand &command : pedals_.changes(tick.input.buttons))
             pass(tick.state.tick + 1, command);
@@ -88,7 +92,7 @@ class FreeRunner final : private FreeRunSink
     void pass(std::uint32_t tick, const RoomCommand &command)
     {
         if (recorder_) recorder_->command(tick, command);
-        if (sink_) sink_->command(tick, command);
+        patient_.command(tick, command);
     }
 
     void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes) override
@@ -116,17 +120,23 @@ class FreeRunner final : private FreeRunSink
         if (tick == picture_tick_) return;
         picture_tick_ = tick;
         result_.pictures++;
-        if (!sink_) return;
         const SessionFrame frame = session_frame(device_, state_, input_);
         const Presence presence(device_.has_its_own_clock() ? &device_.link() : nullptr);
-        sink_->frame(frame);
+        patient_.look(frame.wire);
+        if (sink_) sink_->frame(frame);
+    }
+
+    // With the last shape that came: a rig that is gone gives no other.
+    void look_at_the_end()
+    {
+        SessionFrame frame = session_frame(device_, state_, input_);
+        frame.wire.tick = std::max(frame.wire.tick, figures_.ticks);
+        patient_.look(frame.wire);
+        if (sink_) sink_->frame(frame);
     }
 
     // One at a time: a device keeps few. What it does not take up is asked for again at the next look.
-    void tell_core()
-    {
-        if (sink_) send_order(device_.link(), *sink_);
-    }
+    void tell_core() { send_order(device_.link(), patient_); }
 
     void show_progress()
     {
@@ -145,6 +155,7 @@ class FreeRunner final : private FreeRunSink
     }
 
     Device &device_;
+    Patient &patient_;
     RigPedals pedals_;
     RigSyringe syringe_;
     Recorder *recorder_;
@@ -159,10 +170,10 @@ class FreeRunner final : private FreeRunSink
 
 } // namespace
 
-RunResult run_free_session(Device &device, const std::vector<RoomCommand> &begin, double seconds,
-                           Recorder *recorder, FrameSink *sink, const RunSettings &settings)
+RunResult run_free_session(Device &device, Patient &patient, const std::vector<RoomCommand> &begin,
+                           double seconds, Recorder *recorder, FrameSink *sink, const RunSettings &settings)
 {
-    return FreeRunner(device, recorder, sink, settings).run(begin, seconds);
+    return FreeRunner(device, patient, recorder, sink, settings).run(begin, seconds);
 }
 
 } // namespace crn

@@ -1,7 +1,6 @@
 #include "host/app/session_expect.hpp"
-#include "host/app/session_contrast.hpp"
-#include "host/app/session_stents.hpp"
 #include "host/effects/lesion_figures.hpp"
+#include "host/patient/patient.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -134,20 +133,21 @@ Expectation parse_expectation(LineParser &line, const ToolChoice &selected)
 
 std::optional<double> EffectsWitness::iodine_pct(std::size_t vessel) const
 {
-    if (!contrast_ || !contrast_->was_used()) return {};
-    const double injected_mg = contrast_->flow().budget().injected_mg;
+    const PatientContrast &contrast = patient_.contrast();
+    if (!contrast.was_used()) return {};
+    const double injected_mg = contrast.flow().budget().injected_mg;
     if (injected_mg <= 0.0) return {};
-    return 100.0 * contrast_->received_mg(map_.vessels()[vessel].branch) / injected_mg;
+    return 100.0 * contrast.received_mg(map_.vessels()[vessel].branch) / injected_mg;
 }
 
 // The narrowest that is left of the lesions that were narrow.
 std::optional<double> EffectsWitness::residual_stenosis_pct() const
 {
-    if (!contrast_) return {};
+    const PatientContrast &contrast = patient_.contrast();
     const double viscosity_mPa_s = ContrastSettings{}.viscosity_mPa_s;
-    const VesselTree opened = contrast_->opened_vessels();
+    const VesselTree opened = contrast.opened_vessels();
     std::optional<double> worst;
-    for (const LesionFigures &figures : lesion_figures(contrast_->vessels(), viscosity_mPa_s, &opened))
+    for (const LesionFigures &figures : lesion_figures(contrast.vessels(), viscosity_mPa_s, &opened))
         worst = std::max(worst.value_or(-100.0), figures.diameter_percent());
     return worst;
 }
@@ -155,8 +155,8 @@ std::optional<double> EffectsWitness::residual_stenosis_pct() const
 std::optional<double> EffectsWitness::apposition_pct() const
 {
     std::optional<double> worst;
-    if (!stents_) return worst;
-    for (const StentResult &stent : stents_->results()) {
+    if (!patient_.stents()) return worst;
+    for (const StentResult &stent : patient_.stents()->results()) {
         if (stent.stage != StentStage::deployed) continue;
         const double apposed_pct = stent.figures.apposed_share * 100.0;
         worst = std::min(worst.value_or(100.0), apposed_pct);

@@ -7,7 +7,7 @@
 //   expect inserted wire at least 400 mm
 //   expect turned catheter at least 170 deg
 //
-// May include: session_tool, tip_places, contrast, stents. Called by: session, run.
+// May include: session_tool, tip_places, host/patient. Called by: session, run.
 #pragma once
 #include "host/app/session_tool.hpp"
 #include "host/app/tip_places.hpp"
@@ -20,8 +20,7 @@
 namespace crn
 {
 
-class SessionContrast;
-class SessionStents;
+class Patient;
 
 struct Expectation {
     enum class Kind { tip, iodine, stenosis, apposition, inserted, turned };
@@ -50,22 +49,18 @@ class SessionWitness
     virtual std::optional<double> apposition_pct() const = 0;
 };
 
-// Those of a run; either may be null.
+// Those of a patient.
 class EffectsWitness final : public SessionWitness
 {
   public:
-    EffectsWitness(const VesselMap &map, const SessionContrast *contrast, SessionStents *stents)
-        : map_(map), contrast_(contrast), stents_(stents)
-    {
-    }
+    EffectsWitness(const VesselMap &map, Patient &patient) : map_(map), patient_(patient) {}
     std::optional<double> iodine_pct(std::size_t vessel) const override;
     std::optional<double> residual_stenosis_pct() const override;
     std::optional<double> apposition_pct() const override;
 
   private:
     const VesselMap &map_;
-    const SessionContrast *contrast_;
-    SessionStents *stents_;
+    Patient &patient_;
 };
 
 // What a script sees when it looks. Spans by tool, from the innermost; empty: not known.

@@ -1,20 +1,17 @@
-// Pictures of a session: the room says when a pulse is due and what is on the screen; here it is X-rayed, drawn and written.
-// Everything follows from the commands, the shapes at the ticks asked for, and the seed. C-arm and table know what was asked
+// Pictures of a session: what the patient's X-ray room does is X-rayed, drawn and written here. Pictures read the patient and change
+// nothing. Everything follows from the patient, the shapes at the ticks asked for, and the seed. C-arm and table know what was asked
 // from the beginning also when a replay starts later (--from S); dose, runs and the following of the tip begin at S.
-// May include: xray, room, picture, frame_sink. Called by: cli.
+// May include: xray, room, patient, picture, frame_sink. Called by: cli.
 #pragma once
 #include "host/app/dicom_export.hpp"
 #include "host/app/frame_sink.hpp"
 #include "host/app/path_choice.hpp"
 #include "host/app/picture.hpp"
 #include "host/app/picture_overlay.hpp"
-#include "host/app/session_contrast.hpp"
-#include "host/app/session_stents.hpp"
 #include "host/model/instrument.hpp"
-#include "host/model/motion.hpp"
-#include "host/model/opened_bodies.hpp"
 #include "host/model/scene_anatomy.hpp"
-#include "host/room/room.hpp"
+#include "host/patient/patient.hpp"
+#include "host/room/room_screen.hpp"
 #include "host/xray/style_vcsim3.hpp"
 #include "host/xray/xray.hpp"
 #include <memory>
@@ -47,14 +44,10 @@ struct PictureSettings {
     double balloon_iodine_mg_per_ml = 175.0; // what balloons are filled with
 };
 
-// The stents of a session, with vessels and motion from the files that the settings name; null: it has none. Throws std::runtime_error.
-std::unique_ptr<SessionStents> make_stents(const PictureSettings &settings,
-                                           const std::vector<Instrument> &tools);
-// The same in an anatomy that is read already, and its contrast medium.
-std::unique_ptr<SessionStents> stents_of(const SceneAnatomy &anatomy, const std::vector<StentDesign> &designs,
-                                         const std::vector<Instrument> &tools);
-std::unique_ptr<SessionContrast> contrast_of(const SceneAnatomy &anatomy,
-                                             const std::vector<Instrument> &tools);
+// The anatomy that the settings name, and a patient in it with the settings' stents. Throws std::runtime_error.
+SceneAnatomy read_anatomy(const PictureSettings &settings);
+std::unique_ptr<Patient> make_patient(const PictureSettings &settings, const SceneAnatomy &anatomy,
+                                      const std::vector<Instrument> &tools);
 
 // Some file has to be written.
 bool writes_pictures(const PictureSettings &settings);
@@ -62,27 +55,17 @@ bool writes_pictures(const PictureSettings &settings);
 class SessionPictures final : public FrameSink
 {
   public:
-    // `tools` from the innermost. Throws std::runtime_error.
-    SessionPictures(const PictureSettings &settings, const std::vector<Instrument> &tools);
+    // `tools` from the innermost. The patient must outlive the pictures. Throws std::runtime_error.
+    SessionPictures(const PictureSettings &settings, const std::vector<Instrument> &tools, Patient &patient,
+                    const SceneAnatomy &anatomy);
     ~SessionPictures() override;
-    void command(std::uint32_t tick, const RoomCommand &command) override;
     std::uint32_t next_tick() const override;
     void frame(const SessionFrame &frame) override;
-    std::uint32_t next_look() const override;
-    void look(const SessionFrame &frame) override;
-    bool needs_beginning() const override { return stents_ != nullptr; }
-    std::optional<crn_wire_scaffold> order() override;
-    std::optional<crn_wire_strut> strut_order() override;
-    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state) override;
     void finish() override;
-    const PulseMonitor &monitor() const { return monitor_; }
-    const Room &room() const { return room_; }
-    const SessionContrast &contrast() const { return *contrast_; }
-    SessionStents *stents() const { return stents_.get(); } // null: the session has none
-    std::uint32_t count() const { return count_; }          // pictures of the screen, at the settings' rate
+    const RoomScreen &screen() const { return room_screen_; }
+    std::uint32_t count() const { return count_; } // pictures of the screen, at the settings' rate
     const std::vector<std::string> &files() const { return files_; } // those written by finish()
-    std::vector<Refusal> refusals() const; // runs and injections that were asked for in vain, by their ticks
-    void show_refusal(std::uint32_t tick, const std::string &why); // in the display, for a while
+    void show_refusal(std::uint32_t tick, const std::string &why);   // in the display, for a while
     bool was_stopped() const { return was_stopped_; } // Ctrl-C while finish() wrote runs: some are missing
     const Image &image() const { return image_; }     // the last picture with its display
     // Notice and help panel from the next picture on; empty for none.
@@ -99,11 +82,11 @@ class SessionPictures final : public FrameSink
   private:
     void tell_failure();
     OverlayInfo display(const SessionFrame &frame) const;
-    bool advance(std::uint32_t tick, const SessionFrame &frame);
-    std::vector<MovedBody> moved_at(const WireFrame &shape);
+    bool see_events(const WireFrame &wire);
+    void expose(const RoomEvent &pulse, const WireFrame &wire);
     std::vector<SweptCurve> curves_at(const WireFrame &shape);
     OverlayBalloon balloon_display() const;
-    void export_pulse();
+    void export_pulse(const RoomEvent &pulse);
     void finish_export();
 
     PictureSettings settings_;
@@ -111,21 +94,14 @@ class SessionPictures final : public FrameSink
     std::vector<std::string> names_;
     std::optional<std::size_t> chosen_tool_;
     bool chooses_all_ = false;
-    std::string notice_, refused_notice_;    // what syringe or stents could not do
-    std::uint32_t refused_notice_until_ = 0; // tick
+    std::string notice_;
+    RoomNotice refused_; // what the keys could not do
     std::vector<std::string> panel_;
-    XrayScene scene_;
-    std::optional<MovingBodies> moving_;
-    std::optional<OpenedBodies> opened_;
-    std::unique_ptr<Xray> xray_;              // after the scene has its bodies
+    Patient &patient_;
+    std::unique_ptr<Xray> xray_;
     std::unique_ptr<Vcsim3Look> thesis_look_; // when that style is asked for
-    Room room_;
-    std::unique_ptr<SessionContrast> contrast_;
+    RoomScreen room_screen_;
     const std::vector<Instrument> tools_;
-    std::unique_ptr<SessionStents> stents_;
-    crn_wire_tick_state state_{}; // of the last tick
-    bool has_begun_ = false;
-    PulseMonitor monitor_;
     XrayMemory memory_;
     XrayPicture pulse_;  // of the last pulse
     XrayPicture screen_; // its grey values are what is shown
@@ -135,8 +111,7 @@ class SessionPictures final : public FrameSink
     std::unique_ptr<DicomExport> export_;
     std::vector<std::string> files_;
     bool was_stopped_ = false;
-    std::vector<std::size_t>
-        exported_presses_; // of a pedal, by run: index into the dose meter's list, plus 1
+    std::vector<std::size_t> exported_presses_; // of a pedal, by run: index into the dose meter's list
     std::uint32_t count_ = 0;
 };
 

@@ -1,8 +1,8 @@
 #include "host/app/session_summary.hpp"
 #include "host/app/score.hpp"
-#include "host/app/session_contrast.hpp"
-#include "host/app/session_stents.hpp"
 #include "host/model/terminal.hpp"
+#include "host/patient/contrast.hpp"
+#include "host/patient/stents.hpp"
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -101,7 +101,7 @@ void print_dose(const DoseMeter &dose)
     }
 }
 
-void print_medium(const SessionContrast &contrast)
+void print_medium(const PatientContrast &contrast)
 {
     const IodineBudget &budget = contrast.flow().budget();
     std::printf("contrast medium       %.1f ml, %.0f mg iodine: %.0f in the vessels, %.0f out, %.0f back "
@@ -128,25 +128,25 @@ Image darkest_frame(const StoredRun &stored)
 }
 
 // Into the report, onto the page and onto the screen.
-void give_score(const std::string &path, nlohmann::ordered_json &report, const Room &room)
+void give_score(const std::string &path, const nlohmann::ordered_json &report, const RoomScreen *screen)
 {
     std::vector<ScorePicture> pictures;
-    for (const auto &stored : room.store().runs())
-        if (stored->run.kind == RunKind::cine && !stored->grey.empty() &&
-            pictures.size() < score_pictures_max) {
+    for (std::size_t i = 0; screen && i < screen->store().runs().size(); ++i)
+        if (const auto &stored = screen->store().runs()[i]; stored->run.kind == RunKind::cine &&
+                                                            !stored->grey.empty() &&
+                                                            pictures.size() < score_pictures_max) {
             char caption[64];
             std::snprintf(caption, sizeof caption, "Run %d, at %.0f s", stored->run.number,
                           stored->run.frames.front().tick * 1e-3);
             pictures.push_back({caption, darkest_frame(*stored)});
         }
-    report["score"] = score_of(report);
-    write_score_page(path, report, report["score"], pictures);
-    if (report["score"]["percent"].is_number())
-        std::printf("score                 %.0f of 100\n", report["score"]["percent"].get<double>());
+    write_score_page(path, report, report.at("score"), pictures);
+    if (report.at("score").at("percent").is_number())
+        std::printf("score                 %.0f of 100\n", report.at("score").at("percent").get<double>());
     std::printf("written               %s\n", printable(path).c_str());
 }
 
-void print_stents(SessionStents &stents)
+void print_stents(PatientStents &stents)
 {
     for (const StentResult &stent : stents.results()) {
         std::printf("stent                 %s, %s", printable(stent.name).c_str(),
@@ -170,23 +170,23 @@ void print_refusals(const std::vector<Refusal> &refusals)
 
 } // namespace
 
-void print_session(const RunResult &result, const std::vector<Instrument> &tools,
-                   const ReportSources &sources)
+void print_session(const RunResult &result, const std::vector<Instrument> &tools, Patient &patient)
 {
     print_result(result, tools);
-    if (sources.room) print_dose(sources.room->dose());
-    if (sources.contrast && sources.contrast->was_used()) print_medium(*sources.contrast);
-    if (sources.stents) print_stents(*sources.stents);
-    print_refusals(sources.refusals);
+    print_dose(patient.room().dose());
+    if (patient.contrast().was_used()) print_medium(patient.contrast());
+    if (patient.stents()) print_stents(*patient.stents());
+    print_refusals(patient.refusals());
 }
 
 void write_session_files(const SessionFiles &files, const RunResult &result, const std::string &scene,
-                         const std::vector<Instrument> &tools, const std::string &session,
-                         const ReportSources &sources)
+                         const std::vector<Instrument> &tools, const std::string &session, Patient &patient,
+                         const RoomScreen *screen)
 {
+    if (!files.timing.empty()) write_report(files.timing, timing_of(result, patient));
     if (files.json.empty() && files.score.empty()) return;
-    nlohmann::ordered_json report = report_of(result, scene, tools, session, sources);
-    if (!files.score.empty()) give_score(files.score, report, *sources.room);
+    const nlohmann::ordered_json report = report_of(result, scene, tools, session, patient);
+    if (!files.score.empty()) give_score(files.score, report, screen);
     if (!files.json.empty()) write_report(files.json, report);
 }
 

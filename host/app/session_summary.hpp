@@ -1,7 +1,8 @@
 // The end of a session, however it was led: figures on the terminal, as JSON and as a score. `run`, `view` and `replay` say the same.
-// May include: run, score, contrast, stents. Called by: cli_run, cli_replay, window.
+// May include: run, score, host/patient. Called by: cli_run, cli_replay, window.
 #pragma once
 #include "host/app/run.hpp"
+#include "host/room/room_screen.hpp"
 #include <string>
 #include <vector>
 
@@ -14,15 +15,15 @@ void print_tools(const std::vector<Instrument> &tools, const SessionFigures &fig
 // "written  NAME", a line each.
 void print_files(const std::vector<std::string> &files);
 // Everything that is known of the session.
-void print_session(const RunResult &result, const std::vector<Instrument> &tools,
-                   const ReportSources &sources);
+void print_session(const RunResult &result, const std::vector<Instrument> &tools, Patient &patient);
 
 struct SessionFiles {
-    std::string json, score; // empty: none. A score needs ReportSources::room
+    std::string json, score, timing; // empty: none
 };
-// `session`: the script's name, or who led. Throws OutputError.
+// `session`: the script's name, or who led. `screen`: of whoever made pictures, which go onto the score's page; null: nobody. Throws
+// OutputError.
 void write_session_files(const SessionFiles &files, const RunResult &result, const std::string &scene,
-                         const std::vector<Instrument> &tools, const std::string &session,
-                         const ReportSources &sources);
+                         const std::vector<Instrument> &tools, const std::string &session, Patient &patient,
+                         const RoomScreen *screen);
 
 } // namespace crn

@@ -27,7 +27,6 @@ class SurfaceSink final : public FrameSink
     SurfaceSink(const SurfaceSettings &settings, std::vector<std::uint32_t> ticks);
     ~SurfaceSink() override;
 
-    void command(std::uint32_t, const RoomCommand &) override {}
     std::uint32_t next_tick() const override;
     void frame(const SessionFrame &frame) override;
     void finish() override; // throws FileError

@@ -1,7 +1,6 @@
 // The loop of the window: keys -> hand and C-arm -> ticks -> picture -> screen.
 #include "host/app/window.hpp"
 #include "host/app/cli.hpp"
-#include "host/app/session_effects.hpp"
 #include "host/app/session_summary.hpp"
 #include "host/app/window_keys.hpp"
 #include "host/app/window_live.hpp"
@@ -124,7 +123,7 @@ class Window
                                    : parse_device(options.device);
         if (options.starts_with_fluoro) keys_.latch_pedal();
         screen_.on_key([this](const Screen::KeyEvent &event) {
-            if (session_) keys_.take(event, session_->room());
+            if (session_) keys_.take(event, session_->pictures().screen());
         });
         start();
     }
@@ -185,7 +184,6 @@ class Window
         recording_ = numbered(options_.record, session_number_);
         session_ =
             std::make_unique<LiveSession>(scene_, tools_, entry_, recording_, pictures, begin, choice_);
-        if (!options_.score.empty()) session_->measure_contacts();
         is_annotated_ = is_fault_told_ = false;
     }
 
@@ -196,11 +194,10 @@ class Window
             read_tip_places(options_.pictures.bodies_path, options_.pictures.scene_path);
         RunResult result = session_->result(*tips);
         name_range_branch(result.figures.range, options_.pictures.bodies_path);
-        const ReportSources sources = report_sources(session_->pictures());
-        print_session(result, tools_, sources);
+        print_session(result, tools_, session_->patient());
         write_session_files(
-            {numbered(options_.json, session_number_), numbered(options_.score, session_number_)}, result,
-            options_.scene, tools_, "live", sources);
+            {numbered(options_.json, session_number_), numbered(options_.score, session_number_), ""}, result,
+            options_.scene, tools_, "live", session_->patient(), &session_->pictures().screen());
         print_files(session_->files());
         if (!recording_.empty()) print_files({recording_});
     }

@@ -98,68 +98,68 @@ void WindowKeys::ask(RoomAction action, std::int32_t a, std::int32_t b, std::int
     commands_.push_back({action, {a, b, c}});
 }
 
-void WindowKeys::take(const Screen::KeyEvent &event, const Room &room)
+void WindowKeys::take(const Screen::KeyEvent &event, const RoomScreen &screen)
 {
     if (event.key == GLFW_KEY_LEFT_CONTROL || event.key == GLFW_KEY_RIGHT_CONTROL)
         is_control_down_ = !event.is_release;
     if (event.key == GLFW_KEY_LEFT_SHIFT || event.key == GLFW_KEY_RIGHT_SHIFT)
         is_shift_down_ = !event.is_release;
     if (event.is_release) return;
-    take_geometry(event.key, room);
-    take_collimator(event.key, room);
-    take_review(event.key, room);
+    take_geometry(event.key, screen);
+    take_collimator(event.key, screen);
+    take_review(event.key, screen);
     if (!event.is_press) return; // the rest does not repeat
-    take_mode(event.key, room);
+    take_mode(event.key, screen);
     take_switch(event.key);
     take_rhythm(event.key);
     if (event.key >= GLFW_KEY_F2 && event.key <= GLFW_KEY_F12)
         go_to(static_cast<std::size_t>(event.key - GLFW_KEY_F2));
 }
 
-void WindowKeys::take_geometry(int key, const Room &room)
+void WindowKeys::take_geometry(int key, const RoomScreen &screen)
 {
     switch (key) {
     case GLFW_KEY_D:
-        return turn(room, angle_step_deg, 0.0);
+        return turn(screen, angle_step_deg, 0.0);
     case GLFW_KEY_A:
-        return turn(room, -angle_step_deg, 0.0);
+        return turn(screen, -angle_step_deg, 0.0);
     case GLFW_KEY_W:
-        return turn(room, 0.0, angle_step_deg);
+        return turn(screen, 0.0, angle_step_deg);
     case GLFW_KEY_S:
-        return turn(room, 0.0, -angle_step_deg);
+        return turn(screen, 0.0, -angle_step_deg);
     case GLFW_KEY_I:
-        return move_table(room, axis_table_y, table_step_m);
+        return move_table(screen, axis_table_y, table_step_m);
     case GLFW_KEY_K:
-        return move_table(room, axis_table_y, -table_step_m);
+        return move_table(screen, axis_table_y, -table_step_m);
     case GLFW_KEY_J:
-        return move_table(room, axis_table_x, -table_step_m);
+        return move_table(screen, axis_table_x, -table_step_m);
     case GLFW_KEY_L:
-        return move_table(room, axis_table_x, table_step_m);
+        return move_table(screen, axis_table_x, table_step_m);
     case GLFW_KEY_PAGE_UP: // the table goes up, so a point farther back comes to the isocentre
-        return move_table(room, axis_table_z, -height_step_m);
+        return move_table(screen, axis_table_z, -height_step_m);
     case GLFW_KEY_PAGE_DOWN:
-        return move_table(room, axis_table_z, height_step_m);
+        return move_table(screen, axis_table_z, height_step_m);
     case GLFW_KEY_HOME:
-        return change_distance(room, sid_step_m);
+        return change_distance(screen, sid_step_m);
     case GLFW_KEY_END:
-        return change_distance(room, -sid_step_m);
+        return change_distance(screen, -sid_step_m);
     default:
         break;
     }
 }
 
-void WindowKeys::take_collimator(int key, const Room &room)
+void WindowKeys::take_collimator(int key, const RoomScreen &screen)
 {
     switch (key) {
     case GLFW_KEY_EQUAL:
     case GLFW_KEY_KP_ADD:
-        return change_field(room, 1);
+        return change_field(screen, 1);
     case GLFW_KEY_MINUS:
     case GLFW_KEY_KP_SUBTRACT:
-        return change_field(room, -1);
+        return change_field(screen, -1);
     case GLFW_KEY_LEFT_BRACKET:
     case GLFW_KEY_RIGHT_BRACKET: {
-        const RoomStatus status = room.status();
+        const RoomStatus status = screen.status();
         std::int32_t width = rounded(status.open_width_share * 1e3),
                      height = rounded(status.open_height_share * 1e3);
         std::int32_t &open = is_control_down_ ? height : width;
@@ -172,9 +172,9 @@ void WindowKeys::take_collimator(int key, const Room &room)
     }
 }
 
-void WindowKeys::take_mode(int key, const Room &room)
+void WindowKeys::take_mode(int key, const RoomScreen &screen)
 {
-    const RoomStatus status = room.status();
+    const RoomStatus status = screen.status();
     const bool is_dsa = status.program == RunKind::dsa;
     switch (key) {
     case GLFW_KEY_0:
@@ -200,7 +200,7 @@ void WindowKeys::take_mode(int key, const Room &room)
         return ask(RoomAction::mask, status.frame, status.frame);
     case GLFW_KEY_M:
         if (status.roadmap != RoadmapState::off) return ask(RoomAction::roadmap, 0);
-        return ask(RoomAction::roadmap, room.store().last_of(RunKind::dsa) ? 1 : 2);
+        return ask(RoomAction::roadmap, screen.store().last_of(RunKind::dsa) ? 1 : 2);
     case GLFW_KEY_BACKSPACE:
         return ask(RoomAction::acknowledge);
     default:
@@ -208,22 +208,22 @@ void WindowKeys::take_mode(int key, const Room &room)
     }
 }
 
-void WindowKeys::take_review(int key, const Room &room)
+void WindowKeys::take_review(int key, const RoomScreen &screen)
 {
     switch (key) {
     case GLFW_KEY_V:
-        return ask(RoomAction::review, room.status().source == ScreenSource::loop ? 0 : 1);
+        return ask(RoomAction::review, screen.status().source == ScreenSource::loop ? 0 : 1);
     case GLFW_KEY_COMMA:
-        return step_frame(room, -1);
+        return step_frame(screen, -1);
     case GLFW_KEY_PERIOD:
-        return step_frame(room, 1);
+        return step_frame(screen, 1);
     case GLFW_KEY_RIGHT:
     case GLFW_KEY_LEFT:
-        if (is_control_down_) shift_mask(room, key == GLFW_KEY_RIGHT ? shift_step_px : -shift_step_px, 0.0);
+        if (is_control_down_) shift_mask(screen, key == GLFW_KEY_RIGHT ? shift_step_px : -shift_step_px, 0.0);
         break;
     case GLFW_KEY_UP:
     case GLFW_KEY_DOWN:
-        if (is_control_down_) shift_mask(room, 0.0, key == GLFW_KEY_UP ? shift_step_px : -shift_step_px);
+        if (is_control_down_) shift_mask(screen, 0.0, key == GLFW_KEY_UP ? shift_step_px : -shift_step_px);
         break;
     default:
         break;
@@ -356,9 +356,9 @@ bool WindowKeys::take_reset()
 
 // --- geometry: steps from where the motors go ---
 
-void WindowKeys::turn(const Room &room, double primary_deg, double secondary_deg)
+void WindowKeys::turn(const RoomScreen &screen, double primary_deg, double secondary_deg)
 {
-    const GantryPose &target = room.gantry().target();
+    const GantryPose &target = screen.room().gantry().target();
     ask(RoomAction::angles,
         std::clamp(rounded((target[axis_primary] + primary_deg) * 1e3), -primary_max_mdeg, primary_max_mdeg),
         std::clamp(rounded((target[axis_secondary] + secondary_deg) * 1e3), -secondary_max_mdeg,
@@ -366,9 +366,9 @@ void WindowKeys::turn(const Room &room, double primary_deg, double secondary_deg
 }
 
 // Moving the table by hand ends following the tip.
-void WindowKeys::move_table(const Room &room, int axis, double step_m)
+void WindowKeys::move_table(const RoomScreen &screen, int axis, double step_m)
 {
-    GantryPose target = room.gantry().target();
+    GantryPose target = screen.room().gantry().target();
     target[static_cast<std::size_t>(axis)] += step_m;
     std::int32_t place_um[3];
     for (int i = 0; i < 3; ++i)
@@ -377,16 +377,16 @@ void WindowKeys::move_table(const Room &room, int axis, double step_m)
     ask(RoomAction::table, place_um[0], place_um[1], place_um[2]);
 }
 
-void WindowKeys::change_distance(const Room &room, double step_m)
+void WindowKeys::change_distance(const RoomScreen &screen, double step_m)
 {
-    const GantryPose &target = room.gantry().target();
+    const GantryPose &target = screen.room().gantry().target();
     ask(RoomAction::distance, std::clamp(rounded((target[axis_sid] + step_m) * 1e6), sid_min_um, sid_max_um),
         std::clamp(rounded(target[axis_sod] * 1e6), sod_min_um, sod_max_um));
 }
 
-void WindowKeys::change_field(const Room &room, int steps)
+void WindowKeys::change_field(const RoomScreen &screen, int steps)
 {
-    const std::int32_t present_um = rounded(room.field_m() * 1e6);
+    const std::int32_t present_um = rounded(screen.room().field_m() * 1e6);
     const auto *at = std::find(std::begin(fields_um), std::end(fields_um), present_um);
     const int index = at == std::end(fields_um) ? 1 : static_cast<int>(at - std::begin(fields_um));
     ask(RoomAction::field,
@@ -407,16 +407,16 @@ void WindowKeys::go_to(std::size_t preset)
 // --- review ---
 
 // Also from a held picture and a loop: the frame beside the one on the screen stands still.
-void WindowKeys::step_frame(const Room &room, int step)
+void WindowKeys::step_frame(const RoomScreen &screen, int step)
 {
-    const RoomStatus status = room.status();
+    const RoomStatus status = screen.status();
     if (status.frames == 0) return ask(RoomAction::review, 2); // the last run's first frame, or the notice
     ask(RoomAction::review, 2, status.run, (status.frame + step + status.frames) % status.frames);
 }
 
-void WindowKeys::shift_mask(const Room &room, double right_px, double up_px)
+void WindowKeys::shift_mask(const RoomScreen &screen, double right_px, double up_px)
 {
-    const RoomStatus status = room.status();
+    const RoomStatus status = screen.status();
     const auto held = [](double pixels) {
         return std::clamp(rounded(pixels * 100.0), -shift_max_centipixels, shift_max_centipixels);
     };

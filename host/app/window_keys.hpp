@@ -4,7 +4,7 @@
 #include "host/app/hand_motion.hpp"
 #include "host/app/rhythm_order.hpp"
 #include "host/app/window_screen.hpp"
-#include "host/room/room.hpp"
+#include "host/room/room_screen.hpp"
 #include <span>
 #include <string>
 #include <utility>
@@ -18,8 +18,8 @@ class WindowKeys
   public:
     WindowKeys(std::size_t tool_count, bool shows_help) : tool_count_(tool_count), shows_help_(shows_help) {}
 
-    // Presses: C-arm, table, field, switches; `room` as it is now, because most keys change what is there.
-    void take(const Screen::KeyEvent &event, const Room &room);
+    // Presses: C-arm, table, field, switches; `screen` has the room as it is now, because most keys change what is there.
+    void take(const Screen::KeyEvent &event, const RoomScreen &screen);
     void hold(const Screen &screen); // keys held down: hand and pedal; call once per screen
     void
     lead(std::span<LiveHand> hands) const; // the speeds asked for; hands that are not chosen come to rest
@@ -41,19 +41,19 @@ class WindowKeys
     void latch_pedal() { is_pedal_latched_ = true; }
 
   private:
-    void take_geometry(int key, const Room &room);
-    void take_collimator(int key, const Room &room);
-    void take_mode(int key, const Room &room);
-    void take_review(int key, const Room &room);
+    void take_geometry(int key, const RoomScreen &screen);
+    void take_collimator(int key, const RoomScreen &screen);
+    void take_mode(int key, const RoomScreen &screen);
+    void take_review(int key, const RoomScreen &screen);
     void take_switch(int key);
     void take_rhythm(int key);
-    void turn(const Room &room, double primary_deg, double secondary_deg);
-    void move_table(const Room &room, int axis, double step_m);
-    void change_distance(const Room &room, double step_m);
-    void change_field(const Room &room, int steps);
+    void turn(const RoomScreen &screen, double primary_deg, double secondary_deg);
+    void move_table(const RoomScreen &screen, int axis, double step_m);
+    void change_distance(const RoomScreen &screen, double step_m);
+    void change_field(const RoomScreen &screen, int steps);
     void go_to(std::size_t preset);
-    void step_frame(const Room &room, int step);
-    void shift_mask(const Room &room, double right_px, double up_px);
+    void step_frame(const RoomScreen &screen, int step);
+    void shift_mask(const RoomScreen &screen, double right_px, double up_px);
     void ask(RoomAction action, std::int32_t a = 0, std::int32_t b = 0, std::int32_t c = 0);
     void choose(std::size_t tool);
 

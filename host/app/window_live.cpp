@@ -1,8 +1,8 @@
 #include "host/app/window_live.hpp"
 #include "host/app/presence.hpp"
 #include "host/app/run.hpp"
-#include "host/app/session_balloon.hpp"
 #include "host/link/usb_devices.hpp"
+#include "host/patient/balloon.hpp"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -36,7 +36,9 @@ LiveSession::LiveSession(const SceneFile &scene, const std::vector<Instrument> &
                          const PictureSettings &pictures, const std::vector<RoomCommand> &begin,
                          const DeviceChoice &choice)
     : settings_(pictures), choice_(choice), device_(scene, tools, entry, host_rig(), choice),
-      pictures_(pictures, tools), hands_(tools.size()), has_balloon_(balloon_tool(tools).has_value())
+      anatomy_(read_anatomy(pictures)), patient_(make_patient(pictures, anatomy_, tools)),
+      pictures_(pictures, tools, *patient_, anatomy_), hands_(tools.size()),
+      has_balloon_(balloon_tool(tools).has_value())
 {
     if (!record.empty()) {
         recorder_ =
@@ -61,7 +63,7 @@ void LiveSession::choose_tool(std::size_t tool, bool all)
 void LiveSession::pass(std::uint32_t tick, const RoomCommand &command)
 {
     if (recorder_) recorder_->command(tick, command);
-    pictures_.command(tick, command);
+    patient_->command(tick, command);
 }
 
 // The picture of the present tick is made already.
@@ -146,7 +148,7 @@ void LiveSession::batch(std::uint32_t count)
             std::clamp(inflator_milli_kPa_ + inflation_kPa_per_s_, 0, inflator_max_kPa * 1000);
         input.inflator_raw = inflator_milli_kPa_ / 1000;
         rhythm_.put_next(input);
-        inputs_.push_back(with_order(grip_.hold(input), &pictures_));
+        inputs_.push_back(with_order(grip_.hold(input), *patient_));
     }
     const bool is_picture_due = link.tick() + count == pictures_.next_tick();
     const auto states = device_.step(inputs_, is_picture_due);
@@ -155,10 +157,10 @@ void LiveSession::batch(std::uint32_t count)
         grip_.feel(state_);
         figures_.take(state_);
         if (recorder_) recorder_->tick(inputs_[i], states[i]);
-        pictures_.tick(inputs_[i], states[i]);
+        patient_->tick(inputs_[i], states[i]);
     }
     record_state();
-    if (measures_contacts_ && link.tick() % ContactFigures::look_every_ticks == 0)
+    if (link.tick() % ContactFigures::look_every_ticks == 0)
         device_.ask([&](Link &asked) { contacts_.take(asked.read_contacts()); });
     if (is_picture_due) picture();
     if (figures_.range.is_left()) stop_out_of_range();
@@ -175,7 +177,7 @@ void LiveSession::advance_rig(std::uint32_t ticks)
         recorder_->hash(hash->tick, hash->hash);
     }
     if (device_.link().nodes().tick != shown) picture();
-    send_order(device_.link(), pictures_);
+    send_order(device_.link(), *patient_);
     if (figures_.range.is_left()) stop_out_of_range();
 }
 
@@ -199,7 +201,7 @@ void LiveSession::tick(const crn_wire_live_tick &tick)
     figures_.take(state_);
     inputs_.assign(1, tick.input);
     if (recorder_) recorder_->tick(tick.input, tick.state);
-    pictures_.tick(tick.input, tick.state);
+    patient_->tick(tick.input, tick.state);
     for (const RoomCommand &change : rig_pedals_.changes(tick.input.buttons)) pass(led_tick_ + 1, change);
     if (const auto injection = rig_syringe_.change(led_tick_, tick.input.syringe_counts))
         pass(led_tick_ + 1, *injection);
@@ -233,6 +235,7 @@ void LiveSession::picture()
     const crn_wire_encoders input = inputs_.empty() ? crn_wire_encoders{} : inputs_.back();
     frame_ = session_frame(device_, state_, input);
     const Presence presence(choice_.free_run && device_.has_its_own_clock() ? &device_.link() : nullptr);
+    patient_->look(frame_.wire);
     pictures_.frame(frame_);
 }
 
@@ -252,6 +255,10 @@ void LiveSession::finish()
         if (fault_.empty()) throw; // of a device that went the recording ends where it went
     }
     recorder_.reset();
+    // To the last tick that was done, with the last shape that came: a device that went gives no other.
+    frame_.wire.tick = std::max(frame_.wire.tick, state_.tick);
+    patient_->look(frame_.wire);
+    pictures_.frame(frame_);
     pictures_.finish();
 }
 

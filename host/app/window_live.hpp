@@ -33,7 +33,6 @@ class LiveSession final : private FreeRunSink
     void choose_tool(std::size_t tool, bool all); // marked in the display
     void command(const RoomCommand &command);     // in force from the next tick on; recorded
     void order(const RhythmOrder &order);         // of heart and breath, in the next tick
-    const Room &room() const { return pictures_.room(); }
     // `ticks` ticks; pictures are made when they are due. False when the device stopped: fault() says why.
     bool advance(std::uint32_t ticks);
     const std::string &fault() const { return fault_; }
@@ -41,12 +40,11 @@ class LiveSession final : private FreeRunSink
     const RangeWatch &range() const { return figures_.range; }
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
     const Image &image() const { return pictures_.image(); }
-    void measure_contacts() { measures_contacts_ = !choice_.free_run; } // from now on, for a score
     void finish(); // closes the recording and writes the runs
     // After finish(): what a script's session would say at its end. `tips`: where the vessels are.
     RunResult result(const TipPlaces &tips) const;
     const SessionPictures &pictures() const { return pictures_; }
-    SessionStents *stents() { return pictures_.stents(); }
+    Patient &patient() { return *patient_; }
     const std::vector<std::string> &files() const { return pictures_.files(); } // written by finish()
     bool was_stopped() const { return pictures_.was_stopped(); }                // Ctrl-C while finish() wrote
 
@@ -67,12 +65,13 @@ class LiveSession final : private FreeRunSink
     DeviceChoice choice_;
     Device device_;
     std::unique_ptr<Recorder> recorder_;
+    const SceneAnatomy anatomy_;
+    std::unique_ptr<Patient> patient_;
     SessionPictures pictures_;
     std::vector<LiveHand> hands_;
     HandGrip grip_; // of the keys
     SessionFigures figures_;
     ContactFigures contacts_;
-    bool measures_contacts_ = false;
     crn_wire_fault_log faults_{};
     std::uint64_t end_hash_ = 0;
     const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();

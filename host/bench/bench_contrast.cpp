@@ -1,8 +1,8 @@
 // What a millisecond of contrast medium costs, and what its columns cost in a picture: docs/contrast.md. A tree of 2,000 cells,
 // medium in every one of them, a beating heart and an injection in every step; the shipped aorta with its renal arteries filled.
 #include "firmware/bench/bench.h"
-#include "host/app/session_contrast.hpp"
 #include "host/effects/contrast_flow.hpp"
+#include "host/patient/contrast.hpp"
 #include "host/xray/xray.hpp"
 #include <algorithm>
 #include <memory>
@@ -114,9 +114,9 @@ double frame_ms(const bench_case *self)
     Instrument catheter;
     catheter.table.knots_count = 1;
     catheter.table.knots[0].radius_inner_um = 500;
-    SessionContrast contrast(bodies.vessels, {catheter});
+    PatientContrast contrast(bodies.vessels, {catheter});
     contrast.command(0, {RoomAction::inject, {15000, 10000, 0}});
-    for (std::uint32_t tick = 0; tick <= 1600; tick += SessionContrast::look_every_ticks)
+    for (std::uint32_t tick = 0; tick <= 1600; tick += PatientContrast::look_every_ticks)
         contrast.advance(catheter_at(tick));
     Xray xray(scene, 2);
     XraySettings settings;

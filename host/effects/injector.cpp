@@ -8,8 +8,14 @@ std::uint64_t Injector::inject(std::uint32_t tick, std::int32_t volume_ul, std::
                                double iodine_mg_per_ml)
 {
     if (volume_ul <= 0 || rate_ul_s <= 0) return 0;
-    injections_.push_back({++asked_, tick, std::int64_t{volume_ul} * 1000, rate_ul_s, iodine_mg_per_ml});
+    injections_.push_back(
+        {++asked_, tick, UINT32_MAX, std::int64_t{volume_ul} * 1000, rate_ul_s, iodine_mg_per_ml});
     return asked_;
+}
+
+void Injector::stop(std::uint32_t tick)
+{
+    for (Injection &injection : injections_) injection.tick_end = std::min(injection.tick_end, tick);
 }
 
 void Injector::cancel(std::uint64_t injection)
@@ -32,7 +38,10 @@ void Injector::drop_ended()
 void Injector::skip_to(std::uint32_t tick)
 {
     for (Injection &injection : injections_)
-        if (injection.tick < tick) injection.left_nl -= injection.rate_nl * (tick - injection.tick);
+        if (tick > injection.tick_end)
+            injection.left_nl = 0;
+        else if (injection.tick < tick)
+            injection.left_nl -= injection.rate_nl * (tick - injection.tick);
     drop_ended();
 }
 
@@ -42,6 +51,7 @@ InjectedFluid Injector::take(std::uint32_t tick)
     double iodine = 0.0;
     for (Injection &injection : injections_) {
         if (injection.tick >= tick) continue;
+        if (tick > injection.tick_end) injection.left_nl = 0;
         const std::int64_t nl = std::min(injection.rate_nl, injection.left_nl);
         injection.left_nl -= nl;
         sum_nl += nl;

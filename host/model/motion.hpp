@@ -28,6 +28,7 @@ inline constexpr int motion_keyframes = 24;
 // Where heart and breath are: phases as the core gives them.
 struct MotionMoment {
     std::uint32_t heart_phase32 = 0, breath_phase32 = 0;
+    bool operator==(const MotionMoment &) const = default;
 };
 
 // Three keyframe columns of a row and their weights (quadratic B-spline, periodic), and the depth of breath 0 .. 1.

@@ -30,10 +30,10 @@ enum class RoomAction : std::uint16_t {
     review = 18,       // 0 off, 1 loop, 2 one frame; run number (0: the last); frame from 0
     acknowledge = 19,  // the dose alert was seen
     halt = 20,         // every motor stops where it is
-    // The syringe, which the room passes on: host/app/session_contrast.hpp.
+    // The syringe, which the room passes on: host/patient/contrast.hpp.
     inject = 21, // ul (0: stop), ul/s, tool from the innermost 1 ... (0: the outermost with a lumen)
     contrast_strength = 22, // mg iodine per ml of what is injected from now on
-    load_stent = 23,        // the next one onto the balloon: host/app/session_stents.hpp
+    load_stent = 23,        // the next one onto the balloon: host/patient/stents.hpp
 };
 
 struct RoomCommand {

@@ -1,14 +1,12 @@
 #include "host/room/dose.hpp"
 #include <algorithm>
 #include <iterator>
-#include <numbers>
 
 namespace crn
 {
 namespace
 {
 
-constexpr double reference_from_isocentre_m = 0.15;
 constexpr int alert_count = static_cast<int>(std::size(dose_alert_levels_Gy));
 
 void add_pulse(Dose &dose, double air_kerma_uGy, double kap_Gy_cm2)
@@ -19,15 +17,6 @@ void add_pulse(Dose &dose, double air_kerma_uGy, double kap_Gy_cm2)
 }
 
 } // namespace
-
-double reference_area_cm2(const CArm &carm, const XrayBeam &beam)
-{
-    const double width = beam.open_width_share, height = beam.open_height_share;
-    const double narrow = std::min(width, height);
-    const double open = beam.circular_field ? 0.25 * std::numbers::pi * narrow * narrow : width * height;
-    const double nearer = (carm.source_isocentre_m - reference_from_isocentre_m) / carm.source_detector_m;
-    return open * carm.field_m * carm.field_m * nearer * nearer * 1e4;
-}
 
 void DoseMeter::begin(const Irradiation &irradiation)
 {

@@ -29,10 +29,6 @@ struct Irradiation {
     Dose dose;
 };
 
-// Area of the open field at the reference point, 15 cm from the isocentre toward the tube, in cm2. Kerma there times this is
-// the kerma-area product, which is the same at every distance.
-double reference_area_cm2(const CArm &carm, const XrayBeam &beam);
-
 // Levels of reference air kerma at which the room speaks up: 2 Gy (skin may redden), 5 Gy (follow the patient up); ICRP 120.
 inline constexpr double dose_alert_levels_Gy[] = {2.0, 5.0};
 inline constexpr std::uint32_t fluoro_reminder_ticks = 300'000; // every five minutes of fluoroscopy

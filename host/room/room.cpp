@@ -1,4 +1,4 @@
-// Ticks, commands and pulses. What the screen shows is in room_screen.cpp, masks and roadmaps in room_runs.cpp.
+// Ticks, commands and pulses.
 #include "host/room/room.hpp"
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,6 @@ namespace
 constexpr std::uint32_t never = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t look_every_ticks = 50; // at the tip, to follow it
 constexpr double follow_zone = 0.22; // the tip may be so far from the middle, share of the field's width
-constexpr std::int64_t notice_ticks = 4000;
 
 // Dose behind patient and grid per frame, nGy: in the middle of what is usual (host/xray/xray.hpp).
 double frame_dose_nGy(RunKind kind)
@@ -50,8 +49,6 @@ GantryPose with_distances(GantryPose pose, const RoomCommand &command)
 }
 
 } // namespace
-
-Room::Room(std::size_t store_bytes_max) : store_(store_bytes_max) {}
 
 // --- time ---
 
@@ -113,14 +110,14 @@ void Room::process(std::uint32_t tick, const Eigen::Vector3d *tip)
 
 void Room::notify(std::uint32_t tick, const std::string &text)
 {
-    notice_ = text;
-    notice_until_ = std::int64_t{tick} + notice_ticks;
+    notice_ = {text, tick};
 }
 
 // --- commands ---
 
 void Room::carry_out(std::uint32_t tick, const RoomCommand &command)
 {
+    tell(RoomEvent::Kind::command, tick).command = command;
     const std::int32_t value = command.values[0];
     switch (command.action) {
     case RoomAction::fluoro_pedal:
@@ -149,19 +146,13 @@ void Room::carry_out(std::uint32_t tick, const RoomCommand &command)
     case RoomAction::store:
         store_fluoro(tick, static_cast<std::uint32_t>(value));
         break;
-    case RoomAction::mask:
-    case RoomAction::shift:
-        set_mask(command);
-        break;
-    case RoomAction::roadmap:
-        set_roadmap(tick, value);
-        break;
-    case RoomAction::review:
-        set_review(tick, command);
-        break;
     case RoomAction::acknowledge:
         dose_.acknowledge();
         break;
+    case RoomAction::mask: // the screen's
+    case RoomAction::shift:
+    case RoomAction::roadmap:
+    case RoomAction::review:
     case RoomAction::inject: // the syringe's
     case RoomAction::contrast_strength:
     case RoomAction::load_stent: // the stents'
@@ -261,7 +252,6 @@ void Room::release_acquisition(std::uint32_t tick)
 void Room::begin_beam(std::uint32_t tick, bool is_acquired)
 {
     is_fluoro_armed_ = is_acquire_armed_ = false;
-    review_.is_on = false;
     beam_ = {true, is_acquired ? program_ : RunKind::fluoro, is_acquired, tick, fluoro_centihertz_, 0, {}};
     if (beam_.kind == RunKind::cine) beam_.rate_centihertz = cine_centihertz_;
     if (beam_.kind == RunKind::dsa) beam_.rate_centihertz = dsa_centihertz_;
@@ -271,22 +261,59 @@ void Room::begin_beam(std::uint32_t tick, bool is_acquired)
     irradiation.pulses_per_s = static_cast<double>(beam_.rate_centihertz) * 0.01;
     irradiation.carm = gantry_.carm(field_m());
     dose_.begin(irradiation);
-    if (is_acquired) store_.begin(header(0));
-    if (!is_acquired && roadmap_.state == RoadmapState::waits) {
-        roadmap_.state = RoadmapState::collects;
-        roadmap_.carm = irradiation.carm;
-    }
-    ++version_;
+    is_run_made_ = false;
+    RoomEvent &event = tell(RoomEvent::Kind::beam_on, tick);
+    event.run_kind = beam_.kind;
+    event.pulses_per_s = irradiation.pulses_per_s;
+    event.run = is_acquired ? static_cast<int>(runs_.size()) + 1 : 0;
+    event.carm = irradiation.carm;
 }
 
 void Room::end_beam(std::uint32_t tick)
 {
     beam_.is_on = false;
     is_pulse_due_ = false;
-    const int kept = beam_.is_acquired ? store_.finish() : 0;
+    const int kept = beam_.is_acquired && is_run_made_ ? runs_.back().number : 0;
     dose_.end(tick, kept);
-    if (roadmap_.state == RoadmapState::collects) finish_roadmap();
-    ++version_;
+    tell(RoomEvent::Kind::beam_off, tick).run = kept;
+}
+
+// A run is made by its first frame. Returns its number.
+int Room::count_frame(double pulses_per_s)
+{
+    if (is_run_made_)
+        ++runs_.back().frames;
+    else
+        keep_run(beam_.kind, pulses_per_s, 1);
+    is_run_made_ = true;
+    return runs_.back().number;
+}
+
+int Room::keep_run(RunKind kind, double pulses_per_s, std::uint32_t frames)
+{
+    const int number = static_cast<int>(runs_.size()) + 1;
+    runs_.push_back({number, kind, pulses_per_s, frames});
+    return number;
+}
+
+void Room::store_fluoro(std::uint32_t tick, std::uint32_t milliseconds)
+{
+    if (beam_.is_on) return notify(tick, "RELEASE THE PEDAL, then store fluoroscopy");
+    std::uint32_t frames = 0;
+    for (const std::uint32_t passed : passed_) frames += tick - passed < milliseconds;
+    if (frames == 0) return notify(tick, "NO FLUOROSCOPY TO STORE in this time");
+    RoomEvent &event = tell(RoomEvent::Kind::fluoro_kept, tick);
+    event.run = keep_run(RunKind::fluoro, passed_pulses_per_s_, frames);
+    event.milliseconds = milliseconds;
+    notify(tick, "Fluoroscopy stored as run " + std::to_string(event.run));
+}
+
+RoomEvent &Room::tell(RoomEvent::Kind kind, std::uint32_t tick)
+{
+    events_.emplace_back();
+    events_.back().kind = kind;
+    events_.back().tick = tick;
+    return events_.back();
 }
 
 // --- pulses ---
@@ -307,14 +334,49 @@ PulseRequest Room::pulse() const
     return request;
 }
 
-XrayRun Room::header(int size) const
+void Room::expose(const XrayExposure &exposure)
 {
-    XrayRun run;
-    run.kind = beam_.kind;
-    run.size = size;
-    run.pulses_per_s = static_cast<double>(beam_.rate_centihertz) * 0.01;
-    if (run.kind == RunKind::dsa) run.mask = RunMask{{0}, 0.0, 0.0};
-    return run;
+    if (!is_pulse_due_) return;
+    const auto tick = static_cast<std::uint32_t>(tick_);
+    RoomEvent &event = tell(RoomEvent::Kind::pulse, tick);
+    event.request = pulse();
+    event.exposure = exposure;
+    event.press = dose_.irradiations().size() - 1;
+    event.run_kind = beam_.kind;
+    event.pulses_per_s = static_cast<double>(beam_.rate_centihertz) * 0.01;
+    if (beam_.is_acquired) event.run = count_frame(event.pulses_per_s);
+    is_pulse_due_ = false;
+    if (beam_.kind == RunKind::dsa) beam_.locked = exposure.technique;
+    technique_ = exposure.technique;
+    is_underexposed_ = exposure.is_underexposed;
+    dose_.note_pulse(event.request.carm, technique_.tube_voltage_kV, technique_.tube_current_mA,
+                     technique_.pulse_ms);
+    dose_.add(tick, exposure.air_kerma_uGy, exposure.kap_Gy_cm2);
+    if (beam_.is_acquired) return;
+    passed_pulses_per_s_ = event.pulses_per_s;
+    passed_.push_back(tick);
+    while (tick - passed_.front() >= static_cast<std::uint32_t>(store_max_ms)) passed_.pop_front();
+}
+
+RoomState Room::state() const
+{
+    RoomState state;
+    state.tick = static_cast<std::uint32_t>(std::max<std::int64_t>(tick_, 0));
+    state.carm = gantry_.carm(field_m());
+    state.is_moving = gantry_.is_moving();
+    state.is_blocked = gantry_.is_blocked();
+    state.follows_tip = follows_tip_;
+    state.is_beam_on = beam_.is_on;
+    state.program = program_;
+    state.fluoro_pulses_per_s = fluoro_centihertz_ * 0.01;
+    state.program_pulses_per_s = (program_ == RunKind::dsa ? dsa_centihertz_ : cine_centihertz_) * 0.01;
+    state.open_width_share = blade_width_permille_ * 1e-3;
+    state.open_height_share = blade_height_permille_ * 1e-3;
+    state.is_round = is_round_;
+    state.technique = technique_;
+    state.is_underexposed = is_underexposed_;
+    if (notice_.is_shown_at(tick_)) state.notice = notice_.text;
+    return state;
 }
 
 } // namespace crn

@@ -1,5 +1,5 @@
 // What happens to pictures: kept in runs, subtracted from masks, gathered into roadmaps, shown again.
-#include "host/room/room.hpp"
+#include "host/room/room_screen.hpp"
 #include "host/room/subtraction.hpp"
 #include "host/xray/detector.hpp"
 #include <algorithm>
@@ -77,80 +77,119 @@ void describe_beam(XrayRun &run, const XrayBeam &beam, const XrayPicture &pictur
 
 } // namespace
 
-XrayRun Room::describe(const XrayPicture &picture) const
+RoomScreen::RoomScreen(const Room &room, std::size_t store_bytes_max) : room_(room), store_(store_bytes_max)
 {
-    XrayRun run = header(picture.size);
-    describe_beam(run, pulse().beam, picture);
+}
+
+XrayRun RoomScreen::describe(const RoomEvent &pulse, const XrayPicture &picture)
+{
+    XrayRun run;
+    run.kind = pulse.run_kind;
+    run.number = std::max(pulse.run, 1);
+    run.size = picture.size;
+    run.pulses_per_s = pulse.pulses_per_s;
+    if (run.kind == RunKind::dsa) run.mask = RunMask{{0}, 0.0, 0.0};
+    describe_beam(run, pulse.request.beam, picture);
     return run;
 }
 
-RunFrame Room::take(const XrayPicture &picture) const
+RunFrame RoomScreen::frame_of(const RoomEvent &pulse, const XrayPicture &picture)
 {
     RunFrame frame;
-    frame.tick = picture.tick;
-    frame.carm = pulse().carm;
-    frame.air_kerma_uGy = picture.air_kerma_uGy;
-    frame.kap_Gy_cm2 = picture.kap_Gy_cm2;
-    frame.tube_voltage_kV = picture.technique.tube_voltage_kV;
-    frame.tube_current_mA = picture.technique.tube_current_mA;
-    frame.pulse_ms = picture.technique.pulse_ms;
+    frame.tick = pulse.tick;
+    frame.carm = pulse.request.carm;
+    frame.air_kerma_uGy = pulse.exposure.air_kerma_uGy;
+    frame.kap_Gy_cm2 = pulse.exposure.kap_Gy_cm2;
+    frame.tube_voltage_kV = pulse.exposure.technique.tube_voltage_kV;
+    frame.tube_current_mA = pulse.exposure.technique.tube_current_mA;
+    frame.pulse_ms = pulse.exposure.technique.pulse_ms;
     frame.raw = picture.raw;
     return frame;
 }
 
-// A picture for pulse(): counted, kept, and from now on the one that is held.
-void Room::expose(const XrayPicture &picture)
+void RoomScreen::take(const RoomEvent &event, const XrayPicture *picture)
 {
-    if (!is_pulse_due_) return;
-    is_pulse_due_ = false;
-    const PulseRequest request = pulse();
-    RunFrame frame = take(picture);
-    if (beam_.kind == RunKind::dsa) beam_.locked = picture.technique;
-    held_technique_ = picture.technique;
-    is_underexposed_ = picture.is_underexposed;
-    dose_.note_pulse(frame.carm, frame.tube_voltage_kV, frame.tube_current_mA, frame.pulse_ms);
-    dose_.add(picture.tick, frame.air_kerma_uGy, frame.kap_Gy_cm2);
+    switch (event.kind) {
+    case RoomEvent::Kind::command:
+        return carry_out(event.tick, event.command);
+    case RoomEvent::Kind::beam_on:
+        return begin_beam(event);
+    case RoomEvent::Kind::beam_off:
+        return end_beam(event);
+    case RoomEvent::Kind::fluoro_kept:
+        store_.keep_passed(event.run, event.tick, event.milliseconds);
+        return;
+    case RoomEvent::Kind::pulse:
+        if (picture) keep(event, *picture);
+    }
+}
 
+void RoomScreen::carry_out(std::uint32_t tick, const RoomCommand &command)
+{
+    switch (command.action) {
+    case RoomAction::mask:
+    case RoomAction::shift:
+        return set_mask(tick, command);
+    case RoomAction::roadmap:
+        return set_roadmap(tick, command.values[0]);
+    case RoomAction::review:
+        return set_review(tick, command);
+    default:; // the room's own
+    }
+}
+
+void RoomScreen::begin_beam(const RoomEvent &event)
+{
+    is_beam_on_ = true;
+    is_acquired_ = event.run > 0;
+    review_.is_on = false;
+    if (is_acquired_) store_.begin(event.run, event.run_kind);
+    if (!is_acquired_ && roadmap_.state == RoadmapState::waits) {
+        roadmap_.state = RoadmapState::collects;
+        roadmap_.carm = event.carm;
+    }
+    ++version_;
+}
+
+void RoomScreen::end_beam(const RoomEvent &event)
+{
+    is_beam_on_ = false;
+    if (is_acquired_) store_.finish(event.run > 0);
+    if (roadmap_.state == RoadmapState::collects) finish_roadmap();
+    ++version_;
+}
+
+// The picture of a pulse: kept, and from now on the one that is held.
+void RoomScreen::keep(const RoomEvent &event, const XrayPicture &picture)
+{
+    RunFrame frame = frame_of(event, picture);
     has_held_ = true;
     held_size_ = picture.size;
-    held_kind_ = beam_.kind;
-    held_pulses_per_s_ = static_cast<double>(beam_.rate_centihertz) * 0.01;
+    held_kind_ = event.run_kind;
+    held_pulses_per_s_ = event.pulses_per_s;
     held_frame_ = frame;
     held_grey_ = picture.grey;
     held_run_ = held_index_ = 0;
     ++version_;
-    if (!beam_.is_acquired) {
-        XrayRun passing = header(picture.size);
-        describe_beam(passing, request.beam, picture);
-        store_.pass(passing, frame, picture.grey);
+    if (!is_acquired_) {
+        store_.pass(describe(event, picture), frame, picture.grey);
         if (roadmap_.state == RoadmapState::collects) collect_roadmap(frame, picture.size);
         return;
     }
     StoredRun &stored = *store_.open_run();
-    if (stored.run.frames.empty()) {
-        stored.run.size = picture.size;
-        describe_beam(stored.run, request.beam, picture);
-    }
+    if (stored.run.frames.empty()) stored.run = describe(event, picture);
     if (store_.add(std::move(frame), picture.grey)) {
         held_run_ = stored.run.number;
         held_index_ = static_cast<int>(stored.run.frames.size()) - 1;
         return;
     }
-    notify(picture.tick, "IMAGE MEMORY IS FULL - the run ends");
-    end_beam(picture.tick);
-}
-
-void Room::store_fluoro(std::uint32_t tick, std::uint32_t milliseconds)
-{
-    if (beam_.is_on) return notify(tick, "RELEASE THE PEDAL, then store fluoroscopy");
-    const int run = store_.keep_passed(tick, milliseconds);
-    notify(tick, run == 0 ? "NO FLUOROSCOPY TO STORE in this time"
-                          : "Fluoroscopy stored as run " + std::to_string(run));
+    // The beam goes on, for what a pedal does must not hang on how large somebody's pictures are.
+    notify(event.tick, "IMAGE MEMORY IS FULL - the rest of the run is not kept");
 }
 
 // --- masks ---
 
-StoredRun *Room::shown_dsa(std::uint32_t tick)
+StoredRun *RoomScreen::shown_dsa(std::uint32_t tick)
 {
     StoredRun *run = shown().run;
     if (run && run->run.kind == RunKind::dsa && !run->is_dropped) return run;
@@ -158,9 +197,8 @@ StoredRun *Room::shown_dsa(std::uint32_t tick)
     return nullptr;
 }
 
-void Room::set_mask(const RoomCommand &command)
+void RoomScreen::set_mask(std::uint32_t tick, const RoomCommand &command)
 {
-    const auto tick = static_cast<std::uint32_t>(tick_);
     StoredRun *stored = shown_dsa(tick);
     if (!stored) return;
     RunMask &mask = *stored->run.mask;
@@ -180,7 +218,7 @@ void Room::set_mask(const RoomCommand &command)
 
 // --- roadmap ---
 
-void Room::set_roadmap(std::uint32_t tick, std::int32_t wanted)
+void RoomScreen::set_roadmap(std::uint32_t tick, std::int32_t wanted)
 {
     ++version_;
     roadmap_ = {};
@@ -195,7 +233,7 @@ void Room::set_roadmap(std::uint32_t tick, std::int32_t wanted)
     }
 }
 
-void Room::roadmap_from_run(StoredRun &stored)
+void RoomScreen::roadmap_from_run(StoredRun &stored)
 {
     const int size = stored.run.size;
     std::vector<float> mask, live, density;
@@ -211,11 +249,11 @@ void Room::roadmap_from_run(StoredRun &stored)
 }
 
 // The first frame of the press is what the others are compared with.
-void Room::collect_roadmap(const RunFrame &frame, int size)
+void RoomScreen::collect_roadmap(const RunFrame &frame, int size)
 {
     std::vector<float> live, density;
     smooth_log2(frame.raw, size, live);
-    if (roadmap_.reference.size() != live.size() || !is_same_geometry(roadmap_.carm)) {
+    if (roadmap_.reference.size() != live.size() || !is_same_geometry(frame.carm, roadmap_.carm)) {
         roadmap_.reference = live;
         roadmap_.peak.clear();
         roadmap_.carm = frame.carm;
@@ -224,7 +262,7 @@ void Room::collect_roadmap(const RunFrame &frame, int size)
     hold_peak(density, roadmap_.peak);
 }
 
-void Room::finish_roadmap()
+void RoomScreen::finish_roadmap()
 {
     if (roadmap_.peak.empty()) {
         roadmap_.state = RoadmapState::waits; // a press without a pulse: the next one collects
@@ -236,7 +274,7 @@ void Room::finish_roadmap()
 
 // --- review ---
 
-void Room::set_review(std::uint32_t tick, const RoomCommand &command)
+void RoomScreen::set_review(std::uint32_t tick, const RoomCommand &command)
 {
     const auto [mode, run, frame] = command.values;
     ++version_;
@@ -244,7 +282,7 @@ void Room::set_review(std::uint32_t tick, const RoomCommand &command)
         review_.is_on = false;
         return;
     }
-    if (beam_.is_on) return notify(tick, "RELEASE THE PEDAL, then review");
+    if (is_beam_on_) return notify(tick, "RELEASE THE PEDAL, then review");
     const StoredRun *stored = store_.find(run);
     if (!stored)
         return notify(tick, store_.runs().empty() ? "NO RUN TO REVIEW yet"

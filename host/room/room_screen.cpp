@@ -1,5 +1,5 @@
 // What the screen shows: live picture, last image hold, loops; subtracted, with its roadmap; and the words around it.
-#include "host/room/room.hpp"
+#include "host/room/room_screen.hpp"
 #include "host/room/subtraction.hpp"
 #include <algorithm>
 #include <cmath>
@@ -19,15 +19,15 @@ bool is_near(double a, double b, double tolerance)
 
 } // namespace
 
-int Room::loop_frame(const StoredRun &stored) const
+int RoomScreen::loop_frame(const StoredRun &stored) const
 {
     if (!review_.is_loop) return review_.frame;
-    const std::int64_t past = tick_ - review_.tick_begin;
+    const std::int64_t past = room_.tick() - review_.tick_begin;
     const auto frame = static_cast<std::int64_t>(static_cast<double>(past) * stored.run.pulses_per_s * 1e-3);
     return static_cast<int>(frame % static_cast<std::int64_t>(stored.run.frames.size()));
 }
 
-Room::Source Room::shown() const
+RoomScreen::Source RoomScreen::shown() const
 {
     if (review_.is_on) {
         StoredRun *stored = store_.find(review_.run);
@@ -43,25 +43,22 @@ Room::Source Room::shown() const
 }
 
 // Every frame of DSA but the one that alone is the mask: from itself nothing would be left.
-bool Room::is_subtracted(const Source &source) const
+bool RoomScreen::is_subtracted(const Source &source) const
 {
     if (!source.run || source.run->run.kind != RunKind::dsa || source.run->is_dropped) return false;
     const std::vector<int> &mask = source.run->run.mask->frames;
     return !(mask.size() == 1 && mask.front() == source.frame);
 }
 
-// A roadmap belongs to one geometry: half a millimetre or a tenth of a degree off, and it would mislead.
-bool Room::is_same_geometry(const CArm &carm) const
+bool is_same_geometry(const CArm &a, const CArm &b)
 {
-    const CArm now = gantry_.carm(field_m());
-    return is_near(now.primary_deg, carm.primary_deg, 0.1) &&
-           is_near(now.secondary_deg, carm.secondary_deg, 0.1) &&
-           is_near(now.source_detector_m, carm.source_detector_m, 5e-4) &&
-           is_near(now.source_isocentre_m, carm.source_isocentre_m, 5e-4) && now.field_m == carm.field_m &&
-           (now.isocentre_m - carm.isocentre_m).squaredNorm() <= 0.25e-6;
+    return is_near(a.primary_deg, b.primary_deg, 0.1) && is_near(a.secondary_deg, b.secondary_deg, 0.1) &&
+           is_near(a.source_detector_m, b.source_detector_m, 5e-4) &&
+           is_near(a.source_isocentre_m, b.source_isocentre_m, 5e-4) && a.field_m == b.field_m &&
+           (a.isocentre_m - b.isocentre_m).squaredNorm() <= 0.25e-6;
 }
 
-void Room::compose_subtracted(const Source &source, std::vector<std::uint8_t> &grey)
+void RoomScreen::compose_subtracted(const Source &source, std::vector<std::uint8_t> &grey)
 {
     const RunMask &mask = *source.run->run.mask;
     if (mask_cache_.run != source.run || mask_cache_.mask.frames != mask.frames ||
@@ -87,12 +84,14 @@ void Room::compose_subtracted(const Source &source, std::vector<std::uint8_t> &g
     grey_of_density(density, inside, dsa_window_doublings, dsa_background, grey);
 }
 
-bool Room::compose(int size, std::vector<std::uint8_t> &grey)
+bool RoomScreen::compose(int size, std::vector<std::uint8_t> &grey)
 {
     const Source source = shown();
     const bool has_roadmap = roadmap_.state == RoadmapState::shown || roadmap_.state == RoadmapState::moved;
     if (has_roadmap) {
-        const RoadmapState now = is_same_geometry(roadmap_.carm) ? RoadmapState::shown : RoadmapState::moved;
+        const RoadmapState now = is_same_geometry(room_.gantry().carm(room_.field_m()), roadmap_.carm)
+                                     ? RoadmapState::shown
+                                     : RoadmapState::moved;
         if (now != roadmap_.state) ++version_;
         roadmap_.state = now;
     }
@@ -112,35 +111,23 @@ bool Room::compose(int size, std::vector<std::uint8_t> &grey)
     return true;
 }
 
-RoomStatus Room::status() const
+RoomStatus RoomScreen::status() const
 {
     RoomStatus status;
-    status.tick = static_cast<std::uint32_t>(std::max<std::int64_t>(tick_, 0));
-    status.carm = gantry_.carm(field_m());
-    status.is_moving = gantry_.is_moving();
-    status.is_blocked = gantry_.is_blocked();
-    status.follows_tip = follows_tip_;
-    status.is_beam_on = beam_.is_on;
-    status.program = program_;
-    status.fluoro_pulses_per_s = fluoro_centihertz_ * 0.01;
-    status.program_pulses_per_s = (program_ == RunKind::dsa ? dsa_centihertz_ : cine_centihertz_) * 0.01;
-    status.runs_kept = static_cast<int>(store_.runs().size());
+    static_cast<RoomState &>(status) = room_.state();
+    status.runs_kept = static_cast<int>(room_.runs().size());
     status.roadmap = roadmap_.state;
-    status.open_width_share = blade_width_permille_ * 1e-3;
-    status.open_height_share = blade_height_permille_ * 1e-3;
-    status.is_round = is_round_;
-    status.technique = held_technique_;
-    status.is_underexposed = is_underexposed_;
-    if (tick_ < notice_until_) status.notice = notice_;
+    if (notice_.is_shown_at(room_.tick()) && notice_.from >= room_.notice().from)
+        status.notice = notice_.text;
     fill_shown(status);
     return status;
 }
 
-void Room::fill_shown(RoomStatus &status) const
+void RoomScreen::fill_shown(RoomStatus &status) const
 {
     const Source source = shown();
     if (!source.grey) return;
-    status.source = beam_.is_on ? ScreenSource::live : ScreenSource::held;
+    status.source = room_.is_beam_on() ? ScreenSource::live : ScreenSource::held;
     if (review_.is_on && source.run)
         status.source = review_.is_loop ? ScreenSource::loop : ScreenSource::still;
     status.kind = held_kind_;

@@ -22,12 +22,11 @@ std::size_t bytes_of(const StoredRun &stored)
 
 } // namespace
 
-void RunStore::begin(const XrayRun &header)
+void RunStore::begin(int number, RunKind kind)
 {
     runs_.push_back(std::make_unique<StoredRun>());
-    runs_.back()->run = header;
-    runs_.back()->run.frames.clear();
-    runs_.back()->run.number = runs_.size() < 2 ? 1 : runs_[runs_.size() - 2]->run.number + 1;
+    runs_.back()->run.kind = kind;
+    runs_.back()->run.number = number;
     is_open_ = true;
 }
 
@@ -55,15 +54,15 @@ bool RunStore::add(RunFrame frame, std::vector<std::uint8_t> grey)
     return true;
 }
 
-int RunStore::finish()
+void RunStore::finish(bool was_made)
 {
-    if (!is_open_) return 0;
+    if (!is_open_) return;
     is_open_ = false;
-    if (runs_.back()->run.frames.empty()) {
+    if (!runs_.back()->run.frames.empty()) return;
+    if (was_made)
+        runs_.back()->is_dropped = true;
+    else
         runs_.pop_back();
-        return 0;
-    }
-    return runs_.back()->run.number;
 }
 
 void RunStore::pass(const XrayRun &header, RunFrame frame, std::vector<std::uint8_t> grey)
@@ -84,12 +83,14 @@ void RunStore::pass(const XrayRun &header, RunFrame frame, std::vector<std::uint
     }
 }
 
-int RunStore::keep_passed(std::uint32_t tick, std::uint32_t milliseconds)
+void RunStore::keep_passed(int number, std::uint32_t tick, std::uint32_t milliseconds)
 {
-    begin(passed_header_);
+    begin(number, RunKind::fluoro);
+    runs_.back()->run = passed_header_;
+    runs_.back()->run.number = number;
     for (const StoredFrame &passed : passed_)
         if (tick - passed.frame.tick < milliseconds && !add(passed.frame, passed.grey)) break;
-    return finish();
+    finish(true);
 }
 
 StoredRun *RunStore::find(int number) const

@@ -1,5 +1,5 @@
-// What the room keeps of its pictures: acquired runs, and the last seconds of fluoroscopy. Bounded: when the memory given is
-// full, the oldest run's pictures go. May include: host/xray/run.hpp. Called by: room.
+// What the screen keeps of its pictures: acquired runs, and the last seconds of fluoroscopy. Bounded: when the memory given is
+// full, the oldest run's pictures go. May include: host/xray/run.hpp. Called by: room_screen.
 #pragma once
 #include "host/xray/run.hpp"
 #include <cstddef>
@@ -28,16 +28,17 @@ class RunStore
   public:
     explicit RunStore(std::size_t bytes_max) : bytes_max_(bytes_max) {}
 
-    // A new run; frames are added to it until finish(). The header's frames are ignored.
-    void begin(const XrayRun &header);
+    // A new run; frames are added to it until finish(). Whoever adds the first frame fills in the rest of its description.
+    void begin(int number, RunKind kind);
     // False when the memory is full of this run alone.
     bool add(RunFrame frame, std::vector<std::uint8_t> grey);
-    int finish(); // the run's number; 0 when it had no frame and was forgotten
+    // A run without a frame is forgotten. A run that was made, but whose pictures found no memory, stays without them.
+    void finish(bool was_made);
 
     // Fluoroscopy of the last `store_max_ms` stays for a while, as far as half the memory goes.
     void pass(const XrayRun &header, RunFrame frame, std::vector<std::uint8_t> grey);
-    // A run of what passed in the last `milliseconds` before `tick`; 0 when nothing did.
-    int keep_passed(std::uint32_t tick, std::uint32_t milliseconds);
+    // A run of what passed in the last `milliseconds` before `tick`.
+    void keep_passed(int number, std::uint32_t tick, std::uint32_t milliseconds);
 
     StoredRun *open_run() { return is_open_ ? runs_.back().get() : nullptr; }
     StoredRun *find(int number) const; // nullptr: no such run; 0 the last one

@@ -1,8 +1,8 @@
 // Claims: the pressure of an injection is Hagen and Poiseuille's in an empty lumen and the annulus's beside a wire, from the label's
 // viscosity; an injection that needs more than 1200 psi is refused at its tick, with what lies in the lumen then, and nothing of it is given.
-#include "host/app/session_contrast.hpp"
 #include "host/effects/lumen_pressure.hpp"
 #include "host/model/units.hpp"
+#include "host/patient/contrast.hpp"
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -127,7 +127,7 @@ void a_wire_in_the_lumen_decides_at_the_tick_of_the_injection(void **)
 {
     const RoomCommand inject{RoomAction::inject, {1000, 200, 2}};
     for (bool is_out : {false, true}) {
-        SessionContrast contrast(vessel(), {wire_014, balloon_shaft});
+        PatientContrast contrast(vessel(), {wire_014, balloon_shaft});
         for (std::uint32_t tick = 1; tick <= 9; ++tick) contrast.tick(state_at(tick, 0.4, 0.3));
         assert_string_equal(contrast.command(10, inject).c_str(), "");
         assert_true(contrast.refusals().empty());

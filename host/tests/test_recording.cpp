@@ -15,8 +15,8 @@
 #include "firmware/tests/reference/long_run.h"
 #include "host/app/replay.hpp"
 #include "host/app/run.hpp"
-#include "host/app/session_contrast.hpp"
 #include "host/model/text.hpp"
+#include "host/patient/contrast.hpp"
 #include "shared/wire/wire_frame.h"
 
 // Last, because its macros (fail, ...) would change other headers.
@@ -54,7 +54,8 @@ Recorded record(const std::string &script,
     Recorded recorded;
     {
         crn::Recorder recorder(path, header);
-        recorded.result = crn::run_session(device, session, &recorder, nullptr, {});
+        crn::Patient patient({}, tools);
+        recorded.result = crn::run_session(device, patient, session, &recorder, nullptr, {});
     }
     recorded.bytes = crn::read_binary_file(path);
     std::remove(path.c_str());
@@ -78,7 +79,7 @@ crn::ReplayResult replay(const crn::Recording &recording, const crn::ReplaySetti
 {
     const crn::RecordingHeader &header = recording.header;
     crn::Device device(scene, header.tools, header.entry, header.rig);
-    return crn::replay_recording(device, recording, nullptr, settings);
+    return crn::replay_recording(device, recording, nullptr, nullptr, settings);
 }
 
 crn::ReplaySettings verify(const char *speed, double from_s)
@@ -114,40 +115,25 @@ void a_replay_from_a_snapshot_ends_in_the_same_state(void **)
     }
 }
 
-// A sink that keeps the flow of a straight vessel along the line, as a session's pictures do.
-class Medium final : public crn::FrameSink
+crn::Instrument catheter()
 {
-  public:
-    Medium() : contrast_(vessel(), {catheter()}) {}
-    static crn::Instrument catheter()
-    {
-        return crn::read_instrument("shared/examples/instruments/pigtail_5f.toml");
-    }
-    static crn::VesselTree vessel()
-    {
-        crn::VesselBranch branch;
-        branch.name = "aorta";
-        branch.flow_ml_s = 20.0;
-        for (int i = 0; i <= 30; ++i) {
-            branch.points_m.push_back({0.01 * i, 0.0, 0.0});
-            branch.radii_m.push_back(0.008);
-        }
-        return {{branch}};
-    }
-    void command(std::uint32_t tick, const crn::RoomCommand &command) override
-    {
-        contrast_.command(tick, command);
-    }
-    std::uint32_t next_tick() const override { return contrast_.next_tick(); }
-    void frame(const crn::SessionFrame &frame) override { contrast_.advance(frame.wire); }
-    std::uint32_t next_look() const override { return contrast_.next_tick(); }
-    void look(const crn::SessionFrame &frame) override { contrast_.advance(frame.wire); }
-    void finish() override {}
-    const crn::ContrastFlow &flow() const { return contrast_.flow(); }
+    return crn::read_instrument("shared/examples/instruments/pigtail_5f.toml");
+}
 
-  private:
-    crn::SessionContrast contrast_;
-};
+// One straight vessel along the line.
+crn::SceneAnatomy vessel()
+{
+    crn::VesselBranch branch;
+    branch.name = "aorta";
+    branch.flow_ml_s = 20.0;
+    for (int i = 0; i <= 30; ++i) {
+        branch.points_m.push_back({0.01 * i, 0.0, 0.0});
+        branch.radii_m.push_back(0.008);
+    }
+    crn::SceneAnatomy anatomy;
+    anatomy.bodies.vessels = {{branch}};
+    return anatomy;
+}
 
 void a_replay_from_later_on_knows_what_was_injected_before(void **)
 {
@@ -158,12 +144,12 @@ void a_replay_from_later_on_knows_what_was_injected_before(void **)
     std::vector<std::uint8_t> whole;
     for (double from_s : {0.0, 1.5, 2.9}) {
         crn::Device device(scene, header.tools, header.entry, header.rig);
-        Medium medium;
-        crn::replay_recording(device, recording, &medium, verify("fast", from_s));
-        assert_true(medium.flow().held_mg() > 100.0);
-        if (whole.empty()) whole = medium.flow().snapshot();
-        if (medium.flow().snapshot() != whole)
-            fail_msg("from %.1f s: %.3f mg in the vessel", from_s, medium.flow().held_mg());
+        crn::Patient patient(vessel(), {catheter()});
+        crn::replay_recording(device, recording, &patient, nullptr, verify("fast", from_s));
+        const crn::ContrastFlow &flow = patient.contrast().flow();
+        assert_true(flow.held_mg() > 100.0);
+        if (whole.empty()) whole = flow.snapshot();
+        if (flow.snapshot() != whole) fail_msg("from %.1f s: %.3f mg in the vessel", from_s, flow.held_mg());
     }
 }
 
@@ -171,7 +157,7 @@ void side_holes_are_recorded(void **)
 {
     const Recorded recorded = record("wait 10 ms", "shared/examples/instruments/pigtail_5f.toml");
     const crn::Recording recording = crn::parse_recording(recorded.bytes, "test");
-    const std::vector<crn::SideHoles> expected = Medium::catheter().side_holes,
+    const std::vector<crn::SideHoles> expected = catheter().side_holes,
                                       &read = recording.header.tools[0].side_holes;
     assert_int_equal(read.size(), 1);
     assert_int_equal(read[0].count, expected[0].count);
@@ -363,7 +349,6 @@ class CountingSink final : public crn::SteadySink
         assert_int_equal(frame.wire.tick, crn::picture_tick(count++, 15));
         assert_true(frame.wire.nodes.size() > 3);
     }
-    void finish() override {}
     std::uint32_t count = 0;
 };
 
@@ -373,7 +358,8 @@ void pictures_do_not_change_the_session(void **)
     const crn::RecordingHeader &header = recording.header;
     crn::Device device(scene, header.tools, header.entry, header.rig);
     CountingSink sink;
-    const crn::ReplayResult result = crn::replay_recording(device, recording, &sink, verify("fast", 0));
+    const crn::ReplayResult result =
+        crn::replay_recording(device, recording, nullptr, &sink, verify("fast", 0));
     assert_true(result.hash == session().result.hash);
     assert_int_equal(sink.count, session().result.figures.ticks * 15 / 1000 + 1);
 }

@@ -1,7 +1,7 @@
 // Claims: the room does what was asked at the tick at which it was asked, the same again each time: pulses by pedal and rate, last
 // image hold, runs, masks, roadmaps, review, dose. Pictures are made up here: the room does not know where they come from.
 #include "host/room/presets.hpp"
-#include "host/room/room.hpp"
+#include "host/room/room_screen.hpp"
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -37,7 +37,16 @@ double bar(int x, int, std::uint32_t tick)
     return tick >= 300 && x >= 30 && x < 34 ? 1.0 : 0.0;
 }
 
-XrayPicture picture_of(const Object &object, const PulseRequest &request, std::uint32_t tick)
+XrayExposure exposure_of(const PulseRequest &request)
+{
+    XrayExposure exposure;
+    exposure.technique.tube_voltage_kV = 70.0;
+    exposure.air_kerma_uGy = request.kind == RunKind::fluoro ? 2.0 : 20.0;
+    exposure.kap_Gy_cm2 = exposure.air_kerma_uGy * 1e-6 * reference_area_cm2(request.carm, request.beam);
+    return exposure;
+}
+
+XrayPicture picture_of(const Object &object, std::uint32_t tick)
 {
     XrayPicture picture;
     picture.size = size;
@@ -51,15 +60,12 @@ XrayPicture picture_of(const Object &object, const PulseRequest &request, std::u
             picture.raw[static_cast<std::size_t>(y) * size + x] = raw;
             picture.grey[static_cast<std::size_t>(y) * size + x] = static_cast<std::uint8_t>(raw / 8);
         }
-    picture.technique.tube_voltage_kV = 70.0;
-    picture.air_kerma_uGy = request.kind == RunKind::fluoro ? 2.0 : 20.0;
-    picture.kap_Gy_cm2 = picture.air_kerma_uGy * 1e-6 * reference_area_cm2(request.carm, request.beam);
     return picture;
 }
 
 struct Bench {
     explicit Bench(const Object &of = nothing, std::size_t memory = std::size_t{64} << 20)
-        : room(memory), object(of)
+        : screen(room, memory), object(of)
     {
     }
 
@@ -72,14 +78,25 @@ struct Bench {
     {
         for (; now < end; ++now) {
             room.advance(now, nullptr);
-            if (!room.is_pulse_due()) continue;
-            pulses.push_back(now);
-            room.expose(picture_of(object, room.pulse(), now));
+            if (room.is_pulse_due()) {
+                pulses.push_back(now);
+                room.expose(exposure_of(room.pulse()));
+            }
+            show_events();
         }
+    }
+    void show_events()
+    {
+        for (const RoomEvent &event : room.events()) {
+            const bool is_pulse = event.kind == RoomEvent::Kind::pulse;
+            const XrayPicture picture = is_pulse ? picture_of(object, event.tick) : XrayPicture{};
+            screen.take(event, is_pulse ? &picture : nullptr);
+        }
+        room.forget_events();
     }
     std::uint8_t grey_at(int x, int y)
     {
-        room.compose(size, grey);
+        screen.compose(size, grey);
         return grey[static_cast<std::size_t>(y) * size + static_cast<std::size_t>(x)];
     }
     // A DSA run of six frames, 3 per s.
@@ -93,6 +110,7 @@ struct Bench {
     }
 
     Room room;
+    RoomScreen screen;
     Object object;
     std::uint32_t now = 0;
     std::vector<std::uint32_t> pulses;
@@ -126,7 +144,7 @@ static void the_next_pulse_is_announced_so_that_it_is_not_missed(void **)
     assert_int_equal(room.next_tick(), 40);
     room.advance(40, nullptr);
     assert_true(room.is_pulse_due());
-    room.expose(picture_of(nothing, room.pulse(), 40));
+    room.expose(exposure_of(room.pulse()));
     assert_int_equal(room.next_tick(), 107); // 15 per s
     room.advance(107, nullptr);
     assert_true(room.is_pulse_due());
@@ -136,14 +154,14 @@ static void the_last_image_stays_when_the_pedal_is_let_go(void **)
 {
     Bench bench;
     assert_int_equal(bench.grey_at(10, 10), 0); // nothing yet
-    assert_true(bench.room.status().source == ScreenSource::nothing);
+    assert_true(bench.screen.status().source == ScreenSource::nothing);
     bench.ask(RoomAction::fluoro_pedal, 1);
     bench.run_to(500);
-    assert_true(bench.room.status().source == ScreenSource::live && bench.room.status().is_beam_on);
+    assert_true(bench.screen.status().source == ScreenSource::live && bench.screen.status().is_beam_on);
     bench.ask(RoomAction::fluoro_pedal, 0);
     bench.run_to(5000);
     assert_int_equal(bench.grey_at(10, 10), 128);
-    assert_true(bench.room.status().source == ScreenSource::held && !bench.room.status().is_beam_on);
+    assert_true(bench.screen.status().source == ScreenSource::held && !bench.screen.status().is_beam_on);
     assert_true(bench.room.dose().kerma_rate_mGy_min() == 0.0);
 }
 
@@ -155,10 +173,10 @@ static void a_pedal_held_over_another_run_does_nothing_until_it_is_pressed_again
     bench.run_to(1000);
     bench.ask(RoomAction::acquire_pedal, 1); // cine wins
     bench.run_to(1001);
-    assert_true(bench.room.status().kind == RunKind::cine && bench.room.is_beam_on());
+    assert_true(bench.screen.status().kind == RunKind::cine && bench.room.is_beam_on());
     bench.ask(RoomAction::program, 1); // counts for the next press
     bench.run_to(2000);
-    assert_true(bench.room.status().kind == RunKind::cine);
+    assert_true(bench.screen.status().kind == RunKind::cine);
     bench.ask(RoomAction::acquire_pedal, 0);
     bench.run_to(3000);
     assert_false(bench.room.is_beam_on()); // though the fluoroscopy pedal is still down
@@ -176,7 +194,7 @@ static void a_tap_within_one_tick_gives_neither_beam_nor_run(void **)
     bench.ask(RoomAction::acquire_pedal, 1);
     bench.ask(RoomAction::acquire_pedal, 0);
     bench.run_to(100);
-    assert_true(bench.pulses.empty() && bench.room.store().runs().empty() &&
+    assert_true(bench.pulses.empty() && bench.screen.store().runs().empty() &&
                 bench.room.dose().irradiations().empty());
 }
 
@@ -194,7 +212,7 @@ static void dose_of_a_run_is_the_sum_over_its_frames(void **)
     bench.run_to(4000);
     bench.ask(RoomAction::fluoro_pedal, 0);
     bench.run_to(4001);
-    const XrayRun &run = bench.room.store().find(1)->run;
+    const XrayRun &run = bench.screen.store().find(1)->run;
     double kerma_uGy = 0.0, kap_Gy_cm2 = 0.0;
     for (const RunFrame &frame : run.frames) {
         kerma_uGy += frame.air_kerma_uGy;
@@ -240,11 +258,11 @@ static void dsa_shows_what_came_since_the_mask_and_no_bone(void **)
 {
     Bench bench(bar);
     bench.dsa_run();
-    assert_true(bench.room.status().is_subtracted);
+    assert_true(bench.screen.status().is_subtracted);
     assert_int_equal(bench.grey_at(10, 30), 160);
     assert_int_equal(bench.grey_at(50, 30), 160);
     assert_in_range(bench.grey_at(32, 30), 31, 34);
-    assert_int_equal(bench.room.store().find(1)->run.frames.size(), 6);
+    assert_int_equal(bench.screen.store().find(1)->run.frames.size(), 6);
 }
 
 static void a_new_mask_is_taken_from_the_frames_named(void **)
@@ -257,12 +275,12 @@ static void a_new_mask_is_taken_from_the_frames_named(void **)
     bench.ask(RoomAction::review, 2, 1, 0); // before the bar: white
     bench.run_to(bench.now + 1);
     assert_in_range(bench.grey_at(32, 30), 250, 255);
-    assert_int_equal(bench.room.status().mask_first, 3);
-    assert_int_equal(bench.room.status().mask_last, 5);
+    assert_int_equal(bench.screen.status().mask_first, 3);
+    assert_int_equal(bench.screen.status().mask_last, 5);
     bench.ask(RoomAction::mask, 3, 6);
     bench.run_to(bench.now + 1);
-    assert_non_null(std::strstr(bench.room.status().notice.c_str(), "NO SUCH MASK"));
-    assert_int_equal(bench.room.status().mask_last, 5);
+    assert_non_null(std::strstr(bench.screen.status().notice.c_str(), "NO SUCH MASK"));
+    assert_int_equal(bench.screen.status().mask_last, 5);
 }
 
 // The bone's edge (two doublings, between columns 31 and 32) moves with the mask: one pixel to the right leaves a seam one
@@ -290,7 +308,7 @@ static void masks_without_a_dsa_run_are_refused_with_a_notice(void **)
     for (int run = 0; run < 2; ++run) {
         bench.ask(RoomAction::mask, 0, 0);
         bench.run_to(bench.now + 1);
-        assert_non_null(std::strstr(bench.room.status().notice.c_str(), "NO DSA RUN"));
+        assert_non_null(std::strstr(bench.screen.status().notice.c_str(), "NO DSA RUN"));
         bench.ask(RoomAction::acquire_pedal, 1); // then with a cine run
         bench.run_to(bench.now + 500);
         bench.ask(RoomAction::acquire_pedal, 0);
@@ -309,15 +327,15 @@ static void dsa_keeps_its_technique_and_holds_the_motors(void **)
     bench.run_to(501);
     assert_false(bench.room.is_beam_on()); // first the motors come to rest
     bench.run_to(3000);
-    assert_true(bench.room.is_beam_on() && !bench.room.status().is_moving);
+    assert_true(bench.room.is_beam_on() && !bench.screen.status().is_moving);
     assert_true(bench.room.pulse().beam.fixed_technique.has_value() && !bench.room.pulse().settles_at_once);
-    const double stood_deg = bench.room.status().carm.primary_deg;
+    const double stood_deg = bench.screen.status().carm.primary_deg;
     bench.ask(RoomAction::angles, 45'000);
     bench.run_to(4000);
-    assert_true(bench.room.status().carm.primary_deg == stood_deg);
+    assert_true(bench.screen.status().carm.primary_deg == stood_deg);
     bench.ask(RoomAction::acquire_pedal, 0);
     bench.run_to(8000);
-    assert_true(bench.room.status().carm.primary_deg == 45.0);
+    assert_true(bench.screen.status().carm.primary_deg == 45.0);
 }
 
 // Loop of 15 frames at 15 per s: frame = floor(time x rate) modulo 15.
@@ -333,17 +351,17 @@ static void a_cine_loop_runs_at_the_rate_of_its_run(void **)
     for (std::uint32_t after : {0u, 70u, 500u, 999u, 1001u, 2500u}) {
         bench.run_to(begin + after + 1);
         const int frame = static_cast<int>(after * 15 / 1000) % 15;
-        assert_int_equal(bench.room.status().frame, frame);
+        assert_int_equal(bench.screen.status().frame, frame);
         assert_int_equal(bench.grey_at(10, 10),
-                         bench.room.store().find(1)->grey[static_cast<std::size_t>(frame)][650]);
+                         bench.screen.store().find(1)->grey[static_cast<std::size_t>(frame)][650]);
     }
-    assert_true(bench.room.status().source == ScreenSource::loop && bench.room.status().frames == 15);
+    assert_true(bench.screen.status().source == ScreenSource::loop && bench.screen.status().frames == 15);
     bench.ask(RoomAction::fluoro_pedal, 1); // the pedal ends the review
     bench.run_to(bench.now + 10);
-    assert_true(bench.room.status().source == ScreenSource::live);
+    assert_true(bench.screen.status().source == ScreenSource::live);
     bench.ask(RoomAction::review, 1, 0, 0);
     bench.run_to(bench.now + 10);
-    assert_non_null(std::strstr(bench.room.status().notice.c_str(), "RELEASE THE PEDAL"));
+    assert_non_null(std::strstr(bench.screen.status().notice.c_str(), "RELEASE THE PEDAL"));
 }
 
 static void review_of_what_is_not_there_says_so(void **)
@@ -351,19 +369,19 @@ static void review_of_what_is_not_there_says_so(void **)
     Bench bench;
     bench.ask(RoomAction::review, 1, 0, 0);
     bench.run_to(1);
-    assert_non_null(std::strstr(bench.room.status().notice.c_str(), "NO RUN TO REVIEW"));
+    assert_non_null(std::strstr(bench.screen.status().notice.c_str(), "NO RUN TO REVIEW"));
     bench.ask(RoomAction::acquire_pedal, 1);
     bench.run_to(100);
     bench.ask(RoomAction::acquire_pedal, 0);
     bench.run_to(101);
     bench.ask(RoomAction::review, 1, 7, 0);
     bench.run_to(102);
-    assert_non_null(std::strstr(bench.room.status().notice.c_str(), "NO RUN 7"));
+    assert_non_null(std::strstr(bench.screen.status().notice.c_str(), "NO RUN 7"));
     bench.ask(RoomAction::review, 2, 1, 2);
     bench.run_to(103);
-    assert_non_null(std::strstr(bench.room.status().notice.c_str(), "1 to 2"));
+    assert_non_null(std::strstr(bench.screen.status().notice.c_str(), "1 to 2"));
     bench.run_to(103 + 4000);
-    assert_string_equal(bench.room.status().notice.c_str(), ""); // a notice goes by itself
+    assert_string_equal(bench.screen.status().notice.c_str(), ""); // a notice goes by itself
 }
 
 static void stored_fluoroscopy_is_what_the_last_seconds_showed(void **)
@@ -371,16 +389,16 @@ static void stored_fluoroscopy_is_what_the_last_seconds_showed(void **)
     Bench bench;
     bench.ask(RoomAction::store, 2000);
     bench.run_to(1);
-    assert_non_null(std::strstr(bench.room.status().notice.c_str(), "NO FLUOROSCOPY"));
+    assert_non_null(std::strstr(bench.screen.status().notice.c_str(), "NO FLUOROSCOPY"));
     bench.ask(RoomAction::fluoro_pedal, 1);
     bench.run_to(5001);
     bench.ask(RoomAction::store, 2000); // not while the beam is on
     bench.run_to(5002);
-    assert_int_equal(bench.room.store().runs().size(), 0);
+    assert_int_equal(bench.screen.store().runs().size(), 0);
     bench.ask(RoomAction::fluoro_pedal, 0);
     bench.ask(RoomAction::store, 2000);
     bench.run_to(5003);
-    const XrayRun &run = bench.room.store().find(1)->run;
+    const XrayRun &run = bench.screen.store().find(1)->run;
     assert_true(run.kind == RunKind::fluoro);
     assert_int_equal(run.frames.size(), 30); // 2 s at 15 per s
     assert_true(run.frames.front().tick > 3000 && run.frames.back().tick == bench.pulses.back());
@@ -395,14 +413,14 @@ static void a_roadmap_lies_white_under_live_fluoroscopy(void **)
     bench.ask(RoomAction::roadmap, 1);
     bench.ask(RoomAction::fluoro_pedal, 1);
     bench.run_to(bench.now + 10);
-    assert_true(bench.room.status().roadmap == RoadmapState::shown);
+    assert_true(bench.screen.status().roadmap == RoadmapState::shown);
     assert_int_equal(bench.grey_at(10, 30), 128);
     assert_true(bench.grey_at(33, 30) > 32 + 60); // bone is 32
     // Another geometry: not laid over until the arm is back.
     bench.ask(RoomAction::field, 200'000);
     bench.run_to(bench.now + 100);
     assert_int_equal(bench.grey_at(33, 30), 32);
-    assert_true(bench.room.status().roadmap == RoadmapState::moved);
+    assert_true(bench.screen.status().roadmap == RoadmapState::moved);
     bench.ask(RoomAction::field, 320'000);
     bench.run_to(bench.now + 100);
     assert_true(bench.grey_at(33, 30) > 32 + 60);
@@ -424,7 +442,7 @@ static void a_roadmap_leaves_the_rim_of_the_field_alone(void **)
     bench.ask(RoomAction::roadmap, 1);
     bench.ask(RoomAction::fluoro_pedal, 1);
     bench.run_to(bench.now + 10);
-    assert_true(bench.room.status().roadmap == RoadmapState::shown);
+    assert_true(bench.screen.status().roadmap == RoadmapState::shown);
     assert_int_equal(bench.grey_at(59, 30), 2); // raw 16 / 8, untouched
     assert_true(bench.grey_at(33, 30) > 16 + 60);
 }
@@ -434,25 +452,25 @@ static void a_roadmap_is_collected_by_the_next_press(void **)
     Bench bench;
     bench.ask(RoomAction::roadmap, 2);
     bench.run_to(10);
-    assert_true(bench.room.status().roadmap == RoadmapState::waits);
+    assert_true(bench.screen.status().roadmap == RoadmapState::waits);
     bench.object = bar; // from tick 300 on
     bench.ask(RoomAction::fluoro_pedal, 1);
     bench.run_to(1000);
-    assert_true(bench.room.status().roadmap == RoadmapState::collects);
+    assert_true(bench.screen.status().roadmap == RoadmapState::collects);
     bench.ask(RoomAction::fluoro_pedal, 0);
     bench.run_to(1100);
     bench.object = nothing;
     bench.ask(RoomAction::fluoro_pedal, 1);
     bench.run_to(1200);
-    assert_true(bench.room.status().roadmap == RoadmapState::shown);
+    assert_true(bench.screen.status().roadmap == RoadmapState::shown);
     assert_true(bench.grey_at(33, 30) > 32 + 60 && bench.grey_at(50, 30) == 32);
     bench.ask(RoomAction::roadmap, 1);
     bench.run_to(1300);
-    assert_non_null(std::strstr(bench.room.status().notice.c_str(), "NO ROADMAP"));
+    assert_non_null(std::strstr(bench.screen.status().notice.c_str(), "NO ROADMAP"));
 }
 
-// 64 x 64 x 3 bytes per frame, memory for 40 frames: the second run of 30 pushes the first one's pictures out, one run of
-// 60 ends by itself.
+// 64 x 64 x 3 bytes per frame, memory for 40 frames: the second run of 30 pushes the first one's pictures out, of a run of
+// 60 the last 20 are not kept. The beam minds none of it: what a pedal gives does not hang on how large somebody's pictures are.
 static void image_memory_is_bounded_and_the_oldest_pictures_go(void **)
 {
     Bench bench(nothing, 40 * pixels * 3);
@@ -462,15 +480,19 @@ static void image_memory_is_bounded_and_the_oldest_pictures_go(void **)
         bench.ask(RoomAction::acquire_pedal, 0);
         bench.run_to(bench.now + 10);
     }
-    assert_true(bench.room.store().find(1)->is_dropped && !bench.room.store().find(2)->is_dropped);
+    assert_true(bench.screen.store().find(1)->is_dropped && !bench.screen.store().find(2)->is_dropped);
     bench.ask(RoomAction::review, 1, 1, 0);
     bench.run_to(bench.now + 1);
-    assert_non_null(std::strstr(bench.room.status().notice.c_str(), "went when the image memory"));
+    assert_non_null(std::strstr(bench.screen.status().notice.c_str(), "went when the image memory"));
     bench.ask(RoomAction::acquire_pedal, 1);
     bench.run_to(bench.now + 4000);
-    assert_false(bench.room.is_beam_on());
-    assert_int_equal(bench.room.store().find(3)->run.frames.size(), 40);
-    assert_true(bench.room.store().bytes() <= 40 * pixels * 3);
+    assert_true(bench.room.is_beam_on());
+    assert_non_null(std::strstr(bench.screen.status().notice.c_str(), "IMAGE MEMORY IS FULL"));
+    bench.ask(RoomAction::acquire_pedal, 0);
+    bench.run_to(bench.now + 1);
+    assert_int_equal(bench.room.runs()[2].frames, 60);
+    assert_int_equal(bench.screen.store().find(3)->run.frames.size(), 40);
+    assert_true(bench.screen.store().bytes() <= 40 * pixels * 3);
     assert_int_equal(bench.room.dose().irradiations().size(), 3); // what was given is counted all the same
 }
 
@@ -495,7 +517,8 @@ static void the_same_commands_give_the_same_screens(void **)
 {
     std::vector<std::uint8_t> screens[2];
     for (int way = 0; way < 2; ++way) {
-        Room room;
+        Bench bench(bar);
+        Room &room = bench.room;
         const RoomCommand commands[] = {
             {RoomAction::angles, {20'000, 5'000, 0}}, {RoomAction::fluoro_pedal, {1, 0, 0}},
             {RoomAction::fluoro_pedal, {0, 0, 0}},    {RoomAction::program, {1, 0, 0}},
@@ -505,14 +528,17 @@ static void the_same_commands_give_the_same_screens(void **)
         for (const RoomCommand &command : commands) room.give(at += 700, command);
         for (std::uint32_t tick = 0; tick < 7000;) {
             room.advance(tick, nullptr);
-            if (room.is_pulse_due()) room.expose(picture_of(bar, room.pulse(), tick));
+            if (room.is_pulse_due()) room.expose(exposure_of(room.pulse()));
+            bench.show_events();
             tick = way == 0 ? tick + 1 : std::min(room.next_tick(), (tick / 1000 + 1) * 1000);
         }
         std::vector<std::uint8_t> grey;
         room.advance(7000, nullptr);
-        room.compose(size, grey);
+        bench.show_events();
+        bench.screen.compose(size, grey);
         screens[way] = grey;
-        assert_true(room.store().runs().size() == 1 && room.status().roadmap == RoadmapState::shown);
+        assert_true(bench.screen.store().runs().size() == 1 &&
+                    bench.screen.status().roadmap == RoadmapState::shown);
     }
     assert_true(screens[0] == screens[1]);
 }

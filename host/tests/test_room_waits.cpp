@@ -1,6 +1,6 @@
 // Claims: a run of cine or DSA begins when C-arm and table stand where they were asked to go, and says so while it waits; a pedal that
 // goes up before that makes no run, and the room says why; every five minutes of fluoroscopy are reminded of until acknowledged.
-#include "host/room/room.hpp"
+#include "host/room/room_screen.hpp"
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -25,17 +25,22 @@ struct Bench {
     {
         for (; now < end; ++now) {
             room.advance(now, tip);
-            if (room.is_pulse_due()) room.expose(XrayPicture{});
-            if (room.is_beam_on() && room.status().kind != RunKind::fluoro && begin_tick == 0)
+            if (room.is_pulse_due()) room.expose({});
+            const XrayPicture picture;
+            for (const RoomEvent &event : room.events())
+                screen.take(event, event.kind == RoomEvent::Kind::pulse ? &picture : nullptr);
+            room.forget_events();
+            if (room.is_beam_on() && screen.status().kind != RunKind::fluoro && begin_tick == 0)
                 begin_tick = now;
         }
     }
     bool notice_has(const char *text) const
     {
-        return std::strstr(room.status().notice.c_str(), text) != nullptr;
+        return std::strstr(screen.status().notice.c_str(), text) != nullptr;
     }
 
     Room room;
+    RoomScreen screen{room};
     std::uint32_t now = 0, begin_tick = 0; // of the first run
 };
 
@@ -52,10 +57,10 @@ void check_waits(std::int32_t program)
     assert_true(bench.notice_has("WAITS - the C-arm or the table is moving"));
     bench.run_to(3000);
     assert_in_range(bench.begin_tick, 1820, 1830);
-    assert_true(bench.room.status().carm.primary_deg == 30.0); // not stopped on its way
+    assert_true(bench.screen.status().carm.primary_deg == 30.0); // not stopped on its way
     bench.ask(RoomAction::acquire_pedal, 0);
     bench.run_to(3100);
-    assert_int_equal(bench.room.store().runs().size(), 1);
+    assert_int_equal(bench.screen.store().runs().size(), 1);
     assert_true(bench.room.refusals().empty());
 }
 
@@ -84,7 +89,7 @@ static void a_pedal_that_goes_up_too_early_makes_no_run_and_the_room_says_why(vo
     bench.run_to(301);
     assert_true(bench.notice_has("NO DSA RUN - the pedal went up"));
     bench.run_to(5000);
-    assert_int_equal(bench.room.store().runs().size(), 0);
+    assert_int_equal(bench.screen.store().runs().size(), 0);
     assert_true(bench.room.dose().irradiations().empty());
     assert_int_equal(bench.room.refusals().size(), 1);
     assert_int_equal(bench.room.refusals()[0].tick, 300);
@@ -102,7 +107,7 @@ static void a_pedal_on_a_room_that_stands_is_never_refused(void **)
         bench.ask(RoomAction::acquire_pedal, 0);
         bench.run_to(bench.now + 300);
     }
-    assert_int_equal(bench.room.store().runs().size(), 2);
+    assert_int_equal(bench.screen.store().runs().size(), 2);
     assert_true(bench.room.refusals().empty());
 }
 
@@ -115,9 +120,9 @@ static void fluoroscopy_goes_on_while_a_run_waits(void **)
     bench.run_to(400);
     bench.ask(RoomAction::acquire_pedal, 1);
     bench.run_to(1700);
-    assert_true(bench.room.is_beam_on() && bench.room.status().kind == RunKind::fluoro);
+    assert_true(bench.room.is_beam_on() && bench.screen.status().kind == RunKind::fluoro);
     bench.run_to(2000);
-    assert_true(bench.room.is_beam_on() && bench.room.status().kind == RunKind::cine);
+    assert_true(bench.room.is_beam_on() && bench.screen.status().kind == RunKind::cine);
 }
 
 // A tip that goes on would keep the table moving for ever: the table follows it again during the run of cine.

@@ -95,7 +95,8 @@ Recorded record(const std::string &script)
     Recorded recorded;
     {
         crn::Recorder recorder(path, header);
-        recorded.result = crn::run_session(device, session, &recorder, nullptr, {});
+        crn::Patient patient({}, tools);
+        recorded.result = crn::run_session(device, patient, session, &recorder, nullptr, {});
     }
     recorded.bytes = crn::read_binary_file(path);
     std::remove(path.c_str());
@@ -171,7 +172,7 @@ void a_session_of_three_tools_replays_bit_for_bit(void **)
         crn::ReplaySettings settings;
         settings.verifies = true;
         settings.from_s = from_s;
-        const crn::ReplayResult result = crn::replay_recording(device, recording, nullptr, settings);
+        const crn::ReplayResult result = crn::replay_recording(device, recording, nullptr, nullptr, settings);
         assert_false(result.first_difference_tick.has_value());
         assert_true(result.ticks_compared > 100);
         assert_true(result.hash == session().result.hash);
@@ -188,7 +189,7 @@ void a_changed_input_of_any_tool_is_found(void **)
         crn::Device device(scene, header.tools, header.entry, header.rig);
         crn::ReplaySettings settings;
         settings.verifies = true;
-        const crn::ReplayResult result = crn::replay_recording(device, recording, nullptr, settings);
+        const crn::ReplayResult result = crn::replay_recording(device, recording, nullptr, nullptr, settings);
         assert_true(result.first_difference_tick.has_value());
         assert_int_equal(*result.first_difference_tick, 701);
     }
@@ -339,7 +340,8 @@ void a_tool_takes_its_radii_from_its_knots(void **)
 void the_report_has_every_tool(void **)
 {
     const std::string path = folder + ".json";
-    crn::write_report(path, crn::report_of(session().result, "", three_tools(), "test", {}));
+    crn::Patient patient({}, three_tools());
+    crn::write_report(path, crn::report_of(session().result, "", three_tools(), "test", patient));
     const nlohmann::json report = nlohmann::json::parse(crn::read_text_file(path));
     std::remove(path.c_str());
     assert_int_equal(report["tools"].size(), 3);
@@ -358,21 +360,22 @@ crn::Screen::KeyEvent press(int key)
 
 void keys_choose_the_tool_they_move(void **)
 {
-    const crn::Room room;
+    const crn::Room standing;
+    const crn::RoomScreen screen(standing);
     crn::WindowKeys keys(2, false);
     assert_int_equal(keys.chosen_tool(), 0);
-    keys.take(press(GLFW_KEY_2), room);
+    keys.take(press(GLFW_KEY_2), screen);
     assert_int_equal(keys.chosen_tool(), 1);
-    keys.take(press(GLFW_KEY_3), room); // there is none
+    keys.take(press(GLFW_KEY_3), screen); // there is none
     assert_int_equal(keys.chosen_tool(), 1);
-    keys.take(press(GLFW_KEY_TAB), room);
+    keys.take(press(GLFW_KEY_TAB), screen);
     assert_int_equal(keys.chosen_tool(), 0);
-    keys.take(press(GLFW_KEY_G), room);
+    keys.take(press(GLFW_KEY_G), screen);
     assert_true(keys.moves_all());
-    keys.take(press(GLFW_KEY_1), room);
+    keys.take(press(GLFW_KEY_1), screen);
     assert_false(keys.moves_all());
     crn::WindowKeys alone(1, false);
-    for (int key : {GLFW_KEY_TAB, GLFW_KEY_G, GLFW_KEY_2}) alone.take(press(key), room);
+    for (int key : {GLFW_KEY_TAB, GLFW_KEY_G, GLFW_KEY_2}) alone.take(press(key), screen);
     assert_int_equal(alone.chosen_tool(), 0);
     assert_false(alone.moves_all());
     assert_true(crn::help_panel(2).size() > crn::help_panel(1).size());
@@ -394,13 +397,14 @@ void pedals_of_a_rig_are_commands_when_they_change(void **)
 void every_standard_view_has_a_key(void **)
 {
     using crn::RoomAction, crn::RoomCommand;
-    const crn::Room room;
+    const crn::Room standing;
+    const crn::RoomScreen screen(standing);
     crn::WindowKeys keys(1, false);
     std::vector<std::vector<RoomCommand>> reached;
     for (int shift : {0, 1}) {
-        keys.take({GLFW_KEY_RIGHT_SHIFT, shift == 1, false, shift == 0}, room);
+        keys.take({GLFW_KEY_RIGHT_SHIFT, shift == 1, false, shift == 0}, screen);
         for (int key = GLFW_KEY_F2; key <= GLFW_KEY_F12; ++key) {
-            keys.take(press(key), room);
+            keys.take(press(key), screen);
             reached.push_back(keys.take_commands());
         }
     }
@@ -419,6 +423,7 @@ void keys_are_commands_to_the_room(void **)
 {
     using crn::RoomAction, crn::RoomCommand;
     crn::Room room;
+    const crn::RoomScreen screen(room);
     room.give(0, {RoomAction::angles, {118000, 0, 0}});
     room.advance(0, nullptr);
     crn::WindowKeys keys(1, false);
@@ -447,17 +452,17 @@ void keys_are_commands_to_the_room(void **)
                  {GLFW_KEY_Z, {RoomAction::halt, {0, 0, 0}}},
                  {GLFW_KEY_BACKSPACE, {RoomAction::acknowledge, {0, 0, 0}}}};
     for (const auto &c : cases) {
-        keys.take(press(c.key), room);
+        keys.take(press(c.key), screen);
         const std::vector<RoomCommand> commands = keys.take_commands();
         if (commands != std::vector<RoomCommand>{c.command}) fail_msg("key %d is another command", c.key);
         assert_true(crn::refusal(c.command).empty());
     }
-    keys.take(press(GLFW_KEY_F3), room); // spider: distance, angles, field
+    keys.take(press(GLFW_KEY_F3), screen); // spider: distance, angles, field
     assert_int_equal(keys.take_commands().size(), 3);
     keys.latch_pedal();
     assert_true(keys.take_commands() == (std::vector<RoomCommand>{{RoomAction::fluoro_pedal, {1, 0, 0}}}));
     assert_true(keys.take_commands().empty());
-    keys.take(press(GLFW_KEY_R), room);
+    keys.take(press(GLFW_KEY_R), screen);
     assert_true(keys.take_reset());
     assert_true(keys.take_commands().size() == 1); // the new room hears of the pedal again
 }

@@ -69,6 +69,10 @@ struct XrayChain {
 // Diameter of the round field that automatic exposure measures, share of the picture.
 inline constexpr double measuring_field_share = 0.65;
 
+// Settings within what the chain can do, and what they ask of a pulse.
+XraySettings held_settings(const XraySettings &settings);
+ExposureDemand demand_of(const XraySettings &settings);
+
 // Draws the paths. Everything kept is given up when they or the field have changed.
 void see_paths(XrayChain &chain, const XraySettings &settings, const XrayFrame &frame);
 

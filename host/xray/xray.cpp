@@ -17,19 +17,6 @@ std::string describe(const Body &body, std::size_t index)
     return "body " + std::to_string(index) + " \"" + body.name + "\"";
 }
 
-XraySettings held_settings(const XraySettings &settings)
-{
-    XraySettings held = settings;
-    held.carm = clamp_carm(settings.carm);
-    held.size = held_size(settings.size);
-    held.beam.open_width_share = std::clamp(settings.beam.open_width_share, 0.05, 1.0);
-    held.beam.open_height_share = std::clamp(settings.beam.open_height_share, 0.05, 1.0);
-    held.beam.dose_per_frame_nGy = std::clamp(settings.beam.dose_per_frame_nGy, 0.1, 1e5);
-    held.beam.frame_period_ms = std::clamp(settings.beam.frame_period_ms, 1.0, 1e4);
-    if (held.beam.fixed_technique) held.beam.fixed_technique = held_technique(*held.beam.fixed_technique);
-    return held;
-}
-
 // Puts the tools' values into the signal, and takes them out again when called a second time.
 void swap_tools(XrayChain &chain)
 {
@@ -70,12 +57,6 @@ double open_pixels(const XrayChain &chain)
     std::int64_t count = 0;
     for (const OpenColumns &row : chain.open) count += row.end - row.begin;
     return static_cast<double>(count);
-}
-
-ExposureDemand demand_of(const XraySettings &settings)
-{
-    return {settings.beam.mode, settings.beam.dose_per_frame_nGy, settings.beam.frame_period_ms,
-            settings.carm.source_detector_m, settings.carm.source_isocentre_m};
 }
 
 // Photons, gain and dose that come with a technique.

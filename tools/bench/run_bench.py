@@ -103,16 +103,16 @@ def program_cases(program):
 
 
 def realtime_factor(options, picture_arguments):
-    """Simulated seconds per second of the demo session, from the report that cournand writes."""
+    """Simulated seconds per second of the demo session, from what cournand says of its own time."""
     for path in (options.scene, options.instrument, options.session):
         if not os.path.exists(path):
             raise CannotMeasure("%s does not exist: `make run` makes what is missing" % path)
     with tempfile.TemporaryDirectory() as folder:
-        report = os.path.join(folder, "report.json")
+        timing = os.path.join(folder, "timing.json")
         run([os.path.join(options.build, "bin", "cournand"), "run", "--scene", options.scene, "--instrument",
-             options.instrument, "--session", options.session, "--quiet", "--json", report]
+             options.instrument, "--session", options.session, "--quiet", "--timing", timing]
             + [argument.replace("FOLDER", folder) for argument in picture_arguments])
-        with open(report, encoding="utf-8") as file:
+        with open(timing, encoding="utf-8") as file:
             return float(json.load(file)["realtime_factor"])
 
 

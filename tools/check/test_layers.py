@@ -41,6 +41,7 @@ ALLOWED = {
     "host/effects": ["host/model", "shared"],
     "host/room": ["host/xray"],
     "host/stent": ["host/model"],  # and libccd
+    "host/patient": ["host/room", "host/xray", "host/stent", "host/effects", "host/model", "shared"],
     "host/app": ["host", "shared"],  # recordings and sessions hold the wire's own records
     "host/bench": ["host", "firmware/bench/bench.h"],
     "host/tests": ["host", "shared", "firmware/port/sim/sim.h", "firmware/core/core.h", "firmware/tests/reference/long_run.h"],  # test_usb: a bus of sim ports

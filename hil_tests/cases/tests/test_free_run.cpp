@@ -91,7 +91,8 @@ struct Trial {
                                              entry,
                                              device.rig()};
         crn::Recorder recorder(path, header);
-        return crn::run_free_session(device, {}, seconds, &recorder, nullptr, {});
+        crn::Patient patient({}, tools);
+        return crn::run_free_session(device, patient, {}, seconds, &recorder, nullptr, {});
     }
 
     // Every tick again, on a device of the host's own.
@@ -104,7 +105,8 @@ struct Trial {
             crn::ReplaySettings settings;
             settings.verifies = true;
             settings.from_s = from_s;
-            const crn::ReplayResult replay = crn::replay_recording(device, recording, nullptr, settings);
+            const crn::ReplayResult replay =
+                crn::replay_recording(device, recording, nullptr, nullptr, settings);
             if (replay.first_difference_tick) {
                 fail_msg("from %.1f s: tick %u: %s", from_s, unsigned{*replay.first_difference_tick},
                          replay.difference.c_str());

@@ -1,7 +1,7 @@
 // Contrast medium in a session: what the syringe was asked for, where the tools are, and what of it the X-ray sees.
 // It follows from the commands and from the line's shape at ticks of its own (next_tick), so a replay shows the same, whatever
 // pictures were asked for. While no medium is in the vessels nothing is computed.
-// May include: effects, xray, model, room/command. Called by: session_pictures.
+// May include: effects, xray, model, room/command. Called by: patient.
 #pragma once
 #include "host/effects/injector.hpp"
 #include "host/model/instrument.hpp"
@@ -39,18 +39,18 @@ struct ContrastCost {
     double step_s = 0.0, frame_s = 0.0;  // for the columns
 };
 
-class SessionContrast
+class PatientContrast
 {
   public:
     static constexpr std::uint32_t look_every_ticks = 40; // at the tools, while medium is in the vessels
 
     // `motion`: how the vessels move with heart and breath; nullptr: they stand still. `opening`: which lesions give way.
-    SessionContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
+    PatientContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
                     const Motion *motion = nullptr, LesionOpening opening = {});
 
     // Why a command cannot be carried out with medium of this strength; empty: it can.
     std::string refusal(const RoomCommand &command, double iodine_mg_per_ml) const;
-    // The same with the strength asked for last, and does it.
+    // The same with the strength asked for last, and does it. Called when its tick is over, so that the tools are where they were then.
     std::string command(std::uint32_t tick, const RoomCommand &command);
     // The core's heart, every tick before the frame of that tick. Without it the heart beats evenly, 70 times a minute. An injection is
     // refused at its tick when the tools that lie in the lumen then leave too little of it.
@@ -128,7 +128,9 @@ class SessionContrast
         double flow_ml_s = 0.0, iodine_mg_per_ml = 0.0;
     };
     std::string pressure_refusal(const Asked &asked, const crn_wire_tick_state &state) const;
+    void judge_asked();
     std::vector<Asked> asked_;
+    crn_wire_tick_state last_{};
     std::vector<Refusal> refusals_;
     std::vector<SweptCurve> curves_;
 };

@@ -4,9 +4,9 @@
 #include "host/app/recording.hpp"
 #include "host/app/recording_format.hpp"
 #include "host/app/session.hpp"
-#include "host/app/session_balloon.hpp"
-#include "host/app/session_stents.hpp"
 #include "host/model/text.hpp"
+#include "host/patient/balloon.hpp"
+#include "host/patient/stents.hpp"
 #include "host/tests/folder.hpp"
 #include "host/tests/stent_heart.hpp"
 #include <csetjmp>
@@ -57,17 +57,17 @@ WireFrame line_at(std::uint32_t tick, double radius_mm, double open)
     return wire;
 }
 
-SessionStents session_stents(std::size_t count = 1)
+PatientStents session_stents(std::size_t count = 1)
 {
     const std::vector<Instrument> tools = wire_and_balloon();
-    return SessionStents(read_stents(std::vector<std::string>(count, stent_file), tools),
+    return PatientStents(read_stents(std::vector<std::string>(count, stent_file), tools),
                          beating_artery(true), nullptr, {{stations, 12e-3 / (stations - 1)}}, tools);
 }
 
 constexpr RoomCommand load{RoomAction::load_stent, {}};
 
 // 800 ms: up to 200 crimped, up to 500 under pressure, then the balloon folds. Looks, and other frames in between.
-void carry_out(SessionStents &stents, std::uint32_t frame_ticks)
+void carry_out(PatientStents &stents, std::uint32_t frame_ticks)
 {
     stents.command(0, load);
     for (std::uint32_t tick = 0; tick <= 800;) {
@@ -104,7 +104,7 @@ void a_stent_is_refused_on_what_cannot_carry_it(void **)
 
 void nothing_is_looked_at_before_a_stent_is_loaded(void **)
 {
-    SessionStents stents = session_stents();
+    PatientStents stents = session_stents();
     assert_true(stents.next_tick() == UINT32_MAX && stents.stage_text().empty());
     stents.command(41, load);
     assert_true(stents.next_tick() == 80);
@@ -113,7 +113,7 @@ void nothing_is_looked_at_before_a_stent_is_loaded(void **)
 // Frames between the looks change no bit, and neither do pictures.
 void other_pictures_do_not_change_it(void **)
 {
-    SessionStents often = session_stents(), seldom = session_stents(), seen = session_stents();
+    PatientStents often = session_stents(), seldom = session_stents(), seen = session_stents();
     carry_out(often, 7);
     carry_out(seldom, 1000);
     seen.command(0, load);
@@ -129,7 +129,7 @@ void other_pictures_do_not_change_it(void **)
 // The whole lesion lies in the stent and is open: what is asked for covers every station, the middle wholly, and nothing once it is known.
 void the_core_is_asked_once_for_what_it_does_not_know(void **)
 {
-    SessionStents stents = session_stents();
+    PatientStents stents = session_stents();
     carry_out(stents, 1000);
     std::vector<int> asked(stations, 0);
     crn_wire_tick_state state{};
@@ -155,7 +155,7 @@ void the_core_is_asked_once_for_what_it_does_not_know(void **)
 }
 
 // Takes up all that is asked of struts; returns the rings.
-std::vector<crn_wire_strut> take_struts(SessionStents &stents)
+std::vector<crn_wire_strut> take_struts(PatientStents &stents)
 {
     std::vector<crn_wire_strut> rings;
     while (const auto order = stents.strut_order()) {
@@ -176,7 +176,7 @@ std::vector<crn_wire_strut> take_struts(SessionStents &stents)
 // Nothing while the balloon carries it; once let go, one circle a ring as wide as the ring is, from end to end, and no more once they are known.
 void struts_are_told_once_the_stent_is_let_go(void **)
 {
-    SessionStents stents = session_stents();
+    PatientStents stents = session_stents();
     stents.command(0, load);
     for (std::uint32_t tick = 0; tick <= 400; tick += 40) stents.advance(line_at(tick, 1.55, 1.0));
     assert_false(stents.strut_order().has_value());
@@ -210,7 +210,7 @@ void struts_are_told_once_the_stent_is_let_go(void **)
 // Another stent's balloon in it opens it farther: the rings that are wider are told again; not confirmed, again at the next look.
 void struts_that_are_widened_are_told_again(void **)
 {
-    SessionStents stents = session_stents(2);
+    PatientStents stents = session_stents(2);
     stents.command(0, load);
     for (std::uint32_t tick = 0; tick <= 800; tick += 40)
         stents.advance(line_at(tick, tick > 200 && tick <= 500 ? 1.38 : 0.45, 1.0));
@@ -237,12 +237,12 @@ void struts_that_are_widened_are_told_again(void **)
 // Stents on the shelf share the core's rings evenly; of one with more rings than its share circles are chosen from end to end.
 void stents_share_the_rings_of_the_core(void **)
 {
-    SessionStents stents = session_stents(8);
+    PatientStents stents = session_stents(8);
     carry_out(stents, 1000);
     const std::vector<crn_wire_strut> rings = take_struts(stents);
     assert_int_equal(rings.size(), struts_max / 8);
     assert_true(rings.back().number == struts_max / 8 && rings.back().joined == 0);
-    SessionStents alone = session_stents();
+    PatientStents alone = session_stents();
     carry_out(alone, 1000);
     const std::vector<crn_wire_strut> all = take_struts(alone);
     assert_true(all.front().x_um == rings.front().x_um && all.back().y_um == rings.back().y_um);
@@ -251,7 +251,7 @@ void stents_share_the_rings_of_the_core(void **)
 // A device that did not take an order up is asked again.
 void what_the_core_did_not_confirm_is_asked_for_again(void **)
 {
-    SessionStents stents = session_stents();
+    PatientStents stents = session_stents();
     carry_out(stents, 1000);
     const auto first = stents.order();
     stents.advance(line_at(840, 0.45, 1.0));
@@ -262,7 +262,7 @@ void what_the_core_did_not_confirm_is_asked_for_again(void **)
 // A stent opens nothing: it holds no more than the balloon has opened.
 void a_stent_holds_no_more_than_is_open(void **)
 {
-    SessionStents stents = session_stents();
+    PatientStents stents = session_stents();
     stents.command(0, load);
     for (std::uint32_t tick = 0; tick <= 400; tick += 40) stents.advance(line_at(tick, 1.55, 0.25));
     const auto order = stents.order();
@@ -273,7 +273,7 @@ void a_stent_holds_no_more_than_is_open(void **)
 
 void another_one_is_loaded_outside_only(void **)
 {
-    SessionStents stents = session_stents(2);
+    PatientStents stents = session_stents(2);
     crn_wire_tick_state state{};
     state.tools_count = 2;
     state.tools[1].inserted_m_q30 = 1 << 24; // 15.6 mm: the balloon begins 5 mm behind the tip

@@ -1,4 +1,4 @@
-#include "host/app/session_contrast.hpp"
+#include "host/patient/contrast.hpp"
 #include "host/effects/lumen_pressure.hpp"
 #include "host/model/format.hpp"
 #include "host/model/units.hpp"
@@ -141,7 +141,7 @@ std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCo
     return "'" + tools[static_cast<std::size_t>(asked) - 1].name + "' HAS NO LUMEN to inject through";
 }
 
-SessionContrast::SessionContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
+PatientContrast::PatientContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
                                  const Motion *motion, LesionOpening opening)
     : tools_(tools), vessels_(vessels), opening_(std::move(opening)), flow_(vessels)
 {
@@ -159,7 +159,7 @@ SessionContrast::SessionContrast(const VesselTree &vessels, const std::vector<In
 }
 
 // The tools inside the one that is injected through, as far as they are in the line.
-std::string SessionContrast::pressure_refusal(const Asked &asked, const crn_wire_tick_state &state) const
+std::string PatientContrast::pressure_refusal(const Asked &asked, const crn_wire_tick_state &state) const
 {
     std::vector<InnerTool> inside;
     const auto inserted_m = [&](std::size_t tool) { return units::metres(state.tools[tool].inserted_m_q30); };
@@ -169,23 +169,30 @@ std::string SessionContrast::pressure_refusal(const Asked &asked, const crn_wire
     return flow_refusal(tools_[asked.tool], inside, asked.flow_ml_s, asked.iodine_mg_per_ml);
 }
 
-void SessionContrast::tick(const crn_wire_tick_state &state)
+void PatientContrast::tick(const crn_wire_tick_state &state)
 {
-    while (!asked_.empty() && asked_.front().tick <= state.tick) {
-        const std::string why = pressure_refusal(asked_.front(), state);
+    last_ = state;
+    judge_asked();
+    if (state_ != State::flows) return;
+    beats_.push_back({state.tick, core_beat(state.beat_ms, state.interval_ms,
+                                            (state.rhythm_bits & CRN_WIRE_RHYTHM_IS_RESTING) != 0)});
+}
+
+// By the tools as they lie at the injection's own tick; before the first tick nobody knows.
+void PatientContrast::judge_asked()
+{
+    while (!asked_.empty() && last_.tick > 0 && asked_.front().tick <= last_.tick) {
+        const std::string why = pressure_refusal(asked_.front(), last_);
         if (!why.empty()) {
             injector_.cancel(asked_.front().number);
             refusals_.push_back({asked_.front().tick, why});
         }
         asked_.erase(asked_.begin());
     }
-    if (state_ != State::flows) return;
-    beats_.push_back({state.tick, core_beat(state.beat_ms, state.interval_ms,
-                                            (state.rhythm_bits & CRN_WIRE_RHYTHM_IS_RESTING) != 0)});
 }
 
 // `next` goes on through the beats, which are in order.
-BeatPhase SessionContrast::beat_at(std::uint32_t tick, std::size_t &next) const
+BeatPhase PatientContrast::beat_at(std::uint32_t tick, std::size_t &next) const
 {
     while (next < beats_.size() && beats_[next].tick < tick) ++next;
     if (next < beats_.size() && beats_[next].tick == tick) return beats_[next].phase;
@@ -193,7 +200,7 @@ BeatPhase SessionContrast::beat_at(std::uint32_t tick, std::size_t &next) const
 }
 
 // The centrelines where heart and breath have them in this frame.
-void SessionContrast::place_vessels(const WireFrame &wire)
+void PatientContrast::place_vessels(const WireFrame &wire)
 {
     if (!points_) return;
     const MotionWeights now = motion_weights({wire.heart_phase32, wire.breath_phase32});
@@ -212,7 +219,7 @@ void SessionContrast::place_vessels(const WireFrame &wire)
     flow_.place(moved_);
 }
 
-VesselTree SessionContrast::opened_vessels() const
+VesselTree PatientContrast::opened_vessels() const
 {
     VesselTree opened = vessels_;
     opening_.open(vessels_, seen_open_, opened);
@@ -220,7 +227,7 @@ VesselTree SessionContrast::opened_vessels() const
 }
 
 // Only at looks: what the medium does must not depend on which pictures were asked for.
-bool SessionContrast::open_vessels(const WireFrame &wire)
+bool PatientContrast::open_vessels(const WireFrame &wire)
 {
     if (opening_.is_empty() || wire.lesions_open == flow_open_) return false;
     const bool was_open = opening_.is_any_open(flow_open_);
@@ -232,7 +239,7 @@ bool SessionContrast::open_vessels(const WireFrame &wire)
     return true;
 }
 
-std::string SessionContrast::refusal(const RoomCommand &command, double iodine_mg_per_ml) const
+std::string PatientContrast::refusal(const RoomCommand &command, double iodine_mg_per_ml) const
 {
     const std::string why = injection_refusal(tools_, command, iodine_mg_per_ml);
     if (!why.empty() || command.action != RoomAction::inject || command.values[0] == 0) return why;
@@ -241,39 +248,40 @@ std::string SessionContrast::refusal(const RoomCommand &command, double iodine_m
                : "";
 }
 
-std::string SessionContrast::command(std::uint32_t tick, const RoomCommand &command)
+std::string PatientContrast::command(std::uint32_t tick, const RoomCommand &command)
 {
     const std::string why = refusal(command, iodine_mg_per_ml_);
     if (!why.empty()) return why;
     if (command.action == RoomAction::contrast_strength) iodine_mg_per_ml_ = command.values[0];
     if (command.action != RoomAction::inject) return "";
     if (command.values[0] == 0) {
-        injector_.stop();
+        injector_.stop(tick);
         return "";
     }
     tool_ = *injecting_tool(tools_, command.values[2]);
     const std::uint64_t number =
         injector_.inject(tick, command.values[0], command.values[1], iodine_mg_per_ml_);
     asked_.push_back({tick, number, tool_, command.values[1] * 1e-3, iodine_mg_per_ml_});
+    judge_asked();
     if (state_ == State::idle) state_ = State::waits;
     return "";
 }
 
-std::uint32_t SessionContrast::next_tick() const
+std::uint32_t PatientContrast::next_tick() const
 {
     if (state_ == State::idle || (state_ == State::waits && injector_.is_empty())) return never;
     return static_cast<std::uint32_t>(std::max<std::int64_t>(look_due(), seen_tick_ + 1));
 }
 
 // Looks are at multiples of look_every_ticks, whatever other frames there are.
-std::uint32_t SessionContrast::look_due() const
+std::uint32_t PatientContrast::look_due() const
 {
     if (state_ == State::flows) return (look_tick_ / look_every_ticks + 1) * look_every_ticks;
     return (injector_.first_tick() + look_every_ticks - 1) / look_every_ticks * look_every_ticks;
 }
 
 // To the frame's tick with the tools where they were looked at last; then, when it is time, a look at this frame.
-void SessionContrast::advance(const WireFrame &wire)
+void PatientContrast::advance(const WireFrame &wire)
 {
     const std::uint32_t now = wire.tick;
     const Clock::time_point begin = Clock::now();
@@ -300,7 +308,7 @@ void SessionContrast::advance(const WireFrame &wire)
 }
 
 // The tick that ends now.
-void SessionContrast::note_given(std::uint32_t tick)
+void PatientContrast::note_given(std::uint32_t tick)
 {
     if (fluid_.flow_ml_s <= 0.0) return;
     const bool goes_on = !given_.empty() && given_.back().tick_end + 1 == tick &&
@@ -312,7 +320,7 @@ void SessionContrast::note_given(std::uint32_t tick)
         given_.push_back({tick - 1, tick, fluid_});
 }
 
-std::optional<RunContrast> SessionContrast::given(std::uint32_t from, std::uint32_t to) const
+std::optional<RunContrast> PatientContrast::given(std::uint32_t from, std::uint32_t to) const
 {
     RunContrast sum;
     sum.agent = "iohexol";
@@ -331,7 +339,7 @@ std::optional<RunContrast> SessionContrast::given(std::uint32_t from, std::uint3
     return sum;
 }
 
-void SessionContrast::look(const WireFrame &wire)
+void PatientContrast::look(const WireFrame &wire)
 {
     look_tick_ = wire.tick;
     if (state_ == State::waits) {
@@ -355,7 +363,7 @@ void SessionContrast::look(const WireFrame &wire)
 }
 
 // How little of the vessel the stream from the tip fills at a cell: 1 at the tip, 0 where it fills it.
-double SessionContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
+double PatientContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
 {
     const FlowCells &cells = flow_.cells();
     if (cell < stream_.cell || cells[cell].branch != cells[stream_.cell].branch) return 0.0;
@@ -366,7 +374,7 @@ double SessionContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
 }
 
 // The cell's iodine in a thinner column beside the axis, as wide as it must be to hold it undiluted.
-SweptPoint SessionContrast::stream_point(std::size_t cell, double narrowness) const
+SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) const
 {
     const FlowCells &cells = flow_.cells();
     const double mean = flow_.iodine_mg_per_ml(cell), radius_m = cells[cell].radius_mm * 1e-3;
@@ -382,7 +390,7 @@ SweptPoint SessionContrast::stream_point(std::size_t cell, double narrowness) co
 
 // Two columns per vessel: what both layers have at least, over the whole width, and around the axis what the inner one has more.
 // More along the wall than around the axis is shown as if it were mixed. Where medium streams from the tip there is one, thinner.
-void SessionContrast::make_curves()
+void PatientContrast::make_curves()
 {
     curves_.clear();
     if (state_ != State::flows) return;
@@ -392,7 +400,7 @@ void SessionContrast::make_curves()
 
 // A column begins at its cell's face. Where a vessel ends by dividing, its branches' cells begin outside of it, and their columns at
 // its end: else there was a gap.
-Vector3d SessionContrast::column_begin_m(std::size_t cell) const
+Vector3d PatientContrast::column_begin_m(std::size_t cell) const
 {
     const FlowCells &cells = flow_.cells();
     const int upstream = cells[cell].upstream;
@@ -403,7 +411,7 @@ Vector3d SessionContrast::column_begin_m(std::size_t cell) const
     return from + 1 == cells.branch_begin(parent + 1) ? cells.last_face_m(from) : cells.first_face_m(cell);
 }
 
-void SessionContrast::make_curves_of(std::size_t branch, bool is_core)
+void PatientContrast::make_curves_of(std::size_t branch, bool is_core)
 {
     const FlowCells &cells = flow_.cells();
     SweptCurve curve{Material::iohexol_350, {}};
@@ -438,7 +446,7 @@ void SessionContrast::make_curves_of(std::size_t branch, bool is_core)
     end_curve();
 }
 
-void SessionContrast::colour(WireFrame &wire) const
+void PatientContrast::colour(WireFrame &wire) const
 {
     if (curves_.empty()) return;
     for (WireNode &node : wire.nodes)

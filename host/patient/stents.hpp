@@ -1,21 +1,23 @@
 // Stents in a session: mounted on the balloon, opened by it, let go, held by the wall; what the core has to know of them, and what the
 // X-ray sees. Everything follows from the commands and from the line's shape at ticks of its own, multiples of look_every_ticks,
 // whatever pictures were asked for. What the core is told goes through order(), becomes part of a tick's input and is recorded; a replay
-// feeds the core with what was recorded, and stents are computed again for the pictures only.
+// feeds the core with what was recorded, and computes stents again for pictures and reports.
 //
-//   SessionStents stents(shelf, bodies.vessels, motion, stations, tools);
+//   PatientStents stents(shelf, bodies.vessels, motion, stations, tools);
 //   stents.command(tick, {RoomAction::load_stent, {}});       the next one of the shelf onto the balloon
-//   stents.frame(...) at stents.next_tick(); stents.order() for every input after that
+//   stents.advance(...) at stents.next_tick(); stents.order() for every input after that
 //
-// May include: stent, xray, model, frame_sink, session_balloon. Called by: run, replay, view, session_pictures.
+// May include: stent, xray, model, balloon. Called by: patient.
 #pragma once
-#include "host/app/frame_sink.hpp"
 #include "host/model/instrument.hpp"
 #include "host/model/lesion_opening.hpp"
+#include "host/model/wire_frame.hpp"
+#include "host/room/command.hpp"
 #include "host/stent/circles.hpp"
 #include "host/stent/figures.hpp"
 #include "host/stent/stents.hpp"
 #include "host/xray/moved.hpp"
+#include "shared/wire/wire.h"
 #include <array>
 #include <deque>
 #include <memory>
@@ -54,27 +56,23 @@ struct StentResult {
     double slip_mm = 0.0;
 };
 
-class SessionStents final : public FrameSink
+class PatientStents
 {
   public:
     static constexpr std::uint32_t look_every_ticks = 40;
 
     // `stations`: of every lesion that gives way, in the tree's order. `motion`: null: vessels stand still.
-    SessionStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
+    PatientStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
                   std::vector<LesionStations> stations, const std::vector<Instrument> &tools);
 
-    // Only load_stent means something here. What cannot be done is kept in refusals(), and the last one said by notice().
-    void command(std::uint32_t tick, const RoomCommand &command) override;
-    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state) override;
-    std::uint32_t next_tick() const override { return next_look_; }
-    void frame(const SessionFrame &frame) override { advance(frame.wire); }
-    std::uint32_t next_look() const override { return next_look_; }
-    void look(const SessionFrame &frame) override { advance(frame.wire); }
-    bool needs_beginning() const override { return true; }
-    std::optional<crn_wire_scaffold> order() override;
-    std::optional<crn_wire_strut> strut_order() override;
-    void finish() override {}
+    // Only load_stent means something here. What cannot be done is kept in refusals().
+    void command(std::uint32_t tick, const RoomCommand &command);
+    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state);
+    std::uint32_t next_tick() const { return next_look_; } // of the next look; UINT32_MAX: none is needed
     void advance(const WireFrame &wire);
+    // What the core has to be told in the next tick.
+    std::optional<crn_wire_scaffold> order();
+    std::optional<crn_wire_strut> strut_order();
 
     // Struts where they are at this frame, which may lie between two looks. Nothing else changes.
     std::vector<SweptCurve> curves_at(const WireFrame &wire);

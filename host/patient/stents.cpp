@@ -1,7 +1,7 @@
-#include "host/app/session_stents.hpp"
-#include "host/app/session_balloon.hpp"
+#include "host/patient/stents.hpp"
 #include "host/model/text.hpp"
 #include "host/model/units.hpp"
+#include "host/patient/balloon.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -139,7 +139,7 @@ std::vector<StentDesign> read_stents(const std::vector<std::string> &paths,
     return stents;
 }
 
-SessionStents::SessionStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
+PatientStents::PatientStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
                              std::vector<LesionStations> stations, const std::vector<Instrument> &tools)
     : shelf_(std::move(shelf)), vessels_(vessels),
       motion_(motion ? std::optional<Motion>(*motion) : std::nullopt), stations_(std::move(stations)),
@@ -155,13 +155,13 @@ SessionStents::SessionStents(std::vector<StentDesign> shelf, const VesselTree &v
 
 // --- mounting ---
 
-void SessionStents::command(std::uint32_t tick, const RoomCommand &command)
+void PatientStents::command(std::uint32_t tick, const RoomCommand &command)
 {
     if (command.action == RoomAction::load_stent) load(tick);
 }
 
 // Before the first tick the balloon may be anywhere: it was brought there with its stent.
-void SessionStents::load(std::uint32_t tick)
+void PatientStents::load(std::uint32_t tick)
 {
     const std::string at = " (at " + std::to_string(tick) + " ms)";
     if (loaded_ == shelf_.size()) {
@@ -184,7 +184,7 @@ void SessionStents::load(std::uint32_t tick)
     next_look_ = std::min(next_look_, due);
 }
 
-void SessionStents::tick(const crn_wire_encoders &input, const crn_wire_tick_state &state)
+void PatientStents::tick(const crn_wire_encoders &input, const crn_wire_tick_state &state)
 {
     if (tool_ && *tool_ < state.tools_count) inserted_m_ = units::metres(state.tools[*tool_].inserted_m_q30);
     if (input.strut_number >= 1 && input.strut_number <= struts_max)
@@ -200,7 +200,7 @@ void SessionStents::tick(const crn_wire_encoders &input, const crn_wire_tick_sta
 // --- walls ---
 
 // Made when a stent first comes there, since most branches never see one.
-std::size_t SessionStents::vessel_of(std::size_t branch)
+std::size_t PatientStents::vessel_of(std::size_t branch)
 {
     for (std::size_t i = 0; i < walls_.size(); ++i)
         if (walls_[i].branch == branch) return i;
@@ -215,7 +215,7 @@ std::size_t SessionStents::vessel_of(std::size_t branch)
 }
 
 // The branch around the middle of the balloon, by radii off its middle line; nothing where no stent of this size could be held.
-std::optional<std::size_t> SessionStents::vessel_at(const BalloonPose &pose, const MotionMoment &moment)
+std::optional<std::size_t> PatientStents::vessel_at(const BalloonPose &pose, const MotionMoment &moment)
 {
     if (pose.points.empty()) return {};
     const Vector3d now_m = pose.points[pose.points.size() / 2].centre_mm * 1e-3;
@@ -241,7 +241,7 @@ std::optional<std::size_t> SessionStents::vessel_at(const BalloonPose &pose, con
 }
 
 // How wide the passage is where each ball lies; what is not in the vessel knows of none.
-void SessionStents::give_room(BalloonPose &pose, std::optional<std::size_t> vessel) const
+void PatientStents::give_room(BalloonPose &pose, std::optional<std::size_t> vessel) const
 {
     if (!vessel) return;
     const VesselWall &wall = *walls_[*vessel].wall;
@@ -252,13 +252,13 @@ void SessionStents::give_room(BalloonPose &pose, std::optional<std::size_t> vess
     }
 }
 
-void SessionStents::move_walls(const WireFrame &wire)
+void PatientStents::move_walls(const WireFrame &wire)
 {
     const std::vector<std::vector<double>> opened = opened_lists(wire, stations_);
     for (const Vessel &vessel : walls_) vessel.wall->move(moment_of(wire), opened);
 }
 
-std::vector<const StentWall *> SessionStents::walls() const
+std::vector<const StentWall *> PatientStents::walls() const
 {
     std::vector<const StentWall *> walls;
     for (const Story &story : stories_)
@@ -268,7 +268,7 @@ std::vector<const StentWall *> SessionStents::walls() const
 
 // --- a look ---
 
-void SessionStents::advance(const WireFrame &wire)
+void PatientStents::advance(const WireFrame &wire)
 {
     if (wire.tick < next_look_) return;
     next_look_ = (wire.tick / look_every_ticks + 1) * look_every_ticks;
@@ -287,7 +287,7 @@ void SessionStents::advance(const WireFrame &wire)
     seen_.nodes.clear();
 }
 
-void SessionStents::note_stages(std::uint32_t tick)
+void PatientStents::note_stages(std::uint32_t tick)
 {
     for (std::size_t i = 0; i < stories_.size(); ++i) {
         const Stent &stent = stents_[i];
@@ -298,7 +298,7 @@ void SessionStents::note_stages(std::uint32_t tick)
 }
 
 // What the core does not know yet. Orders that a device has not confirmed by a tick's input are asked for again.
-void SessionStents::ask_for_holds(const WireFrame &wire)
+void PatientStents::ask_for_holds(const WireFrame &wire)
 {
     const std::vector<std::vector<double>> opened = opened_lists(wire, stations_);
     orders_.clear();
@@ -325,7 +325,7 @@ void SessionStents::ask_for_holds(const WireFrame &wire)
 }
 
 // Every stent of the shelf has numbers of its own. A ring that is not there any more is taken away.
-void SessionStents::ask_for_struts(const WireFrame &wire)
+void PatientStents::ask_for_struts(const WireFrame &wire)
 {
     strut_orders_.clear();
     const std::size_t share = struts_max / std::max<std::size_t>(shelf_.size(), 1);
@@ -345,7 +345,7 @@ void SessionStents::ask_for_struts(const WireFrame &wire)
     }
 }
 
-std::optional<crn_wire_strut> SessionStents::strut_order()
+std::optional<crn_wire_strut> PatientStents::strut_order()
 {
     if (strut_orders_.empty()) return {};
     const crn_wire_strut order = strut_orders_.front();
@@ -353,7 +353,7 @@ std::optional<crn_wire_strut> SessionStents::strut_order()
     return order;
 }
 
-std::optional<crn_wire_scaffold> SessionStents::order()
+std::optional<crn_wire_scaffold> PatientStents::order()
 {
     if (orders_.empty()) return {};
     const crn_wire_scaffold order = orders_.front();
@@ -363,7 +363,7 @@ std::optional<crn_wire_scaffold> SessionStents::order()
 
 // --- what is seen and said ---
 
-std::vector<SweptCurve> SessionStents::curves_at(const WireFrame &wire)
+std::vector<SweptCurve> PatientStents::curves_at(const WireFrame &wire)
 {
     std::vector<SweptCurve> curves;
     if (stents_.size() == 0) return curves;
@@ -383,7 +383,7 @@ std::vector<SweptCurve> SessionStents::curves_at(const WireFrame &wire)
     return curves;
 }
 
-std::string SessionStents::stage_text() const
+std::string PatientStents::stage_text() const
 {
     if (stents_.size() == 0) return "";
     const Stent &last = stents_[stents_.size() - 1];
@@ -391,7 +391,7 @@ std::string SessionStents::stage_text() const
     return std::string(stent_stage_text(last.stage()));
 }
 
-std::vector<StentResult> SessionStents::results()
+std::vector<StentResult> PatientStents::results()
 {
     std::vector<StentResult> results;
     for (const Taken &taken : taken_out_) {

@@ -1,4 +1,4 @@
-#include "host/app/session_balloon.hpp"
+#include "host/patient/balloon.hpp"
 #include "host/model/timeline.hpp"
 #include "host/model/wire_place.hpp"
 #include <algorithm>

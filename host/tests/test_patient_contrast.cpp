@@ -2,8 +2,8 @@
 // fixed ticks whatever pictures were asked for, and the columns that the X-ray gets hold as much iodine as the vessels.
 #include "host/app/rig_pedals.hpp"
 #include "host/app/session.hpp"
-#include "host/app/session_contrast.hpp"
 #include "host/model/text.hpp"
+#include "host/patient/contrast.hpp"
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -69,7 +69,7 @@ WireFrame line_at(std::uint32_t tick)
 const std::vector<Instrument> wire_and_catheter = {tool("wire", 0), tool("catheter", 485)};
 
 // To `end`, stopping wherever a look is wanted and every `frame_ticks`.
-void go_on(SessionContrast &contrast, std::uint32_t from, std::uint32_t end, std::uint32_t frame_ticks)
+void go_on(PatientContrast &contrast, std::uint32_t from, std::uint32_t end, std::uint32_t frame_ticks)
 {
     for (std::uint32_t tick = from; tick < end;) {
         tick = std::min({end, contrast.next_tick(), (tick / frame_ticks + 1) * frame_ticks});
@@ -79,7 +79,7 @@ void go_on(SessionContrast &contrast, std::uint32_t from, std::uint32_t end, std
 
 void medium_comes_out_of_the_catheter_and_not_of_the_wire(void **)
 {
-    SessionContrast contrast(aorta(), wire_and_catheter);
+    PatientContrast contrast(aorta(), wire_and_catheter);
     contrast.advance(line_at(0));
     assert_string_equal(contrast.command(1, inject_6_ml).c_str(), "");
     go_on(contrast, 0, 100, 20);
@@ -91,7 +91,7 @@ void medium_comes_out_of_the_catheter_and_not_of_the_wire(void **)
 
 void without_a_catheter_or_vessels_it_says_so(void **)
 {
-    SessionContrast bare(aorta(), {tool("wire", 0)}), no_tree({}, wire_and_catheter),
+    PatientContrast bare(aorta(), {tool("wire", 0)}), no_tree({}, wire_and_catheter),
         good(aorta(), wire_and_catheter);
     assert_non_null(std::strstr(bare.command(0, inject_6_ml).c_str(), "NO CATHETER"));
     assert_non_null(std::strstr(no_tree.command(0, inject_6_ml).c_str(), "NO VESSELS"));
@@ -105,8 +105,8 @@ void without_a_catheter_or_vessels_it_says_so(void **)
 // Frames of a film between the looks change no bit of it.
 void other_pictures_do_not_change_it(void **)
 {
-    SessionContrast often(aorta(), wire_and_catheter), seldom(aorta(), wire_and_catheter);
-    for (SessionContrast *contrast : {&often, &seldom}) {
+    PatientContrast often(aorta(), wire_and_catheter), seldom(aorta(), wire_and_catheter);
+    for (PatientContrast *contrast : {&often, &seldom}) {
         const std::uint32_t frame_ticks = contrast == &often ? 7 : 1000;
         contrast->advance(line_at(0));
         go_on(*contrast, 0, 333, frame_ticks);
@@ -119,7 +119,7 @@ void other_pictures_do_not_change_it(void **)
 
 void after_washing_out_no_look_is_wanted(void **)
 {
-    SessionContrast contrast(aorta(), wire_and_catheter);
+    PatientContrast contrast(aorta(), wire_and_catheter);
     contrast.command(0, inject_6_ml);
     go_on(contrast, 0, 2000, 1000);
     assert_true(contrast.next_tick() == 2040);
@@ -146,7 +146,7 @@ void columns_have_no_gap_where_a_vessel_divides(void **)
         }
         tree.branches.push_back(branch);
     }
-    SessionContrast contrast(tree, wire_and_catheter);
+    PatientContrast contrast(tree, wire_and_catheter);
     contrast.command(0, {RoomAction::inject, {60000, 30000, 0}});
     go_on(contrast, 0, 2000, 1000);
     int begin = 0, end = 0;
@@ -160,7 +160,7 @@ void columns_have_no_gap_where_a_vessel_divides(void **)
 // Cones of the curves times their share of iohexol 350, against what the cells hold. 2 %: ends that fade out, and linear shares.
 void columns_hold_the_iodine_of_the_vessels(void **)
 {
-    SessionContrast contrast(aorta(), wire_and_catheter);
+    PatientContrast contrast(aorta(), wire_and_catheter);
     contrast.command(0, inject_6_ml);
     go_on(contrast, 0, 1000, 1000);
     double mg = 0.0;
@@ -178,7 +178,7 @@ void columns_hold_the_iodine_of_the_vessels(void **)
 // 6 ml of 350 mg/ml at 4 ml/s from tick 1001 on (the command comes after the frame of tick 1000), then 2 ml of 150 mg/ml at 2 ml/s.
 void what_was_given_between_two_ticks_is_known(void **)
 {
-    SessionContrast contrast(aorta(), wire_and_catheter);
+    PatientContrast contrast(aorta(), wire_and_catheter);
     contrast.advance(line_at(0));
     go_on(contrast, 0, 1000, 100);
     contrast.command(1000, inject_6_ml);
@@ -204,7 +204,7 @@ void what_was_given_between_two_ticks_is_known(void **)
 
 void blood_around_the_line_takes_its_colour(void **)
 {
-    SessionContrast contrast(aorta(), wire_and_catheter);
+    PatientContrast contrast(aorta(), wire_and_catheter);
     contrast.command(0, inject_6_ml);
     go_on(contrast, 0, 1000, 1000);
     WireFrame wire = line_at(1000);
@@ -223,7 +223,7 @@ void a_pigtail_gives_medium_through_its_side_holes(void **)
     assert_true(std::fabs(mouths[0].share - 0.2) < 1e-12);
     assert_true((mouths[0].place_m - Vector3d(0, -0.15, 0)).norm() < 1e-12);
     assert_true((mouths[20].place_m - Vector3d(0, -0.208, 0)).norm() < 1e-12);
-    SessionContrast contrast(aorta(), {tool("wire", 0), pigtail});
+    PatientContrast contrast(aorta(), {tool("wire", 0), pigtail});
     contrast.command(0, inject_6_ml);
     go_on(contrast, 0, 41, 20); // one look, then 1 ms: what went in still stands where it went in
     const FlowCells &cells = contrast.flow().cells();
@@ -241,7 +241,7 @@ void blood_flows_with_the_cores_heart(void **)
 {
     double carried_mg[2] = {};
     for (bool is_resting : {false, true}) {
-        SessionContrast contrast(aorta(), wire_and_catheter);
+        PatientContrast contrast(aorta(), wire_and_catheter);
         contrast.command(0, {RoomAction::inject, {200, 4000, 0}});
         go_on(contrast, 0, 40, 40);
         for (std::uint32_t tick = 41; tick <= 4000; ++tick) {
@@ -272,8 +272,8 @@ void medium_moves_with_the_vessels(void **)
         branch.points_m[i] = {0.001 * (static_cast<double>(i) - 15.0), 0.0078, 0.0078};
         branch.radii_m[i] = 0.002;
     }
-    const SessionContrast still(vessel, wire_and_catheter);
-    SessionContrast contrast(vessel, wire_and_catheter, &motion);
+    const PatientContrast still(vessel, wire_and_catheter);
+    PatientContrast contrast(vessel, wire_and_catheter, &motion);
     contrast.command(0, inject_6_ml);
     WireFrame wire = line_at(40);
     wire.heart_phase32 = 1u << 31;
@@ -322,10 +322,10 @@ WireFrame giving_way_at(std::uint32_t tick)
 
 void a_lesion_that_gives_way_widens_cells_and_columns(void **)
 {
-    SessionContrast often(narrowed_aorta(), wire_and_catheter, nullptr,
+    PatientContrast often(narrowed_aorta(), wire_and_catheter, nullptr,
                           {narrowed_aorta(), {&stations_of_aorta, 1}}),
         seldom(often);
-    for (SessionContrast *contrast : {&often, &seldom}) {
+    for (PatientContrast *contrast : {&often, &seldom}) {
         const std::uint32_t frame_ticks = contrast == &often ? 7 : 1000;
         contrast->advance(giving_way_at(0));
         contrast->command(1, {RoomAction::inject, {60000, 20000, 0}});
@@ -377,7 +377,7 @@ void an_open_lesion_moves_with_the_heart(void **)
     }
     narrow.lesions.push_back(lesion);
     const LesionStations stations{11, 0.001};
-    SessionContrast contrast(narrow, wire_and_catheter, &motion, {narrow, {&stations, 1}});
+    PatientContrast contrast(narrow, wire_and_catheter, &motion, {narrow, {&stations, 1}});
     contrast.command(0, inject_6_ml);
     WireFrame wire = line_at(40);
     wire.heart_phase32 = 1u << 31;

@@ -1,0 +1,146 @@
+#include "host/patient/patient.hpp"
+#include <algorithm>
+#include <stdexcept>
+
+namespace crn
+{
+namespace
+{
+
+const XrayScene &filled(XrayScene &scene, const SceneAnatomy &anatomy, const PatientSettings &settings)
+{
+    std::string error;
+    if (!scene.set_bodies(anatomy.bodies, error))
+        throw std::runtime_error((settings.bodies_path.empty() ? "" : settings.bodies_path + ": ") + error);
+    return scene;
+}
+
+} // namespace
+
+Patient::Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &tools,
+                 const PatientSettings &settings)
+    : opened_(anatomy.bodies, LesionOpening(anatomy.bodies.vessels, anatomy.stations),
+              anatomy.motion_or_null()),
+      meter_(filled(scene_, anatomy, settings), settings.threads),
+      contrast_(anatomy.bodies.vessels, tools, anatomy.motion_or_null(),
+                LesionOpening(anatomy.bodies.vessels, anatomy.stations))
+{
+    if (anatomy.motion) moving_.emplace(*anatomy.motion, anatomy.bodies);
+    if (settings.stents.empty()) return;
+    stents_ = std::make_unique<PatientStents>(settings.stents, anatomy.bodies.vessels,
+                                              anatomy.motion_or_null(), anatomy.stations, tools);
+}
+
+Patient::~Patient() = default;
+
+void Patient::command(std::uint32_t tick, const RoomCommand &command)
+{
+    const std::string why = room_.give(tick, command);
+    if (!why.empty()) throw std::runtime_error("the X-ray room cannot do this: " + why);
+    asked_.push_back({tick, command});
+    carry_out_due();
+}
+
+// Medium and stents do what is asked at its own tick, with the tools where they are then, whoever passes commands on and when.
+void Patient::carry_out_due()
+{
+    for (; !asked_.empty() && asked_.front().tick <= state_.tick; asked_.pop_front())
+        carry_out(asked_.front().tick, asked_.front().command);
+}
+
+void Patient::carry_out(std::uint32_t tick, const RoomCommand &command)
+{
+    const std::size_t refused_injections = contrast_.refusals().size();
+    std::string refused = contrast_.command(tick, command);
+    if (contrast_.refusals().size() > refused_injections) refused = contrast_.refusals().back().why;
+    const std::size_t refused_loads = stents_ ? stents_->refusals().size() : 0;
+    if (stents_) stents_->command(tick, command);
+    if (stents_ && stents_->refusals().size() > refused_loads) refused = stents_->refusals().back();
+    if (command.action == RoomAction::load_stent && !stents_) refused = "NO STENT - name one with --stent";
+    if (!refused.empty()) notice_ = {refused, tick};
+}
+
+void Patient::tick(const crn_wire_encoders &input, const crn_wire_tick_state &state)
+{
+    monitor_.tick(state);
+    const std::size_t refusals = contrast_.refusals().size();
+    contrast_.tick(state);
+    if (contrast_.refusals().size() > refusals) notice_ = {contrast_.refusals().back().why, state.tick};
+    if (stents_) stents_->tick(input, state);
+    state_ = state;
+    carry_out_due();
+}
+
+std::uint32_t Patient::next_vessel_look() const
+{
+    return std::min(contrast_.next_tick(), stents_ ? stents_->next_tick() : UINT32_MAX);
+}
+
+std::uint32_t Patient::next_look() const
+{
+    return std::min(next_vessel_look(), room_.next_tick());
+}
+
+void Patient::look_at_vessels(const WireFrame &wire)
+{
+    contrast_.advance(wire);
+    if (stents_) stents_->advance(wire);
+}
+
+void Patient::look(const WireFrame &wire)
+{
+    look_at_vessels(wire);
+    room_.forget_events();
+    while (has_begun_ && room_.next_tick() < wire.tick) advance_room(room_.next_tick(), wire);
+    advance_room(wire.tick, wire);
+    has_begun_ = true;
+}
+
+// The room goes on to `tick`; a pulse that is due there is given.
+void Patient::advance_room(std::uint32_t tick, const WireFrame &wire)
+{
+    room_.advance(tick, wire.nodes.empty() ? nullptr : &wire.nodes.front().position_m);
+    if (!room_.is_pulse_due()) return;
+    const PulseRequest request = room_.pulse();
+    XraySettings settings;
+    settings.carm = request.carm;
+    settings.beam = request.beam;
+    room_.expose(meter_.expose(settings, bodies_at(wire),
+                               request.settles_at_once ? MeterPace::settles : MeterPace::follows));
+}
+
+// Bodies beat with the line's own tick, and walls stand where the core's lesions have given way to.
+std::span<const MovedBody> Patient::bodies_at(const WireFrame &wire)
+{
+    const MotionMoment moment{wire.heart_phase32, wire.breath_phase32};
+    if (moved_at_ == moment && moved_open_ == wire.lesions_open) return moved_;
+    moved_at_ = moment;
+    moved_open_ = wire.lesions_open;
+    std::span<const MovingBodies::Moved> beating;
+    if (moving_ && !moving_->is_empty()) beating = moving_->at(moment);
+    moved_.clear();
+    for (const MovingBodies::Moved &body : opened_.at(moment, wire.lesions_open, beating))
+        moved_.push_back({body.body, body.vertices_um});
+    return moved_;
+}
+
+std::optional<crn_wire_scaffold> Patient::hold_order()
+{
+    return stents_ ? stents_->order() : std::optional<crn_wire_scaffold>();
+}
+
+std::optional<crn_wire_strut> Patient::strut_order()
+{
+    return stents_ ? stents_->strut_order() : std::optional<crn_wire_strut>();
+}
+
+std::vector<Refusal> Patient::refusals() const
+{
+    std::vector<Refusal> all = room_.refusals();
+    all.insert(all.end(), contrast_.refusals().begin(), contrast_.refusals().end());
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Refusal &a, const Refusal &b) { return a.tick < b.tick; });
+    return all;
+}
+
+} // namespace crn

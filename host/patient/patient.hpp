@@ -1,0 +1,106 @@
+// The patient of a session: vessels with blood and contrast medium, stents, lesions that give way, heart and breath, and the X-ray that
+// is given, with its dose. Whoever runs a session (script, window, rig, replay) advances the patient tick by tick, and the patient says
+// what the core has to be told in the next tick. Pictures, reports and scores read the state and change nothing, so a session is
+// the same whatever is asked of it.
+//
+//   patient.command(tick, {RoomAction::inject, {...}});        in force from that tick on
+//   inputs carry patient.hold_order() and patient.strut_order(); every tick that was done goes to patient.tick()
+//   no later than patient.next_look(): patient.look(shape of the line at that tick)
+//
+// Everything follows from the commands, from what went into the core and came out of it, and from the line's shape at ticks of the
+// patient's own. May include: room, xray, stent, effects, model. Called by: host/app, hil_tests.
+#pragma once
+#include "host/effects/pulse.hpp"
+#include "host/model/instrument.hpp"
+#include "host/model/opened_bodies.hpp"
+#include "host/model/scene_anatomy.hpp"
+#include "host/patient/contrast.hpp"
+#include "host/patient/stents.hpp"
+#include "host/room/room.hpp"
+#include "host/xray/meter.hpp"
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+struct PatientSettings {
+    std::string bodies_path;         // for messages alone
+    std::vector<StentDesign> stents; // that a session may load, in this order
+    int threads = 2;                 // of the measuring chamber
+};
+
+class Patient
+{
+  public:
+    // `tools` from the innermost. An empty anatomy is air without vessels. Throws std::runtime_error for a body of unknown material.
+    Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &tools,
+            const PatientSettings &settings = {});
+    ~Patient();
+    Patient(const Patient &) = delete;
+    Patient &operator=(const Patient &) = delete;
+
+    // --- what happens to it ---
+    // In force from that tick on; before the look at that tick. What cannot be done now is kept in refusals() or stents()->refusals(), and
+    // said by notice(). Throws std::runtime_error for what no room can do.
+    void command(std::uint32_t tick, const RoomCommand &command);
+    // Every tick in order, with what went in and what came out.
+    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state);
+    // The next tick at which look() is needed; UINT32_MAX: none.
+    std::uint32_t next_look() const;
+    // To the frame's tick. A rig that leads sends its shapes at its own times: pulses between two of them are made with the later one.
+    void look(const WireFrame &wire);
+    // The same for vessels alone: of a replay that begins later, until it begins.
+    std::uint32_t next_vessel_look() const;
+    void look_at_vessels(const WireFrame &wire);
+    // Its state depends on every tick since the first: a replay that begins later goes through all of them.
+    bool needs_beginning() const { return stents_ != nullptr; }
+
+    // --- what the core has to be told in the next tick; asked for before each. In a replay nobody asks: it is in the recording. ---
+    std::optional<crn_wire_scaffold> hold_order();
+    std::optional<crn_wire_strut> strut_order();
+
+    // --- its state ---
+    const Room &room() const { return room_; } // and what happened there at the last look
+    const PatientContrast &contrast() const { return contrast_; }
+    PatientStents *stents() { return stents_.get(); } // null: the session has none
+    const PatientStents *stents() const { return stents_.get(); }
+    const PulseMonitor &monitor() const { return monitor_; }
+    const crn_wire_tick_state &state() const { return state_; } // of the last tick
+    // What was asked for in vain, by ticks: runs and injections.
+    std::vector<Refusal> refusals() const;
+    const RoomNotice &notice() const { return notice_; } // the last one of syringe and stents
+    const XrayScene &scene() const { return scene_; }
+    // Bodies that heart, breath and open lesions have moved, at a moment. Valid until the next call.
+    std::span<const MovedBody> bodies_at(const WireFrame &wire);
+
+  private:
+    void carry_out_due();
+    void carry_out(std::uint32_t tick, const RoomCommand &command);
+    void advance_room(std::uint32_t tick, const WireFrame &wire);
+
+    XrayScene scene_;
+    std::optional<MovingBodies> moving_;
+    OpenedBodies opened_;
+    std::vector<MovedBody> moved_;
+    std::optional<MotionMoment> moved_at_; // that they were moved to last
+    std::vector<double> moved_open_;
+    XrayMeter meter_; // after the scene has its bodies
+    Room room_;
+    PatientContrast contrast_;
+    std::unique_ptr<PatientStents> stents_;
+    PulseMonitor monitor_;
+    crn_wire_tick_state state_{};
+    struct Asked { // of medium and stents, until its tick is over
+        std::uint32_t tick;
+        RoomCommand command;
+    };
+    std::deque<Asked> asked_;
+    RoomNotice notice_;
+    bool has_begun_ = false;
+};
+
+} // namespace crn

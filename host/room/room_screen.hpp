@@ -1,0 +1,126 @@
+// The screen of the X-ray room: live picture, last image hold, loops, subtraction, roadmap, and the runs' pictures. It only reads the
+// room: what happened there comes as events, in order, and the picture of every pulse from whoever makes it.
+//
+//   RoomScreen screen(room);
+//   for (const RoomEvent &event : room.events())
+//       screen.take(event, event.kind == RoomEvent::Kind::pulse ? &picture_of(event) : nullptr);
+//   screen.compose(size, grey); screen.status();
+//
+// The same events and pictures give the same screens, bit for bit. May include: host/xray. Called by: host/app. See docs/room.md.
+#pragma once
+#include "host/room/room.hpp"
+#include "host/room/run_store.hpp"
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+enum class ScreenSource { nothing, live, held, loop, still };
+enum class RoadmapState {
+    off,
+    waits,
+    collects,
+    shown,
+    moved
+}; // moved: the geometry is another one; not laid over
+
+// What the display tells: the room's state, and what is on the screen.
+struct RoomStatus : RoomState {
+    RunKind kind = RunKind::fluoro; // of the beam, or of what is shown
+    double pulses_per_s = 0.0;      // the same
+    ScreenSource source = ScreenSource::nothing;
+    int run = 0, frame = 0, frames = 0; // of the picture shown; run 0: fluoroscopy that is not kept
+    int runs_kept = 0;
+    bool is_subtracted = false;
+    int mask_first = 0, mask_last = 0; // frames from 0
+    double shift_right_px = 0.0, shift_up_px = 0.0;
+    RoadmapState roadmap = RoadmapState::off;
+};
+
+class RoomScreen
+{
+  public:
+    // Memory for the pictures of runs: see RunStore. The room must outlive the screen.
+    explicit RoomScreen(const Room &room, std::size_t store_bytes_max = std::size_t{512} << 20);
+
+    // `picture`: of a pulse; null for everything else.
+    void take(const RoomEvent &event, const XrayPicture *picture);
+    // The run that the picture of a pulse belongs to, as files describe it, without frames; and its frame.
+    static XrayRun describe(const RoomEvent &pulse, const XrayPicture &picture);
+    static RunFrame frame_of(const RoomEvent &pulse, const XrayPicture &picture);
+
+    const Room &room() const { return room_; }
+    RoomStatus status() const;
+    // The picture on the screen, size*size; black before the first pulse. False when it is the one of the last call.
+    bool compose(int size, std::vector<std::uint8_t> &grey);
+    const RunStore &store() const { return store_; }
+
+  private:
+    struct Review {
+        bool is_on = false, is_loop = false;
+        int run = 0, frame = 0;
+        std::uint32_t tick_begin = 0;
+    };
+    // The frame on the screen before masks and roadmap.
+    struct Source {
+        const std::vector<std::uint16_t> *raw = nullptr;
+        const std::vector<std::uint8_t> *grey = nullptr;
+        StoredRun *run = nullptr; // nullptr: fluoroscopy that is not kept
+        int frame = 0;
+        int size = 0;
+    };
+    struct Roadmap {
+        RoadmapState state = RoadmapState::off;
+        std::vector<float> reference, peak; // log2; doublings
+        float floor = 0.0f;
+        CArm carm;
+    };
+
+    void carry_out(std::uint32_t tick, const RoomCommand &command);
+    void begin_beam(const RoomEvent &event);
+    void end_beam(const RoomEvent &event);
+    void keep(const RoomEvent &event, const XrayPicture &picture);
+    void set_mask(std::uint32_t tick, const RoomCommand &command);
+    void set_roadmap(std::uint32_t tick, std::int32_t wanted);
+    void roadmap_from_run(StoredRun &stored);
+    void collect_roadmap(const RunFrame &frame, int size);
+    void finish_roadmap();
+    void set_review(std::uint32_t tick, const RoomCommand &command);
+    void notify(std::uint32_t tick, const std::string &text) { notice_ = {text, tick}; }
+    Source shown() const;
+    bool is_subtracted(const Source &source) const;
+    void fill_shown(RoomStatus &status) const;
+    int loop_frame(const StoredRun &stored) const;
+    StoredRun *shown_dsa(std::uint32_t tick);
+    void compose_subtracted(const Source &source, std::vector<std::uint8_t> &grey);
+
+    const Room &room_;
+    RunStore store_;
+    bool is_beam_on_ = false, is_acquired_ = false;
+    Review review_;
+    Roadmap roadmap_;
+    // The last frame of the beam: live, then held. A kept one stays in the store.
+    RunFrame held_frame_;
+    std::vector<std::uint8_t> held_grey_;
+    int held_run_ = 0, held_index_ = 0, held_size_ = 0;
+    RunKind held_kind_ = RunKind::fluoro;
+    double held_pulses_per_s_ = 0.0;
+    bool has_held_ = false;
+    RoomNotice notice_;
+    // What the last compose() showed.
+    std::uint64_t version_ = 0, composed_version_ = ~std::uint64_t{0};
+    int composed_frame_ = -1;
+    // Mask of the run shown last, as it is subtracted.
+    struct MaskCache {
+        const StoredRun *run = nullptr;
+        RunMask mask;
+        std::vector<float> log2_values;
+    } mask_cache_;
+};
+
+// Half a millimetre or a tenth of a degree apart, and a roadmap of one would mislead on the other.
+bool is_same_geometry(const CArm &a, const CArm &b);
+
+} // namespace crn

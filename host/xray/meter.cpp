@@ -1,0 +1,55 @@
+#include "host/xray/meter.hpp"
+#include "host/xray/chain.hpp"
+#include "host/xray/float_math.hpp"
+#include "host/xray/raster_paths.hpp"
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace crn
+{
+
+double reference_area_cm2(const CArm &carm, const XrayBeam &beam)
+{
+    const double width = beam.open_width_share, height = beam.open_height_share;
+    const double narrow = std::min(width, height);
+    const double open = beam.circular_field ? 0.25 * std::numbers::pi * narrow * narrow : width * height;
+    const double nearer = (carm.source_isocentre_m - reference_point_m) / carm.source_detector_m;
+    return open * carm.field_m * carm.field_m * nearer * nearer * 1e4;
+}
+
+XrayMeter::XrayMeter(const XrayScene &scene, int threads)
+    : chain_(std::make_unique<XrayChain>(
+          scene.meshes().bodies, std::make_unique<RasterPaths>(scene.meshes().bodies, threads), threads))
+{
+}
+XrayMeter::~XrayMeter() = default;
+
+XrayExposure XrayMeter::expose(const XraySettings &settings, std::span<const MovedBody> bodies,
+                               MeterPace pace)
+{
+    XraySettings held = held_settings(settings);
+    held.size = chamber_pixels;
+    XrayChain &chain = *chain_;
+    const WireFrame nothing;
+    XrayFrame frame{{}, nothing};
+    frame.bodies = bodies;
+    see_paths(chain, held, frame);
+    const ExposureDemand demand = demand_of(held);
+    ExposureChoice choice;
+    if (held.beam.fixed_technique)
+        choice.technique = *held.beam.fixed_technique;
+    else if (pace == MeterPace::follows)
+        choice = chain.exposure.choose(demand, state_);
+    else
+        choice = settle_exposure(chain, held, demand);
+    see_signal(chain, held, choice.technique);
+    if (!held.beam.fixed_technique && pace == MeterPace::follows)
+        chain.exposure.follow(choice.technique, exp2_double(chain.log_mean), state_);
+    XrayExposure exposure{choice.technique, choice.is_limited, 0.0, 0.0};
+    exposure.air_kerma_uGy = reference_kerma_uGy(chain.beam, choice.technique, held.carm.source_isocentre_m);
+    exposure.kap_Gy_cm2 = exposure.air_kerma_uGy * 1e-6 * reference_area_cm2(held.carm, held.beam);
+    return exposure;
+}
+
+} // namespace crn
