@@ -33,7 +33,7 @@ CXXFLAGS := -std=c++20 $(SAME) $(DEBUG) $(WARN) $(CXXWARN) -I. -isystem /usr/inc
 LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
-LIBS       := tools/case hil_tests/soak hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/patient host/room host/dicom host/xray/gl host/xray host/stent host/effects host/link host/model tools/anatomy tools/centreline/fit tools/bake tools/centreline tools/mesh tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
+LIBS       := tools/case hil_tests/soak hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/report host/picture host/session host/script host/rig host/patient host/room host/dicom host/xray/gl host/xray/style host/xray host/xray/paths host/stent host/effects host/link host/model host/base tools/anatomy tools/centreline/fit tools/bake tools/centreline tools/mesh tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
               firmware/port/mailbox firmware/app/usb firmware/core shared/scene shared/wire
 lib_file    = $(BUILD)/lib/lib$(subst /,_,$(1)).a
 lib_sources = $(filter-out %/main.cpp,$(wildcard $(1)/*.c $(1)/*.cpp))
@@ -42,14 +42,14 @@ objects     = $(patsubst %,$(BUILD)/obj/%.o,$(1))
 # What each program and test folder links, in link order.
 FIRMWARE_LIBS := firmware/port/sim firmware/app firmware/core shared/scene shared/wire
 DEVICE_LIBS   := hil_tests/usb firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
-HOST_LIBS     := host/app host/patient host/room host/dicom host/xray/gl host/xray host/stent host/effects host/link host/model $(FIRMWARE_LIBS)
-BAKE_LIBS     := tools/bake tools/centreline tools/mesh host/model firmware/core shared/scene shared/wire
-LINE_LIBS     := tools/centreline/fit tools/bake tools/centreline tools/mesh host/xray/gl host/model
-LINE_HOST     := host/app/picture_canvas.cpp host/app/picture_font.cpp host/app/picture_png.cpp host/app/window_screen.cpp
+HOST_LIBS     := host/app host/report host/picture host/session host/script host/rig host/patient host/room host/dicom host/xray/gl host/xray/style host/xray host/xray/paths host/stent host/effects host/link host/model host/base $(FIRMWARE_LIBS)
+BAKE_LIBS     := tools/bake tools/centreline tools/mesh host/model host/base firmware/core shared/scene shared/wire
+LINE_LIBS     := tools/centreline/fit tools/bake tools/centreline tools/mesh host/xray/gl host/xray/paths host/model host/base
+LINE_HOST     := host/picture/canvas.cpp host/picture/font.cpp host/picture/png.cpp host/picture/screen.cpp
 ANATOMY_LIBS  := tools/anatomy $(BAKE_LIBS)
-VALIDATE_LIBS := tools/validate host/model firmware/core
-CASE_LIBS     := tools/case host/model firmware/core shared/scene shared/wire
-VCSIM3_LIBS   := tools/vcsim3 host/app host/model firmware/core shared/scene shared/wire
+VALIDATE_LIBS := tools/validate host/model host/base firmware/core
+CASE_LIBS     := tools/case host/model host/base firmware/core shared/scene shared/wire
+VCSIM3_LIBS   := tools/vcsim3 host/picture host/model host/base firmware/core shared/scene shared/wire
 HIL_LIBS      := hil_tests/soak hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant hil_tests/usb $(HOST_LIBS) firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
 HIL_REFERENCE := firmware/tests/reference/tube_lumen.c
 VDB_LINK      := -lopenvdb -ltbb -lImath-3_1
@@ -83,15 +83,15 @@ $(BUILD)/obj/firmware/core/%.c.o: CFLAGS += -ffreestanding $(if $(findstring cla
 # The number a rig shows on the bus, vendor:product in hexadecimal: docs/usb.md.
 USB_ID_FLAGS := -DCRN_USB_VENDOR_ID=0x$(word 1,$(subst :, ,$(USB_ID))) -DCRN_USB_PRODUCT_ID=0x$(word 2,$(subst :, ,$(USB_ID)))
 $(BUILD)/obj/firmware/app/usb/%.c.o $(BUILD)/obj/hil_tests/library/%.c.o: CFLAGS += $(USB_ID_FLAGS)
-$(BUILD)/obj/host/link/%.cpp.o $(BUILD)/obj/host/app/%.cpp.o: CXXFLAGS += $(USB_ID_FLAGS)
+$(BUILD)/obj/host/link/%.cpp.o $(BUILD)/obj/host/rig/%.cpp.o $(BUILD)/obj/host/session/%.cpp.o $(BUILD)/obj/host/app/%.cpp.o: CXXFLAGS += $(USB_ID_FLAGS)
 # The command line's parser is half a minute of templates that run once: not optimised, half of that.
 UNOPTIMISED := $(BUILD)/obj/host/app/cli.cpp.o $(BUILD)/obj/host/app/cli_rig.cpp.o $(BUILD)/obj/host/app/cli_dicom.cpp.o \
          $(foreach main,tools/centreline/fit tools/anatomy tools/bake tools/docs tools/validate tools/vcsim3 hil_tests/rig hil_tests/soak hil_tests/campaign hil_tests/cases,$(BUILD)/obj/$(main)/main.cpp.o)
 # Under the sanitizers what reads, asks and writes is compiled without optimising, which takes two thirds of the time.
-UNOPTIMISED += $(if $(SAN),$(foreach folder,host/app host/dicom host/link hil_tests,$(BUILD)/obj/$(folder)/%.cpp.o))
+UNOPTIMISED += $(if $(SAN),$(foreach folder,host/app host/base host/report host/picture host/session host/script host/rig host/dicom host/link hil_tests,$(BUILD)/obj/$(folder)/%.cpp.o))
 UNOPTIMISED += $(if $(SAN),$(patsubst %,$(BUILD)/obj/%.o,$(filter-out host/model/lesion_%.cpp host/model/opened_%.cpp,$(wildcard host/model/*.cpp))))
 # So are the tests of it; those that look at pixels are not: they would run longer than they compile.
-UNOPTIMISED += $(if $(SAN),$(foreach name,bodies contrast dicom dicom_export heart instrument instrument_shape link pending recording rig session patient_contrast tools usb,$(BUILD)/obj/host/tests/test_$(name).cpp.o))
+UNOPTIMISED += $(if $(SAN),$(foreach name,bodies contrast dicom dicom_export heart instrument instrument_shape link pending recording rig session patient_contrast tools usb,$(patsubst %,$(BUILD)/obj/%.o,$(wildcard host/*/tests/test_$(name).cpp))))
 $(UNOPTIMISED): override OPT := -O0
 # Frames and codecs are loops over bytes, where comparing is half of a fuzzer's time and teaches it nothing.
 $(BUILD)/obj/shared/wire/%.c.o: CFLAGS += $(if $(findstring fuzzer,$(SAN)),-fno-sanitize-coverage=trace-cmp)
@@ -118,7 +118,7 @@ $(BUILD)/pch/%/headers.hpp.gch:
 .PRECIOUS: $(BUILD)/pch/%/headers.hpp.gch
 %/headers.hpp: ; # clang names it by its whole path, which a copied build folder has no more
 # Tests are long lists that run once.
-$(BUILD)/obj/host/tests/%.cpp.o $(BUILD)/obj/tools/bake/tests/%.cpp.o $(BUILD)/obj/tools/centreline/tests/%.cpp.o $(BUILD)/obj/hil_tests/cases/tests/%.cpp.o: OPT := -O1
+$(foreach room,$(wildcard host/*/tests),$(BUILD)/obj/$(room)/%.cpp.o) $(BUILD)/obj/tools/bake/tests/%.cpp.o $(BUILD)/obj/tools/centreline/tests/%.cpp.o $(BUILD)/obj/hil_tests/cases/tests/%.cpp.o: OPT := -O1
 $(BUILD)/obj/%.cpp.o: %.cpp $(if $(PCH),| $(foreach kind,plain pixels quick,$(BUILD)/pch/$(kind)/headers.hpp.gch))
 	@mkdir -p $(@D)
 	$(Q) $(CXX) $(if $(PCH),-include $(PCH_FOLDER)/headers.hpp) $(CXXFLAGS) $(OPT) -c $< -o $@

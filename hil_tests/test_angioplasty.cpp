@@ -20,9 +20,9 @@
 #include <vector>
 
 #include "firmware/port/sim/sim.h"
-#include "host/app/replay.hpp"
-#include "host/app/run.hpp"
-#include "host/app/session_pictures.hpp"
+#include "host/picture/session_pictures.hpp"
+#include "host/session/replay.hpp"
+#include "host/session/run.hpp"
 
 // Last, because its macros (fail, ...) would change other headers.
 extern "C" {

@@ -16,11 +16,11 @@
 #include <unistd.h>
 #include <vector>
 
-#include "host/app/run.hpp"
-#include "host/app/session_expect.hpp"
-#include "host/app/session_pictures.hpp"
 #include "host/model/bodies.hpp"
 #include "host/model/instrument.hpp"
+#include "host/picture/session_pictures.hpp"
+#include "host/script/expect.hpp"
+#include "host/session/run.hpp"
 #include <nlohmann/json.hpp>
 
 // Last, because its macros (fail, ...) would change other headers.

@@ -15,8 +15,8 @@
 #include <unistd.h>
 #include <vector>
 
-#include "host/app/run.hpp"
 #include "host/model/instrument.hpp"
+#include "host/session/run.hpp"
 #include "tools/bake/triangle_tree.hpp"
 
 // Last, because its macros (fail, ...) would change other headers.

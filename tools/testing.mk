@@ -2,7 +2,7 @@
 
 # --- tests: every test_* file is one program --------------------------------------------------------------------
 FIRMWARE_TESTS := $(wildcard firmware/tests/test_*.c shared/*/tests/test_*.c hil_tests/test_*.c)
-HOST_TESTS     := $(wildcard host/tests/test_*.cpp)
+HOST_TESTS     := $(wildcard host/*/tests/test_*.cpp)
 TOOL_TESTS     := $(wildcard tools/bake/tests/test_*.cpp)
 LINE_TESTS     := $(wildcard tools/centreline/tests/test_*.cpp)
 VALIDATE_TESTS := $(wildcard tools/validate/tests/test_*.cpp)
@@ -18,7 +18,7 @@ CALIBRATE_TESTS := $(wildcard tools/calibrate/tests/test_*.cpp)
 HIL_TESTS      := $(wildcard hil_tests/*/tests/test_*.cpp)
 include hil_tests/lies/lies.mk
 SYSTEM_TESTS   := $(wildcard hil_tests/test_*.cpp) # the whole program against real anatomy
-SCRIPT_TESTS   := $(wildcard tools/check/test_*.sh tools/check/test_*.py host/tests/test_*.sh tools/*/tests/test_*.sh tools/*/tests/test_*.py hil_tests/*/test_*.sh)
+SCRIPT_TESTS   := $(wildcard tools/check/test_*.sh tools/check/test_*.py host/*/tests/test_*.sh tools/*/tests/test_*.sh tools/*/tests/test_*.py hil_tests/*/test_*.sh)
 test_program    = $(patsubst %,$(BUILD)/test/%,$(basename $(1)))
 REFERENCE       := $(wildcard firmware/tests/reference/*.c)
 
@@ -29,17 +29,17 @@ $(call test_program,$(1)): $(call objects,$(1) $(4)) $(foreach lib,$(2),$(call l
 endef
 $(foreach t,$(FIRMWARE_TESTS),$(eval $(call test_rule,$(t),$(DEVICE_LIBS),,$(REFERENCE))))
 # Those of USB link a bus of ours before libusb.
-$(foreach t,$(HOST_TESTS),$(eval $(call test_rule,$(t),$(HOST_LIBS),$(HOST_LINK),$(if $(findstring test_usb,$(t)),host/tests/fake_usb.cpp))))
+$(foreach t,$(HOST_TESTS),$(eval $(call test_rule,$(t),$(HOST_LIBS),$(HOST_LINK),$(if $(findstring test_usb,$(t)),host/link/tests/fake_usb.cpp))))
 $(foreach t,$(TOOL_TESTS),$(eval $(call test_rule,$(t),$(BAKE_LIBS),$(BAKE_LINK),)))
 $(foreach t,$(LINE_TESTS),$(eval $(call test_rule,$(t),$(LINE_LIBS),$(LINE_LINK),$(LINE_HOST))))
-$(foreach t,$(THESIS_TESTS),$(eval $(call test_rule,$(t),tools/vcsim3 host/app host/model $(FIRMWARE_LIBS),-lpng,$(REFERENCE))))
+$(foreach t,$(THESIS_TESTS),$(eval $(call test_rule,$(t),tools/vcsim3 host/picture host/model host/base $(FIRMWARE_LIBS),-lpng,$(REFERENCE))))
 $(foreach t,$(VALIDATE_TESTS),$(eval $(call test_rule,$(t),$(VALIDATE_LIBS),,)))
 $(foreach t,$(ROD_TESTS),$(eval $(call test_rule,$(t),tools/validate $(ROD_LIBS),,firmware/tests/reference/tube_lumen.c)))
 $(foreach t,$(CASE_TESTS),$(eval $(call test_rule,$(t),$(CASE_LIBS),,)))
 $(foreach t,$(CT_TESTS),$(eval $(call test_rule,$(t),$(CT_LIBS),$(CT_LINK),$(CT_HOST))))
 $(foreach t,$(CALIBRATE_TESTS),$(eval $(call test_rule,$(t),$(CALIBRATE_LIBS),$(CALIBRATE_LINK),)))
 $(foreach t,$(HIL_TESTS),$(eval $(call test_rule,$(t),$(HIL_LIBS),$(HOST_LINK),$(REFERENCE) $(if $(findstring hil_tests/lies/,$(t)),$(LIES_SOURCES)))))
-$(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/patient host/room host/dicom host/xray/gl host/xray host/stent host/effects host/link tools/bake tools/centreline tools/mesh host/model $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
+$(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/report host/picture host/session host/script host/rig host/patient host/room host/dicom host/xray/gl host/xray/style host/xray host/xray/paths host/stent host/effects host/link tools/bake tools/centreline tools/mesh host/model host/base $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
 ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS) $(TOOL_TESTS) $(LINE_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(ROD_TESTS) $(CASE_TESTS) $(CT_TESTS) $(CALIBRATE_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
 
@@ -77,9 +77,9 @@ hil-guest: packages-build packages-run packages-usb packages-hil ## level L3: th
 	@$(HIL_PROGRAM) --level L3 $(HIL_L3)
 
 # A fuzz target (fuzz_*.c) is one libFuzzer program and one that writes its first inputs: docs/testing.md.
-FUZZ_TARGETS := $(wildcard firmware/tests/fuzz_*.c shared/*/tests/fuzz_*.c hil_tests/fuzz_*.c host/tests/fuzz_*.cpp tools/*/tests/fuzz_*.cpp)
+FUZZ_TARGETS := $(wildcard firmware/tests/fuzz_*.c shared/*/tests/fuzz_*.c hil_tests/fuzz_*.c host/*/tests/fuzz_*.cpp tools/*/tests/fuzz_*.cpp)
 # Those of the host need these files of it, and nothing that a window or a film needs.
-FUZZ_HOST    := host/link/link.cpp host/link/link_hello.cpp host/link/link_receive.cpp host/link/patience.cpp host/model/interrupt.cpp host/model/pending_file.cpp host/app/recording.cpp host/model/text.cpp host/model/terminal.cpp host/model/format.cpp host/room/command.cpp host/stent/design.cpp host/model/toml.cpp
+FUZZ_HOST    := host/link/link.cpp host/link/link_hello.cpp host/link/link_receive.cpp host/link/patience.cpp host/base/interrupt.cpp host/base/pending_file.cpp host/session/recording.cpp host/base/text.cpp host/base/terminal.cpp host/base/format.cpp host/room/command.cpp host/stent/design.cpp host/base/toml.cpp
 FUZZ_LINKED   = $(if $(filter host/%,$(1)),$(FUZZ_HOST),$(if $(filter tools/%,$(1)),$(FUZZ_TOOLS),$(REFERENCE)))
 define fuzz_rule
 $(call test_program,$(1)): $(call objects,$(1) $(call FUZZ_LINKED,$(1))) $(foreach lib,$(DEVICE_LIBS),$(call lib_file,$(lib)))

@@ -1,4 +1,4 @@
-/* Power-up and dispatch: bytes -> frames -> handlers. Called by: firmware/port. */
+/* Power-up and dispatch: bytes -> frames -> handlers. */
 #include "firmware/app/app.h"
 #include "firmware/app/app_internal.h"
 

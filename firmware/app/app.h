@@ -8,7 +8,7 @@
  *                            |          v |                  |      refused unless ARM_MOTORS was answered by CONFIRM
  *                            +-- RESET --+----- FAULT <------+      every stopping fault: motors off, latched
  *
- * May include: firmware/core, firmware/port/port.h, shared. Called by: firmware/port.
+ * May include: firmware/core, firmware/port/port.h, shared.
  */
 #ifndef CRN_APP_H
 #define CRN_APP_H

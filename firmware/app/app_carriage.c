@@ -1,7 +1,6 @@
 /* What a motor may do to a carriage that nobody holds (docs/haptics.md, "A carriage that nobody holds"): its force goes, and it makes
  * the carriage no faster than a hand would. Looked at once per edge in this edge's sample, behind everything that decides the force that
- * is asked for: what is asked for stays a matter of encoder counts and core alone, and a session replays.
- * Called by: app_force.c, app_safety.c. */
+ * is asked for: what is asked for stays a matter of encoder counts and core alone, and a session replays. */
 #include "firmware/app/app_internal.h"
 
 enum {

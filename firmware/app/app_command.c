@@ -1,5 +1,4 @@
-/* States and modes: ARM, START, STOP, RESET, LOCKSTEP, FREE_RUN, and the two steps that let START power the motors.
- * Called by: app.c, app_session.c. */
+/* States and modes: ARM, START, STOP, RESET, LOCKSTEP, FREE_RUN, and the two steps that let START power the motors. */
 #include "firmware/app/app_internal.h"
 
 enum { START_DEPTH_MAX_M_Q30 = 322123 /* 0.3 mm: the wall pushes that back without a jolt */ };

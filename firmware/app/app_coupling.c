@@ -1,7 +1,6 @@
 /* The virtual coupling between hands and tools (docs/haptics.md): a spring and a damper along and about the line, with the
  * friction of sheath and valve on the tool's side. It decides what the core is told and what the motors are asked for, from
- * nothing but encoder counts and the core's own results, so it is bit-reproducible and part of the snapshot.
- * Called by: app_session.c. */
+ * nothing but encoder counts and the core's own results, so it is bit-reproducible and part of the snapshot. */
 #include "firmware/app/app_internal.h"
 
 enum {

@@ -1,7 +1,6 @@
 /* Cycles that a motor keeps up in a hand (docs/haptics.md, "Cycles"). From turn to turn of the carriage the hand either puts work in, as in
  * a tremor or a shake on purpose, or takes it, as in a cycle that the loop of coupling and motor makes by itself. A carriage that goes
- * forth and back without getting slower, faster than any heart, while the hand takes work, is such a cycle.
- * Called by: app_carriage.c. */
+ * forth and back without getting slower, faster than any heart, while the hand takes work, is such a cycle. */
 #include "firmware/app/app_internal.h"
 
 enum {

@@ -1,4 +1,4 @@
-/* The fault log and the way into state FAULT. Called by: this folder. */
+/* The fault log and the way into state FAULT. */
 #include "firmware/app/app_internal.h"
 
 static bool fault_stops(crn_fault_code code)

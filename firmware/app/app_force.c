@@ -1,5 +1,5 @@
 /* From the coupling (or the rod itself, where a track has none) to what the actuators are asked for: gain -> passivity ->
- * slew limit -> force limit -> fade. Called by: app_session.c. */
+ * slew limit -> force limit -> fade. */
 #include "firmware/app/app_internal.h"
 
 enum {

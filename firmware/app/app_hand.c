@@ -1,5 +1,5 @@
 /* From encoder counts to where the hands are, one per tool. Counts are absolute and may wrap, so changes are summed in 64 bits; the
- * position is scaled from the sum, never summed itself, so that rounding does not drift. Called by: app_session.c. */
+ * position is scaled from the sum, never summed itself, so that rounding does not drift. */
 #include "firmware/app/app_internal.h"
 
 void crn_app_hands_reset(crn_app *app)

@@ -1,6 +1,6 @@
 /* What the files of the app share. Top to bottom: wire -> requests -> session -> hand, coupling, force, safety, stream,
  * faults.
- * May include: app.h. Called by: this folder only. */
+ * May include: app.h. */
 #ifndef CRN_APP_INTERNAL_H
 #define CRN_APP_INTERNAL_H
 

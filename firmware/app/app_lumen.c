@@ -1,5 +1,4 @@
-/* Scene bytes -> the core's view of the lumen. The validator checks every byte before the core sees one.
- * Called by: app_setup.c. */
+/* Scene bytes -> the core's view of the lumen. The validator checks every byte before the core sees one. */
 #include "firmware/app/app_internal.h"
 #include "shared/scene/scene.h"
 

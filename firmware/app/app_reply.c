@@ -1,4 +1,4 @@
-/* What goes out: every reply is encoded into app->payload, framed and handed to the port. Called by: this folder. */
+/* What goes out: every reply is encoded into app->payload, framed and handed to the port. */
 #include "firmware/app/app_internal.h"
 
 void crn_app_send(crn_app *app, uint16_t type, size_t payload_bytes)

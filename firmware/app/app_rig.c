@@ -1,5 +1,5 @@
 /* Configuration of the tracks: checked as a whole, read back as it is in force. Limits go down from the host, and up only
- * while the local unlock is closed. Called by: app.c. */
+ * while the local unlock is closed. */
 #include "firmware/app/app_internal.h"
 
 enum {

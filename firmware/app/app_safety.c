@@ -1,6 +1,5 @@
 /* What can hurt a finger, looked for once per edge of the timer in this edge's sample of the rig: lines, sensors, forces,
- * carriages, clock. Every finding is a fault of shared/wire/wire_faults.def, with its time to safe and its test there.
- * Called by: app_session.c, app_command.c. */
+ * carriages, clock. Every finding is a fault of shared/wire/wire_faults.def, with its time to safe and its test there. */
 #include "firmware/app/app_internal.h"
 
 enum {

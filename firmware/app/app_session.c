@@ -1,4 +1,4 @@
-/* Ticks. One tick: encoders -> hands -> coupling -> crn_step -> forces -> what the host is told. Called by: app.c, the port. */
+/* Ticks. One tick: encoders -> hands -> coupling -> crn_step -> forces -> what the host is told. */
 #include "firmware/app/app_internal.h"
 
 /* --- one tick --- */

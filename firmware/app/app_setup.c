@@ -1,5 +1,4 @@
-/* Set-up requests: scene, tools, entry. Only in READY; what is refused leaves the old one in place.
- * Called by: app.c. */
+/* Set-up requests: scene, tools, entry. Only in READY; what is refused leaves the old one in place. */
 #include "firmware/app/app_internal.h"
 
 /* --- scene --- */

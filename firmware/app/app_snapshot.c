@@ -5,8 +5,7 @@
  *       summed translation, rotation i64 | motor axial mN, torque uN m i32                       = 36 bytes
  *       coupling along, then about: set u32 | reference, lead, force i32 | stiffness shown i64    = 24 bytes each
  *       energy: set u32 | taken pJ i64 | hand Q30 m i32, turn u32 | scale u32                     = 24 bytes
- *
- * Called by: app.c. */
+ */
 #include "firmware/app/app_internal.h"
 
 enum { SNAPSHOT_VERSION = 3 };

@@ -1,6 +1,5 @@
 /* What the device says without being asked, as far as there is room on the way to the host: ticks of FREE_RUN first, then
- * notices, then pictures. Ticks and notices wait in queues; a picture that found no room is replaced by a newer one.
- * Called by: app_session.c, app_command.c, app_fault.c. */
+ * notices, then pictures. Ticks and notices wait in queues; a picture that found no room is replaced by a newer one. */
 #include "firmware/app/app_internal.h"
 
 enum {

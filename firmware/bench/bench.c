@@ -1,5 +1,5 @@
 /* The command line of the benchmark programs: see docs/bench.md.
- * May include: bench.h, the C library. Called by: firmware/bench/bench_*.c. */
+ * May include: bench.h, the C library. */
 #define _POSIX_C_SOURCE 200809L
 #include "firmware/bench/bench.h"
 

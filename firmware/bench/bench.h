@@ -1,5 +1,5 @@
 /* What a benchmark program needs: a table of cases and a main that follows the convention of docs/bench.md.
- * May include: the C library. Called by: firmware/bench/bench_*.c. */
+ * May include: the C library. */
 #ifndef CRN_BENCH_H
 #define CRN_BENCH_H
 

@@ -6,7 +6,7 @@
  * beating sphere (tests/reference/moving_tube.h). `balloon` is a wire in a balloon catheter of 256 elements in the three bends, with its balloon of 3 x 20 mm
  * folded or filling the vessel at 8 bar. A row
  * fails when its scene has fewer contacts than it says.
- * May include: bench.h, tests/reference, the core. Called by: make bench. */
+ * May include: bench.h, tests/reference, the core. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/core_state.h"
 #include "firmware/tests/reference/cantilever.h"

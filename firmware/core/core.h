@@ -8,7 +8,7 @@
  * Tools are numbered from the innermost (0, the wire) to the outermost and share one centreline where they overlap.
  * The tool whose tip is farthest in leads; any may. Node 0 is the leading tip; indices grow towards the hand.
  * Patient frame: +x patient left, +y head, +z anterior.
- * May include: this folder. Called by: firmware/app, tools, host (by this header only).
+ * May include: this folder.
  */
 #ifndef CRN_CORE_H
 #define CRN_CORE_H

@@ -1,5 +1,5 @@
 /* Set-up: tools -> constants. Runs once per line, so it may divide (bit by bit) and take its time.
- * May include: core_check.h, rod.h. Called by: firmware/app, tools, tests through core.h. */
+ * May include: core_check.h, rod.h. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/core_check.h"
 

@@ -1,5 +1,5 @@
 /* Checks of what comes from outside before any constant is derived from it.
- * May include: core_check.h. Called by: core_build.c. */
+ * May include: core_check.h. */
 #include "firmware/core/core_check.h"
 
 static bool in_range(uint32_t value, uint32_t low, uint32_t high)

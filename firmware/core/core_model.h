@@ -10,7 +10,7 @@
  * in Q(a) N/m with one exponent a for the whole line (`stiffness_exponent`), chosen so that no assembled diagonal can
  * reach 2^29 wherever the tools stand.
  *
- * May include: core.h, motion.h. Called by: this folder, and owners of model memory.
+ * May include: core.h, motion.h.
  */
 #ifndef CRN_CORE_MODEL_H
 #define CRN_CORE_MODEL_H

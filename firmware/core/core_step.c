@@ -1,5 +1,5 @@
 /* One tick, part by part (docs/tick.md follows it through the code).
- * May include: rod.h. Called by: firmware/app, tools, tests through core.h. */
+ * May include: rod.h. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/lesion.h"
 #include "firmware/core/strut.h"

@@ -6,7 +6,7 @@
  * addition and an arithmetic shift, which is what the Cortex-M7 DSP instructions (SMMULR) do, so every
  * machine agrees bit for bit.
  *
- * May include: nothing outside this folder. Called by: everything in firmware/core.
+ * May include: nothing outside this folder.
  */
 #ifndef CRN_FIXED_H
 #define CRN_FIXED_H

@@ -1,5 +1,5 @@
 /* Constants of firmware/core/fixed.h. Written by tools/check/make_tables.py: change that, not this file.
- * May include: fixed.h. Called by: fixed.h, fixed.c. */
+ * May include: fixed.h. */
 #include "firmware/core/fixed.h"
 
 // clang-format off

@@ -1,5 +1,5 @@
 /* Cells of the lattices of a moving vessel: what the look-up (motion.c) and the step of the wall (motion_wall.c) share.
- * May include: motion.h. Called by: motion*.c only. */
+ * May include: motion.h. */
 #ifndef CRN_MOTION_CELL_H
 #define CRN_MOTION_CELL_H
 

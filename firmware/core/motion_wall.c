@@ -1,5 +1,5 @@
 /* How the wall of a moving vessel moves in a tick (motion.h, docs/heart.md).
- * May include: motion.h, rod.h (quotient). Called by: rod_contact.c. */
+ * May include: motion.h, rod.h (quotient). */
 #include "firmware/core/motion_cell.h"
 #include "firmware/core/rod.h"
 

@@ -1,6 +1,6 @@
 /* Beats one after the other: the length of each is chosen when it begins, and the phase goes evenly to the end of systole and
  * from there to the next beat. What is asked for changes lengths, never the phase itself: it has no jumps.
- * May include: rhythm.h. Called by: core_step.c, core_state.c. */
+ * May include: rhythm.h. */
 #include "firmware/core/rhythm.h"
 
 enum {

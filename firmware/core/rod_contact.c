@@ -8,7 +8,7 @@
  * After the solve z takes the way and is limited to mu N / k_t.
  * Struts of a stent (strut.h) are met as the wall is. Between struts and wall a node has two contacts: both normals are in the matrix, the
  * deeper one carries the bristle, and friction has the sum of both forces.
- * May include: rod.h, rod_friction.h. Called by: core_step.c. */
+ * May include: rod.h, rod_friction.h. */
 #include "firmware/core/lesion.h"
 #include "firmware/core/rod.h"
 #include "firmware/core/rod_friction.h"

@@ -1,5 +1,5 @@
 /* Friction of one node on the wall: what it may be, its stiffness in the matrix (docs/rod.md, "Contact").
- * May include: rod.h. Called by: rod_contact.c. */
+ * May include: rod.h. */
 #ifndef CRN_CORE_ROD_FRICTION_H
 #define CRN_CORE_ROD_FRICTION_H
 

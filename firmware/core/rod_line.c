@@ -4,7 +4,7 @@
  * averaged, not stiffness ("series"): arithmetic averages across a tool's tip or a step give force spikes at the handle.
  *   1/W = integral ds / EI,  EI = sum EI_k;   turn_k = integral (EI_k / EI) kappa_k ds
  * A cell that a tip divides is summed piece by piece, so everything moves smoothly as tools slide.
- * May include: rod.h. Called by: core_step.c, core_state.c. */
+ * May include: rod.h. */
 #include "firmware/core/rod.h"
 
 enum {

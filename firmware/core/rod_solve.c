@@ -10,7 +10,7 @@
  * node, by Newton; no divide. Each row gathers what the two rows before it give, so that a sum of up to six products is
  * rounded once and nothing half-finished is stored. Operands have 32 bits and sums 64: one SMLAL each on the Cortex-M7.
  * Formats: D, R, S, Q, T, kb in Q(a) N/m below 2^29; V, P in Q29; r in Q22 N; delta in Q33 m.
- * May include: rod.h. Called by: core_step.c. */
+ * May include: rod.h. */
 #include "firmware/core/rod.h"
 
 /* Inverse of a block: D^-1 = mantissa 2^-exponent in units of 1/D. */

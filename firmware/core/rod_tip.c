@@ -3,7 +3,7 @@
  * the hand turns it, because the matrix keeps rest turns fixed in space: of what is missing the solve gives a tip of length s on a
  * wire of length L about 1 / (kappa^2 s L) in each tick (docs/rod.md, "feed"). Not on the wall: there the solve ends the turn, and a tip that is
  * expected to go on trembles.
- * May include: rod.h. Called by: rod_feed.c. */
+ * May include: rod.h. */
 #include "firmware/core/rod.h"
 
 enum {

@@ -11,7 +11,7 @@
  *
  * The side is the one on which the node's centre lies. An end of the chain is a round edge; its normal leads at least by 45 degrees to one
  * side, so that no friction holds a tip there. Orders move a ring that is there by 5 um a tick. Where there is no ring it costs a
- * comparison for each node. docs/lesions.md. May include: core_state.h. Called by: rod_contact.c, core_state.c, core_step.c. */
+ * comparison for each node. docs/lesions.md. May include: core_state.h. */
 #ifndef CRN_STRUT_H
 #define CRN_STRUT_H
 

@@ -1,5 +1,5 @@
 /* Three-component vectors in fixed point. A vector's format is that of its components and ends its name.
- * May include: fixed.h. Called by: rod, lumen, contact. */
+ * May include: fixed.h. */
 #ifndef CRN_VECTOR_H
 #define CRN_VECTOR_H
 

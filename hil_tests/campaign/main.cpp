@@ -3,8 +3,8 @@
 #include "hil_tests/campaign/table.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
-#include "host/model/interrupt.hpp"
-#include "host/model/output_files.hpp"
+#include "host/base/interrupt.hpp"
+#include "host/base/output_files.hpp"
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>

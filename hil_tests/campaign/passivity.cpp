@@ -1,7 +1,7 @@
 #include "hil_tests/campaign/passivity.hpp"
 #include "hil_tests/cases/haptic_bench.hpp"
 #include "hil_tests/cases/tube_scene.h"
-#include "host/app/device.hpp"
+#include "host/session/device.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -1,5 +1,5 @@
 // Counts of a campaign: one line per kind, worst times to safe per class; as a table and as a file of tab-separated values.
-// May include: judge.hpp. Called by: hil_tests/campaign.
+// May include: judge.hpp.
 #pragma once
 #include "hil_tests/campaign/judge.hpp"
 #include <map>

@@ -1,10 +1,10 @@
 #include "hil_tests/cases/aorta_session.hpp"
-#include "host/app/device.hpp"
-#include "host/app/session.hpp"
+#include "host/base/interrupt.hpp"
 #include "host/link/sim_transport.hpp"
-#include "host/model/interrupt.hpp"
 #include "host/model/timeline.hpp"
 #include "host/model/units.hpp"
+#include "host/script/session.hpp"
+#include "host/session/device.hpp"
 #include <algorithm>
 #include <chrono>
 #include <cmath>

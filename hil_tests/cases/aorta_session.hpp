@@ -1,9 +1,9 @@
 // The aorta session of `make run` on a device at the other end of any pipe, tick by tick: hashes, and what a tick costs.
-// May include: conversation, host/app. Called by: the program hil.
+// May include: conversation, host/app.
 #pragma once
-#include "host/app/session.hpp"
-#include "host/app/tip_places.hpp"
 #include "host/link/link.hpp"
+#include "host/script/session.hpp"
+#include "host/script/tip_places.hpp"
 #include <functional>
 #include <memory>
 #include <string>

@@ -1,10 +1,10 @@
 #include "hil_tests/cases/budget.hpp"
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
-#include "host/app/device.hpp"
-#include "host/app/hand_motion.hpp"
-#include "host/app/session.hpp"
-#include "host/model/interrupt.hpp"
+#include "host/base/interrupt.hpp"
+#include "host/script/hand_motion.hpp"
+#include "host/script/session.hpp"
+#include "host/session/device.hpp"
 #include <algorithm>
 
 namespace hil

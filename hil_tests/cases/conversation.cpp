@@ -1,9 +1,9 @@
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/cases/tube_scene.h"
-#include "host/app/device.hpp"
+#include "host/base/format.hpp"
 #include "host/link/sim_transport.hpp"
-#include "host/model/format.hpp"
 #include "host/model/instrument.hpp"
+#include "host/session/device.hpp"
 #include <cstdarg>
 
 namespace hil

@@ -4,7 +4,7 @@
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/cases/haptic_bench.hpp"
 #include "hil_tests/cases/tube_scene.h"
-#include "host/app/device.hpp"
+#include "host/session/device.hpp"
 #include <cmath>
 
 namespace hil

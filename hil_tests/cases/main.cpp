@@ -5,9 +5,9 @@
 #include "hil_tests/cases/remote_bench.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
+#include "host/base/interrupt.hpp"
+#include "host/base/pending_file.hpp"
 #include "host/link/sim_transport.hpp"
-#include "host/model/interrupt.hpp"
-#include "host/model/pending_file.hpp"
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 /* Scenes from a closed form for cases that need a wall: tubes around a path of straight pieces and bends.
- * May include: nothing. Called by: cases. */
+ * May include: nothing. */
 #ifndef CRN_HIL_TUBE_SCENE_H
 #define CRN_HIL_TUBE_SCENE_H
 

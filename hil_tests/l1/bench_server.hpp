@@ -5,7 +5,7 @@
 //        +------------------- USB ----------------------------+
 //
 // Both ends are built from this tree for one kind of machine, so structs go over as they are.
-// May include: emulator. Called by: program hil_rig, hil_tests/l3.
+// May include: emulator.
 #pragma once
 #include "firmware/port/port.h"
 #include "host/link/emulator.hpp"

@@ -4,7 +4,7 @@
  * is ready for writing (that is how usbfs says it) while a transfer is done and not reaped, and full otherwise; /dev/hidraw0
  * holds one byte per report that waits.
  *
- * May include: hil_tests/usb, umockdev. Called by: this folder only.
+ * May include: hil_tests/usb, umockdev.
  */
 #ifndef CRN_MOCK_H
 #define CRN_MOCK_H

@@ -10,7 +10,7 @@
  *
  * The exit code is the program's; 1 when the device does not come up, 2 for bad arguments.
  *
- * May include: mock.h. Called by: make hil-mock.
+ * May include: mock.h.
  */
 #define _GNU_SOURCE
 #include "hil_tests/l2/mock.h"

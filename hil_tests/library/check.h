@@ -1,5 +1,5 @@
 /* What the programs of this folder share: TAP lines, a clock, and the option that names the device.
- * May include: shared/wire. Called by: this folder only. */
+ * May include: shared/wire. */
 #ifndef CRN_LIBRARY_CHECK_H
 #define CRN_LIBRARY_CHECK_H
 

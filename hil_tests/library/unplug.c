@@ -1,5 +1,5 @@
 /* Asks a rig to leave the bus for so many milliseconds, as if somebody pulled its cable, whoever is using it: unplug MILLISECONDS.
- * May include: libusb, check.h. Called by: hil_tests/library/unplug.sh. */
+ * May include: libusb, check.h. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -3,11 +3,11 @@
 #include "hil_tests/lies/hid_liar.hpp"
 #include "hil_tests/lies/liar.hpp"
 #include "host/app/cli.hpp"
-#include "host/app/cli_rig.hpp"
-#include "host/app/device.hpp"
-#include "host/app/recording.hpp"
-#include "host/model/interrupt.hpp"
-#include "host/tests/fake_usb.hpp"
+#include "host/base/interrupt.hpp"
+#include "host/link/tests/fake_usb.hpp"
+#include "host/rig/rig.hpp"
+#include "host/session/device.hpp"
+#include "host/session/recording.hpp"
 #include <algorithm>
 #include <chrono>
 #include <filesystem>

@@ -1,5 +1,5 @@
 // The commands that talk to a device, each in this process from its command line to its exit code, with a liar on the bus; and
-// whether what they recorded is true. May include: lie, host/app, host/tests/fake_usb. Called by: hil_tests/lies.
+// whether what they recorded is true. May include: lie, host/app, host/link/tests/fake_usb.
 #pragma once
 #include "hil_tests/lies/lie.hpp"
 #include <functional>

@@ -1,5 +1,5 @@
 #include "hil_tests/lies/judge.hpp"
-#include "host/model/interrupt.hpp"
+#include "host/base/interrupt.hpp"
 #include <chrono>
 #include <csignal>
 #include <cstdio>

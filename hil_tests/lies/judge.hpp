@@ -1,5 +1,5 @@
 // One lie to one command, in a process of its own: how it ended, how soon, how soon after Ctrl-C, and whether a falsehood was
-// recorded. May include: commands. Called by: hil_tests/lies.
+// recorded. May include: commands.
 #pragma once
 #include "hil_tests/lies/commands.hpp"
 

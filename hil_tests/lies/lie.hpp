@@ -6,7 +6,7 @@
 //   others     one field of the n-th message of that type says something else; where a command gets no such message, a forged
 //              one comes unasked
 //
-// May include: nothing. Called by: hil_tests/lies.
+// May include: nothing.
 #pragma once
 #include <string>
 #include <vector>

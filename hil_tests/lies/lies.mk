@@ -1,5 +1,5 @@
 # Lies of a device to every command: docs/hil.md. The bus is the tests' own, in libusb's place. Read by tools/testing.mk.
-LIES_SOURCES := $(filter-out %/main.cpp,$(wildcard hil_tests/lies/*.cpp)) host/tests/fake_usb.cpp
+LIES_SOURCES := $(filter-out %/main.cpp,$(wildcard hil_tests/lies/*.cpp)) host/link/tests/fake_usb.cpp
 HIL_LIES     := $(BUILD)/bin/hil_lies
 $(BUILD)/obj/hil_tests/lies/main.cpp.o: override OPT := -O0
 $(HIL_LIES): $(call objects,hil_tests/lies/main.cpp $(LIES_SOURCES) $(HIL_REFERENCE)) $(foreach lib,$(HIL_LIBS),$(call lib_file,$(lib)))

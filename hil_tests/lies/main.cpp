@@ -1,7 +1,7 @@
 // The program hil_lies: lies of a device to every command that talks to one (docs/hil.md), all of them, a spread, or one by its line.
 #include "hil_tests/lies/judge.hpp"
-#include "host/model/interrupt.hpp"
-#include "host/model/pending_file.hpp"
+#include "host/base/interrupt.hpp"
+#include "host/base/pending_file.hpp"
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>

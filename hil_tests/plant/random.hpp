@@ -1,5 +1,5 @@
 // Seeded noise that is the same on every machine: no library decides about it.
-// May include: nothing. Called by: hil_tests.
+// May include: nothing.
 #pragma once
 #include <cstdint>
 

@@ -7,7 +7,7 @@
 // the device's USB tokens, for bridge and mock_bus, and {bench} the socket. The exit code is the command's, or 1.
 #include "hil_tests/l1/bench_server.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
-#include "host/model/interrupt.hpp"
+#include "host/base/interrupt.hpp"
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>

@@ -1,7 +1,7 @@
 #include "hil_tests/soak/campaign.hpp"
 #include "hil_tests/soak/process.hpp"
-#include "host/model/interrupt.hpp"
-#include "host/model/pending_file.hpp"
+#include "host/base/interrupt.hpp"
+#include "host/base/pending_file.hpp"
 #include <chrono>
 #include <csignal>
 #include <cstdio>

@@ -1,12 +1,12 @@
 // What sessions are drawn from: baked scenes with their vessels, every instrument and stent that ships, and the sets of instruments that fit
 // into each other. Read once; a session's device and sinks take it from here.
-// May include: host. Called by: hil_tests/soak.
+// May include: host.
 #pragma once
-#include "host/app/scene_file.hpp"
 #include "host/model/instrument.hpp"
 #include "host/model/lesion_opening.hpp"
 #include "host/model/motion.hpp"
 #include "host/model/vessel_tree.hpp"
+#include "host/session/scene_file.hpp"
 #include "host/stent/design.hpp"
 #include <optional>
 #include <string>

@@ -1,5 +1,5 @@
 // Random numbers that are the same with every library: std::mt19937_64 is defined to the bit, its distributions are not.
-// May include: nothing. Called by: draw.
+// May include: nothing.
 #pragma once
 #include <cstdint>
 #include <random>

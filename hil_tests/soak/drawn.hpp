@@ -1,5 +1,5 @@
 // A drawn session: which scene, which tools, which stents, and an ordinary session script (docs/session.md) as lines. What is drawn can
-// therefore be printed and done again by `cournand run`. May include: nothing. Called by: hil_tests/soak.
+// therefore be printed and done again by `cournand run`. May include: nothing.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,7 +1,7 @@
 // A trial in a process of its own, and verdicts as lines.
 #include "hil_tests/soak/process.hpp"
 #include "hil_tests/soak/trial.hpp"
-#include "host/model/interrupt.hpp"
+#include "host/base/interrupt.hpp"
 #include <algorithm>
 #include <cerrno>
 #include <chrono>

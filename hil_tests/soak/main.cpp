@@ -1,10 +1,10 @@
 // The program soak: random legal sessions for hours, held against the bars of docs/soak.md. Exit codes: 0 every bar held, 1 one broke or the
 // program failed, 2 wrong usage.
 #include "hil_tests/soak/campaign.hpp"
-#include "host/model/interrupt.hpp"
-#include "host/model/output_files.hpp"
-#include "host/model/pending_file.hpp"
-#include "host/model/text.hpp"
+#include "host/base/interrupt.hpp"
+#include "host/base/output_files.hpp"
+#include "host/base/pending_file.hpp"
+#include "host/base/text.hpp"
 #include "shared/wire/wire_frame.h"
 #include <CLI/CLI.hpp>
 #include <algorithm>

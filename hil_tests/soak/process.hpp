@@ -1,4 +1,4 @@
-// A process that says one text and ends. May include: nothing. Called by: isolated, campaign.
+// A process that says one text and ends. May include: nothing.
 #pragma once
 #include <functional>
 #include <optional>

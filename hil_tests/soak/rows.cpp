@@ -1,5 +1,5 @@
 #include "hil_tests/soak/rows.hpp"
-#include "host/model/pending_file.hpp"
+#include "host/base/pending_file.hpp"
 #include <cerrno>
 #include <cstdio>
 #include <cstring>

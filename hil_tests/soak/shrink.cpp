@@ -1,5 +1,5 @@
 #include "hil_tests/soak/shrink.hpp"
-#include "host/model/interrupt.hpp"
+#include "host/base/interrupt.hpp"
 #include <algorithm>
 #include <chrono>
 #include <sstream>

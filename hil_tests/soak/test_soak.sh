@@ -3,7 +3,7 @@
 # session is one that `cournand run` takes, to the same hash; a bar that is planted too low is found, and shrinks to a short script
 # that shows it; a recording that was changed is told.
 set -u
-. "$(dirname "$0")/../../host/tests/program.sh"
+. "$(dirname "$0")/../../host/app/tests/program.sh"
 soak="$build/bin/soak"
 make -s PACKAGES=skip BUILD="${BUILD:-build}" "${BUILD:-build}/bin/soak" "${BUILD:-build}/bin/anatomy" "${BUILD:-build}/bin/bake" >"$log" 2>&1
 result $? "the soak is built"

@@ -1,8 +1,8 @@
 #include "hil_tests/soak/trial.hpp"
 #include "hil_tests/soak/watch.hpp"
-#include "host/app/replay.hpp"
-#include "host/app/run.hpp"
-#include "host/model/interrupt.hpp"
+#include "host/base/interrupt.hpp"
+#include "host/session/replay.hpp"
+#include "host/session/run.hpp"
 #include <algorithm>
 #include <filesystem>
 #include <memory>

@@ -1,10 +1,10 @@
 // The sink of a trial: holds every tick against the bars.
-// May include: host, trial. Called by: trial.
+// May include: host, trial.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
-#include "host/app/frame_sink.hpp"
-#include "host/app/session.hpp"
 #include "host/patient/patient.hpp"
+#include "host/script/session.hpp"
+#include "host/session/frame_sink.hpp"
 #include <stdexcept>
 
 namespace soak

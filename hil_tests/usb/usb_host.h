@@ -5,7 +5,7 @@
  * In one process it runs the device; towards another process it sleeps. It returns false when the deadline is over that
  * `begin_wait` set: how long a device may take to serve one token. NAKs are counted.
  *
- * May include: shared/mailbox. Called by: hil_tests.
+ * May include: shared/mailbox.
  */
 #ifndef CRN_USB_HOST_H
 #define CRN_USB_HOST_H

@@ -1,11 +1,11 @@
 #include "host/app/cli.hpp"
 #include "host/app/cli_dicom.hpp"
 #include "host/app/cli_rig.hpp"
-#include "host/app/instrument_list.hpp"
-#include "host/app/replay.hpp"
-#include "host/model/command_values.hpp"
-#include "host/model/terminal.hpp"
+#include "host/base/command_values.hpp"
+#include "host/base/terminal.hpp"
 #include "host/model/units.hpp"
+#include "host/report/instrument_list.hpp"
+#include "host/session/replay.hpp"
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>

@@ -1,11 +1,11 @@
-// The command line `cournand`: exit codes 0 done, 1 failed, 2 wrong usage, 3 physics left its range (range_watch.hpp). May include: all host. Called by: main.
+// The command line `cournand`: exit codes 0 done, 1 failed, 2 wrong usage, 3 physics left its range (range_watch.hpp). May include: all host.
 #pragma once
-#include "host/app/device.hpp"
-#include "host/app/session_pictures.hpp"
-#include "host/app/surface_file.hpp"
-#include "host/app/tip_places.hpp"
 #include "host/app/window.hpp"
-#include "host/model/output_files.hpp"
+#include "host/base/output_files.hpp"
+#include "host/picture/session_pictures.hpp"
+#include "host/picture/surface_file.hpp"
+#include "host/script/tip_places.hpp"
+#include "host/session/device.hpp"
 #include <optional>
 #include <string>
 #include <vector>

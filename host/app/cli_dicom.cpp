@@ -1,6 +1,6 @@
 #include "host/app/cli_dicom.hpp"
-#include "host/model/output_files.hpp"
-#include "host/model/terminal.hpp"
+#include "host/base/output_files.hpp"
+#include "host/base/terminal.hpp"
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>

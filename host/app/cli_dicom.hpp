@@ -1,6 +1,6 @@
-// cournand dicom-check, and the options of `run` and `replay` that export DICOM. Called by: cli.
+// cournand dicom-check, and the options of `run` and `replay` that export DICOM.
 #pragma once
-#include "host/app/dicom_export.hpp"
+#include "host/picture/dicom_export.hpp"
 #include <CLI/CLI.hpp>
 
 namespace crn

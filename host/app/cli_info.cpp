@@ -1,12 +1,12 @@
 // cournand info
 #include "host/app/cli.hpp"
-#include "host/app/path_choice.hpp"
-#include "host/app/recording.hpp"
-#include "host/app/scene_file.hpp"
-#include "host/app/session.hpp"
-#include "host/model/terminal.hpp"
-#include "host/model/text.hpp"
+#include "host/base/terminal.hpp"
+#include "host/base/text.hpp"
 #include "host/model/units.hpp"
+#include "host/picture/path_choice.hpp"
+#include "host/script/session.hpp"
+#include "host/session/recording.hpp"
+#include "host/session/scene_file.hpp"
 #include <cstdio>
 #include <filesystem>
 

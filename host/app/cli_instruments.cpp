@@ -1,8 +1,8 @@
 // cournand instruments
 #include "host/app/cli.hpp"
-#include "host/app/instrument_list.hpp"
-#include "host/model/pending_file.hpp"
-#include "host/model/terminal.hpp"
+#include "host/base/pending_file.hpp"
+#include "host/base/terminal.hpp"
+#include "host/report/instrument_list.hpp"
 #include <cstdio>
 
 namespace crn

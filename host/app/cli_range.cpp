@@ -1,7 +1,7 @@
 // What run and replay do about a session whose physics left its range.
 #include "host/app/cli.hpp"
+#include "host/base/terminal.hpp"
 #include "host/model/bodies.hpp"
-#include "host/model/terminal.hpp"
 
 namespace crn
 {

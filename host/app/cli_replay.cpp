@@ -1,12 +1,12 @@
 // cournand replay
 #include "host/app/cli.hpp"
-#include "host/app/replay.hpp"
-#include "host/app/session_pictures.hpp"
-#include "host/app/session_summary.hpp"
-#include "host/model/interrupt.hpp"
-#include "host/model/terminal.hpp"
-#include "host/model/text.hpp"
+#include "host/base/interrupt.hpp"
+#include "host/base/terminal.hpp"
+#include "host/base/text.hpp"
 #include "host/patient/patient.hpp"
+#include "host/picture/session_pictures.hpp"
+#include "host/report/session_summary.hpp"
+#include "host/session/replay.hpp"
 #include <algorithm>
 #include <cstdio>
 #include <unistd.h>

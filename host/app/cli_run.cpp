@@ -1,14 +1,14 @@
 // cournand run
 #include "host/app/cli.hpp"
-#include "host/app/cli_rig.hpp"
-#include "host/app/run.hpp"
-#include "host/app/session_pictures.hpp"
-#include "host/app/session_summary.hpp"
-#include "host/model/interrupt.hpp"
-#include "host/model/terminal.hpp"
-#include "host/model/text.hpp"
+#include "host/base/interrupt.hpp"
+#include "host/base/terminal.hpp"
+#include "host/base/text.hpp"
 #include "host/patient/balloon.hpp"
 #include "host/patient/patient.hpp"
+#include "host/picture/session_pictures.hpp"
+#include "host/report/session_summary.hpp"
+#include "host/rig/rig.hpp"
+#include "host/session/run.hpp"
 #include <algorithm>
 #include <cstdio>
 #include <unistd.h>

@@ -1,9 +1,9 @@
 // cournand surface
 #include "host/app/cli.hpp"
-#include "host/app/replay.hpp"
-#include "host/app/session_summary.hpp"
-#include "host/model/interrupt.hpp"
-#include "host/model/terminal.hpp"
+#include "host/base/interrupt.hpp"
+#include "host/base/terminal.hpp"
+#include "host/report/session_summary.hpp"
+#include "host/session/replay.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -1,12 +1,12 @@
 // The loop of the window: keys -> hand and C-arm -> ticks -> picture -> screen.
 #include "host/app/window.hpp"
 #include "host/app/cli.hpp"
-#include "host/app/session_summary.hpp"
 #include "host/app/window_keys.hpp"
 #include "host/app/window_live.hpp"
-#include "host/app/window_screen.hpp"
-#include "host/model/interrupt.hpp"
-#include "host/model/terminal.hpp"
+#include "host/base/interrupt.hpp"
+#include "host/base/terminal.hpp"
+#include "host/picture/screen.hpp"
+#include "host/report/session_summary.hpp"
 #include <algorithm>
 #include <chrono>
 #include <cstdio>

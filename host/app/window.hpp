@@ -1,8 +1,8 @@
 // The window of `cournand view`: hand, pedal and C-arm by keyboard, the same pictures as everywhere else.
 // Live input is recorded like a session; the recording replays bit for bit.
-// May include: all host. Called by: cli.
+// May include: all host.
 #pragma once
-#include "host/app/session_pictures.hpp"
+#include "host/picture/session_pictures.hpp"
 #include <string>
 #include <vector>
 

@@ -1,10 +1,10 @@
 // What the keys of the window mean: one table for the handling and the help panel.
-// May include: room, window_screen. Called by: window.
+// May include: room, window_screen.
 #pragma once
-#include "host/app/hand_motion.hpp"
-#include "host/app/rhythm_order.hpp"
-#include "host/app/window_screen.hpp"
+#include "host/picture/screen.hpp"
 #include "host/room/room_screen.hpp"
+#include "host/script/hand_motion.hpp"
+#include "host/script/rhythm_order.hpp"
 #include <span>
 #include <string>
 #include <utility>

@@ -1,8 +1,8 @@
 #include "host/app/window_live.hpp"
-#include "host/app/presence.hpp"
-#include "host/app/run.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/patient/balloon.hpp"
+#include "host/rig/presence.hpp"
+#include "host/session/run.hpp"
 #include <algorithm>
 #include <chrono>
 #include <cmath>

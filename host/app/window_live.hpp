@@ -1,15 +1,15 @@
 // A session led by hand: one device, its recording and its pictures. One object is one session; reset makes a new one.
 // A device in FREE_RUN leads itself: its encoders are the hands; the pedals of a rig work beside the keys.
-// May include: device, recording, session_pictures. Called by: window.
+// May include: device, recording, session_pictures.
 #pragma once
-#include "host/app/device.hpp"
-#include "host/app/hand_grip.hpp"
-#include "host/app/hand_motion.hpp"
-#include "host/app/range_watch.hpp"
-#include "host/app/rhythm_order.hpp"
-#include "host/app/rig_pedals.hpp"
-#include "host/app/run.hpp"
-#include "host/app/session_pictures.hpp"
+#include "host/picture/session_pictures.hpp"
+#include "host/rig/pedals.hpp"
+#include "host/script/hand_motion.hpp"
+#include "host/script/rhythm_order.hpp"
+#include "host/session/device.hpp"
+#include "host/session/hand_grip.hpp"
+#include "host/session/range_watch.hpp"
+#include "host/session/run.hpp"
 #include <chrono>
 #include <memory>
 #include <span>

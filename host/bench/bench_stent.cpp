@@ -1,8 +1,8 @@
 // What a stent costs at a picture, with a thousand struts in an artery that beats, and how the shipped stent stays in the shipped heart's
 // LAD for a minute: docs/stent.md.
 #include "firmware/bench/bench.h"
-#include "host/tests/stent_heart.hpp"
-#include "host/tests/stent_vessel.hpp"
+#include "host/stent/tests/stent_heart.hpp"
+#include "host/stent/tests/stent_vessel.hpp"
 #include <algorithm>
 #include <memory>
 #include <string>

@@ -3,8 +3,8 @@
 //
 //   build/bench/bench_stent_picture picture out/stent.png      four of them side by side (docs/stent.md)
 #include "firmware/bench/bench.h"
-#include "host/app/picture.hpp"
-#include "host/app/session_pictures.hpp"
+#include "host/picture/picture.hpp"
+#include "host/picture/session_pictures.hpp"
 #include "host/stent/figures.hpp"
 #include "host/stent/vessel_wall.hpp"
 #include <algorithm>

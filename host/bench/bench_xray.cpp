@@ -1,10 +1,10 @@
 // How long a picture takes: docs/bench.md and docs/xray.md. The patient is out/aorta.bodies (`make run` leaves it) or, where
 // that is missing, one made here; both have at least 300,000 triangles and four materials.
 #include "firmware/bench/bench.h"
-#include "host/tests/xray_shapes.hpp"
 #include "host/xray/chain.hpp"
 #include "host/xray/gl/gl_paths.hpp"
-#include "host/xray/raster_paths.hpp"
+#include "host/xray/paths/raster_paths.hpp"
+#include "host/xray/tests/xray_shapes.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

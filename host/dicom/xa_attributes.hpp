@@ -1,4 +1,4 @@
-// The attributes of a run, module by module, as PS3.3 A.14 lists them. Needs DCMTK. Called by: xa_file.
+// The attributes of a run, module by module, as PS3.3 A.14 lists them. Needs DCMTK.
 #pragma once
 #include "host/dicom/xa_file.hpp"
 #include <dcmtk/config/osconfig.h>

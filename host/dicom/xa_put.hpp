@@ -1,4 +1,4 @@
-// Attributes into a DICOM item, one short call each; numbers as the standard writes them. Called by: xa_attributes, xa_beam.
+// Attributes into a DICOM item, one short call each; numbers as the standard writes them.
 #pragma once
 #include <cstdint>
 #include <dcmtk/config/osconfig.h>

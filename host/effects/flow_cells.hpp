@@ -5,7 +5,7 @@
 //   cells.place(moved);           // the same vessels elsewhere (a beating heart): radii and volumes stay
 //   cells.nearest(tip_m);
 //
-// May include: host/model. Called by: contrast_flow, app.
+// May include: host/model.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <cstddef>

@@ -1,5 +1,5 @@
 #include "host/link/emulator.hpp"
-#include "host/model/interrupt.hpp"
+#include "host/base/interrupt.hpp"
 #include <cerrno>
 #include <chrono>
 #include <csignal>

@@ -1,6 +1,6 @@
 #include "host/link/link.hpp"
+#include "host/base/interrupt.hpp"
 #include "host/link/link_text.hpp"
-#include "host/model/interrupt.hpp"
 #include <algorithm>
 #include <utility>
 

@@ -1,8 +1,8 @@
 // Frames from the device: found in its bytes, filed by their type, refusals thrown. Nothing that a device sends keeps the host
 // here for ever: bytes without a frame, frames without an answer and time are bounded.
+#include "host/base/interrupt.hpp"
 #include "host/link/link.hpp"
 #include "host/link/link_text.hpp"
-#include "host/model/interrupt.hpp"
 #include <algorithm>
 
 namespace crn

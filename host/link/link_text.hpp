@@ -1,4 +1,4 @@
-// Text of messages with numbers in it. May include: nothing. Called by: link.
+// Text of messages with numbers in it. May include: nothing.
 #pragma once
 #include <cstdio>
 #include <string>

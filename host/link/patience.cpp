@@ -1,5 +1,5 @@
 #include "host/link/patience.hpp"
-#include "host/model/interrupt.hpp"
+#include "host/base/interrupt.hpp"
 #include <algorithm>
 
 namespace crn

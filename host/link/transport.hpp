@@ -1,5 +1,5 @@
 // A pipe of bytes to a device. USB, QEMU and the sim port all look like this to Link.
-// May include: shared. Called by: host/link.
+// May include: shared.
 #pragma once
 #include <cstddef>
 #include <cstdint>

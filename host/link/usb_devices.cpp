@@ -1,5 +1,5 @@
 #include "host/link/usb_devices.hpp"
-#include "host/model/interrupt.hpp"
+#include "host/base/interrupt.hpp"
 #include <algorithm>
 #include <array>
 #include <chrono>

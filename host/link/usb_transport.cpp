@@ -1,5 +1,5 @@
 #include "host/link/usb_transport.hpp"
-#include "host/model/interrupt.hpp"
+#include "host/base/interrupt.hpp"
 #include <algorithm>
 #include <chrono>
 #include <libusb-1.0/libusb.h>

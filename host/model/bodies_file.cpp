@@ -1,6 +1,6 @@
 // Body files: the container of shared/scene with KIND_BODIES (docs/scene.md).
+#include "host/base/text.hpp"
 #include "host/model/bodies.hpp"
-#include "host/model/text.hpp"
 #include "shared/scene/scene.h"
 #include "shared/wire/wire_frame.h"
 #include <cstdio>

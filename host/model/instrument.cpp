@@ -1,7 +1,7 @@
 // The file as a whole: head, sources, presets; the preset made from the thesis' table.
 #include "host/model/instrument.hpp"
+#include "host/base/text.hpp"
 #include "host/model/instrument_parts.hpp"
-#include "host/model/text.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -1,5 +1,5 @@
 #include "host/model/instrument_toml.hpp"
-#include "host/model/text.hpp"
+#include "host/base/text.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

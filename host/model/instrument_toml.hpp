@@ -1,7 +1,7 @@
 // Reading of instrument files: tables with known keys, values with a source, errors with a place.
-// May include: text, toml. Called by: the instrument files of host/model.
+// May include: text, toml.
 #pragma once
-#include "host/model/toml.hpp"
+#include "host/base/toml.hpp"
 
 #include <map>
 #include <string>

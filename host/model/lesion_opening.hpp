@@ -4,7 +4,7 @@
 //   const LesionOpening opening(tree, stations);
 //   opening.open(tree, wire.lesions_open, now);          // points and radii within lesions; all else as it is in `now`
 //
-// May include: vessel_tree, shared/scene. Called by: opened_bodies, host/app, tests.
+// May include: vessel_tree, shared/scene.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <span>

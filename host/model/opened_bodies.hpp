@@ -4,7 +4,6 @@
 //   for (const auto &body : opened.at(moment, wire.lesions_open, moving.at(moment))) ...
 //
 // Only vertices near a lesion are touched, none while nothing is open. May include: motion, lesion_opening, lesion_wall.
-// Called by: host/app, tests.
 #pragma once
 #include "host/model/lesion_opening.hpp"
 #include "host/model/motion.hpp"

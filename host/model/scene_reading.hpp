@@ -1,7 +1,7 @@
 // A baked scene for those who take one thing out of it.
-// May include: text, shared/scene. Called by: motion, lesion_opening.
+// May include: text, shared/scene.
 #pragma once
-#include "host/model/text.hpp"
+#include "host/base/text.hpp"
 #include "shared/scene/scene.h"
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 #include "host/model/vessel_map.hpp"
-#include "host/model/text.hpp"
+#include "host/base/text.hpp"
 #include <algorithm>
 #include <cctype>
 #include <cmath>

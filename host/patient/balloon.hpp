@@ -1,10 +1,10 @@
 // The balloon of a session: which tool has it, where its balls are on the line, and what the X-ray sees of what fills it.
-// May include: model, stent, xray. Called by: stents, host/app.
+// May include: model, stent, xray.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/wire_frame.hpp"
 #include "host/stent/balloon_axis.hpp"
-#include "host/xray/moved.hpp"
+#include "host/xray/paths/moved.hpp"
 #include <optional>
 #include <vector>
 

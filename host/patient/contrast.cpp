@@ -1,6 +1,6 @@
 #include "host/patient/contrast.hpp"
+#include "host/base/format.hpp"
 #include "host/effects/lumen_pressure.hpp"
-#include "host/model/format.hpp"
 #include "host/model/units.hpp"
 #include "host/model/wire_place.hpp"
 #include <algorithm>

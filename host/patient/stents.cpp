@@ -1,5 +1,5 @@
 #include "host/patient/stents.hpp"
-#include "host/model/text.hpp"
+#include "host/base/text.hpp"
 #include "host/model/units.hpp"
 #include "host/patient/balloon.hpp"
 #include <algorithm>

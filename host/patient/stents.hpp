@@ -7,7 +7,7 @@
 //   stents.command(tick, {RoomAction::load_stent, {}});       the next one of the shelf onto the balloon
 //   stents.advance(...) at stents.next_tick(); stents.order() for every input after that
 //
-// May include: stent, xray, model, balloon. Called by: patient.
+// May include: stent, xray, model, balloon.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/lesion_opening.hpp"
@@ -16,7 +16,7 @@
 #include "host/stent/circles.hpp"
 #include "host/stent/figures.hpp"
 #include "host/stent/stents.hpp"
-#include "host/xray/moved.hpp"
+#include "host/xray/paths/moved.hpp"
 #include "shared/wire/wire.h"
 #include <array>
 #include <deque>

@@ -6,9 +6,9 @@
 //   gantry.aim(pose);              // from then on: where the motors go
 //   gantry.tick();                 // 1 ms
 //
-// May include: host/xray/carm.hpp. Called by: room. Equations and the model of the collision: docs/room.md.
+// May include: host/xray/paths/carm.hpp. Equations and the model of the collision: docs/room.md.
 #pragma once
-#include "host/xray/carm.hpp"
+#include "host/xray/paths/carm.hpp"
 #include <array>
 #include <string>
 

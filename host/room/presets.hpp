@@ -1,4 +1,4 @@
-// Standard views by name. Angles and their sources: docs/room.md. May include: nothing. Called by: host/app.
+// Standard views by name. Angles and their sources: docs/room.md. May include: nothing.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -1,6 +1,6 @@
 // Reads stent files (TOML, docs/stent.md).
+#include "host/base/text.hpp"
 #include "host/model/instrument_toml.hpp"
-#include "host/model/text.hpp"
 #include "host/stent/design.hpp"
 
 namespace crn

@@ -5,7 +5,7 @@
 //   stent.points(), stent.stage(), stent_lines(stent), stent_figures(stent, wall)
 //
 // Nothing depends on time but by the order of pictures: masses of micrograms follow at once. The same pictures give the same bits.
-// Lengths in mm, forces in N, patient frame. May include: host/model. Called by: host/app, tests. docs/stent.md
+// Lengths in mm, forces in N, patient frame. May include: host/model. docs/stent.md
 #pragma once
 #include "host/stent/balloon_axis.hpp"
 #include "host/stent/design.hpp"

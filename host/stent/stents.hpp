@@ -6,7 +6,7 @@
 //   stents.step(&vessel.wall(), &balloon);               every picture; null where there is no wall or no balloon
 //   for (const StentHold &hold : stents.holds(vessel, lesion, stations)) ...
 //
-// May include: stent, vessel_wall. Called by: host/app, tests.
+// May include: stent, vessel_wall.
 #pragma once
 #include "host/stent/stent.hpp"
 #include "host/stent/vessel_wall.hpp"

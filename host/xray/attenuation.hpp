@@ -1,7 +1,7 @@
 // How strongly every material attenuates, in steps of 1 keV; written by tools/check/make_attenuation.py.
-// May include: materials. Called by: spectrum, beam_table, tests.
+// May include: materials.
 #pragma once
-#include "host/xray/materials.hpp"
+#include "host/xray/paths/materials.hpp"
 
 namespace crn
 {

@@ -1,7 +1,7 @@
 // Kernels from MTF curves, and their application.
 #include "host/xray/blur.hpp"
 #include "host/xray/float_math.hpp"
-#include "host/xray/lanes.hpp"
+#include "host/xray/paths/lanes.hpp"
 #include <algorithm>
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // From path lengths to the signal at the detector: attenuation, blur, scatter, what automatic exposure measures.
 #include "host/xray/chain.hpp"
-#include "host/xray/lanes.hpp"
-#include "host/xray/parallel.hpp"
+#include "host/xray/paths/lanes.hpp"
+#include "host/xray/paths/parallel.hpp"
 #include "host/xray/scatter.hpp"
 #include <algorithm>
 #include <cmath>

@@ -3,11 +3,11 @@
 //     paths ─> transmission ─┬─> focal spot, pixel ─┬─> signal ─> photons ─> scintillator ─> lag ─> raw ─> shown ─> grey
 //                            └─> scatter ───────────┘   (here)    (detector, readout)
 //
-// May include: everything below xray. Called by: xray.cpp.
+// May include: everything below xray.
 #pragma once
 #include "host/xray/blur.hpp"
 #include "host/xray/detector.hpp"
-#include "host/xray/path_keeper.hpp"
+#include "host/xray/paths/path_keeper.hpp"
 #include "host/xray/sparse_blur.hpp"
 #include "host/xray/xray.hpp"
 

@@ -1,6 +1,6 @@
 // The coarse grid's sums, blurs and interpolation.
 #include "host/xray/coarse.hpp"
-#include "host/xray/lanes.hpp"
+#include "host/xray/paths/lanes.hpp"
 #include <algorithm>
 
 namespace crn

@@ -1,5 +1,4 @@
 // What changes slowly over a picture, on a grid of cells of 8x8 pixels: scatter, and the display's slow part.
-// Called by: scatter, chain, display.
 #pragma once
 #include <cstddef>
 #include <vector>

@@ -1,6 +1,6 @@
 // Attenuation and counting.
 #include "host/xray/detector.hpp"
-#include "host/xray/lanes.hpp"
+#include "host/xray/paths/lanes.hpp"
 #include <algorithm>
 #include <cmath>
 

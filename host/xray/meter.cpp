@@ -1,7 +1,7 @@
 #include "host/xray/meter.hpp"
 #include "host/xray/chain.hpp"
 #include "host/xray/float_math.hpp"
-#include "host/xray/raster_paths.hpp"
+#include "host/xray/paths/raster_paths.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numbers>

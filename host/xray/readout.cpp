@@ -1,8 +1,8 @@
 // Row by row on all threads: each row needs its neighbours' photons only.
 #include "host/xray/readout.hpp"
 #include "host/xray/lag.hpp"
-#include "host/xray/lanes.hpp"
-#include "host/xray/parallel.hpp"
+#include "host/xray/paths/lanes.hpp"
+#include "host/xray/paths/parallel.hpp"
 #include <algorithm>
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // From counted quanta to raw values and to the screen: the scintillator's blur, lag, gain, display curve, window and level.
-// May include: chain. Called by: xray.cpp.
+// May include: chain.
 #pragma once
 #include "host/xray/chain.hpp"
 

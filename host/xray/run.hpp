@@ -1,7 +1,7 @@
 // One run of the X-ray room as it was acquired: what cine loops, masks and files are made of. The room fills it frame by
-// frame, host/dicom writes it. Plain data. May include: carm. Called by: host/app, host/dicom, tests.
+// frame, host/dicom writes it. Plain data. May include: carm.
 #pragma once
-#include "host/xray/carm.hpp"
+#include "host/xray/paths/carm.hpp"
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -1,8 +1,8 @@
 // One picture: kept view of the patient, instrument on top, photons, grey values.
 #include "host/xray/xray.hpp"
 #include "host/xray/chain.hpp"
-#include "host/xray/parallel.hpp"
-#include "host/xray/raster_paths.hpp"
+#include "host/xray/paths/parallel.hpp"
+#include "host/xray/paths/raster_paths.hpp"
 #include "host/xray/readout.hpp"
 #include <algorithm>
 #include <cmath>

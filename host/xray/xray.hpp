@@ -8,12 +8,12 @@
 //
 // A picture is a pure function of (bodies, tools, wire frame, settings, seed, wire frame's tick, memory): the
 // same bytes for any number of threads, compiler and optimisation level. Path lengths of the bodies are kept
-// while the C-arm stands still. May include: host/model. Called by: host/app, tests. See docs/xray.md.
+// while the C-arm stands still. May include: host/model. See docs/xray.md.
 #pragma once
 #include "host/model/bodies.hpp"
-#include "host/xray/carm.hpp"
 #include "host/xray/exposure.hpp"
-#include "host/xray/moved.hpp"
+#include "host/xray/paths/carm.hpp"
+#include "host/xray/paths/moved.hpp"
 #include <array>
 #include <cstdint>
 #include <functional>

@@ -1,6 +1,5 @@
 /* Bounded reading and writing of little-endian values. A writer that overflows and a reader that runs out
- * stop for good and say so; neither ever touches a byte outside its buffer. May include: nothing. Called by:
- * the codecs, recordings, snapshots. C11 and C++20. */
+ * stop for good and say so; neither ever touches a byte outside its buffer. May include: nothing. */
 #ifndef CRN_WIRE_BYTES_H
 #define CRN_WIRE_BYTES_H
 

@@ -1,8 +1,8 @@
 /* anatomy: makes the anatomy that ships with Cournand. See docs/anatomy.md. */
-#include "host/model/command_values.hpp"
-#include "host/model/output_files.hpp"
-#include "host/model/pending_file.hpp"
-#include "host/model/terminal.hpp"
+#include "host/base/command_values.hpp"
+#include "host/base/output_files.hpp"
+#include "host/base/pending_file.hpp"
+#include "host/base/terminal.hpp"
 #include "tools/anatomy/borrowed_beat.hpp"
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/lesions.hpp"

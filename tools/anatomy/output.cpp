@@ -1,5 +1,5 @@
 #include "tools/anatomy/output.hpp"
-#include "host/model/pending_file.hpp"
+#include "host/base/pending_file.hpp"
 #include "tools/anatomy/heart_sequence.hpp"
 #include <algorithm>
 #include <bit>

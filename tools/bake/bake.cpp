@@ -1,7 +1,7 @@
 // The pipeline: text -> surface -> field -> measurements -> bodies -> files.
 #include "tools/bake/bake.hpp"
-#include "host/model/format.hpp"
-#include "host/model/output_files.hpp"
+#include "host/base/format.hpp"
+#include "host/base/output_files.hpp"
 #include "tools/bake/branches.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/form.hpp"

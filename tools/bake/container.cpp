@@ -1,6 +1,6 @@
 // Sections of the scene container: docs/scene.md.
 #include "tools/bake/container.hpp"
-#include "host/model/pending_file.hpp"
+#include "host/base/pending_file.hpp"
 #include "shared/scene/scene_write.h"
 #include "shared/wire/wire_frame.h"
 #include "tools/bake/fault.hpp"

@@ -1,6 +1,6 @@
 // Making bodies, and measuring what became of them.
 #include "tools/bake/form.hpp"
-#include "host/model/format.hpp"
+#include "host/base/format.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/solid.hpp"
 #include "tools/mesh/simplify.hpp"

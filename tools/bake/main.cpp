@@ -1,7 +1,7 @@
 // Command line of `bake`: docs/scene.md.
-#include "host/model/command_values.hpp"
-#include "host/model/output_files.hpp"
-#include "host/model/terminal.hpp"
+#include "host/base/command_values.hpp"
+#include "host/base/output_files.hpp"
+#include "host/base/terminal.hpp"
 #include "tools/bake/bake.hpp"
 #include "tools/bake/fault.hpp"
 

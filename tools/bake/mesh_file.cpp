@@ -1,6 +1,6 @@
 // Assimp in a child process, and what comes back from it.
 #include "tools/bake/mesh_file.hpp"
-#include "host/model/guarded_read.hpp"
+#include "host/base/guarded_read.hpp"
 #include "tools/bake/fault.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // A mesh file as plain data: what it declares is held against its size, assimp reads it in a child process with limits
-// (host/model/guarded_read.hpp), and every index and number that comes back is checked here.
-// May include: fault.hpp, host/model/guarded_read.hpp. Called by: mesh_load.cpp, tests.
+// (host/base/guarded_read.hpp), and every index and number that comes back is checked here.
+// May include: fault.hpp, host/base/guarded_read.hpp.
 #pragma once
 #include <Eigen/Core>
 #include <array>

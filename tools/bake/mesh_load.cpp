@@ -1,5 +1,5 @@
 // Placing a mesh in the patient, welding it, writing it. mesh_file.cpp reads it.
-#include "host/model/pending_file.hpp"
+#include "host/base/pending_file.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/mesh.hpp"
 #include "tools/bake/mesh_file.hpp"

@@ -1,5 +1,5 @@
 // Words and numbers of a mesh file's text, with the line that they stand in.
-// May include: fault.hpp. Called by: mesh_ply.cpp, mesh_text.cpp.
+// May include: fault.hpp.
 #pragma once
 #include "tools/bake/fault.hpp"
 #include <charconv>

@@ -1,7 +1,7 @@
 // Progress lines and interruption.
 #include "tools/bake/progress.hpp"
-#include "host/model/guarded_read.hpp"
-#include "host/model/interrupt.hpp"
+#include "host/base/guarded_read.hpp"
+#include "host/base/interrupt.hpp"
 #include "tools/bake/fault.hpp"
 
 #include <cstdio>

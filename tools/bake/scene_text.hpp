@@ -1,5 +1,5 @@
 // The text of a scene (TOML), read and checked key by key: docs/scene.md.
-// May include: fault.hpp. Called by: bake.cpp.
+// May include: fault.hpp.
 #pragma once
 #include "tools/mesh/fault.hpp"
 

@@ -1,7 +1,7 @@
 // A TOML file that a person wrote, or a Fault that says what is wrong with it.
-// May include: fault.hpp, host/model/toml.hpp. Called by: readers of the tools' texts.
+// May include: fault.hpp, host/base/toml.hpp.
 #pragma once
-#include "host/model/toml.hpp"
+#include "host/base/toml.hpp"
 #include "tools/bake/fault.hpp"
 #include <cstdint>
 #include <filesystem>

@@ -4,8 +4,7 @@ across the rod's radius.
 
   peer_elastica.py free WARM_STEPS TIMED_STEPS [STEP_us]
 
-Prints one line of key=value pairs. Needs the package pyelastica. Called by: tools/bench/run_peers.py, with the python of
-build/peers.
+Prints one line of key=value pairs. Needs the package pyelastica.
 
 The step of 0.2 us is stable and 0.25 us is not (within 8,000 steps length_error_pct reaches thousands). One simulated
 second takes minutes, so the rod is timed while it starts to fall and is not brought to rest: its tip is `nan`, its

@@ -4,7 +4,6 @@
   peer_mujoco.py free|tube SETTLE_TICKS TIMED_TICKS
 
 Prints one line of key=value pairs. Needs the package mujoco (4.x, or 3.17 and later for the rod's bending).
-Called by: tools/bench/run_peers.py, with the python of build/peers.
 
 Choices, all in the peer's favour: the `discrete` integrator (implicit in the bending, the only one that is stable with
 this rod at 1 ms) and the Newton solver (the fastest here); the tube is eight planes that touch it, cheaper than a mesh

@@ -1,5 +1,5 @@
 # The program `calibrate` and its tests: docs/calibrate.md. Read by tools/testing.mk, whose rules and the Makefile's it uses.
-CALIBRATE_LIBS := tools/calibrate tools/case tools/vcsim3 host/app host/model firmware/core shared/scene shared/wire
+CALIBRATE_LIBS := tools/calibrate tools/case tools/vcsim3 host/picture host/model host/base firmware/core shared/scene shared/wire
 CALIBRATE_LINK := -lpng -lpagmo -lboost_serialization -ltbb -lmpi
 # MPI's headers are read by one file.
 $(BUILD)/obj/tools/calibrate/workers_mpi.cpp.o: CXXFLAGS += $(patsubst %,-isystem %,$(firstword $(wildcard /usr/lib/*/openmpi/include /usr/include/openmpi-*)))

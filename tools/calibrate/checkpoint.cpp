@@ -1,6 +1,6 @@
 #include "tools/calibrate/checkpoint.hpp"
+#include "host/base/pending_file.hpp"
 #include "host/model/instrument.hpp"
-#include "host/model/pending_file.hpp"
 #include <bit>
 #include <cinttypes>
 #include <cstdio>

@@ -1,6 +1,6 @@
 #include "tools/calibrate/fitted_instrument.hpp"
-#include "host/model/text.hpp"
-#include "host/model/toml.hpp"
+#include "host/base/text.hpp"
+#include "host/base/toml.hpp"
 #include <cmath>
 #include <set>
 #include <sstream>

@@ -1,5 +1,5 @@
 // The hand that inserts: the case's protocol, whichever rod it holds.
-// May include: evaluator.hpp. Called by: rod_evaluator, corde_evaluator.
+// May include: evaluator.hpp.
 #pragma once
 #include "tools/calibrate/evaluator.hpp"
 

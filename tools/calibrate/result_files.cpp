@@ -1,5 +1,5 @@
 // A result as JSON, as a page and as pictures, by the thesis baseline's canvas, charts and tables.
-#include "host/model/format.hpp"
+#include "host/base/format.hpp"
 #include "tools/calibrate/result.hpp"
 #include "tools/vcsim3/chart.hpp"
 #include "tools/vcsim3/page.hpp"

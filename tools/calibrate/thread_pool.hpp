@@ -1,5 +1,5 @@
 // Threads that evaluate trials as they come, and hand back what is done, in any order.
-// May include: workers.hpp. Called by: workers, workers_mpi.
+// May include: workers.hpp.
 #pragma once
 #include "tools/calibrate/workers.hpp"
 #include <condition_variable>

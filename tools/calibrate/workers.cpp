@@ -1,4 +1,4 @@
-// May include: thread_pool.hpp. Called by: main, tests.
+// May include: thread_pool.hpp.
 #include "tools/calibrate/thread_pool.hpp"
 #include <chrono>
 #include <utility>

@@ -1,6 +1,6 @@
 #include "tools/case/case.hpp"
-#include "host/model/pending_file.hpp"
-#include "host/model/toml.hpp"
+#include "host/base/pending_file.hpp"
+#include "host/base/toml.hpp"
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// Steady flow through a tree by Poiseuille's law: docs/centreline.md. May include: tree.hpp. Called by: fit, tests.
+// Steady flow through a tree by Poiseuille's law: docs/centreline.md. May include: tree.hpp.
 #pragma once
 #include "tools/centreline/tree.hpp"
 

@@ -1,7 +1,7 @@
 // What the formats share: the file, its lines, words and numbers.
 #include "tools/centreline/formats.hpp"
-#include "host/model/guarded_read.hpp"
-#include "host/model/pending_file.hpp"
+#include "host/base/guarded_read.hpp"
+#include "host/base/pending_file.hpp"
 
 #include <array>
 #include <charconv>

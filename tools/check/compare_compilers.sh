@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The whole program computes the same bits whatever compiles it: `cournand replay RECORDING --verify` prints the same final
-# hash when built by gcc -O0, gcc -O3 and clang -O2, and at any speed; and the X-ray picture of host/tests/test_xray.cpp has one
+# hash when built by gcc -O0, gcc -O3 and clang -O2, and at any speed; and the X-ray picture of host/xray/tests/test_xray.cpp has one
 # hash, by 1, 2, 3 and 7 threads. Called by `make compilers`; takes minutes, since it builds three programs
 # (build/compilers/NAME) and plays the recording in real time.
 # usage: compare_compilers.sh [RECORDING]     default: out/demo.rec, as `make run` leaves it
@@ -51,13 +51,13 @@ variant() { # variant NAME CC CXX LEVEL
     local build="build/compilers/$1"
     echo "building $1 ..."
     if ! make --no-print-directory -s -j"$jobs" PACKAGES=skip BUILD="$build" CC="$2" CXX="$3" OPT="$4" CORE_OPT="$4" \
-        "$build/bin/cournand" "$build/test/host/tests/test_xray" >"build/compilers-$1.log" 2>&1; then
+        "$build/bin/cournand" "$build/test/host/xray/tests/test_xray" >"build/compilers-$1.log" 2>&1; then
         tail -n 20 "build/compilers-$1.log" >&2
         echo "compare_compilers: $1 does not build; the whole log is build/compilers-$1.log" >&2
         exit 1
     fi
     replay "$1" "$build/bin/cournand"
-    picture "$1" "$build/test/host/tests/test_xray"
+    picture "$1" "$build/test/host/xray/tests/test_xray"
 }
 
 mkdir -p build

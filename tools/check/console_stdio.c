@@ -1,4 +1,4 @@
-/* The console of a program under an operating system. May include: the C library. Called by: core_hash.c. */
+/* The console of a program under an operating system. May include: the C library. */
 #include "tools/check/console.h"
 
 #include <stdio.h>

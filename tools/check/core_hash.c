@@ -3,7 +3,7 @@
  * it also prints a hash per tick and subsystem, and every word of one tick.
  *
  * Freestanding, with its memory in itself: runs on a bare Cortex-M7 as on a PC.
- * May include: the core's headers for owners of its memory, console.h. Called by: test_compilers.sh, matrix.py. */
+ * May include: the core's headers for owners of its memory, console.h. */
 #include "tools/check/console.h"
 #include "tools/check/core_scenes.h"
 

@@ -13,7 +13,7 @@
  * middle goes to and fro by 3.6 mm with a heart that is asked for everything once, and breathes. balloon: a wire in a balloon catheter in the
  * fine tube, which its balloon fills and opens at a lesion; pulled while it is up, pushed after it is down, the lesion held open, and burst.
  * stented: the J wire in the beating tube goes to and fro through and beside a stent that lies on nothing, is widened later, and loses half of its rings.
- * May include: core_scenes.h. Called by: core_hash.c. */
+ * May include: core_scenes.h. */
 #include "tools/check/core_scenes.h"
 
 enum { TUBE, FINE, AIR, COAXIAL, BEATING, BALLOON, STENTED };

@@ -2,7 +2,7 @@
  *
  * A target (fuzz_*.c) gives them by `size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)`,
  * which writes the input number `index` and returns its size, or 0 when there is no such input. May include:
- * the C library. Called by: tools/check/run_fuzz.py. */
+ * the C library. */
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -10,7 +10,9 @@ import tree
 CORE_PUBLIC = ["firmware/core/core.h", "firmware/core/lumen.h", "firmware/core/vector.h", "firmware/core/fixed.h",
                "firmware/core/rhythm.h", "firmware/core/motion.h", "firmware/core/lesion.h"]
 # What the command line of every tool shares.
-COMMAND_LINE = ["host/model/command_values.hpp", "host/model/output_files.hpp", "host/model/terminal.hpp"]
+COMMAND_LINE = ["host/base/command_values.hpp", "host/base/output_files.hpp", "host/base/terminal.hpp"]
+# Tests of a room may use every other; test_usb has a bus of sim ports.
+HOST_TESTS = ["host", "shared", "firmware/port/sim/sim.h", "firmware/core/core.h", "firmware/tests/reference/long_run.h"]
 ALLOWED = {
     "firmware/core": [],
     "firmware/app": ["firmware/core", "shared", "firmware/port/port.h"],
@@ -33,44 +35,66 @@ ALLOWED = {
     "shared/mailbox": [],
     "shared/wire/tests": ["shared", "firmware/tests/reference"],
     "shared/scene/tests": ["shared", "firmware/tests/reference"],
-    "host/link": ["shared", "firmware/port/sim/sim.h", "firmware/port/mps2_an500/rig_page.h", "host/model/interrupt.hpp"],
-    "host/model": ["shared"],
-    "host/xray": ["host/model"],
-    "host/xray/gl": ["host/xray", "host/model"],
-    "host/dicom": ["host/xray", "host/model"],  # the one folder that knows DCMTK
-    "host/effects": ["host/model", "shared"],
+    "host/link": ["host/base", "shared", "firmware/port/sim/sim.h", "firmware/port/mps2_an500/rig_page.h"],
+    "host/base": [],
+    "host/model": ["host/base", "shared"],
+    "host/xray/paths": ["host/model", "host/base"],
+    "host/xray": ["host/xray/paths", "host/model", "host/base"],
+    "host/xray/style": ["host/xray", "host/xray/paths", "host/model", "host/base"],
+    "host/xray/gl": ["host/xray", "host/model", "host/base"],
+    "host/dicom": ["host/xray", "host/model", "host/base"],  # the one folder that knows DCMTK
+    "host/effects": ["host/model", "host/base", "shared"],
     "host/room": ["host/xray"],
-    "host/stent": ["host/model"],  # and libccd
-    "host/patient": ["host/room", "host/xray", "host/stent", "host/effects", "host/model", "shared"],
-    "host/app": ["host", "shared"],  # recordings and sessions hold the wire's own records
+    "host/stent": ["host/model", "host/base"],  # and libccd
+    "host/patient": ["host/room", "host/xray", "host/stent", "host/effects", "host/model", "host/base", "shared"],
+    "host/rig": ["host/link", "host/room/command.hpp", "host/base", "shared"],
+    "host/script": ["host/patient", "host/room", "host/effects", "host/model", "host/base", "shared"],
+    # Recordings hold the wire's own records.
+    "host/session": ["host/script", "host/rig", "host/patient", "host/room", "host/stent", "host/effects/pulse.hpp", "host/link", "host/model", "host/base", "shared"],
+    "host/picture": ["host/session/frame_sink.hpp", "host/patient", "host/room", "host/dicom", "host/effects", "host/xray", "host/model", "host/base"],
+    "host/report": ["host/picture/picture.hpp", "host/picture/canvas.hpp", "host/session", "host/patient", "host/room", "host/effects", "host/model", "host/base", "shared"],
+    "host/app": ["host", "shared"],  # the command line and the window
     "host/bench": ["host", "firmware/bench/bench.h"],
-    "host/tests": ["host", "shared", "firmware/port/sim/sim.h", "firmware/core/core.h", "firmware/tests/reference/long_run.h"],  # test_usb: a bus of sim ports
-    "tools/bake": ["shared", "host/model", "tools/mesh", "tools/centreline/tree.hpp", "tools/centreline/formats.hpp"] + CORE_PUBLIC,
-    "tools/centreline": ["tools/mesh", "host/model/pending_file.hpp", "host/model/guarded_read.hpp"],
+    "host/base/tests": HOST_TESTS,
+    "host/dicom/tests": HOST_TESTS,
+    "host/effects/tests": HOST_TESTS,
+    "host/link/tests": HOST_TESTS,
+    "host/model/tests": HOST_TESTS,
+    "host/patient/tests": HOST_TESTS,
+    "host/picture/tests": HOST_TESTS,
+    "host/report/tests": HOST_TESTS,
+    "host/rig/tests": HOST_TESTS,
+    "host/room/tests": HOST_TESTS,
+    "host/script/tests": HOST_TESTS,
+    "host/session/tests": HOST_TESTS,
+    "host/stent/tests": HOST_TESTS,
+    "host/xray/tests": HOST_TESTS,
+    "tools/bake": ["shared", "host/model", "host/base", "tools/mesh", "tools/centreline/tree.hpp", "tools/centreline/formats.hpp"] + CORE_PUBLIC,
+    "tools/centreline": ["tools/mesh", "host/base/pending_file.hpp", "host/base/guarded_read.hpp"],
     # The window and pictures are the host's, which know nothing of it.
-    "tools/centreline/fit": ["tools/centreline", "tools/bake", "tools/mesh", "host/model", "host/app/picture.hpp",
-                             "host/app/picture_canvas.hpp", "host/app/window_screen.hpp"],
-    "tools/centreline/tests": ["tools/centreline", "tools/bake", "tools/mesh", "host/model"],
-    "tools/anatomy": ["shared", "host/model", "tools/mesh", "tools/bake/mesh.hpp"] + CORE_PUBLIC,
+    "tools/centreline/fit": ["tools/centreline", "tools/bake", "tools/mesh", "host/model", "host/base", "host/picture/picture.hpp",
+                             "host/picture/canvas.hpp", "host/picture/screen.hpp"],
+    "tools/centreline/tests": ["tools/centreline", "tools/bake", "tools/mesh", "host/model", "host/base"],
+    "tools/anatomy": ["shared", "host/model", "host/base", "tools/mesh", "tools/bake/mesh.hpp"] + CORE_PUBLIC,
     # The readers of all tools, asked by one program for make importers.
-    "tools/importers": ["host/model/toml.hpp", "tools/bake/mesh_file.hpp", "tools/centreline/formats.hpp", "tools/ct/volume_io.hpp"],
-    "tools/case": ["host/model/toml.hpp", "host/model/pending_file.hpp", "shared/wire/wire.h"],
-    "tools/reference_rod": COMMAND_LINE + ["tools/case", "tools/vcsim3/lumen.hpp", "host/model/instrument.hpp", "host/model/pending_file.hpp", "shared/wire/wire.h"],
+    "tools/importers": ["host/base/toml.hpp", "tools/bake/mesh_file.hpp", "tools/centreline/formats.hpp", "tools/ct/volume_io.hpp"],
+    "tools/case": ["host/base/toml.hpp", "host/base/pending_file.hpp", "shared/wire/wire.h"],
+    "tools/reference_rod": COMMAND_LINE + ["tools/case", "tools/vcsim3/lumen.hpp", "host/model/instrument.hpp", "host/base/pending_file.hpp", "shared/wire/wire.h"],
     "tools/reference_rod/tests": ["tools/reference_rod", "tools/validate/elastica.hpp", "firmware/tests/reference"],
-    "tools/case/tests": ["tools/case", "host/tests/folder.hpp"],
+    "tools/case/tests": ["tools/case", "host/base/tests/folder.hpp"],
     # Pictures, tables and the reader of scenes are those of the thesis' baseline; core_rod.cpp owns the core's memory.
-    "tools/calibrate": ["tools/case", "tools/vcsim3", "shared/wire", "host/model",
-                        "host/app/progress_line.hpp"] + CORE_PUBLIC,
-    "tools/calibrate/tests": ["tools/calibrate", "tools/case", "host/model", "host/tests/folder.hpp"],
-    "tools/ct": ["tools/case", "tools/reference_rod/truth.hpp", "tools/reference_rod/truth_options.hpp", "tools/bake", "tools/mesh", "host/model", "host/xray", "host/app/picture_canvas.hpp"],
-    "tools/ct/tests": ["tools/ct", "tools/case", "tools/bake", "tools/mesh", "host/tests/folder.hpp"],
+    "tools/calibrate": ["tools/case", "tools/vcsim3", "shared/wire", "host/model", "host/base",
+                        "host/base/progress_line.hpp"] + CORE_PUBLIC,
+    "tools/calibrate/tests": ["tools/calibrate", "tools/case", "host/model", "host/base", "host/base/tests/folder.hpp"],
+    "tools/ct": ["tools/case", "tools/reference_rod/truth.hpp", "tools/reference_rod/truth_options.hpp", "tools/bake", "tools/mesh", "host/model", "host/base", "host/xray", "host/picture/canvas.hpp"],
+    "tools/ct/tests": ["tools/ct", "tools/case", "tools/bake", "tools/mesh", "host/base/tests/folder.hpp"],
     "tools/mesh": [],
     # core_hash.c owns the core's memory and looks into it; it also runs on a bare board.
-    "tools/validate": COMMAND_LINE + ["firmware/core", "host/model/format.hpp", "host/model/pending_file.hpp"],  # owns the memory of models and states (rig.cpp)
+    "tools/validate": COMMAND_LINE + ["firmware/core", "host/base/format.hpp", "host/base/pending_file.hpp"],  # owns the memory of models and states (rig.cpp)
     "tools/check": CORE_PUBLIC + ["firmware/core/core_state.h", "firmware/port/mps2_an500"],
     "tools/docs": ["shared/wire", "firmware/app/usb/usb_table.def"],
     # Pictures are written by the host's two files for that, which know nothing else of the host.
-    "tools/vcsim3": COMMAND_LINE + ["shared/scene", "host/model/interrupt.hpp", "host/model/pending_file.hpp", "host/app/picture.hpp", "host/app/picture_font.hpp"] + CORE_PUBLIC,
+    "tools/vcsim3": COMMAND_LINE + ["shared/scene", "host/base/interrupt.hpp", "host/base/pending_file.hpp", "host/picture/picture.hpp", "host/picture/font.hpp"] + CORE_PUBLIC,
     "tools/vcsim3/tests": ["tools/vcsim3", "firmware/tests/reference"] + CORE_PUBLIC,
     "hil_tests/plant": ["firmware/port/port.h"],
     "hil_tests/l0": ["firmware/port/port.h", "firmware/port/sim/sim.h", "hil_tests/plant", "hil_tests/cases/bench.hpp", "host/link"],
@@ -89,7 +113,7 @@ ALLOWED = {
     "hil_tests/plant/tests": ["hil_tests/plant"],
     # Bytes only: reference/client.h is the smallest host, host/app the whole one; tools/bake has the exact referee.
     # test_angioplasty has a sim whose inflator it moves.
-    "hil_tests": ["shared", "hil_tests/usb", "firmware/tests/reference", "firmware/port/sim/sim.h", "host/app", "host/model", "tools/bake"],
+    "hil_tests": ["shared", "hil_tests/usb", "firmware/tests/reference", "firmware/port/sim/sim.h", "host", "tools/bake"],
     "hil_tests/rig": ["hil_tests/plant", "hil_tests/l1", "host"],
     "hil_tests/l2": ["hil_tests/usb"],
     "hil_tests/l3": ["hil_tests/usb"],

@@ -1,4 +1,4 @@
-// What `ct`'s sub-commands do. May include: everything of tools/ct, truth.hpp of tools/reference_rod. Called by: main.
+// What `ct`'s sub-commands do. May include: everything of tools/ct, truth.hpp of tools/reference_rod.
 #pragma once
 #include "tools/ct/scanner.hpp"
 #include "tools/ct/segment.hpp"

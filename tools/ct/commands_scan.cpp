@@ -1,6 +1,6 @@
 // `ct scan` and `ct simulate`: volumes from the virtual scanner.
-#include "host/model/output_files.hpp"
-#include "host/model/pending_file.hpp"
+#include "host/base/output_files.hpp"
+#include "host/base/pending_file.hpp"
 #include "tools/bake/progress.hpp"
 #include "tools/case/case.hpp"
 #include "tools/ct/commands.hpp"

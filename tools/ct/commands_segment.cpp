@@ -1,6 +1,6 @@
 // `ct segment` and `ct check`: files from scans, and how far they are from the truth.
-#include "host/model/output_files.hpp"
-#include "host/model/pending_file.hpp"
+#include "host/base/output_files.hpp"
+#include "host/base/pending_file.hpp"
 #include "tools/bake/bake.hpp"
 #include "tools/case/case.hpp"
 #include "tools/ct/commands.hpp"

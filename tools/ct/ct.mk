@@ -1,6 +1,6 @@
 # The program `ct` and its tests: docs/ct.md. Read by tools/testing.mk, whose rules and the Makefile's it uses.
-CT_LIBS := tools/ct tools/reference_rod tools/vcsim3 tools/case tools/bake tools/centreline tools/mesh host/xray host/model firmware/core shared/scene shared/wire
-CT_HOST := host/app/picture_canvas.cpp host/app/picture_font.cpp host/app/picture_png.cpp
+CT_LIBS := tools/ct tools/reference_rod tools/vcsim3 tools/case tools/bake tools/centreline tools/mesh host/xray host/xray/paths host/model host/base firmware/core shared/scene shared/wire
+CT_HOST := host/picture/canvas.cpp host/picture/font.cpp host/picture/png.cpp
 # The files that know ITK. Its headers accept gcc alone, and bring an Eigen of their own unless told that there is one.
 ITK_FILES   := volume_read volume_write snake
 ITK_LINK    := $(patsubst %,-l%-5.2,ITKIOGDCM ITKIONIFTI ITKIONRRD ITKIOMeta ITKIOImageBase ITKSmoothing ITKCommon itkvnl_algo itkvnl itksys)

@@ -1,4 +1,4 @@
-// An instrument file as the scanner sees it. May include: scanner, host/model/instrument. Called by: commands, tests.
+// An instrument file as the scanner sees it. May include: scanner, host/model/instrument.
 #pragma once
 #include "tools/ct/scanner.hpp"
 

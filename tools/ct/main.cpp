@@ -1,7 +1,7 @@
 // Command line of `ct`: docs/ct.md.
-#include "host/model/command_values.hpp"
-#include "host/model/terminal.hpp"
-#include "host/model/text.hpp"
+#include "host/base/command_values.hpp"
+#include "host/base/terminal.hpp"
+#include "host/base/text.hpp"
 #include "tools/ct/commands.hpp"
 #include "tools/reference_rod/truth_options.hpp"
 

@@ -1,5 +1,5 @@
 #include "tools/ct/mouth.hpp"
-#include "host/model/format.hpp"
+#include "host/base/format.hpp"
 #include "tools/mesh/fault.hpp"
 #include <Eigen/SVD>
 #include <cmath>

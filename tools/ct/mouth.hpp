@@ -1,5 +1,4 @@
-// Where the inserter ends, in scans: there a line begins. May include: centreline, tools/mesh/fault. Called by: centreline,
-// segment, commands.
+// Where the inserter ends, in scans: there a line begins. May include: centreline, tools/mesh/fault.
 #pragma once
 #include "tools/ct/centreline.hpp"
 

@@ -1,6 +1,6 @@
 #include "tools/ct/page.hpp"
-#include "host/model/format.hpp"
-#include "host/model/pending_file.hpp"
+#include "host/base/format.hpp"
+#include "host/base/pending_file.hpp"
 #include "tools/mesh/fault.hpp"
 
 namespace crn::ct

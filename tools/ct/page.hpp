@@ -1,4 +1,4 @@
-// A folder of pictures and the page that shows them. May include: pictures, host/model/pending_file. Called by: segment, commands.
+// A folder of pictures and the page that shows them. May include: pictures, host/base/pending_file.
 #pragma once
 #include "tools/ct/pictures.hpp"
 

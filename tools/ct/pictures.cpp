@@ -1,5 +1,5 @@
 #include "tools/ct/pictures.hpp"
-#include "host/model/pending_file.hpp"
+#include "host/base/pending_file.hpp"
 #include <algorithm>
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // Pictures of volumes: a slice or the brightest voxels along an axis, with outlines and lines over them.
-// May include: volume, host/app/picture_canvas. Called by: segment, tests.
+// May include: volume, host/picture/canvas.
 #pragma once
-#include "host/app/picture_canvas.hpp"
+#include "host/picture/canvas.hpp"
 #include "tools/ct/volume.hpp"
 #include <filesystem>
 #include <string>

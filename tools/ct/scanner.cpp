@@ -1,5 +1,5 @@
 #include "tools/ct/scanner.hpp"
-#include "host/xray/parallel.hpp"
+#include "host/xray/paths/parallel.hpp"
 #include "tools/ct/scanner_parts.hpp"
 #include "tools/ct/volume_io.hpp"
 #include <algorithm>

@@ -4,9 +4,9 @@
 // instrument's tube), averages them over the detector's aperture and the slice's profile, attenuates a polychromatic beam,
 // counts photons, corrects for the hardening by water as scanners do, and reconstructs by filtered back-projection. Blooming,
 // streaks and starved photons come out of that; nothing is painted. Left out: scatter, the fan's and the helix' geometry.
-// May include: volume, tools/bake/mesh, host/xray (spectrum, attenuation). Called by: commands, tests.
+// May include: volume, tools/bake/mesh, host/xray (spectrum, attenuation).
 #pragma once
-#include "host/xray/materials.hpp"
+#include "host/xray/paths/materials.hpp"
 #include "tools/bake/mesh.hpp"
 #include "tools/ct/volume.hpp"
 #include <Eigen/Geometry>

@@ -1,5 +1,5 @@
 #include "tools/ct/segment.hpp"
-#include "host/model/pending_file.hpp"
+#include "host/base/pending_file.hpp"
 #include "tools/bake/triangle_tree.hpp"
 #include "tools/ct/mouth.hpp"
 #include "tools/ct/surface.hpp"

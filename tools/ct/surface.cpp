@@ -1,5 +1,5 @@
 #include "tools/ct/surface.hpp"
-#include "host/model/pending_file.hpp"
+#include "host/base/pending_file.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

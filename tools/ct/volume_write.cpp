@@ -1,5 +1,5 @@
 // Volumes into files: NRRD, NIfTI, MetaImage, and DICOM series as a CT writes them, by ITK's ImageIO classes.
-#include "host/model/pending_file.hpp"
+#include "host/base/pending_file.hpp"
 #include "tools/ct/volume_io.hpp"
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 //   docs --write    puts the tables between the marks in the documents
 //   docs --check    exit 1 when a document is not current
 //   docs --dissector FILE   writes the Wireshark dissector
-// May include: shared/wire. Called by: make docs, tools/docs/tests.
+// May include: shared/wire.
 #include "shared/wire/hid.h"
 #include "shared/wire/wire.h"
 #include "tools/docs/dissector.hpp"

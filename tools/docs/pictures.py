@@ -9,7 +9,6 @@ tools/docs/pictures.toml says for each picture how it is made. The stamp is a JP
 core (version at that time), command, inputs (hash over the entry, sessions, tools and lesions that it names) and shows (the branch in which the tip
 ended, as the session's report says). A picture of a session is old when core or inputs differ from today's, any other one when inputs do. One that is
 `kept` from an older core is shown with a caption that says which.
-Called by: make docs-pictures, tools/check/test_pictures.py.
 """
 import argparse
 import hashlib

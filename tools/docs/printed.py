@@ -6,7 +6,7 @@
 
 A block is marked by a line `<!-- printed by: COMMAND -->`; the indented lines below it are the command with `$`, then lines of what it prints on
 standard output. A line `...` stands for lines that are left out up to the next line that is shown, or up to the end. COMMAND runs in the root folder; `cournand` in
-it is build/bin/cournand. Called by: make docs, tools/check/test_printed.py.
+it is build/bin/cournand.
 """
 import argparse
 import os

@@ -1,14 +1,14 @@
 # The program `importers`, its runs, and the fuzz targets of the tools' readers: docs/testing.md. Read by tools/testing.mk.
 IMPORTER_FILES := tools/importers/main.cpp $(wildcard tools/bake/mesh_file.cpp tools/bake/mesh_ply.cpp tools/bake/mesh_text.cpp tools/bake/mesh_gltf.cpp tools/bake/mesh_pieces.cpp tools/ct/volume.cpp tools/ct/volume_*.cpp)
 IMPORTERS      := $(BUILD)/bin/importers
-$(IMPORTERS): $(call objects,$(IMPORTER_FILES)) $(foreach lib,tools/centreline tools/mesh host/model shared/wire,$(call lib_file,$(lib)))
+$(IMPORTERS): $(call objects,$(IMPORTER_FILES)) $(foreach lib,tools/centreline tools/mesh host/model host/base shared/wire,$(call lib_file,$(lib)))
 	@mkdir -p $(@D)
 	$(Q) $(CXX) $^ -o $@ $(LDFLAGS) -lassimp -lpugixml -lz $(ITK_LINK)
 tests-build: $(IMPORTERS)
 
 # What fuzz targets of tools link besides their own file.
 FUZZ_BAKE       := tools/bake/mesh_ply.cpp tools/bake/mesh_text.cpp tools/bake/mesh_gltf.cpp tools/bake/mesh_pieces.cpp
-FUZZ_CENTRELINE := $(wildcard tools/centreline/*.cpp) host/model/guarded_read.cpp host/model/pending_file.cpp
+FUZZ_CENTRELINE := $(wildcard tools/centreline/*.cpp) host/base/guarded_read.cpp host/base/pending_file.cpp
 FUZZ_CT         := tools/ct/volume_declared.cpp tools/ct/volume_check.cpp
 FUZZ_TOOLS       = $(if $(filter tools/bake/%,$(1)),$(FUZZ_BAKE))$(if $(filter tools/centreline/%,$(1)),$(FUZZ_CENTRELINE))$(if $(filter tools/ct/%,$(1)),$(FUZZ_CT))
 

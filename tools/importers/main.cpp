@@ -2,7 +2,7 @@
 // corpus runner (importers.py) holds that against its own strict reading. docs/testing.md.
 //   importers seeds FOLDER          valid scans and centrelines to begin from
 //   importers read < LIST           a line "KIND<tab>FILE" each; KIND is mesh, toml, scan or line
-#include "host/model/toml.hpp"
+#include "host/base/toml.hpp"
 #include "tools/bake/mesh_file.hpp"
 #include "tools/centreline/formats.hpp"
 #include "tools/ct/volume_io.hpp"

@@ -1,4 +1,4 @@
-/* Fewer triangles for a closed surface, by quadric error. May include: nothing of ours. Called by: tools/anatomy, tools/bake. */
+/* Fewer triangles for a closed surface, by quadric error. May include: nothing of ours. */
 #pragma once
 #include <Eigen/Core>
 #include <array>

@@ -1,5 +1,5 @@
 // Symmetric matrix whose entries lie within `Band::reach` of the diagonal, its Cholesky factor and the solution of a system.
-// May include: Eigen. Called by: equilibrium, tests.
+// May include: Eigen.
 #pragma once
 #include <Eigen/Core>
 #include <vector>

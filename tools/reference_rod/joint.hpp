@@ -1,5 +1,5 @@
 // Curvature and twist at a joint of a discrete rod with their first and second derivatives.
-// May include: Eigen. Called by: rod, tests.
+// May include: Eigen.
 #pragma once
 #include <Eigen/Core>
 

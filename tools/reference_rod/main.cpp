@@ -1,7 +1,7 @@
 // reference_rod: makes cases with a known answer. See docs/reference_rod.md.
-#include "host/model/command_values.hpp"
-#include "host/model/output_files.hpp"
-#include "host/model/terminal.hpp"
+#include "host/base/command_values.hpp"
+#include "host/base/output_files.hpp"
+#include "host/base/terminal.hpp"
 #include "tools/reference_rod/truth_options.hpp"
 #include <cstdio>
 

@@ -1,5 +1,5 @@
 # The program `reference_rod` and its tests: docs/reference_rod.md. Read by tools/testing.mk, whose rules and the Makefile's it uses.
-ROD_LIBS := tools/reference_rod tools/vcsim3 tools/case host/model firmware/core shared/scene shared/wire
+ROD_LIBS := tools/reference_rod tools/vcsim3 tools/case host/model host/base firmware/core shared/scene shared/wire
 # The command line's parser runs once.
 $(BUILD)/obj/tools/reference_rod/main.cpp.o: override OPT := -O0
 $(BUILD)/obj/tools/reference_rod/main.cpp.o: PCH_FOLDER = $(BUILD)/pch/quick

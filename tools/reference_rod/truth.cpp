@@ -1,7 +1,7 @@
 // Making a case with a known answer.
 #include "tools/reference_rod/truth.hpp"
+#include "host/base/pending_file.hpp"
 #include "host/model/instrument.hpp"
-#include "host/model/pending_file.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -1,8 +1,8 @@
 // Command line of `validate`: runs the validation suite of docs/validation.md.
-#include "host/model/command_values.hpp"
-#include "host/model/output_files.hpp"
-#include "host/model/pending_file.hpp"
-#include "host/model/terminal.hpp"
+#include "host/base/command_values.hpp"
+#include "host/base/output_files.hpp"
+#include "host/base/pending_file.hpp"
+#include "host/base/terminal.hpp"
 #include "tools/validate/cases.hpp"
 
 #include <CLI/CLI.hpp>

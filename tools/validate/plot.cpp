@@ -1,5 +1,5 @@
 #include "tools/validate/plot.hpp"
-#include "host/model/format.hpp"
+#include "host/base/format.hpp"
 
 #include <algorithm>
 #include <cmath>

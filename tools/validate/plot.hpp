@@ -1,5 +1,5 @@
 // Line plots as SVG text: plain axes with round ticks, lines for references, dots for our values.
-// May include: the standard library. Called by: tools/validate.
+// May include: the standard library.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,7 +1,7 @@
-// May include: canvas.hpp, host/app's picture.hpp and picture_font.hpp. Called by: charts, vessel_picture.
+// May include: canvas.hpp, host/app's picture.hpp and picture_font.hpp.
 #include "tools/vcsim3/canvas.hpp"
-#include "host/app/picture.hpp"
-#include "host/app/picture_font.hpp"
+#include "host/picture/font.hpp"
+#include "host/picture/picture.hpp"
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>

@@ -1,4 +1,4 @@
-// May include: chart.hpp. Called by: figures.
+// May include: chart.hpp.
 #include "tools/vcsim3/chart.hpp"
 #include <algorithm>
 #include <cmath>

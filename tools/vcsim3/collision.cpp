@@ -1,4 +1,4 @@
-// May include: collision.hpp. Called by: simulation, tests.
+// May include: collision.hpp.
 #include "tools/vcsim3/collision.hpp"
 #include <algorithm>
 

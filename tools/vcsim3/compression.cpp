@@ -1,4 +1,4 @@
-// May include: compression.hpp. Called by: main, pages, tests.
+// May include: compression.hpp.
 #include "tools/vcsim3/compression.hpp"
 #include <algorithm>
 #include <cmath>

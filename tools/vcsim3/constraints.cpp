@@ -1,4 +1,4 @@
-// May include: constraints.hpp. Called by: simulation, tests.
+// May include: constraints.hpp.
 #include "tools/vcsim3/constraints.hpp"
 #include <algorithm>
 

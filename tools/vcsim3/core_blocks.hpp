@@ -1,5 +1,5 @@
 // Memory of one core beside a double-precision program, and the core's number formats.
-// May include: the core's core.h. Called by: direct, tools/calibrate/core_rod.
+// May include: the core's core.h.
 #pragma once
 #include <cmath>
 #include <cstddef>

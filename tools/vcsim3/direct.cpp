@@ -1,4 +1,4 @@
-// May include: direct.hpp, core_blocks.hpp. Called by: compression, timing, tests.
+// May include: direct.hpp, core_blocks.hpp.
 #include "tools/vcsim3/direct.hpp"
 #include "tools/vcsim3/core_blocks.hpp"
 #include <stdexcept>

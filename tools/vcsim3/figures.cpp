@@ -1,4 +1,4 @@
-// May include: figures.hpp, chart.hpp, thesis_values.hpp. Called by: main.
+// May include: figures.hpp, chart.hpp, thesis_values.hpp.
 #include "tools/vcsim3/figures.hpp"
 #include "tools/vcsim3/chart.hpp"
 #include "tools/vcsim3/thesis_values.hpp"

@@ -1,4 +1,4 @@
-// May include: inserter.hpp. Called by: simulation, tests.
+// May include: inserter.hpp.
 #include "tools/vcsim3/inserter.hpp"
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// May include: instructions.hpp. Called by: main.
+// May include: instructions.hpp.
 #include "tools/vcsim3/instructions.hpp"
 #include <cstdlib>
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 // Instructions of one step by callgrind, run on this same program.
-// May include: study.hpp. Called by: main.
+// May include: study.hpp.
 #pragma once
 #include "tools/vcsim3/study.hpp"
 

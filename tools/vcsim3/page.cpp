@@ -1,4 +1,4 @@
-// May include: page.hpp, tables.hpp. Called by: main.
+// May include: page.hpp, tables.hpp.
 #include "tools/vcsim3/page.hpp"
 #include "tools/vcsim3/tables.hpp"
 

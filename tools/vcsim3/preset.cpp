@@ -1,4 +1,4 @@
-// May include: preset.hpp. Called by: compression, stability, pages.
+// May include: preset.hpp.
 #include "tools/vcsim3/preset.hpp"
 #include <cmath>
 

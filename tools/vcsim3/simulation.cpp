@@ -1,4 +1,4 @@
-// May include: simulation.hpp. Called by: figures, stability, tests.
+// May include: simulation.hpp.
 #include "tools/vcsim3/simulation.hpp"
 #include <algorithm>
 #include <charconv>

@@ -1,4 +1,4 @@
-// May include: stability.hpp. Called by: main, tests.
+// May include: stability.hpp.
 #include "tools/vcsim3/stability.hpp"
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-// May include: study.hpp. Called by: main, tests.
+// May include: study.hpp.
 #include "tools/vcsim3/study.hpp"
 #include <algorithm>
 #include <atomic>

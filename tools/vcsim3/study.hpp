@@ -1,5 +1,5 @@
 // Everything `vcsim3 figures` finds out, before it is drawn and written.
-// May include: this folder. Called by: main, figures, page, tests.
+// May include: this folder.
 #pragma once
 #include "tools/vcsim3/stability.hpp"
 #include "tools/vcsim3/timing.hpp"

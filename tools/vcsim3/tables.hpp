@@ -1,5 +1,5 @@
 // A study as tables (TSV) and as one JSON file: what the figures show, in numbers.
-// May include: study.hpp. Called by: main, page.
+// May include: study.hpp.
 #pragma once
 #include "tools/vcsim3/study.hpp"
 

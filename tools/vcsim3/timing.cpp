@@ -1,4 +1,4 @@
-// May include: timing.hpp. Called by: main, pages.
+// May include: timing.hpp.
 #include "tools/vcsim3/timing.hpp"
 #include <algorithm>
 #include <chrono>

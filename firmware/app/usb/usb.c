@@ -1,4 +1,4 @@
-/* Power-up, events and pipes. Called by: firmware/port. */
+/* Power-up, events and pipes. */
 #include "firmware/app/usb/usb.h"
 #include "firmware/app/usb/usb_internal.h"
 

@@ -13,7 +13,7 @@
  *  - A stream begins (SET_CONFIGURATION, SET_INTERFACE, CLEAR_FEATURE of a halt) with an empty queue and a zero byte, both
  *    ways, which ends a frame that was cut.
  *
- * May include: firmware/port/udc.h, shared/wire. Called by: firmware/port/<port>, tests.
+ * May include: firmware/port/udc.h, shared/wire.
  */
 #ifndef CRN_USB_H
 #define CRN_USB_H

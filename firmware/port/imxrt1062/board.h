@@ -8,7 +8,7 @@
  *   motors.c       PWM and its fault input                           rig.c      port inputs and outputs
  *   main.c         memory, the port's table, the loop
  *
- * May include: firmware/port. Called by: this folder. */
+ * May include: firmware/port. */
 #ifndef CRN_IMXRT1062_BOARD_H
 #define CRN_IMXRT1062_BOARD_H
 

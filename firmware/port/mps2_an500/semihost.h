@@ -1,5 +1,5 @@
 /* What an image asks of the debugger or emulator that runs it ("semihosting"): text, files, arguments, exit.
- * May include: nothing. Called by: images for measuring and comparing, never by the product. */
+ * May include: nothing. */
 #ifndef CRN_PORT_SEMIHOST_H
 #define CRN_PORT_SEMIHOST_H
 

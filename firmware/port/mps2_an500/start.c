@@ -1,5 +1,5 @@
 /* From reset to main() on a Cortex-M7. An unexpected exception ends the program with exit code 1 and its number.
- * May include: this folder. Called by: the hardware. */
+ * May include: this folder. */
 #include <stddef.h>
 #include <stdint.h>
 

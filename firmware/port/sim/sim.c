@@ -1,4 +1,4 @@
-/* The sim port: memory, a byte pipe and a timer around the app. Called by: sim.h's users. */
+/* The sim port: memory, a byte pipe and a timer around the app. */
 #include "firmware/port/sim/sim.h"
 #include "firmware/app/app.h"
 

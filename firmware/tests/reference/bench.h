@@ -1,5 +1,5 @@
 /* A bench with a rig for tests of safety: a sim whose sensors the test sets, a session in FREE_RUN with powered motors, and a
- * meter at the port's outputs. Called by: firmware/tests. */
+ * meter at the port's outputs. */
 #ifndef CRN_TEST_BENCH_H
 #define CRN_TEST_BENCH_H
 

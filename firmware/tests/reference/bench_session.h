@@ -1,5 +1,5 @@
 /* A session on the bench of a test file: steps in LOCKSTEP, and a FREE_RUN that is recorded and replayed.
- * Include behind bench_fixture.h, once per file. Called by: firmware/tests. */
+ * Include behind bench_fixture.h, once per file. */
 #ifndef CRN_TEST_BENCH_SESSION_H
 #define CRN_TEST_BENCH_SESSION_H
 

@@ -1,5 +1,5 @@
 /* A minimal host for tests: sends messages to a sim and reads its frames, through bytes only.
- * May include: shared/wire, the sim's public header. Called by: firmware/tests, hil_tests, fuzz targets. */
+ * May include: shared/wire, the sim's public header. */
 #ifndef CRN_TEST_CLIENT_H
 #define CRN_TEST_CLIENT_H
 

@@ -1,4 +1,4 @@
-/* Saved states that are no states. Include behind cmocka.h and core_state.h. Called by: firmware/tests. */
+/* Saved states that are no states. Include behind cmocka.h and core_state.h. */
 #ifndef CRN_TEST_DAMAGE_H
 #define CRN_TEST_DAMAGE_H
 

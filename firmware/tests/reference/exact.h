@@ -1,5 +1,5 @@
 /* Exact integer arithmetic in 128 bits, the reference of the fixed-point tests.
- * May include: nothing. Called by: firmware/tests. */
+ * May include: nothing. */
 #ifndef CRN_REFERENCE_EXACT_H
 #define CRN_REFERENCE_EXACT_H
 

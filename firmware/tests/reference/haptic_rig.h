@@ -1,6 +1,6 @@
 /* A rig with a hand on it, in double precision, for tests of the haptic loop: the app itself behind its own port, a carriage
  * with mass, damping, friction and a lagging motor, an encoder with steps and jitter, and a hand as a spring and damper that
- * wants to be somewhere. 20 steps of physics per tick. Called by: firmware/tests. */
+ * wants to be somewhere. 20 steps of physics per tick. */
 #ifndef CRN_TEST_HAPTIC_RIG_H
 #define CRN_TEST_HAPTIC_RIG_H
 

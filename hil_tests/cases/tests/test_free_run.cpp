@@ -13,9 +13,9 @@
 
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
-#include "host/app/replay.hpp"
-#include "host/app/run.hpp"
 #include "host/link/usb_devices.hpp"
+#include "host/session/replay.hpp"
+#include "host/session/run.hpp"
 
 extern "C" {
 #include <cmocka.h>

@@ -1,7 +1,7 @@
 // The bodies' faces in one OpenGL context: buffers, program, and one picture of floats per channel. Private to this folder.
 #pragma once
 #include "host/xray/gl/gl_context.hpp"
-#include "host/xray/paths.hpp"
+#include "host/xray/paths/paths.hpp"
 
 namespace crn
 {

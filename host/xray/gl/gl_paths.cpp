@@ -1,6 +1,6 @@
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/gl/gl_device.hpp"
-#include "host/xray/parallel.hpp"
+#include "host/xray/paths/parallel.hpp"
 #include <algorithm>
 
 namespace crn

@@ -1,9 +1,9 @@
 // Path lengths of bodies by OpenGL 3.3 core: every face adds its depth to a picture of floats where a ray leaves the body
 // and takes it away where it enters. The order of faces does not matter, so there is neither depth buffer nor sorting.
-// A second way to what RasterPaths draws, by other code; held against it in host/tests/test_gl.cpp. See docs/xray.md.
+// A second way to what RasterPaths draws, by other code; held against it in host/xray/tests/test_gl.cpp. See docs/xray.md.
 #pragma once
 #include "host/xray/gl/gl_context.hpp"
-#include "host/xray/paths.hpp"
+#include "host/xray/paths/paths.hpp"
 #include <functional>
 
 namespace crn

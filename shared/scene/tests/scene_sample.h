@@ -1,5 +1,5 @@
 /* Small valid files for the tests of the scene container, and sealing of files changed on purpose.
- * May include: shared. Called by: shared/scene/tests. */
+ * May include: shared. */
 #ifndef CRN_SCENE_SAMPLE_H
 #define CRN_SCENE_SAMPLE_H
 

@@ -1,7 +1,7 @@
 // Meshes with closed-form distances for the tests of bake, and texts and folders for them.
-// May include: tools/bake. Called by: tools/bake/tests.
+// May include: tools/bake.
 #pragma once
-#include "host/model/pending_file.hpp"
+#include "host/base/pending_file.hpp"
 #include "tools/bake/bake.hpp"
 #include "tools/bake/fault.hpp"
 

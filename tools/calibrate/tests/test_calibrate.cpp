@@ -1,7 +1,7 @@
 // Claims: distances and forces are judged as equation 19 and its page say (closed forms); the virtual instrument and the file that is
 // written of it hold the numbers that were asked for; a search gives the same bits for any number of workers and after any number of
 // stops; what cannot be determined is said to be so.
-#include "host/tests/folder.hpp"
+#include "host/base/tests/folder.hpp"
 #include "tools/calibrate/checkpoint.hpp"
 #include "tools/calibrate/fitted_instrument.hpp"
 #include "tools/calibrate/identify.hpp"

@@ -1,6 +1,6 @@
 // Claims: the thesis' rod, as the baseline of `calibrate`, is the instrument that its file describes, in the same frame as ours; its
 // integration stays stable for any trial; it is fitted by the same search with the same bits for any number of workers.
-#include "host/tests/folder.hpp"
+#include "host/base/tests/folder.hpp"
 #include "tools/calibrate/corde_evaluator.hpp"
 #include "tools/calibrate/core_rod.hpp"
 #include "tools/calibrate/rod_evaluator.hpp"

@@ -1,6 +1,6 @@
 // Claims: a case's folder comes back as it was written; whatever is wrong in it is refused with the file, the field and what to
 // do. Numbers are written with 9 digits, hence the tolerance of 1e-8 of the value.
-#include "host/tests/folder.hpp"
+#include "host/base/tests/folder.hpp"
 #include "tools/case/case.hpp"
 
 #include <csetjmp>

@@ -1,5 +1,5 @@
 // Fully automatic: inlet and outlets, branches and their junctions found from the mesh alone.
-// May include: grow.hpp. Called by: editor, main, tests.
+// May include: grow.hpp.
 #pragma once
 #include "tools/centreline/fit/grow.hpp"
 

@@ -1,6 +1,6 @@
 // Files in, work, files out.
 #include "tools/centreline/fit/commands.hpp"
-#include "host/model/output_files.hpp"
+#include "host/base/output_files.hpp"
 #include "tools/bake/centreline.hpp"
 #include "tools/centreline/fit/carry.hpp"
 #include "tools/centreline/fit/editor.hpp"

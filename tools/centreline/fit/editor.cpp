@@ -1,7 +1,7 @@
 // Keys and pointer -> project, fit -> picture.
 #include "tools/centreline/fit/editor.hpp"
-#include "host/app/window_screen.hpp"
-#include "host/model/pending_file.hpp"
+#include "host/base/pending_file.hpp"
+#include "host/picture/screen.hpp"
 #include "tools/centreline/fit/guided.hpp"
 #include "tools/centreline/fit/tree_picture.hpp"
 #include "tools/centreline/formats.hpp"

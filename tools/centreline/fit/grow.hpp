@@ -1,5 +1,5 @@
 // A tree grows branch by branch from rough ways; junctions and ends are put in order.
-// May include: line_fit.hpp. Called by: guided, automatic.
+// May include: line_fit.hpp.
 #pragma once
 #include "tools/centreline/fit/line_fit.hpp"
 

@@ -1,6 +1,6 @@
 // Points as TOML.
 #include "tools/centreline/fit/points.hpp"
-#include "host/model/pending_file.hpp"
+#include "host/base/pending_file.hpp"
 #include "tools/bake/toml_file.hpp"
 #include "tools/centreline/formats.hpp"
 

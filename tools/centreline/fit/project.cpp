@@ -1,6 +1,6 @@
 // Undo by whole lists of points: they are short.
 #include "tools/centreline/fit/project.hpp"
-#include "host/model/pending_file.hpp"
+#include "host/base/pending_file.hpp"
 
 namespace crn::centreline
 {

@@ -1,7 +1,7 @@
 // A vessel as glass with the tree's spheres in it: what `centreline show` writes and the editor shows.
-// May include: points.hpp, tools/centreline, host/app pictures. Called by: editor, main.
+// May include: points.hpp, tools/centreline, host/app pictures.
 #pragma once
-#include "host/app/picture_canvas.hpp"
+#include "host/picture/canvas.hpp"
 #include "tools/centreline/fit/points.hpp"
 #include "tools/centreline/tree.hpp"
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The program: what it writes, what it refuses and how, and the editor under a virtual display: clicks, undo, save, resume, Ctrl-C.
 set -u
-. "$(dirname "$0")/../../../host/tests/program.sh"
-. host/tests/display.sh
+. "$(dirname "$0")/../../../host/app/tests/program.sh"
+. host/app/tests/display.sh
 program="$build/bin/centreline"
 [ -x "$program" ] || make -s PACKAGES=skip "$program" >&2
 

@@ -1,4 +1,4 @@
-// A small tree, and what tests of trees say. May include: tools/centreline. Called by: tools/centreline/tests.
+// A small tree, and what tests of trees say. May include: tools/centreline.
 #pragma once
 #include "tools/centreline/formats.hpp"
 

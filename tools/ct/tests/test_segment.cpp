@@ -2,7 +2,7 @@
 // project (mean 0.2 mm, most 0.6 mm, both ways, the tip of the J too), and the lumen within 0.3 mm on average, closed;
 // that of a marked catheter too; what is said to be unsure covers the errors; scans without an instrument, with two apart and with two that touch are refused by name.
 // The reference is the line and the mesh that the scan was made from, which segmenting never sees.
-#include "host/tests/folder.hpp"
+#include "host/base/tests/folder.hpp"
 #include "tools/case/case.hpp"
 #include "tools/ct/mouth.hpp"
 #include "tools/ct/segment.hpp"

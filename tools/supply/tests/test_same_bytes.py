@@ -16,12 +16,12 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import tree  # noqa: E402
 
 BUILD = os.environ.get("BUILD", "build")
-TARGETS = ["build/lib/libshared_wire.a", "build/lib/libshared_scene.a", "build/lib/libfirmware_port_sim.a", "build/obj/host/model/terminal.cpp.o",
-           "build/obj/host/model/pending_file.cpp.o", "build/obj/firmware/core/fixed.c.o", "build/bin/docs",
+TARGETS = ["build/lib/libshared_wire.a", "build/lib/libshared_scene.a", "build/lib/libfirmware_port_sim.a", "build/obj/host/base/terminal.cpp.o",
+           "build/obj/host/base/pending_file.cpp.o", "build/obj/firmware/core/fixed.c.o", "build/bin/docs",
            "build/firmware/cournand-imxrt1062.hex"]
 COMPARED = re.compile(r"\.(o|a|elf|hex)$|/bin/[a-z]+$")
 # Folders that these targets are made of.
-COPIED = re.compile(r"^(Makefile$|shared/(wire|scene|mailbox)/|firmware/|host/model/|tools/docs/|tools/.*\.mk$|hil_tests/(usb|library)/|hil_tests/.*\.mk$)")
+COPIED = re.compile(r"^(Makefile$|shared/(wire|scene|mailbox)/|firmware/|host/(base|model)/|shared/version.h$|tools/docs/|tools/.*\.mk$|hil_tests/(usb|library)/|hil_tests/.*\.mk$)")
 
 
 def copy_tree(folder):
@@ -72,7 +72,7 @@ def check_two_folders(report, work):
         report.check("two builds in two folders give the same bytes: %d files %s" % (len(names), kind.replace("\\", "").strip("$/")),
                      ["%s differs" % n for n in names if one[n] != two.get(n)] or ([] if names else ["there are none"]))
     report.check("none of them names its folder", ["%s does" % n for n, data in one.items() if folders[0].encode() in data])
-    report.check("debug information is among what is compared", [] if b".debug_info" in one["build/obj/host/model/terminal.cpp.o"] else ["it is not there"])
+    report.check("debug information is among what is compared", [] if b".debug_info" in one["build/obj/host/base/terminal.cpp.o"] else ["it is not there"])
 
 
 def check_programs(report):

@@ -1,0 +1,21 @@
+// Values of options on a command line, before any of them is used. May include: CLI11.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace crn
+{
+
+// `--json ""` is a script's empty variable, not a wish for no file: wrong usage, here and in every command below.
+inline void refuse_empty_values(CLI::App &app)
+{
+    for (CLI::Option *option : app.get_options())
+        if (option->get_expected_min() > 0)
+            option->check([](const std::string &value) {
+                return value.empty() ? std::string("is empty: give it a value, or leave the option out")
+                                     : std::string();
+            });
+    for (CLI::App *command : app.get_subcommands({})) refuse_empty_values(*command);
+}
+
+} // namespace crn

@@ -1,0 +1,122 @@
+// Files that other people's parsers read are read in a child process with limits on memory, time and stack. What it understood comes
+// back through a pipe as plain data, which the caller checks. A damaged file ends only the child, and the message says how.
+// May include: nothing.
+//
+//   caller                       child
+//   read_apart -> fork ------->  limits, signals back to their defaults, no output but the pipe
+//   take(Inbox)  <-- pipe -----  parse(Outbox)
+//   waitpid      <-------------  ends; killed at the end of its time
+#pragma once
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace crn
+{
+
+// The message begins with the file's name and says what to do.
+struct GuardedReadError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+// How far reading may go.
+struct ReadLimits {
+    std::uint64_t memory_bytes = 0; // that the child may take besides what its parent had
+    double cpu_s = 0;
+    double wall_s = 0;
+    std::uint64_t stack_bytes = std::uint64_t{8} << 20;
+};
+
+inline constexpr std::uint64_t read_memory_bytes_max = std::uint64_t{1900}
+                                                       << 20; // with the parent below 2 GB
+
+// By the size of the file: 18 s and, beyond 8 MiB, 2 s per MiB more; `growth` is how much memory a byte of the file may become.
+ReadLimits read_limits(std::uint64_t file_bytes, double growth);
+
+// What the child says. Everything before the first call may still fail with a message of its own (a std::exception).
+class Outbox
+{
+  public:
+    explicit Outbox(int pipe) : pipe_(pipe) {}
+    void bytes(const void *bytes, std::size_t count);
+    template <class Value> void value(const Value &value)
+    {
+        static_assert(std::is_trivially_copyable_v<Value>);
+        bytes(&value, sizeof value);
+    }
+    void text(std::string_view text);
+    template <class Value> void list(const std::vector<Value> &values)
+    {
+        static_assert(std::is_trivially_copyable_v<Value>);
+        value<std::uint64_t>(values.size());
+        bytes(values.data(), values.size() * sizeof(Value));
+    }
+    bool is_begun() const { return is_begun_; }
+
+  private:
+    int pipe_;
+    bool is_begun_ = false;
+};
+
+// The child as its parent sees it. Every call throws GuardedReadError when the child ends, or its time does, before it has said so much.
+class Inbox
+{
+  public:
+    Inbox(const std::string &file, const ReadLimits &limits);
+    Inbox(const Inbox &) = delete;
+    Inbox &operator=(const Inbox &) = delete;
+    ~Inbox(); // ends the child if it is still there
+
+    void bytes(void *bytes, std::size_t count);
+    template <class Value> Value value()
+    {
+        Value value;
+        static_assert(std::is_trivially_copyable_v<Value>);
+        bytes(&value, sizeof value);
+        return value;
+    }
+    // No more than so many letters or values: otherwise the child is not to be believed.
+    std::string text(std::uint64_t most = 1 << 20);
+    template <class Value> std::vector<Value> list(std::uint64_t most)
+    {
+        std::vector<Value> values(size(most));
+        bytes(values.data(), values.size() * sizeof(Value));
+        return values;
+    }
+    std::uint64_t size(std::uint64_t most);
+
+  private:
+    friend void read_apart(const std::string &, const ReadLimits &, const std::function<void(Outbox &)> &,
+                           const std::function<void(Inbox &)> &);
+    void start(const std::function<void(Outbox &)> &parse);
+    void wait();      // until there is something to read; throws at the end of the child's time
+    void finish();    // nothing more may come, and the child ended well
+    void hear();      // what its libraries say on the terminal
+    void end_child(); // SIGKILL and waitpid
+    [[noreturn]] void fail(const std::string &what);
+    [[noreturn]] void fail_ended(); // by how the child ended
+
+    std::string file_, heard_;
+    ReadLimits limits_;
+    std::chrono::steady_clock::time_point began_;
+    int child_ = -1, pipe_ = -1, noise_ = -1, status_ = 0;
+};
+
+// Runs `parse` in the child and `take` here. Throws GuardedReadError, or what `take` throws; then the child has ended.
+void read_apart(const std::string &file, const ReadLimits &limits, const std::function<void(Outbox &)> &parse,
+                const std::function<void(Inbox &)> &take);
+
+// Asked while a child is waited for, when a signal came: true ends it with the message "interrupted". A program whose handler
+// of Ctrl-C only raises a flag sets this.
+void stop_reading_when(bool (*is_wanted)());
+
+// The size of a regular file, for read_limits. Throws GuardedReadError: no such file, a folder, over `most` bytes.
+std::uint64_t regular_file_bytes(const std::string &file, std::uint64_t most);
+
+} // namespace crn

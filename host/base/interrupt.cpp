@@ -1,0 +1,47 @@
+#include "host/base/interrupt.hpp"
+#include "host/base/pending_file.hpp"
+#include <csignal>
+
+namespace crn
+{
+
+namespace
+{
+
+volatile std::sig_atomic_t interrupted = 0;
+
+void on_signal(int number)
+{
+    if (interrupted == 0) {
+        interrupted = 1;
+        return;
+    }
+    remove_pending();
+    std::signal(number, SIG_DFL);
+    // It is blocked while its handler runs, and perhaps by whoever started us: unblocked, it ends the program here.
+    sigset_t both;
+    ::sigemptyset(&both);
+    ::sigaddset(&both, number);
+    std::raise(number);
+    ::pthread_sigmask(SIG_UNBLOCK, &both, nullptr);
+}
+
+} // namespace
+
+void watch_for_interrupt()
+{
+    sigset_t both;
+    ::sigemptyset(&both);
+    for (int number : {SIGINT, SIGTERM}) {
+        std::signal(number, on_signal);
+        ::sigaddset(&both, number);
+    }
+    ::pthread_sigmask(SIG_UNBLOCK, &both, nullptr);
+}
+
+bool is_interrupted()
+{
+    return interrupted != 0;
+}
+
+} // namespace crn

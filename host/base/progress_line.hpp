@@ -1,0 +1,31 @@
+// How far long work is, on standard error: a bar that is redrawn where a person looks on, else a plain line whenever
+// another file begins. May include: nothing.
+#pragma once
+#include <chrono>
+#include <cstddef>
+#include <string>
+
+namespace crn
+{
+
+class ProgressLine
+{
+  public:
+    // `is_wanted` false: nothing at all.
+    explicit ProgressLine(bool is_wanted);
+    ~ProgressLine(); // takes the bar away
+    ProgressLine(const ProgressLine &) = delete;
+    ProgressLine &operator=(const ProgressLine &) = delete;
+
+    // "writing out/dicom/run_01.dcm (1 of 3)  [#####-----]  52 %"; redrawn ten times a second at most.
+    void show(const std::string &what, std::size_t done, std::size_t total);
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    bool is_wanted_, is_terminal_;
+    bool is_drawn_ = false;
+    std::string begun_;
+    Clock::time_point drawn_at_{};
+};
+
+} // namespace crn

@@ -1,0 +1,461 @@
+// Claims: in a session contrast medium comes out of the catheter's tip and of nothing else, follows from commands and shapes at
+// fixed ticks whatever pictures were asked for, and the columns that the X-ray gets hold as much iodine as the vessels.
+#include "host/base/text.hpp"
+#include "host/patient/contrast.hpp"
+#include "host/rig/pedals.hpp"
+#include "host/script/session.hpp"
+#include <cmath>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+extern "C" {
+#include <cmocka.h>
+
+#include "shared/scene/tests/scene_sample.h"
+}
+
+using namespace crn;
+using Eigen::Vector3d;
+
+namespace
+{
+
+constexpr std::uint32_t never = std::numeric_limits<std::uint32_t>::max();
+constexpr double pi = 3.14159265358979323846;
+const RoomCommand inject_6_ml{RoomAction::inject, {6000, 4000, 0}};
+
+// 300 mm down the y axis, radius 8 mm, 30 ml/s.
+VesselTree aorta()
+{
+    VesselBranch branch;
+    branch.name = "aorta";
+    branch.flow_ml_s = 30.0;
+    for (int i = 0; i <= 30; ++i) {
+        branch.points_m.push_back({0.0, -0.01 * i, 0.0});
+        branch.radii_m.push_back(0.008);
+    }
+    return {{branch}};
+}
+
+Instrument tool(const char *name, std::uint32_t inner_um)
+{
+    Instrument made;
+    made.name = name;
+    made.table.knots_count = 1;
+    made.table.knots[0].radius_outer_um = 800;
+    made.table.knots[0].radius_inner_um = inner_um;
+    return made;
+}
+
+// Up the aorta from its lower end; the wire is 50 mm ahead of the catheter, whose tip is at y = -150 mm.
+WireFrame line_at(std::uint32_t tick)
+{
+    WireFrame wire;
+    wire.tick = tick;
+    wire.tip_arc_m = {0.0, 0.05};
+    for (int i = 0; i <= 20; ++i) {
+        WireNode node;
+        node.position_m = {0.0, -0.1 - 0.01 * i, 0.0};
+        node.arc_m = 0.01 * i;
+        node.radius_m = 0.0008;
+        wire.nodes.push_back(node);
+    }
+    return wire;
+}
+
+const std::vector<Instrument> wire_and_catheter = {tool("wire", 0), tool("catheter", 485)};
+
+// To `end`, stopping wherever a look is wanted and every `frame_ticks`.
+void go_on(PatientContrast &contrast, std::uint32_t from, std::uint32_t end, std::uint32_t frame_ticks)
+{
+    for (std::uint32_t tick = from; tick < end;) {
+        tick = std::min({end, contrast.next_tick(), (tick / frame_ticks + 1) * frame_ticks});
+        contrast.advance(line_at(tick));
+    }
+}
+
+void medium_comes_out_of_the_catheter_and_not_of_the_wire(void **)
+{
+    PatientContrast contrast(aorta(), wire_and_catheter);
+    contrast.advance(line_at(0));
+    assert_string_equal(contrast.command(1, inject_6_ml).c_str(), "");
+    go_on(contrast, 0, 100, 20);
+    const FlowCells &cells = contrast.flow().cells();
+    assert_true(contrast.flow().held_mg() > 10.0);
+    for (std::size_t i = 0; i < cells.size(); ++i)
+        if (cells.middle_m(i).y() > -0.148) assert_true(contrast.flow().iodine_mg_per_ml(i) == 0.0);
+}
+
+void without_a_catheter_or_vessels_it_says_so(void **)
+{
+    PatientContrast bare(aorta(), {tool("wire", 0)}), no_tree({}, wire_and_catheter),
+        good(aorta(), wire_and_catheter);
+    assert_non_null(std::strstr(bare.command(0, inject_6_ml).c_str(), "NO CATHETER"));
+    assert_non_null(std::strstr(no_tree.command(0, inject_6_ml).c_str(), "NO VESSELS"));
+    assert_non_null(std::strstr(good.refusal({RoomAction::inject, {1000, 1000, 1}}, 350.0).c_str(),
+                                "'wire' HAS NO LUMEN"));
+    assert_non_null(
+        std::strstr(good.refusal({RoomAction::inject, {1000, 1000, 3}}, 350.0).c_str(), "NO TOOL 3"));
+    assert_true(bare.next_tick() == never && no_tree.next_tick() == never && good.next_tick() == never);
+}
+
+// Frames of a film between the looks change no bit of it.
+void other_pictures_do_not_change_it(void **)
+{
+    PatientContrast often(aorta(), wire_and_catheter), seldom(aorta(), wire_and_catheter);
+    for (PatientContrast *contrast : {&often, &seldom}) {
+        const std::uint32_t frame_ticks = contrast == &often ? 7 : 1000;
+        contrast->advance(line_at(0));
+        go_on(*contrast, 0, 333, frame_ticks);
+        contrast->command(334, inject_6_ml);
+        go_on(*contrast, 333, 1200, frame_ticks);
+    }
+    assert_true(often.flow().held_mg() > 100.0);
+    assert_true(often.flow().snapshot() == seldom.flow().snapshot());
+}
+
+void after_washing_out_no_look_is_wanted(void **)
+{
+    PatientContrast contrast(aorta(), wire_and_catheter);
+    contrast.command(0, inject_6_ml);
+    go_on(contrast, 0, 2000, 1000);
+    assert_true(contrast.next_tick() == 2040);
+    go_on(contrast, 2000, 60000, 1000);
+    assert_true(contrast.next_tick() == never && contrast.curves().empty());
+    assert_true(std::fabs(contrast.injected_ml() - 6.0) < 1e-9);
+    assert_true(std::fabs(contrast.flow().budget().injected_mg - 6.0 * 350.0) < 1e-6);
+}
+
+// An artery that ends in two: some column of each branch begins where the artery ends.
+void columns_have_no_gap_where_a_vessel_divides(void **)
+{
+    VesselTree tree = aorta();
+    const Vector3d fork_m = tree.branches[0].points_m.back();
+    for (double side : {-1.0, 1.0}) {
+        VesselBranch branch;
+        branch.name = side < 0 ? "right" : "left";
+        branch.parent = 0;
+        branch.parent_point = 30;
+        branch.flow_ml_s = 15.0;
+        for (int i = 0; i <= 20; ++i) {
+            branch.points_m.push_back(fork_m + 0.005 * i * Vector3d(0.7 * side, -0.7, 0.0));
+            branch.radii_m.push_back(0.005);
+        }
+        tree.branches.push_back(branch);
+    }
+    PatientContrast contrast(tree, wire_and_catheter);
+    contrast.command(0, {RoomAction::inject, {60000, 30000, 0}});
+    go_on(contrast, 0, 2000, 1000);
+    int begin = 0, end = 0;
+    for (const SweptCurve &curve : contrast.curves()) {
+        begin += (curve.points.front().at_m - fork_m).norm() < 1e-6;
+        end += (curve.points.back().at_m - fork_m).norm() < 1e-6;
+    }
+    assert_true(begin >= 2 && end >= 1);
+}
+
+// Cones of the curves times their share of iohexol 350, against what the cells hold. 2 %: ends that fade out, and linear shares.
+void columns_hold_the_iodine_of_the_vessels(void **)
+{
+    PatientContrast contrast(aorta(), wire_and_catheter);
+    contrast.command(0, inject_6_ml);
+    go_on(contrast, 0, 1000, 1000);
+    double mg = 0.0;
+    for (const SweptCurve &curve : contrast.curves())
+        for (std::size_t i = 0; i + 1 < curve.points.size(); ++i) {
+            const SweptPoint &a = curve.points[i], &b = curve.points[i + 1];
+            const double square =
+                (a.radius_m * a.radius_m + a.radius_m * b.radius_m + b.radius_m * b.radius_m) / 3;
+            mg += pi * square * (b.at_m - a.at_m).norm() * 1e6 * 0.5 * (a.share + b.share) * 350.0;
+        }
+    if (std::fabs(mg - contrast.flow().held_mg()) > 0.02 * mg)
+        fail_msg("curves %.1f mg, vessels %.1f mg", mg, contrast.flow().held_mg());
+}
+
+// 6 ml of 350 mg/ml at 4 ml/s from tick 1001 on (the command comes after the frame of tick 1000), then 2 ml of 150 mg/ml at 2 ml/s.
+void what_was_given_between_two_ticks_is_known(void **)
+{
+    PatientContrast contrast(aorta(), wire_and_catheter);
+    contrast.advance(line_at(0));
+    go_on(contrast, 0, 1000, 100);
+    contrast.command(1000, inject_6_ml);
+    go_on(contrast, 1000, 4000, 100);
+    contrast.command(4000, {RoomAction::contrast_strength, {150, 0, 0}});
+    contrast.command(4000, {RoomAction::inject, {2000, 2000, 0}});
+    go_on(contrast, 4000, 6000, 100);
+    assert_false(contrast.given(0, 1000).has_value());
+    assert_false(contrast.given(2501, 4000).has_value());
+    const RunContrast whole = contrast.given(0, 4000).value(), half = contrast.given(1751, 3000).value(),
+                      both = contrast.given(0, 6000).value();
+    const auto assert_given = [](const RunContrast &given, double ml, double ml_s, double s, double mg_ml) {
+        if (std::fabs(given.volume_ml - ml) > 1e-9 || std::fabs(given.flow_ml_s - ml_s) > 1e-9 ||
+            std::fabs(given.duration_s - s) > 1e-9 || std::fabs(given.iodine_mg_ml - mg_ml) > 1e-9)
+            fail_msg("%g ml at %g ml/s in %g s, %g mg/ml", given.volume_ml, given.flow_ml_s, given.duration_s,
+                     given.iodine_mg_ml);
+    };
+    assert_given(whole, 6.0, 4.0, 1.5, 350.0);
+    assert_int_equal(whole.tick_begin, 1001);
+    assert_given(half, 3.0, 4.0, 0.75, 350.0);
+    assert_given(both, 8.0, 8.0 / 2.5, 2.5, (6.0 * 350.0 + 2.0 * 150.0) / 8.0);
+}
+
+void blood_around_the_line_takes_its_colour(void **)
+{
+    PatientContrast contrast(aorta(), wire_and_catheter);
+    contrast.command(0, inject_6_ml);
+    go_on(contrast, 0, 1000, 1000);
+    WireFrame wire = line_at(1000);
+    contrast.colour(wire);
+    assert_true(wire.nodes[0].contrast_mg_per_ml == 0.0);  // upstream
+    assert_true(wire.nodes[15].contrast_mg_per_ml > 10.0); // downstream of the catheter's tip
+}
+
+// 20 holes of a fifth of the end hole's area: a fifth of the medium leaves at the tip, the rest between 20 and 58 mm behind it.
+void a_pigtail_gives_medium_through_its_side_holes(void **)
+{
+    Instrument pigtail = tool("pigtail", 500);
+    pigtail.side_holes = {{0.020, 0.058, 20, 2 * 0.0005 * std::sqrt(0.2)}};
+    const std::vector<CatheterMouth> mouths = catheter_mouths(pigtail, line_at(0), 0.05);
+    assert_int_equal(mouths.size(), 21);
+    assert_true(std::fabs(mouths[0].share - 0.2) < 1e-12);
+    assert_true((mouths[0].place_m - Vector3d(0, -0.15, 0)).norm() < 1e-12);
+    assert_true((mouths[20].place_m - Vector3d(0, -0.208, 0)).norm() < 1e-12);
+    PatientContrast contrast(aorta(), {tool("wire", 0), pigtail});
+    contrast.command(0, inject_6_ml);
+    go_on(contrast, 0, 41, 20); // one look, then 1 ms: what went in still stands where it went in
+    const FlowCells &cells = contrast.flow().cells();
+    double ahead_mg = 0.0, all_mg = 0.0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const double mg = contrast.flow().iodine_mg_per_ml(i) * cells[i].volume_ml;
+        all_mg += mg;
+        if (cells.middle_m(i).y() > -0.16) ahead_mg += mg;
+    }
+    if (std::fabs(ahead_mg / all_mg - 0.2) > 0.03) fail_msg("%.3f of it at the tip", ahead_mg / all_mg);
+}
+
+// The core's heart leads: in its asystole the medium stays where it was injected, with beats 6 ml of it are carried away.
+void blood_flows_with_the_cores_heart(void **)
+{
+    double carried_mg[2] = {};
+    for (bool is_resting : {false, true}) {
+        PatientContrast contrast(aorta(), wire_and_catheter);
+        contrast.command(0, {RoomAction::inject, {200, 4000, 0}});
+        go_on(contrast, 0, 40, 40);
+        for (std::uint32_t tick = 41; tick <= 4000; ++tick) {
+            crn_wire_tick_state state{};
+            state.tick = tick;
+            state.beat_ms = tick % 857;
+            state.interval_ms = 857;
+            state.rhythm_bits = is_resting ? CRN_WIRE_RHYTHM_IS_RESTING : 0;
+            contrast.tick(state);
+            if (tick % 40 == 0) contrast.advance(line_at(tick));
+        }
+        carried_mg[is_resting] = contrast.flow().budget().out_mg;
+    }
+    assert_true(carried_mg[0] > 60.0 && carried_mg[1] == 0.0);
+}
+
+// A vessel through the sample's lattice: its cells are where the lattice pushes them, to 0.1 mm (points every millimetre).
+void medium_moves_with_the_vessels(void **)
+{
+    alignas(16) static std::uint8_t file[SAMPLE_BYTES_MAX];
+    crn_scene scene{};
+    if (crn_scene_open(file, sample_moving_scene(file, sizeof file), &scene, nullptr) != CRN_SCENE_OK)
+        fail_msg("the sample does not open");
+    const Motion motion(scene);
+    VesselTree vessel = aorta();
+    VesselBranch &branch = vessel.branches[0];
+    for (std::size_t i = 0; i < branch.points_m.size(); ++i) {
+        branch.points_m[i] = {0.001 * (static_cast<double>(i) - 15.0), 0.0078, 0.0078};
+        branch.radii_m[i] = 0.002;
+    }
+    const PatientContrast still(vessel, wire_and_catheter);
+    PatientContrast contrast(vessel, wire_and_catheter, &motion);
+    contrast.command(0, inject_6_ml);
+    WireFrame wire = line_at(40);
+    wire.heart_phase32 = 1u << 31;
+    contrast.advance(wire);
+    const FlowCells &cells = contrast.flow().cells();
+    double largest_m = 0.0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const Vector3d rest_m = still.flow().cells().middle_m(i);
+        const Vector3d pushed_m = motion.push(rest_m, MotionMoment{wire.heart_phase32, 0});
+        largest_m = std::max(largest_m, (pushed_m - rest_m).norm());
+        if ((cells.middle_m(i) - pushed_m).norm() > 1e-4) fail_msg("cell %zu is elsewhere", i);
+    }
+    assert_true(largest_m > 0.5e-3);
+}
+
+// --- lesions that give way ---
+
+// 60 mm of the aorta's end, y = -160 to -220 mm behind the catheter's tip, narrowed from 8 to 2 mm and 3 mm to the left.
+VesselTree narrowed_aorta()
+{
+    VesselTree tree = aorta();
+    VesselLesion lesion;
+    lesion.name = "plaque";
+    lesion.first_point = 16;
+    for (std::size_t i = 16; i <= 22; ++i) {
+        lesion.healthy_points_m.push_back(tree.branches[0].points_m[i]);
+        lesion.healthy_radii_m.push_back(0.008);
+        if (i == 16 || i == 22) continue;
+        tree.branches[0].points_m[i].x() = 0.003;
+        tree.branches[0].radii_m[i] = 0.002;
+    }
+    tree.lesions.push_back(lesion);
+    return tree;
+}
+
+const LesionStations stations_of_aorta{7, 0.01};
+
+// Open by 0.7 within a second, from second 1 on, and by 0.5 again from second 2 on: medium fills it in the meantime.
+WireFrame giving_way_at(std::uint32_t tick)
+{
+    WireFrame wire = line_at(tick);
+    const double share = tick < 1000 ? 0.0 : tick < 2000 ? 0.7e-3 * (tick - 1000) : 0.5;
+    wire.lesions_open.assign(7, share);
+    return wire;
+}
+
+void a_lesion_that_gives_way_widens_cells_and_columns(void **)
+{
+    PatientContrast often(narrowed_aorta(), wire_and_catheter, nullptr,
+                          {narrowed_aorta(), {&stations_of_aorta, 1}}),
+        seldom(often);
+    for (PatientContrast *contrast : {&often, &seldom}) {
+        const std::uint32_t frame_ticks = contrast == &often ? 7 : 1000;
+        contrast->advance(giving_way_at(0));
+        contrast->command(1, {RoomAction::inject, {60000, 20000, 0}});
+        for (std::uint32_t tick = 0; tick < 3000;) {
+            tick = std::min({3000u, contrast->next_tick(), (tick / frame_ticks + 1) * frame_ticks});
+            contrast->advance(giving_way_at(tick));
+        }
+    }
+    assert_true(often.flow().snapshot() == seldom.flow().snapshot());
+    const IodineBudget &budget = often.flow().budget();
+    const double lost_mg = budget.injected_mg - often.flow().held_mg() - budget.out_mg - budget.reflux_mg;
+    assert_true(budget.injected_mg > 10000 && std::fabs(lost_mg) < 1e-9 * budget.injected_mg);
+    const FlowCells &cells = often.flow().cells(); // half open: 5 mm, 1.5 mm to the left
+    const Vector3d middle_m(0.0015, -0.19, 0);
+    const std::size_t cell = cells.nearest(middle_m);
+    assert_true(std::fabs(cells[cell].radius_mm - 5) < 1e-9 &&
+                std::fabs(cells.middle_m(cell).x() - 0.0015) < 1e-9);
+    double widest_m = 0;
+    for (const SweptCurve &curve : often.curves())
+        for (const SweptPoint &point : curve.points)
+            if (std::fabs(point.at_m.y() + 0.19) < 0.005) widest_m = std::max(widest_m, point.radius_m);
+    assert_true(std::fabs(widest_m - 0.005) < 1e-6);
+    const VesselTree opened = often.opened_vessels();
+    assert_true(std::fabs(opened.branches[0].radii_m[19] - 0.005) < 1e-12);
+    assert_true(often.vessels().branches[0].radii_m[19] == 0.002);
+}
+
+// Wholly open, in the sample's moving scene: cells are where the heart takes the healthy vessel.
+void an_open_lesion_moves_with_the_heart(void **)
+{
+    alignas(16) static std::uint8_t file[SAMPLE_BYTES_MAX];
+    crn_scene scene{};
+    if (crn_scene_open(file, sample_moving_scene(file, sizeof file), &scene, nullptr) != CRN_SCENE_OK)
+        fail_msg("the sample does not open");
+    const Motion motion(scene);
+    VesselTree narrow = aorta();
+    for (std::size_t i = 0; i < narrow.branches[0].points_m.size(); ++i) {
+        narrow.branches[0].points_m[i] = {0.001 * (static_cast<double>(i) - 15.0), 0.0078, 0.0078};
+        narrow.branches[0].radii_m[i] = 0.002;
+    }
+    VesselLesion lesion;
+    lesion.name = "plaque";
+    lesion.first_point = 10;
+    for (std::size_t i = 10; i <= 20; ++i) {
+        lesion.healthy_points_m.push_back(narrow.branches[0].points_m[i]);
+        lesion.healthy_radii_m.push_back(0.002);
+        narrow.branches[0].points_m[i].z() += 0.0008;
+        narrow.branches[0].radii_m[i] = 0.0008;
+    }
+    narrow.lesions.push_back(lesion);
+    const LesionStations stations{11, 0.001};
+    PatientContrast contrast(narrow, wire_and_catheter, &motion, {narrow, {&stations, 1}});
+    contrast.command(0, inject_6_ml);
+    WireFrame wire = line_at(40);
+    wire.heart_phase32 = 1u << 31;
+    wire.lesions_open.assign(11, 1.0);
+    contrast.advance(wire);
+    const FlowCells &cells = contrast.flow().cells();
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        if (std::fabs(cells[i].radius_mm - 2) > 1e-9) fail_msg("cell %zu: %.6f mm", i, cells[i].radius_mm);
+        const Vector3d rest_m = motion.pull(cells.middle_m(i), MotionMoment{wire.heart_phase32, 0});
+        if (std::hypot(rest_m.y() - 0.0078, rest_m.z() - 0.0078) > 1e-4) fail_msg("cell %zu is elsewhere", i);
+    }
+}
+
+// --- the ways to ask for it ---
+
+void scripts_ask_for_it_in_millilitres(void **)
+{
+    const Session session = parse_session(
+        "contrast 300 mg/ml\ninject 8 ml at 4 ml/s\ninject 30 ml at 15 ml/s through catheter\ninject stop\n",
+        "s");
+    const auto command = [&](std::size_t i) { return session.statements[i].room.at(0); };
+    assert_true(command(0) == (RoomCommand{RoomAction::contrast_strength, {300, 0, 0}}));
+    assert_true(command(1) == (RoomCommand{RoomAction::inject, {8000, 4000, 0}}));
+    assert_true(command(2) == (RoomCommand{RoomAction::inject, {30000, 15000, 2}}));
+    assert_true(command(3) == (RoomCommand{RoomAction::inject, {0, 0, 0}}));
+    for (const char *wrong :
+         {"inject 8 at 4 ml/s", "inject 8 ml", "inject 8 ml at 4 mm/s", "inject 900 ml at 4 ml/s",
+          "inject 8 ml at 4 ml/s through wire", "contrast 3 kg"}) {
+        bool is_refused = false;
+        try {
+            parse_session(wrong, "s");
+        } catch (const FileError &error) {
+            is_refused = std::string(error.what()).find("s:1:") == 0;
+        }
+        if (!is_refused) fail_msg("accepted: %s", wrong);
+    }
+}
+
+// 5,000 counts over 1 s, wrapping, are 5 ml; drawing back and a jump of the sensor are nothing.
+void a_rigs_syringe_injects_what_its_plunger_gives(void **)
+{
+    RigSyringe syringe;
+    std::int32_t counts = std::numeric_limits<std::int32_t>::max() - 1000;
+    std::int64_t volume_ul = 0;
+    const auto move = [&](std::uint32_t tick, std::int32_t by) {
+        counts =
+            static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) + static_cast<std::uint32_t>(by));
+        if (const auto command = syringe.change(tick, counts)) {
+            assert_string_equal(refusal(*command).c_str(), "");
+            volume_ul += command->values[0];
+        }
+    };
+    for (std::uint32_t tick = 1; tick <= 1001; ++tick) move(tick, tick <= 1 ? 0 : 5);
+    for (std::uint32_t tick = 1002; tick <= 2000; ++tick)
+        move(tick, tick == 1500 ? 10'000'000 : tick > 1100 ? -4 : 0);
+    assert_int_equal(volume_ul, 5000);
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(medium_comes_out_of_the_catheter_and_not_of_the_wire),
+        cmocka_unit_test(without_a_catheter_or_vessels_it_says_so),
+        cmocka_unit_test(other_pictures_do_not_change_it),
+        cmocka_unit_test(after_washing_out_no_look_is_wanted),
+        cmocka_unit_test(columns_have_no_gap_where_a_vessel_divides),
+        cmocka_unit_test(columns_hold_the_iodine_of_the_vessels),
+        cmocka_unit_test(what_was_given_between_two_ticks_is_known),
+        cmocka_unit_test(blood_around_the_line_takes_its_colour),
+        cmocka_unit_test(a_pigtail_gives_medium_through_its_side_holes),
+        cmocka_unit_test(blood_flows_with_the_cores_heart),
+        cmocka_unit_test(medium_moves_with_the_vessels),
+        cmocka_unit_test(a_lesion_that_gives_way_widens_cells_and_columns),
+        cmocka_unit_test(an_open_lesion_moves_with_the_heart),
+        cmocka_unit_test(scripts_ask_for_it_in_millilitres),
+        cmocka_unit_test(a_rigs_syringe_injects_what_its_plunger_gives),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}

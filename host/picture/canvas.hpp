@@ -1,0 +1,42 @@
+// A white sheet for charts: boxes, smooth lines of any width, letters of the display's font.
+// May include: picture, picture_font.
+#pragma once
+#include "host/picture/picture.hpp"
+#include <string_view>
+#include <vector>
+
+namespace crn
+{
+
+struct Ink {
+    std::uint8_t red = 0, green = 0, blue = 0;
+};
+
+struct SheetPoint {
+    double x = 0.0, y = 0.0; // pixels; y grows downwards, whole numbers are the corners of pixels
+};
+
+// What is drawn outside the sheet, or outside the clip box, is left out.
+class Sheet
+{
+  public:
+    Sheet(int width, int height);
+    const Image &image() const { return image_; }
+    void clip(int x0, int y0, int x1, int y1); // until the next call; [x0, x1) x [y0, y1)
+    void unclip();
+    void box(int x0, int y0, int x1, int y1, Ink ink);
+    // One stroke with round ends and joints; where it meets itself it stays one ink. dash 0: unbroken.
+    void stroke(const std::vector<SheetPoint> &points, double width, Ink ink, double dash = 0.0);
+    // Letters 5 x 7 times scale; (x, y) is the corner at the top left.
+    void text(int x, int y, std::string_view text, int scale, Ink ink);
+    static int text_width(std::string_view text, int scale);
+    void blend(int x, int y, Ink ink, double share); // one pixel; share 1 covers what was there
+
+  private:
+    void cover(const std::vector<SheetPoint> &points, double width, Ink ink);
+
+    Image image_;
+    int x0_ = 0, y0_ = 0, x1_ = 0, y1_ = 0;
+};
+
+} // namespace crn

@@ -1,0 +1,81 @@
+// The runs of a session as a folder of DICOM files: frames are put on the disk as they are made, and the files are written
+// at the end, when it is known what they hold. Names: run_01_fluoro.dcm, run_02_dsa.dcm; a long run goes on in
+// run_01_fluoro_2.dcm. May include: host/dicom, host/xray, host/model.
+#pragma once
+#include "host/dicom/xa_file.hpp"
+#include "host/xray/run.hpp"
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+struct DicomSettings {
+    std::string folder; // empty: none
+    std::string values =
+        "log"; // log or linear in the X-ray intensity, or display: as on the screen (docs/output.md)
+    std::string patient_name, patient_id, study_date; // empty: anonymous
+};
+
+// Throws UsageError when the folder cannot be one to export to, or when name, number or date cannot stand in a file.
+void check_dicom_settings(const DicomSettings &settings);
+
+struct ExportProgress {
+    std::size_t file = 0, files = 0; // the file under way, counted from 1
+    std::string name;
+    std::size_t bytes_done = 0, bytes = 0; // of all files
+};
+
+class DicomExport
+{
+  public:
+    // `session` tells this session from others: scene and tools. Makes the folder. Throws OutputError.
+    DicomExport(const DicomSettings &settings, const std::string &session);
+    ~DicomExport(); // removes what is unfinished, and the folder when it made it and nothing is in it
+
+    // A run with everything but its frames. Linear values become logarithmic when the settings say so.
+    void begin(XrayRun run);
+    void add(RunFrame frame); // throws OutputError
+    void end();               // of the run; one without frames is forgotten
+    bool is_in_run() const { return is_in_run_; }
+    std::size_t run_count() const { return run_count_; }
+    // A run that is whole already.
+    void add_run(const XrayRun &run);
+
+    // The mask of the run with this index, counted from 0. A run of more than one file keeps it in the first.
+    void set_mask(std::size_t run, const RunMask &mask);
+
+    // What was injected while a file's frames were made, for each file: `given` is asked with the ticks of its first and last
+    // frame.
+    void set_contrast(const std::function<std::optional<RunContrast>(std::uint32_t, std::uint32_t)> &given);
+
+    // Writes the files; the last call. `report` is called with what is done and says whether to go on. Returns the names of the files
+    // that are written: all of them, or those before the stop. Throws OutputError.
+    std::vector<std::string> finish(const std::function<bool(const ExportProgress &)> &report);
+
+  private:
+    struct Part {
+        XrayRun run;
+        XaPixels pixels;
+        std::string name;
+    };
+    void begin_part();
+    void end_part();
+    std::string study_key() const;
+
+    DicomSettings settings_;
+    std::string session_;
+    bool made_folder_ = false;
+    std::unique_ptr<XaSpool> spool_;
+    std::vector<Part> parts_;
+    std::vector<std::uint32_t> histogram_; // of the part under way, by value
+    XrayRun header_;
+    bool is_in_run_ = false;
+    std::size_t run_count_ = 0;
+    int part_of_run_ = 0;
+};
+
+} // namespace crn

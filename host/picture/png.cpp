@@ -1,0 +1,81 @@
+// PNG by libpng's simplified interface.
+#include "host/base/pending_file.hpp"
+#include "host/picture/picture.hpp"
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <png.h>
+#include <stdexcept>
+
+namespace crn
+{
+
+namespace
+{
+
+png_image image_head(int width, int height, png_uint_32 format)
+{
+    png_image png;
+    std::memset(&png, 0, sizeof png);
+    png.version = PNG_IMAGE_VERSION;
+    png.width = static_cast<png_uint_32>(width);
+    png.height = static_cast<png_uint_32>(height);
+    png.format = format;
+    return png;
+}
+
+bool write_any(const std::string &path, int width, int height, png_uint_32 format, const void *pixels,
+               std::string &error)
+{
+    png_image png = image_head(width, height, format);
+    try {
+        PendingFile file(path);
+        errno = 0;
+        if (!png_image_write_to_stdio(&png, file.stream(), 0, pixels, 0, nullptr)) {
+            if (errno != 0) throw OutputError(path, errno);
+            throw OutputError(path + ": cannot be written: " + png.message);
+        }
+        file.commit();
+        return true;
+    } catch (const OutputError &refused) {
+        error = refused.what();
+        return false;
+    }
+}
+
+png_uint_32 format_of(const Image &image)
+{
+    return image.channels == 3 ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
+}
+
+} // namespace
+
+bool write_png(const std::string &path, const Image &image, std::string &error)
+{
+    return write_any(path, image.width, image.height, format_of(image), image.bytes.data(), error);
+}
+
+std::vector<std::uint8_t> encode_png(const Image &image)
+{
+    png_image png = image_head(image.width, image.height, format_of(image));
+    const auto write = [&](void *memory, png_alloc_size_t &size) {
+        if (image.bytes.empty() ||
+            !png_image_write_to_memory(&png, memory, &size, 0, image.bytes.data(), 0, nullptr))
+            throw std::runtime_error(std::string("a picture cannot be encoded: ") + png.message);
+    };
+    png_alloc_size_t size = 0;
+    write(nullptr, size);
+    std::vector<std::uint8_t> bytes(size);
+    write(bytes.data(), size);
+    bytes.resize(size);
+    return bytes;
+}
+
+// libpng takes 16 bits as linear in light: values stay as they are, and a gamma of 1.0 stands in the file.
+bool write_png16(const std::string &path, int width, int height, const std::vector<std::uint16_t> &values,
+                 std::string &error)
+{
+    return write_any(path, width, height, PNG_FORMAT_LINEAR_Y, values.data(), error);
+}
+
+} // namespace crn

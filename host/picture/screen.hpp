@@ -1,0 +1,63 @@
+// A GLFW window that shows one square picture, as large as fits, in the middle. Every OpenGL function is asked for by
+// name: nothing of OpenGL is linked.
+#pragma once
+#include "host/picture/picture.hpp"
+#include "host/xray/gl/gl_context.hpp"
+#include <functional>
+#include <memory>
+#include <string>
+
+struct GLFWwindow;
+
+namespace crn
+{
+
+class Screen
+{
+  public:
+    // Key (GLFW_KEY_*), and what happened to it.
+    struct KeyEvent {
+        int key = 0;
+        bool is_press = false, is_repeat = false, is_release = false;
+    };
+    using KeyHandler = std::function<void(const KeyEvent &)>;
+    // The pointer, in pixels of the picture shown last; y grows downwards.
+    struct PointerEvent {
+        enum class Kind { press, release, move, wheel } kind = Kind::move;
+        int button = 0; // GLFW_MOUSE_BUTTON_*, of press and release
+        double x = 0.0, y = 0.0;
+        double wheel = 0.0; // notches, above 0 away from the user
+    };
+    using PointerHandler = std::function<void(const PointerEvent &)>;
+
+    // Throws std::runtime_error that says what is missing: display, OpenGL 3.3.
+    Screen(const std::string &title, int edge);
+    ~Screen();
+    Screen(const Screen &) = delete;
+    Screen &operator=(const Screen &) = delete;
+
+    void on_key(KeyHandler handler) { handler_ = std::move(handler); }
+    void on_pointer(PointerHandler handler); // from now on the pointer is followed
+    void poll();
+    bool wants_close() const;
+    bool is_down(int key) const;
+    bool has_focus() const;
+    void show(const Image &rgb); // uploads, draws, swaps
+    Image read_back();           // the whole window as shown last
+    // The window's own context, for drawing path lengths in it. The window outlives it.
+    std::unique_ptr<GlContext> context() const;
+
+  private:
+    void build_pipeline();
+    void draw();
+    void point(PointerEvent event); // adds where the pointer is
+
+    GLFWwindow *window_ = nullptr;
+    GlFunctions gl_;
+    KeyHandler handler_;
+    PointerHandler pointer_handler_;
+    unsigned program_ = 0, array_ = 0, texture_ = 0;
+    int texture_edge_ = 0;
+};
+
+} // namespace crn

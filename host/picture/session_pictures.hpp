@@ -1,0 +1,118 @@
+// Pictures of a session: what the patient's X-ray room does is X-rayed, drawn and written here. Pictures read the patient and change
+// nothing. Everything follows from the patient, the shapes at the ticks asked for, and the seed. C-arm and table know what was asked
+// from the beginning also when a replay starts later (--from S); dose, runs and the following of the tip begin at S.
+// May include: xray, room, patient, picture, frame_sink.
+#pragma once
+#include "host/model/instrument.hpp"
+#include "host/model/scene_anatomy.hpp"
+#include "host/patient/patient.hpp"
+#include "host/picture/dicom_export.hpp"
+#include "host/picture/overlay.hpp"
+#include "host/picture/path_choice.hpp"
+#include "host/picture/picture.hpp"
+#include "host/room/room_screen.hpp"
+#include "host/session/frame_sink.hpp"
+#include "host/xray/style/vcsim3.hpp"
+#include "host/xray/xray.hpp"
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace crn
+{
+
+// Throws std::runtime_error naming the section and the known materials when a material is unknown.
+RadiopaqueInstrument instrument_look(const Instrument &instrument);
+
+struct PictureSettings {
+    std::string bodies_path;    // empty: air
+    std::string scene_path;     // where it says how bodies move; empty: they stand still
+    std::string png_path;       // last picture; empty: none
+    std::string png16_path;     // values of the last X-ray; empty: none
+    std::string mp4_path;       // empty: none
+    DicomSettings dicom;        // runs
+    bool shows_progress = true; // of long exports, on standard error
+    int size = 512;
+    std::uint32_t pictures_per_second = 15;
+    std::uint64_t seed = 1;
+    int threads = 0;
+    std::string style =
+        "physical"; // docs/xray.md, or vcsim3: docs/xray-style.md; doses and counts stay physical
+    std::string xray = "raster";             // of path_choices
+    GlOpener window_context;                 // where there is a window
+    std::vector<StentDesign> stents;         // that a session may load, in this order
+    double balloon_iodine_mg_per_ml = 175.0; // what balloons are filled with
+};
+
+// The anatomy that the settings name, and a patient in it with the settings' stents. Throws std::runtime_error.
+SceneAnatomy read_anatomy(const PictureSettings &settings);
+std::unique_ptr<Patient> make_patient(const PictureSettings &settings, const SceneAnatomy &anatomy,
+                                      const std::vector<Instrument> &tools);
+
+// Some file has to be written.
+bool writes_pictures(const PictureSettings &settings);
+
+class SessionPictures final : public FrameSink
+{
+  public:
+    // `tools` from the innermost. The patient must outlive the pictures. Throws std::runtime_error.
+    SessionPictures(const PictureSettings &settings, const std::vector<Instrument> &tools, Patient &patient,
+                    const SceneAnatomy &anatomy);
+    ~SessionPictures() override;
+    std::uint32_t next_tick() const override;
+    void frame(const SessionFrame &frame) override;
+    void finish() override;
+    const RoomScreen &screen() const { return room_screen_; }
+    std::uint32_t count() const { return count_; } // pictures of the screen, at the settings' rate
+    const std::vector<std::string> &files() const { return files_; } // those written by finish()
+    void show_refusal(std::uint32_t tick, const std::string &why);   // in the display, for a while
+    bool was_stopped() const { return was_stopped_; } // Ctrl-C while finish() wrote runs: some are missing
+    const Image &image() const { return image_; }     // the last picture with its display
+    // Notice and help panel from the next picture on; empty for none.
+    void annotate(const std::string &notice, const std::vector<std::string> &panel);
+    // The tool that the keys move, or all, marked in the display from the next picture on.
+    void choose_tool(std::size_t tool, bool all)
+    {
+        chosen_tool_ = tool;
+        chooses_all_ = all;
+    }
+    void
+    redraw(const SessionFrame &frame); // the display again over the last X-ray, for a change of annotation
+
+  private:
+    void tell_failure();
+    OverlayInfo display(const SessionFrame &frame) const;
+    bool see_events(const WireFrame &wire);
+    void expose(const RoomEvent &pulse, const WireFrame &wire);
+    std::vector<SweptCurve> curves_at(const WireFrame &shape);
+    OverlayBalloon balloon_display() const;
+    void export_pulse(const RoomEvent &pulse);
+    void finish_export();
+
+    PictureSettings settings_;
+    std::vector<RadiopaqueInstrument> looks_;
+    std::vector<std::string> names_;
+    std::optional<std::size_t> chosen_tool_;
+    bool chooses_all_ = false;
+    std::string notice_;
+    RoomNotice refused_; // what the keys could not do
+    std::vector<std::string> panel_;
+    Patient &patient_;
+    std::unique_ptr<Xray> xray_;
+    std::unique_ptr<Vcsim3Look> thesis_look_; // when that style is asked for
+    RoomScreen room_screen_;
+    const std::vector<Instrument> tools_;
+    XrayMemory memory_;
+    XrayPicture pulse_;  // of the last pulse
+    XrayPicture screen_; // its grey values are what is shown
+    bool told_failure_ = false;
+    Image image_;
+    VideoWriter movie_;
+    std::unique_ptr<DicomExport> export_;
+    std::vector<std::string> files_;
+    bool was_stopped_ = false;
+    std::vector<std::size_t> exported_presses_; // of a pedal, by run: index into the dose meter's list
+    std::uint32_t count_ = 0;
+};
+
+} // namespace crn

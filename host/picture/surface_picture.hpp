@@ -1,0 +1,36 @@
+// Walls round a lesion as a picture: the lumen's polygons as glass, calcium and balloon in it, one panel for each moment side by side.
+// May include: picture.
+#pragma once
+#include "host/picture/picture.hpp"
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+enum class SurfaceKind { wall, calcium, balloon };
+
+struct SurfaceMesh {
+    std::string name;
+    SurfaceKind kind = SurfaceKind::wall;
+    std::vector<Eigen::Vector3d> vertices_mm;
+    std::vector<std::array<std::uint32_t, 3>> triangles; // anticlockwise from outside
+};
+
+struct SurfacePanel {
+    double time_s = 0.0;
+    std::vector<SurfaceMesh> meshes;
+};
+
+struct SurfaceView {
+    Eigen::Vector3d right = Eigen::Vector3d::UnitX(),
+                    up = Eigen::Vector3d::UnitY(); // unit vectors, at right angles
+};
+
+// Panels of size * size pixels, all on one scale.
+Image draw_surfaces(const std::vector<SurfacePanel> &panels, const SurfaceView &view, int size);
+
+} // namespace crn

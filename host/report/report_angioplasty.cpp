@@ -1,0 +1,109 @@
+#include "host/report/report_angioplasty.hpp"
+#include "host/patient/balloon.hpp"
+#include "host/patient/stents.hpp"
+
+namespace crn
+{
+
+namespace
+{
+
+using Json = nlohmann::ordered_json;
+
+Json seconds_or_null(const std::optional<std::uint32_t> &tick)
+{
+    return tick ? Json(*tick * 1e-3) : Json();
+}
+
+// Samples under pressure with one on either side.
+Json curves(const std::vector<BalloonSample> &series)
+{
+    Json time = Json::array(), pressure = time, widest = time, narrowest = time, wall = time;
+    const auto has_pressure = [&](std::size_t i) { return i < series.size() && series[i].pressure_kPa > 0; };
+    for (std::size_t i = 0; i < series.size(); i++) {
+        if (!has_pressure(i) && !has_pressure(i + 1) && (i == 0 || !has_pressure(i - 1))) continue;
+        const BalloonSample &sample = series[i];
+        time.push_back(sample.tick * 1e-3);
+        pressure.push_back(sample.pressure_kPa * 1e-2);
+        widest.push_back(sample.diameter_max_mm);
+        narrowest.push_back(sample.diameter_min_mm);
+        wall.push_back(sample.wall_N);
+    }
+    return {{"time_s", time},
+            {"pressure_bar", pressure},
+            {"diameter_max_mm", widest},
+            {"diameter_min_mm", narrowest},
+            {"wall_force_N", wall}};
+}
+
+Json stent_report(const StentResult &stent)
+{
+    const StentFigures &figures = stent.figures;
+    Json report = {{"name", stent.name},
+                   {"diameter_mm", stent.diameter_mm},
+                   {"length_mm", stent.length_mm},
+                   {"stage", stent.was_taken_out ? "taken out" : stent_stage_text(stent.stage)},
+                   {"is_lost", stent.stage == StentStage::stripped || stent.stage == StentStage::adrift},
+                   {"loaded_s", stent.loaded_tick * 1e-3},
+                   {"opened_s", seconds_or_null(stent.opened_tick)},
+                   {"released_s", seconds_or_null(stent.released_tick)},
+                   {"branch", stent.branch.empty() ? Json() : Json(stent.branch)}};
+    if (figures.rings.empty()) return report; // never in the patient
+    double sum_mm = 0.0;
+    for (const StentRing &ring : figures.rings) sum_mm += ring.diameter_mm;
+    report["apposed_pct"] = figures.apposed_share * 1e2;
+    report["struts_off_the_wall"] = figures.gaps.size();
+    report["inside_diameter_min_mm"] = figures.diameter_min_mm;
+    report["inside_diameter_mean_mm"] = sum_mm / static_cast<double>(figures.rings.size());
+    report["area_min_mm2"] = figures.area_min_mm2;
+    report["length_now_mm"] = figures.length_mm;
+    report["foreshortening_pct"] = figures.foreshortening * 1e2;
+    report["rings_not_opened"] = figures.unopened_rings;
+    report["slid_on_balloon_mm"] = stent.slip_mm;
+    report["overstretch_pct"] = stent.stretch * 1e2;
+    report["overlap_mm"] = stent.overlap_mm;
+    report["lesions"] = Json::array();
+    for (const StentResult::Lesion &lesion : stent.lesions)
+        report["lesions"].push_back({{"name", lesion.name},
+                                     {"stent_from_mm", lesion.coverage.from_mm},
+                                     {"stent_to_mm", lesion.coverage.to_mm},
+                                     {"missed_before_mm", lesion.coverage.missed_before_mm},
+                                     {"missed_behind_mm", lesion.coverage.missed_behind_mm},
+                                     {"geographic_miss", lesion.coverage.misses()}});
+    return report;
+}
+
+} // namespace
+
+Json balloon_report(const BalloonFigures &balloon, const std::vector<Instrument> &tools)
+{
+    const std::optional<std::size_t> tool = balloon_tool(tools);
+    if (!tool || !balloon.is_there) return {};
+    Json report = {{"tool", tools[*tool].name},
+                   {"pressure_max_bar", balloon.pressure_max_kPa * 1e-2},
+                   {"pressure_max_s", balloon.pressure_max_tick * 1e-3},
+                   {"diameter_max_mm", balloon.diameter_max_mm},
+                   {"wall_force_max_N", balloon.wall_max_N},
+                   {"inflations", balloon.inflations},
+                   {"up_s", balloon.ticks_up * 1e-3},
+                   {"up_longest_s", balloon.ticks_up_longest * 1e-3},
+                   {"burst_s", seconds_or_null(balloon.burst_tick)}};
+    const std::optional<BalloonLabel> &label = tools[*tool].balloon;
+    if (label) {
+        report["nominal_bar"] = label->nominal_kPa * 1e-2;
+        report["rated_burst_bar"] = label->rated_burst_kPa * 1e-2;
+        report["above_rated_burst"] = balloon.pressure_max_kPa > label->rated_burst_kPa;
+    }
+    report["curves"] = curves(balloon.series);
+    return report;
+}
+
+Json stents_report(PatientStents *stents)
+{
+    Json report = Json::array();
+    if (!stents) return report;
+    for (const StentResult &stent : stents->results()) report.push_back(stent_report(stent));
+    return report;
+}
+
+} // namespace crn

@@ -1,0 +1,18 @@
+// What a session's report says of balloon and stents. May include: balloon_figures, host/patient, model.
+#pragma once
+#include "host/model/instrument.hpp"
+#include "host/session/balloon_figures.hpp"
+#include <nlohmann/json.hpp>
+#include <vector>
+
+namespace crn
+{
+
+class PatientStents;
+
+// null without a balloon. The curves leave out the time before and after inflations.
+nlohmann::ordered_json balloon_report(const BalloonFigures &balloon, const std::vector<Instrument> &tools);
+// [] without stents.
+nlohmann::ordered_json stents_report(PatientStents *stents);
+
+} // namespace crn

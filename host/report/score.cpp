@@ -1,0 +1,180 @@
+#include "host/report/score.hpp"
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace crn
+{
+
+namespace
+{
+
+using Json = nlohmann::ordered_json;
+using Value = std::optional<double>;
+
+constexpr double narrow_pct = 50.0; // by diameter: a lesion that calls for treatment
+
+// A number of the report, wherever it is; nothing where the way there ends.
+Value number(const Json &from, const std::vector<std::string> &way)
+{
+    const Json *at = &from;
+    for (const std::string &key : way) {
+        if (!at->is_object() || !at->contains(key)) return {};
+        at = &(*at)[key];
+    }
+    return at->is_number() ? Value(at->get<double>()) : Value();
+}
+
+const Json &list(const Json &from, const char *key)
+{
+    static const Json none = Json::array();
+    return from.is_object() && from.contains(key) && from[key].is_array() ? from[key] : none;
+}
+
+// Of the lesions that were narrow; `pick` chooses among two.
+template <typename Pick> Value over_lesions(const Json &report, const char *figure, Pick pick)
+{
+    Value found;
+    for (const Json &lesion : list(report, "lesions")) {
+        const Value before = number(lesion, {"stenosis_diameter_pct"}),
+                    after = number(lesion, {"after", figure});
+        if (!before || *before < narrow_pct || !after) continue;
+        found = found ? pick(*found, *after) : *after;
+    }
+    return found;
+}
+
+// Of the stents that were opened in the patient.
+template <typename Pick> Value over_stents(const Json &report, const char *figure, Pick pick)
+{
+    Value found;
+    for (const Json &stent : list(report, "stents")) {
+        const Value value = number(stent, {figure});
+        if (!value || !stent.contains("opened_s") || stent["opened_s"].is_null()) continue;
+        found = found ? pick(*found, *value) : *value;
+    }
+    return found;
+}
+
+double larger(double a, double b)
+{
+    return std::max(a, b);
+}
+double smaller(double a, double b)
+{
+    return std::min(a, b);
+}
+
+// What of the narrow lesions no stent covers, all of them together. Several stents on one lesion: the least that one of them leaves at either end.
+Value geographic_miss_mm(const Json &report)
+{
+    Value sum;
+    for (const Json &lesion : list(report, "lesions")) {
+        const Value before = number(lesion, {"stenosis_diameter_pct"});
+        if (!before || *before < narrow_pct) continue;
+        Value ahead, behind;
+        for (const Json &stent : list(report, "stents")) {
+            if (!stent.contains("released_s") || stent["released_s"].is_null()) continue;
+            for (const Json &covered : list(stent, "lesions")) {
+                if (!covered.contains("name") || !lesion.contains("name") ||
+                    covered["name"] != lesion["name"])
+                    continue;
+                const Value first = number(covered, {"missed_before_mm"}),
+                            last = number(covered, {"missed_behind_mm"});
+                if (first) ahead = std::min(ahead.value_or(*first), *first);
+                if (last) behind = std::min(behind.value_or(*last), *last);
+            }
+        }
+        if (ahead && behind) sum = sum.value_or(0.0) + *ahead + *behind;
+    }
+    return sum;
+}
+
+// Burst balloons, lost stents, stents that were let go and hold nothing.
+Value mishaps(const Json &report)
+{
+    if (!report.contains("balloon") || report["balloon"].is_null()) return {};
+    double count = number(report, {"balloon", "burst_s"}) ? 1.0 : 0.0;
+    for (const Json &stent : list(report, "stents"))
+        count += stent.contains("is_lost") && stent["is_lost"] == true ? 1.0 : 0.0;
+    return count;
+}
+
+Value times(const Value &value, double factor)
+{
+    return value ? Value(*value * factor) : Value();
+}
+
+struct Metric {
+    const char *name, *title, *unit;
+    Value value;
+    double full_at, none_at, weight; // no weight: shown only
+    const char *remark;
+};
+
+std::vector<Metric> metrics_of(const Json &report)
+{
+    const Value session_min = times(number(report, {"ticks"}), 1e-3 / 60.0);
+    return {
+        {"residual_stenosis_pct", "Residual stenosis, by diameter", "%",
+         over_lesions(report, "stenosis_diameter_pct", larger), 10, 30, 25,
+         "the narrowest lesion that is left"},
+        {"minimum_lumen_diameter_mm", "Minimum lumen diameter", "mm",
+         over_lesions(report, "minimum_diameter_mm", smaller), 0, 0, 0, ""},
+        {"flow_reserve", "Fractional flow reserve", "", over_lesions(report, "ffr", smaller), 0, 0, 0,
+         "0.80 and less: the flow is short"},
+        {"apposition_pct", "Struts on the wall", "%", over_stents(report, "apposed_pct", smaller), 95, 80, 20,
+         "within 0.1 mm; too small a stent, or one not opened wholly, stands off"},
+        {"geographic_miss_mm", "Lesion left without stent", "mm", geographic_miss_mm(report), 0, 5, 15,
+         "at both ends together"},
+        {"overstretch_pct", "Wall over-stretch", "%", over_stents(report, "overstretch_pct", larger), 10, 30,
+         10, "of the healthy diameter; too large a balloon tears the wall"},
+        {"mishaps", "Burst balloons and lost stents", "", mishaps(report), 0, 1, 10, ""},
+        {"contrast_ml", "Contrast medium", "ml", number(report, {"contrast", "injected_ml"}), 50, 200, 4, ""},
+        {"fluoroscopy_min", "Fluoroscopy", "min", number(report, {"room", "fluoroscopy_min"}), 5, 20, 4, ""},
+        {"kap_Gy_cm2", "Kerma-area product", "Gy cm²", number(report, {"room", "total", "kap_Gy_cm2"}), 20,
+         100, 4, ""},
+        {"time_min", "Time", "min", session_min, 15, 60, 3, ""},
+        {"contact_impulse_N_s", "Contact impulse", "N s", number(report, {"contact", "impulse_N_s"}), 600,
+         3000, 5, "force of the wall on the line, over the time"},
+    };
+}
+
+// All of the weight up to `full_at`, nothing from `none_at` on, in proportion between.
+double points_of(const Metric &metric)
+{
+    const double way = (*metric.value - metric.full_at) / (metric.none_at - metric.full_at);
+    return metric.weight * (1.0 - std::clamp(way, 0.0, 1.0));
+}
+
+} // namespace
+
+Json score_of(const Json &report)
+{
+    double points = 0.0, of = 0.0;
+    Json metrics = Json::array();
+    for (const Metric &metric : metrics_of(report)) {
+        Json entry = {
+            {"name", metric.name}, {"title", metric.title}, {"value", Json()}, {"unit", metric.unit}};
+        if (metric.value) entry["value"] = *metric.value;
+        if (metric.weight > 0.0) {
+            entry["full_marks_at"] = metric.full_at;
+            entry["no_marks_at"] = metric.none_at;
+            entry["weight"] = metric.weight;
+        }
+        entry["points"] = Json();
+        if (metric.weight > 0.0 && metric.value) {
+            entry["points"] = points_of(metric);
+            points += points_of(metric);
+            of += metric.weight;
+        }
+        entry["remark"] = metric.remark;
+        metrics.push_back(entry);
+    }
+    return {{"points", points},
+            {"of", of},
+            {"percent", of > 0.0 ? Json(100.0 * points / of) : Json()},
+            {"metrics", metrics}};
+}
+
+} // namespace crn

@@ -1,0 +1,92 @@
+// cournand rig: find, look at, test, calibrate and feel a rig. May include: link, base.
+#pragma once
+#include "host/link/hid_rig.hpp"
+#include "host/link/link.hpp"
+#include <cstdio>
+#include <functional>
+#include <string>
+
+namespace crn
+{
+
+struct RigOptions {
+    std::string command;        // list, info, monitor, selftest, calibrate, force, log
+    std::string device = "usb"; // as parse_device
+    std::string hid = "hidraw"; // hidraw or libusb
+    std::string csv;
+    std::string save, load; // files of a calibration
+    bool json = false, motors = false, yes = false, reset = false;
+    double seconds = 0.0; // monitor: 0 until Ctrl-C; force: how long
+    unsigned track = 1;   // from the innermost
+    std::string what = "all";
+    double distance_mm = 100.0, turns = 1.0, weight_g = 100.0;
+    unsigned force_mN = 300;
+    double damping_N_s_per_m = 0.0; // 0: what the rig says
+};
+
+// Carries out options.command; the exit code.
+int command_rig(const RigOptions &options);
+
+// How a command talks to its user; tests give their own.
+struct RigTalk {
+    std::FILE *out = stdout;
+    bool is_terminal = false;
+    std::function<bool(std::string &)> read_line; // an answer; false: end of input, or Ctrl-C
+    std::function<bool()> is_interrupted;
+    // Prints a question, reads the answer. Throws RigStopped for end of input and Ctrl-C.
+    std::string ask(const std::string &question) const;
+};
+RigTalk console_talk();
+
+// The user ended it; what() says what was left as it was.
+class RigStopped : public std::runtime_error
+{
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+// Each gets a link that has greeted; 0 done, 1 failed.
+int rig_info(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options, const RigTalk &talk);
+int rig_log(Link &link, const RigTalk &talk);
+int rig_selftest(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options,
+                 const RigTalk &talk);
+int rig_calibrate(Link &link, const RigOptions &options, const RigTalk &talk);
+int rig_force(Link &link, const RigOptions &options, const RigTalk &talk);
+// `next` gives the next state report; none: the rig is silent.
+using StateSource = std::function<std::optional<crn_hid_state>()>;
+int rig_monitor(const StateSource &next, const RigOptions &options, const RigTalk &talk);
+// The same from a rig's HID interface.
+int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptions &options,
+                    const RigTalk &talk);
+
+// --- shared by the commands ---
+
+std::string state_name(unsigned state);
+std::string sensor_name(unsigned status);
+std::string serial_of(const crn_wire_hello_reply &hello);
+// In READY, so that settings may change: with `may_reset` by RESET. Throws LinkError that says what is under way.
+void require_ready(Link &link, bool may_reset);
+
+// One track with a spring between hand and a straight tool in free space, whose seal rubs with `force_mN`: the hand feels
+// at most that much when it moves slowly, and nothing when it rests. Motors are powered between begin() and end(); the
+// rig's configuration comes back in end(), which the destructor calls.
+class MotorTrial
+{
+  public:
+    MotorTrial(Link &link, unsigned track, unsigned force_mN, double damping_N_s_per_m);
+    ~MotorTrial();
+    MotorTrial(const MotorTrial &) = delete;
+    MotorTrial &operator=(const MotorTrial &) = delete;
+    void begin(); // ARM, ARM_MOTORS, CONFIRM, START
+    // 10 ms of FREE_RUN; the ticks that came. Throws LinkError with cause and remedy when the rig went into FAULT.
+    const std::vector<crn_wire_live_tick> &run();
+    void end();
+
+  private:
+    Link &link_;
+    unsigned track_;
+    crn_wire_rig before_{}, trial_{};
+    bool is_changed_ = false;
+};
+
+} // namespace crn

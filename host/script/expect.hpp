@@ -1,0 +1,87 @@
+// What a session script says must be true (docs/session.md):
+//
+//   expect tip wire in ascending aorta at least 30 mm
+//   expect iodine in left main at least 60 %
+//   expect residual stenosis below 20 %
+//   expect apposition at least 95 %
+//   expect inserted wire at least 400 mm
+//   expect turned catheter at least 170 deg
+//
+// May include: session_tool, tip_places, host/patient.
+#pragma once
+#include "host/script/tip_places.hpp"
+#include "host/script/tool.hpp"
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace crn
+{
+
+class Patient;
+
+struct Expectation {
+    enum class Kind { tip, iodine, stenosis, apposition, inserted, turned };
+    Kind kind = Kind::tip;
+    std::size_t tool = 0; // of tip, inserted and turned
+    VesselName vessel;    // of tip and iodine
+    // In mm, percent or degrees; `below` leaves the bound out.
+    double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
+    bool is_below = false;
+
+    bool names_vessel() const { return kind == Kind::tip || kind == Kind::iodine; }
+    bool allows(double value) const;
+    std::string text() const; // as a script would say it
+};
+
+// The rest of a line behind "expect". Throws FileError by the line.
+Expectation parse_expectation(LineParser &line, const ToolChoice &selected);
+
+// What is known of medium, lesions and stents, in percent; nothing: not known.
+class SessionWitness
+{
+  public:
+    virtual ~SessionWitness() = default;
+    virtual std::optional<double> iodine_pct(std::size_t vessel) const = 0;
+    virtual std::optional<double> residual_stenosis_pct() const = 0;
+    virtual std::optional<double> apposition_pct() const = 0;
+};
+
+// Those of a patient.
+class EffectsWitness final : public SessionWitness
+{
+  public:
+    EffectsWitness(const VesselMap &map, Patient &patient) : map_(map), patient_(patient) {}
+    std::optional<double> iodine_pct(std::size_t vessel) const override;
+    std::optional<double> residual_stenosis_pct() const override;
+    std::optional<double> apposition_pct() const override;
+
+  private:
+    const VesselMap &map_;
+    Patient &patient_;
+};
+
+// What a script sees when it looks. Spans by tool, from the innermost; empty: not known.
+struct SessionView {
+    std::span<const double> inserted_m;
+    std::span<const TipPlace> tips;
+    const SessionWitness *witness = nullptr;
+    std::uint32_t tick = 0;
+};
+
+// What became of one.
+struct ExpectationResult {
+    int line = 0;
+    std::uint32_t tick = 0; // when it was judged
+    std::string text;
+    bool is_held = false;
+    std::string found; // and where it was not held, a remedy
+};
+
+// `vessel`: the one that it names. `turned_deg`: of its tool's hand.
+ExpectationResult judge(const Expectation &expectation, int line, std::size_t vessel, const VesselMap &map,
+                        const SessionView &view, double turned_deg);
+
+} // namespace crn

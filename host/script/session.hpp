@@ -1,0 +1,146 @@
+// Session scripts (docs/session.md): what hands and C-arm do, as text -> encoder counts per tick and commands to the room.
+//
+//   Session session = read_session("aorta.session");
+//   SessionPlayer player(session, tool_count);
+//   while (!player.is_done()) { input = player.next(); ...; player.observe({inserted_m, tips}); }
+//
+// Errors name file, line and column and suggest a spelling. May include: the session's parts, hand_motion, rhythm_order,
+// room/command, model/text.
+#pragma once
+#include "host/room/command.hpp"
+#include "host/script/expect.hpp"
+#include "host/script/hand_motion.hpp"
+#include "host/script/rhythm_order.hpp"
+#include "host/script/steer.hpp"
+#include "shared/wire/wire.h"
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace crn
+{
+
+enum class HandAxis { translation, rotation };
+
+struct HandMove {
+    std::size_t tool = 0;
+    bool moves_all = false; // every tool of the line alike; `tool` is not used
+    HandAxis axis = HandAxis::translation;
+    std::int64_t distance_counts = 0;    // signed; for `until`, only its sign counts
+    std::int64_t speed_counts_per_s = 0; // positive
+    std::int64_t stroke_counts = 0;      // 0: one stroke
+    std::optional<std::int64_t> until_inserted_um;
+};
+
+// The inflator goes to a pressure at a steady rate.
+struct Inflation {
+    std::int32_t kPa = 0, kPa_per_s = 100;
+};
+
+// One line of the script: moves of hands (together), a tool that is steered, a pause, the inflator's way, commands to the room, something asked
+// of heart and breath, or what must be true.
+struct Statement {
+    int line = 0;
+    std::vector<HandMove> moves;
+    std::uint32_t wait_ticks = 0;
+    std::vector<RoomCommand> room;
+    std::optional<RhythmOrder> rhythm;
+    std::optional<Inflation> inflation;
+    std::optional<Steering> steering;
+    std::optional<Expectation> expectation;
+};
+
+struct Session {
+    std::string file;
+    // Outside the inserter at the start, per tool; those not named begin as far out as `begin inserted` says.
+    std::uint32_t inserted_um[session_tools_max] = {20000, 20000, 20000};
+    std::vector<Statement> statements;
+    std::size_t tools_named = 1; // the script needs at least so many tools ...
+    int tools_named_line = 0;    // ... because of this line
+};
+
+Session parse_session(std::string_view text, const std::string &file); // throws FileError
+Session read_session(const std::string &path);                         // throws FileError
+
+class SessionPlayer
+{
+  public:
+    // Conditions are looked at only on ticks that are multiples of this, whatever the batches and pictures.
+    static constexpr std::uint32_t observe_every_ticks = 16;
+    static constexpr std::uint32_t until_limit_ticks = 60000;
+
+    // Throws FileError when the script names a tool or a vessel that is not there. `vessels`: of the scene; nullptr: none is known.
+    SessionPlayer(const Session &session, std::size_t tool_count, const VesselMap *vessels = nullptr);
+    bool is_done() const { return statement_ == session_.statements.size(); }
+    crn_wire_encoders next(); // input of the next tick
+    // After each tick that is a multiple of observe_every_ticks. Tips and witness are needed only where wants_tips() says so.
+    void observe(const SessionView &view);
+    void observe(std::span<const double> inserted_m) { observe(SessionView{inserted_m, {}, nullptr}); }
+    // The statement that is carried out asks where the tips are, or expects something.
+    bool wants_tips() const;
+    bool expects() const { return !is_done() && session_.statements[statement_].expectation.has_value(); }
+    // What the room was asked for since the last call; before the first next(): with the beginning.
+    std::vector<RoomCommand> take_commands() { return std::exchange(commands_, {}); }
+    // Lines whose `until` was not reached within until_limit_ticks of pushing.
+    const std::vector<int> &given_up_lines() const { return given_up_lines_; }
+    const std::vector<SteeringResult> &steered() const { return steered_; }
+    const std::vector<ExpectationResult> &expected() const { return expected_; }
+    // "FILE:LINE: what was not reached or not held, what was found; remedy". The script ends there. Empty: everything held.
+    const std::vector<std::string> &failures() const { return failures_; }
+
+  private:
+    void look_at_steering(const SessionView &view);
+    void look_at_expectation(const SessionView &view);
+    void fail(const std::string &text);
+    std::size_t vessel_named(const VesselName &name, int line) const;
+    double turned_deg(std::size_t tool) const;
+    void enter_statement();
+    void finish_statement();
+
+    void begin_move(const HandMove &move, std::size_t tool);
+    void begin_inflation(const Inflation &inflation);
+
+    const Session &session_;
+    std::size_t tool_count_;
+    const VesselMap map_;
+    std::vector<std::size_t> vessels_; // that each statement names; 0 where it names none
+    std::size_t statement_ = 0;
+    std::int64_t tick_in_statement_ = 0;
+    struct Stroke {
+        std::int64_t begin_tick;
+        std::int64_t begin_counts;
+        Move move;
+    };
+    struct Active {
+        HandMove what;
+        std::size_t tool;
+        std::int64_t begin_counts;
+        std::vector<Stroke> strokes;
+        std::optional<SteadyMove> steady;
+        std::int64_t ticks = 0;
+    };
+    std::vector<Active> active_;
+    std::int64_t position_counts_[session_tools_max][2] = {}; // translation, rotation
+    void ask(const RoomCommand &command);
+    std::vector<RoomCommand> commands_;
+    RhythmOrders rhythm_;
+    std::int32_t inflator_kPa_ = 0;
+    struct {
+        std::int64_t begin_kPa = 0, way_kPa = 0, ticks = 0;
+    } inflating_;
+    std::uint32_t buttons_ = 0; // pedals as the rig would send them
+    std::vector<int> given_up_lines_;
+    std::optional<Steerer> steerer_;
+    std::int64_t steer_begin_counts_[2] = {};
+    std::vector<SteeringResult> steered_;
+    std::vector<ExpectationResult> expected_;
+    std::vector<std::string> failures_;
+};
+
+// The script steers by vessels or expects something of them.
+bool names_vessels(const Session &session);
+
+} // namespace crn

@@ -1,0 +1,109 @@
+// Statements that steer as a person does (docs/session.md): push, look where the tip is, turn, pull back and try again, until the tip lies
+// inside the vessel that was named.
+//
+//   steer wire into ascending aorta at 60 mm/s until 30 mm within 90 s
+//   engage catheter left main ostium
+//
+// Every decision is one of integers, on the ticks at which a script looks, so one session gives the same counts whatever
+// pictures are made; what comes out is plain motion of a hand.
+// May include: hand_motion, session_tool, tip_places.
+#pragma once
+#include "host/script/hand_motion.hpp"
+#include "host/script/tip_places.hpp"
+#include "host/script/tool.hpp"
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace crn
+{
+
+struct Steering {
+    std::size_t tool = 0;
+    bool engages = false; // a mouth, from a wide vessel: slowly, over it in both directions
+    VesselName vessel;
+    std::int64_t speed_um_s = 0;
+    std::int64_t depth_um = 0; // inside the vessel
+    std::int64_t limit_ticks = 0;
+};
+
+// The rest of a line behind "steer" or "engage". Throws FileError by the line.
+Steering parse_steering(LineParser &line, bool engages, const ToolChoice &selected);
+
+// What became of one: for the report and the lines at the end of a run.
+struct SteeringResult {
+    int line = 0;
+    std::size_t tool = 0;
+    std::string vessel;
+    int tries = 1;
+    std::uint32_t ticks = 0;
+    bool is_reached = false;
+};
+
+class Steerer
+{
+  public:
+    Steerer(const Steering &what, const VesselMap &map, std::size_t goal);
+
+    struct Counts {
+        std::int64_t translation = 0, rotation = 0;
+    };
+    Counts next(); // of the hand since the statement began, one tick later
+    // At the ticks that are multiples of SessionPlayer::observe_every_ticks. `inserted_um`: of the tool that is steered.
+    void observe(const TipPlace &tip, std::int64_t inserted_um);
+
+    bool is_done() const { return stage_ == Stage::done; }
+    bool has_failed() const { return stage_ == Stage::failed; }
+    // Why, with the place of the tip and a remedy.
+    std::string failure() const;
+    int tries() const { return tries_; }
+    std::int64_t ticks() const { return tick_; }
+
+  private:
+    enum class Stage {
+        push,  // towards the goal
+        pull,  // back to before the place where it went wrong
+        turn,  // the hand, with the tip free
+        rest,  // until the tip has followed the turn
+        seat,  // a little deeper, stroke by stroke, from inside the mouth
+        watch, // does it stay inside?
+        done,
+        failed
+    };
+    void begin(Stage stage);
+    void stop_for(Stage next);
+    void go_back();
+    void look_pushing();
+    void look_pulling(std::int64_t inserted_um);
+    void look_seating();
+    void look_watching();
+    bool is_in_goal(std::int64_t least_um) const;
+    std::int64_t route_left_um() const;
+    std::int64_t left_um() const; // to the place asked for
+    std::int64_t next_angle();
+    std::int64_t spin_of(int attempt) const; // counts/s; 0: pushed without
+
+    const Steering what_;
+    const VesselMap &map_;
+    const std::size_t goal_;
+    Stage stage_ = Stage::rest, after_ = Stage::push, after_turn_ = Stage::push;
+    std::int64_t tick_ = 0, stage_tick_ = 0;
+    Counts base_, now_;
+    std::optional<SteadyMove> run_, spin_; // push and pull; and a turn all the while
+    std::optional<Move> stroke_, twist_;   // seat; turn
+    std::int64_t rest_ticks_ = 0;
+    std::int64_t angle_ = 0; // of the hand, from that at the beginning
+
+    TipPlace tip_;
+    VesselWay way_;
+    bool has_looked_ = false;
+    std::int64_t reach_um_ = 0, back_um_ = 0; // too far astray; and so far back
+    std::int64_t best_um_ = 0, best_at_ = 0;  // of this push: least left, and the hand's place then
+    std::int64_t wrong_um_ = 0;               // what was left of the route where it went wrong
+    bool was_in_goal_ = false;                // there
+    std::int64_t seat_best_um_ = 0;
+    int tries_ = 1, seat_misses_ = 0;
+    std::int64_t turns_ = 0;
+};
+
+} // namespace crn

@@ -1,0 +1,36 @@
+// What is said of a balloon after a session: how far it was inflated, how wide it was, how hard it pressed, for how long; and the same over
+// time, for curves. From every tick's state, so it is the same in a run, in FREE_RUN and in a replay.
+// May include: shared/wire.
+#pragma once
+#include "shared/wire/wire.h"
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace crn
+{
+
+struct BalloonSample {
+    std::uint32_t tick = 0;
+    float pressure_kPa = 0, diameter_max_mm = 0, diameter_min_mm = 0, wall_N = 0;
+};
+
+struct BalloonFigures {
+    static constexpr std::uint32_t sample_every_ticks = 40;
+    static constexpr std::uint32_t up_kPa = 50; // from here on it has unfolded (docs/balloon.md)
+
+    bool is_there = false; // some tool has one
+    std::uint32_t pressure_max_kPa = 0, pressure_max_tick = 0;
+    double diameter_max_mm = 0.0, wall_max_N = 0.0;
+    std::uint32_t ticks_up = 0, ticks_up_longest = 0, inflations = 0;
+    std::optional<std::uint32_t> burst_tick;
+    std::vector<BalloonSample>
+        series; // ticks that are multiples of sample_every_ticks, while there is a balloon
+
+    void take(const crn_wire_tick_state &state);
+
+  private:
+    std::uint32_t up_since_ = 0; // ticks
+};
+
+} // namespace crn

@@ -1,0 +1,43 @@
+// What the wall bore in a session: the forces of all contacts, looked at every so many ticks, and their sum over time.
+// May include: shared/wire.
+#pragma once
+#include "shared/wire/wire.h"
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace crn
+{
+
+struct ContactSample {
+    std::uint32_t tick = 0;
+    float force_N = 0; // magnitudes of all nodes' contacts added up
+};
+
+struct ContactFigures {
+    static constexpr std::uint32_t look_every_ticks = 16, sample_every_ticks = 160;
+
+    bool is_known = false; // somebody asked for it
+    double impulse_N_s = 0.0, force_max_N = 0.0;
+    std::vector<ContactSample> series; // every sample_every_ticks
+
+    // Of the last look_every_ticks ticks.
+    void take(const crn_wire_contacts &contacts)
+    {
+        constexpr double N_per_q22 = 1.0 / (1 << 22);
+        double sum_N = 0.0;
+        for (std::uint16_t i = 0; i < contacts.contacts_count; i++) {
+            const crn_wire_contact &one = contacts.contacts[i];
+            sum_N += N_per_q22 * std::sqrt(std::pow(one.force_x_N_q22, 2) + std::pow(one.force_y_N_q22, 2) +
+                                           std::pow(one.force_z_N_q22, 2));
+        }
+        is_known = true;
+        impulse_N_s += sum_N * look_every_ticks * 1e-3;
+        force_max_N = std::max(force_max_N, sum_N);
+        if (contacts.tick % sample_every_ticks == 0)
+            series.push_back({contacts.tick, static_cast<float>(sum_N)});
+    }
+};
+
+} // namespace crn

@@ -1,0 +1,153 @@
+#include "host/session/device.hpp"
+#include "host/model/timeline.hpp"
+#include "host/model/units.hpp"
+#include "host/script/hand_motion.hpp"
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace crn
+{
+
+crn_wire_rig host_rig()
+{
+    crn_wire_rig rig{};
+    rig.tracks_count = CRN_WIRE_TOOL_MAX;
+    for (crn_wire_track &track : rig.tracks) {
+        track.translation_pm_per_count = static_cast<std::uint32_t>(1'000'000'000'000 / counts_per_m);
+        track.rotation_counts_per_turn = static_cast<std::uint32_t>(counts_per_turn);
+        track.force_gain_milli = 1000;
+        track.force_limit_mN = 8000;
+        track.torque_limit_uN_m = 20000;
+    }
+    return rig;
+}
+
+namespace
+{
+
+std::string millimetres(double um)
+{
+    char text[40];
+    std::snprintf(text, sizeof text, "%.3g mm", um * 1e-3);
+    return text;
+}
+
+// "'Bentson' (0.889 mm) does not pass the lumen of 'Terumo 4F' (0.8 mm, at 30 mm from its tip)"
+std::string nesting_text(const std::vector<Instrument> &tools, std::size_t outer, std::size_t knot)
+{
+    const crn_wire_instrument &inside = tools[outer - 1].table;
+    std::uint32_t thickest_um = 0;
+    for (std::uint16_t i = 0; i < inside.knots_count; i++)
+        thickest_um = std::max(thickest_um, inside.knots[i].radius_outer_um);
+    const crn_wire_knot &tight = tools[outer].table.knots[knot];
+    return "'" + tools[outer - 1].name + "' (" + millimetres(2.0 * thickest_um) +
+           ") does not pass the lumen of '" + tools[outer].name + "' (" +
+           millimetres(2.0 * tight.radius_inner_um) + ", at " + millimetres(tight.arc_um) + " from its tip)";
+}
+
+// Whom a refusal of tools means, in the words of the files; empty for other refusals.
+std::string tool_at_fault(const std::vector<Instrument> &tools, const crn_wire_reject &reject)
+{
+    const std::size_t tool = reject.detail1, knot = reject.detail2;
+    switch (reject.code) {
+    case CRN_REJECT_TOOL_KNOTS:
+    case CRN_REJECT_TOOL_RANGE:
+    case CRN_REJECT_TOOL_LENGTH:
+    case CRN_REJECT_TOOL_ELEMENTS:
+    case CRN_REJECT_TOOL_OVERFLOW:
+    case CRN_REJECT_TOOL_BALLOON:
+    case CRN_REJECT_LENGTH_INSERTED:
+        return tool < tools.size() ? "'" + tools[tool].name + "'" : "";
+    case CRN_REJECT_TOOL_NESTING:
+        if (tool == 0 || tool >= tools.size() || knot >= tools[tool].table.knots_count) return "";
+        return nesting_text(tools, tool, knot);
+    default:
+        return "";
+    }
+}
+
+} // namespace
+
+Device::Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_wire_entry &entry,
+               const crn_wire_rig &rig, const DeviceChoice &choice)
+    : scene_(scene), tools_(std::move(tools)), entry_(entry), rig_(rig), choice_(choice)
+{
+    try {
+        open();
+        set_up();
+        has_started_ = true;
+        call_witness();
+    } catch (const LinkError &error) {
+        const std::string who = tool_at_fault(tools_, error.reject);
+        if (who.empty()) throw;
+        throw LinkError(who + ": " + error.what(), error.reject);
+    }
+    if (!choice_.free_run) return;
+    link_->stop();
+    start_free_run();
+}
+
+crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
+                        std::span<const std::uint32_t> inserted_um)
+{
+    crn_wire_entry entry = scene.entry;
+    entry.inserted_um_count =
+        static_cast<std::uint16_t>(std::min<std::size_t>(tool_count, CRN_WIRE_TOOL_MAX));
+    for (std::size_t k = 0; k < entry.inserted_um_count; k++)
+        entry.inserted_um[k] = k < inserted_um.size() ? inserted_um[k] : inserted_default_um;
+    return entry;
+}
+
+SessionFrame session_frame(Device &device, const crn_wire_tick_state &state, const crn_wire_encoders &input)
+{
+    const Link &link = device.link();
+    const std::vector<Instrument> &tools = device.tools();
+    SessionFrame frame;
+    frame.wire = wire_frame(link.nodes(), link.node_table(), tools);
+    frame.tools.resize(tools.size());
+    for (std::size_t k = 0; k < frame.tools.size(); k++) {
+        ToolReading &reading = frame.tools[k];
+        if (k < link.nodes().inserted_m_q30_count)
+            reading.inserted_m = units::metres(link.nodes().inserted_m_q30[k]);
+        if (k < input.hands_count)
+            reading.turned_deg = input.hands[k].rotation_counts * 360.0 / counts_per_turn;
+        if (k >= state.tools_count) continue;
+        reading.axial_N = units::newtons(state.tools[k].handle_axial_N_q22);
+        reading.torque_N_m = units::newton_metres(state.tools[k].handle_torque_N_m_q24);
+    }
+    return frame;
+}
+
+void SessionFigures::take(const crn_wire_tick_state &state)
+{
+    ticks++;
+    const double depth_m = units::metres(state.penetration_max_m_q30);
+    if (depth_m > penetration_max_m) {
+        penetration_max_m = depth_m;
+        penetration_max_tick = state.tick;
+    }
+    const double strain = std::abs(units::ratio(state.strain_max_q30));
+    if (strain > strain_max) {
+        strain_max = strain;
+        strain_max_tick = state.tick;
+    }
+    contact_count_max = std::max<std::uint32_t>(contact_count_max, state.contact_count);
+    balloon.take(state);
+    range.take(state);
+    heart.monitor.tick(state);
+    heart.pressure_max_mmHg = std::max(heart.pressure_max_mmHg, heart.monitor.pressure_mmHg());
+    heart.pressure_min_mmHg = std::min(heart.pressure_min_mmHg, heart.monitor.pressure_mmHg());
+    tools.resize(state.tools_count);
+    for (std::size_t k = 0; k < tools.size(); k++) {
+        const crn_wire_tool_state &now = state.tools[k];
+        ToolFigures &tool = tools[k];
+        tool.inserted_m = units::metres(now.inserted_m_q30);
+        tool.inserted_max_m = std::max(tool.inserted_max_m, tool.inserted_m);
+        tool.axial_max_N = std::max(tool.axial_max_N, std::abs(units::newtons(now.handle_axial_N_q22)));
+        tool.torque_max_N_m =
+            std::max(tool.torque_max_N_m, std::abs(units::newton_metres(now.handle_torque_N_m_q24)));
+    }
+}
+
+} // namespace crn

@@ -1,0 +1,165 @@
+// A device with everything set up for a session: handshake, scene, tools, entry, rig, armed and started.
+// May include: link, model.
+#pragma once
+#include "host/effects/pulse.hpp"
+#include "host/link/link.hpp"
+#include "host/rig/device_choice.hpp"
+#include "host/session/balloon_figures.hpp"
+#include "host/session/frame_sink.hpp"
+#include "host/session/range_watch.hpp"
+#include "host/session/recording.hpp"
+#include "host/session/scene_file.hpp"
+#include "host/session/witness.hpp"
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace crn
+{
+
+// The rig that scripts and keyboard drive: 1 um and 1/65 536 turn per count, true force.
+crn_wire_rig host_rig();
+
+// What a session that the device leads gives.
+class FreeRunSink
+{
+  public:
+    virtual ~FreeRunSink() = default;
+    virtual void tick(const crn_wire_live_tick &tick) = 0;
+    // The state after the tick given last. After `resumed` the session goes on from this one.
+    virtual void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes) = 0;
+    virtual void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes) = 0;
+};
+
+class Device
+{
+  public:
+    // `tools` from the innermost to the outermost. Throws LinkError with the device's reason and remedy, and the name of
+    // the tool at fault.
+    Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_wire_entry &entry,
+           const crn_wire_rig &rig, const DeviceChoice &choice = {});
+    // A rig gets back the configuration that it had.
+    ~Device();
+    Device(const Device &) = delete;
+    Device &operator=(const Device &) = delete;
+
+    Link &link() { return *link_; } // the same object all the time
+    const std::vector<Instrument> &tools() const { return tools_; }
+    const crn_wire_hello_reply &identity() const { return identity_; }
+    const crn_wire_rig &rig() const { return rig_; } // in force: no limit above the device's own
+    // Continue from a snapshot of the same session.
+    void restore(std::span<const std::uint8_t> snapshot);
+
+    // Link::step for a session that outlives its cable (docs/rig.md, "Unplugged in a session"): when the device goes and
+    // comes back within the choice's `return_limit_ms`, the last snapshot is put back, the inputs since are done again and compared with
+    // what they gave before, and the session goes on bit for bit. Throws LinkError when it does not come back or differs.
+    std::span<const crn_wire_tick_state> step(std::span<const crn_wire_encoders> inputs, bool want_nodes);
+    // Any other request of the link, with the same care.
+    void ask(const std::function<void(Link &)> &request);
+    // What a recording holds besides the ticks. Of a rig they are compared with this machine's core first (witness.hpp), as are
+    // the ticks themselves; each throws LinkError when they differ.
+    Hash64 read_hash64();                      // of the last tick given or stepped
+    std::optional<Hash64> last_hash64();       // that came by itself, of a tick up to that one
+    std::vector<std::uint8_t> read_snapshot(); // LOCKSTEP
+    std::uint32_t resumes() const { return resumes_; }
+    // Its time passes without us, and it minds our silence.
+    bool has_its_own_clock() const { return choice_.is_usb && pipe_ != nullptr; }
+
+    // FREE_RUN (the choice's free_run): `milliseconds` of a session that the device leads, or of a cable that is away. Every tick
+    // is given once and in order. After an unplug the session goes on from the last tick that came, with the hands where they are
+    // then (FreeRunSink::resumed). Throws LinkError with the cause when the device stopped, or does not come back.
+    void run_free(std::uint32_t milliseconds, FreeRunSink &sink);
+    // No more ticks after this; the last ones are given.
+    void stop_free(FreeRunSink &sink);
+
+    static constexpr std::uint32_t resumes_max = 5; // within so many ticks of the session:
+    static constexpr std::uint32_t resumes_within_ticks = 1000;
+    static constexpr std::size_t inputs_kept_max = 1000; // then a new snapshot is taken
+    static constexpr std::size_t free_run_kept_max = 10000;
+
+  private:
+    struct Hash {
+        std::uint32_t lane0, lane1;
+    };
+    void open();
+    void set_up();
+    void call_witness();
+    void check_identity(const crn_wire_hello_reply &reply) const;
+    void keep_up();
+    void count_resume(std::uint32_t tick);
+    void resume();
+    void go_back_to_snapshot();
+    // device_free_run.cpp
+    crn_wire_rig free_run_rig(const crn_wire_rig &own) const;
+    void start_free_run();
+    void resume_free(FreeRunSink &sink);
+    void ask_snapshot();
+    bool take_live(FreeRunSink &sink);
+    void give(const crn_wire_live_tick &tick, FreeRunSink &sink);
+    void check_running(FreeRunSink &sink);
+
+    SceneFile scene_;
+    std::vector<Instrument> tools_;
+    crn_wire_entry entry_;
+    crn_wire_rig rig_, rig_before_{};
+    DeviceChoice choice_;
+    std::unique_ptr<Transport> pipe_;
+    std::optional<Link> link_;
+    crn_wire_hello_reply identity_{};
+    bool has_started_ = false;
+
+    std::vector<std::uint8_t> snapshot_;    // empty: the session's first tick
+    std::vector<crn_wire_encoders> inputs_; // done since
+    std::vector<Hash> hashes_;              // what they gave
+    std::uint32_t resumes_ = 0, resumes_here_ = 0, resumes_from_tick_ = 0;
+    std::unique_ptr<Witness> witness_; // of a device that is not in this process
+    std::optional<Hash64> hash_;       // the last one that was compared
+
+    std::uint32_t given_tick_ = 0;                  // FREE_RUN: the last tick given
+    std::vector<crn_wire_live_tick> without_hands_; // before the first reading of the encoders
+    bool has_hands_ = false;
+    std::vector<std::uint8_t> snapshot_to_come_; // of a tick that is not given yet
+    std::uint32_t snapshot_tick_ = 0, silent_ms_ = 0;
+};
+
+// The scene's entry with one length per tool; lengths that are not given are the default of a session.
+crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
+                        std::span<const std::uint32_t> inserted_um);
+inline constexpr std::uint32_t inserted_default_um = 20000;
+
+// The moment after a batch of steps, from the link's last nodes, the last tick's result and the input that led to it.
+// Before the first tick `state` is empty: no forces yet.
+SessionFrame session_frame(Device &device, const crn_wire_tick_state &state, const crn_wire_encoders &input);
+
+// The worst of one tool.
+struct ToolFigures {
+    double inserted_m = 0.0;
+    double inserted_max_m = 0.0;
+    double axial_max_N = 0.0; // size of the force on the hand
+    double torque_max_N_m = 0.0;
+};
+
+// What a monitor showed.
+struct HeartFigures {
+    PulseMonitor monitor;
+    double pressure_max_mmHg = 0.0, pressure_min_mmHg = 1e3;
+};
+
+// The worst of a session, over every tick.
+struct SessionFigures {
+    std::uint32_t ticks = 0;
+    double penetration_max_m = 0.0;
+    std::uint32_t penetration_max_tick = 0;
+    double strain_max = 0.0; // relative length error
+    std::uint32_t strain_max_tick = 0;
+    std::uint32_t contact_count_max = 0;
+    std::vector<ToolFigures> tools; // from the innermost; empty before the first tick
+    HeartFigures heart;
+    BalloonFigures balloon;
+    RangeWatch range;
+    void take(const crn_wire_tick_state &state);
+};
+
+} // namespace crn

@@ -1,0 +1,63 @@
+// Whoever looks at a session without a part in it: pictures, referees. Given the line at the ticks it names, after the patient has come to that tick.
+// May include: shared/wire, model.
+#pragma once
+#include "host/model/wire_frame.hpp"
+#include "shared/wire/wire.h"
+#include <cstdint>
+#include <vector>
+
+namespace crn
+{
+
+// One tool as its hand knows it.
+struct ToolReading {
+    double inserted_m = 0.0;
+    double turned_deg = 0.0; // of the hand since the start
+    double axial_N = 0.0;    // on the hand, + pushes back out
+    double torque_N_m = 0.0;
+};
+
+// Everything of one moment that a picture and its display show.
+struct SessionFrame {
+    WireFrame wire;
+    std::vector<ToolReading> tools; // from the innermost
+};
+
+class FrameSink
+{
+  public:
+    virtual ~FrameSink() = default;
+    // Every tick in order, with what went in and what came out; before the frame of that tick.
+    virtual void tick(const crn_wire_encoders &, const crn_wire_tick_state &) {}
+    // The next tick at which frame() is wanted, after all that was told up to now.
+    virtual std::uint32_t next_tick() const = 0;
+    virtual void frame(const SessionFrame &frame) = 0;
+    virtual void finish() {
+    } // after the last frame; throws std::runtime_error when a file could not be written
+};
+
+// Tick of picture number `index` at `per_second` pictures per second.
+inline std::uint32_t picture_tick(std::uint32_t index, std::uint32_t per_second)
+{
+    return static_cast<std::uint32_t>((static_cast<std::uint64_t>(index) * 1000 + per_second - 1) /
+                                      per_second);
+}
+
+// A sink that wants its frames at a steady rate, whatever the room does.
+class SteadySink : public FrameSink
+{
+  public:
+    explicit SteadySink(std::uint32_t per_second) : per_second_(per_second) {}
+    std::uint32_t next_tick() const override { return picture_tick(index_, per_second_); }
+    void frame(const SessionFrame &frame) final
+    {
+        while (next_tick() <= frame.wire.tick) ++index_;
+        picture(frame);
+    }
+    virtual void picture(const SessionFrame &frame) = 0;
+
+  private:
+    std::uint32_t per_second_, index_ = 0;
+};
+
+} // namespace crn

@@ -1,0 +1,122 @@
+// Recordings: everything that decides a session, tick by tick (docs/session.md gives every byte).
+//
+//   file   = "CRN-REC3" | chunk ...
+//   chunk  = kind u32 | bytes u32 | payload | CRC-32 u32 over kind, bytes and payload
+//   order  = HEAD, SIDE_HOLES, BALLOON and STENT, then TICKS, HASH, SNAPSHOT, RESUMED and ROOM as they happen, END when the session was closed properly
+//
+// A recorder writes chunk by chunk, so that a recording cut off by a crash is readable up to its last whole chunk.
+// A reader refuses what is not a recording, is of a newer version, or is damaged in the middle.
+// May include: shared/wire, room/command, stent/design, model.
+#pragma once
+#include "host/model/instrument.hpp"
+#include "host/room/command.hpp"
+#include "host/stent/design.hpp"
+#include "shared/wire/wire.h"
+#include <cstdio>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+struct RecordingHeader {
+    std::uint32_t core_version = 0;
+    std::uint64_t schema_hash = 0;
+    std::uint32_t scene_bytes = 0; // 0: free space
+    std::uint32_t scene_crc32 = 0;
+    std::string scene_path;
+    std::string session_path;
+    std::vector<Instrument>
+        tools; // from the innermost; the tables decide the session, the layers its picture
+    crn_wire_entry entry{};
+    crn_wire_rig rig{};
+    std::vector<StentDesign> stents{}; // that load_stent mounts, in this order
+};
+
+struct RecordedTick {
+    crn_wire_encoders input{};
+    std::uint32_t hash_lane[2] = {0, 0};
+};
+
+struct RecordedHash {
+    std::uint32_t tick = 0;
+    std::uint64_t hash = 0;
+};
+
+struct RecordedSnapshot {
+    std::uint32_t tick = 0;
+    std::vector<std::uint8_t> bytes;
+};
+
+struct RecordedCommand {
+    std::uint32_t tick = 0; // in force from this tick on
+    RoomCommand command;
+};
+
+struct Recording {
+    RecordingHeader header;
+    std::vector<RecordedTick> ticks; // ticks[i] led from tick i to tick i + 1
+    std::vector<RecordedHash> hashes;
+    std::vector<RecordedSnapshot> snapshots;
+    std::vector<RecordedCommand> commands; // to the room, in order of time
+    std::vector<RecordedSnapshot> resumes; // FREE_RUN after an unplug: the session goes on from this state
+    bool is_complete = false;              // closed properly; otherwise cut off after the last whole chunk
+
+    const RecordedSnapshot *snapshot_before(std::uint32_t tick) const; // nullptr: start from the beginning
+    const RecordedSnapshot *resumed_at(std::uint32_t tick) const;      // nullptr: nothing happened there
+    std::uint32_t ticks_to_resume(std::uint32_t tick) const;           // until the next one, UINT32_MAX: none
+};
+
+enum class RecordingFault { unreadable, not_a_recording, newer_version, truncated, damaged, inconsistent };
+
+class RecordingError : public std::runtime_error
+{
+  public:
+    RecordingError(RecordingFault fault_, const std::string &text) : std::runtime_error(text), fault(fault_)
+    {
+    }
+    RecordingFault fault;
+};
+
+Recording read_recording(const std::string &path); // throws RecordingError
+Recording parse_recording(std::span<const std::uint8_t> bytes,
+                          const std::string &name); // throws RecordingError
+
+class Recorder
+{
+  public:
+    static constexpr std::uint32_t ticks_per_chunk = 500;
+    static constexpr std::uint32_t snapshot_every_ticks = 5000;
+
+    // Throws RecordingError when the file cannot be written, now or later. Until it is finished or given up, the
+    // recording stands beside its name, as "path.partPID-RANDOM": a killed program leaves it there, and it can be replayed.
+    Recorder(const std::string &path, const RecordingHeader &header);
+    ~Recorder(); // closes as a cut-off recording unless finish() was called
+
+    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state);
+    void hash(std::uint32_t tick, std::uint64_t hash);
+    void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes);
+    void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes);
+    void command(std::uint32_t tick, const RoomCommand &command);
+    void finish(std::uint32_t tick, std::uint64_t hash);
+
+  private:
+    void flush_ticks();
+    void give_name();
+    void chunk(std::uint32_t kind, std::span<const std::uint8_t> payload);
+    void state(std::uint32_t kind, std::uint32_t tick, std::span<const std::uint8_t> bytes);
+
+    struct Close {
+        void operator()(std::FILE *file) const { std::fclose(file); }
+    };
+    std::string path_, pending_file_;
+    std::unique_ptr<std::FILE, Close> file_;
+    bool has_name_ = false;
+    std::vector<RecordedTick> pending_;
+    std::uint32_t tick_ = 0;
+};
+
+} // namespace crn

@@ -1,0 +1,111 @@
+// What recorder and reader share: chunk kinds, their sizes and the header's codec.
+// May include: recording.hpp.
+#pragma once
+#include "host/session/recording.hpp"
+#include <bit>
+#include <cstring>
+
+namespace crn::recording_format
+{
+
+// The digit is the version. Version 2 had VIEW instead of ROOM and is still read.
+inline constexpr char magic[9] = "CRN-REC3";
+// Recordings from before the project was renamed begin like this and differ in nothing else.
+inline constexpr char earlier_magic[9] = "\x53\x45\x4c\x44REC3";
+inline constexpr char oldest_version = '2';
+
+enum Kind : std::uint32_t {
+    HEAD = 1,
+    TICKS = 2,
+    HASH = 3,
+    SNAPSHOT = 4,
+    VIEW = 5,
+    END = 6,
+    RESUMED = 7,
+    ROOM = 8,
+    SIDE_HOLES = 9,
+    STENT = 10,
+    BALLOON = 11
+};
+
+inline constexpr std::size_t chunk_head_bytes = 8, chunk_tail_bytes = 4;
+inline constexpr std::size_t text_bytes_max = 4096;
+inline constexpr std::size_t layers_max = 256;
+inline constexpr std::uint32_t side_holes_max = 40; // groups, and holes of a group
+inline constexpr std::size_t stent_bytes_max = 1024;
+inline constexpr std::size_t recorded_stents_max = 64;
+inline constexpr double side_holes_end_max_m = 2.0, side_hole_diameter_max_m = 0.01;
+inline constexpr std::size_t head_bytes_max = 1 << 17;
+// Of one tick: the record `encoders` with that many hands, and two hash lanes.
+constexpr std::size_t tick_bytes(std::size_t tool_count)
+{
+    return CRN_WIRE_BYTES_encoders - (CRN_WIRE_TOOL_MAX - tool_count) * CRN_WIRE_BYTES_hand + 8;
+}
+inline constexpr std::size_t command_bytes = 4 + 2 + 3 * 4;
+inline constexpr std::size_t side_holes_bytes = 1 + 8 + 8 + 4 + 8;
+inline constexpr std::size_t balloon_markers_max = 8;
+constexpr std::size_t balloon_bytes(std::size_t markers)
+{
+    return 1 + 3 * 8 + 1 + markers * 8;
+}
+inline constexpr double balloon_max_kPa = 1e4, balloon_profile_max_m = 0.05, balloon_marker_max_m = 2.0;
+inline constexpr std::size_t hash_bytes = 4 + 8;         // HASH and END
+inline constexpr std::size_t view_bytes = 4 + 2 + 6 * 4; // of version 2
+inline constexpr std::size_t state_bytes_max = 4 + (1 << 20);
+
+// Can a chunk of this kind have so many bytes? A length that is none is damage, and no sign of a file that was cut off.
+constexpr bool is_size_of(std::uint32_t kind, std::size_t bytes, std::size_t tool_count)
+{
+    switch (kind) {
+    case HEAD:
+        return bytes <= head_bytes_max;
+    case TICKS:
+        return bytes >= 8 && (bytes - 8) % tick_bytes(tool_count) == 0 &&
+               (bytes - 8) / tick_bytes(tool_count) <= Recorder::ticks_per_chunk;
+    case SNAPSHOT:
+    case RESUMED:
+        return bytes > 4 && bytes <= state_bytes_max;
+    case VIEW:
+        return bytes == view_bytes;
+    case ROOM:
+        return bytes == command_bytes;
+    case SIDE_HOLES:
+        return bytes == side_holes_bytes;
+    case STENT:
+        return bytes <= stent_bytes_max;
+    case BALLOON:
+        return bytes >= balloon_bytes(0) && bytes <= balloon_bytes(balloon_markers_max);
+    default:
+        return bytes == hash_bytes;
+    }
+}
+
+inline void put_text(crn_wire_writer &writer, const std::string &text)
+{
+    const std::size_t bytes = std::min(text.size(), text_bytes_max);
+    crn_wire_write(&writer, bytes, 2);
+    for (std::size_t i = 0; i < bytes; i++) crn_wire_write(&writer, static_cast<std::uint8_t>(text[i]), 1);
+}
+
+inline std::string get_text(crn_wire_reader &reader)
+{
+    const std::size_t bytes = crn_wire_read(&reader, 2);
+    std::string text;
+    if (bytes > text_bytes_max) reader.failed = true;
+    for (std::size_t i = 0; i < bytes && !reader.failed; i++) {
+        text.push_back(static_cast<char>(static_cast<unsigned char>(crn_wire_read(&reader, 1))));
+    }
+    return text;
+}
+
+inline void put_double(crn_wire_writer &writer, double value)
+{
+    crn_wire_write(&writer, std::bit_cast<std::uint64_t>(value), 8);
+}
+
+inline double get_double(crn_wire_reader &reader)
+{
+    return std::bit_cast<double>(crn_wire_read(&reader, 8));
+}
+
+} // namespace crn::recording_format

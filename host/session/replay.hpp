@@ -1,0 +1,51 @@
+// Play a recording again on a fresh device and compare every hash.
+// May include: device, recording, frame_sink, host/patient.
+#pragma once
+#include "host/patient/patient.hpp"
+#include "host/script/tip_places.hpp"
+#include "host/session/contact_figures.hpp"
+#include "host/session/device.hpp"
+#include "host/session/frame_sink.hpp"
+#include <optional>
+
+namespace crn
+{
+
+// How fast ticks may pass: 1 is real time, 0 as fast as the machine allows.
+struct ReplaySpeed {
+    double factor = 0.0;
+    bool is_paused = false; // one tick at a time around every full second, with a halt there
+};
+
+// "fast", "slow" (half real time), "paused" or a positive number; nullopt for anything else.
+std::optional<ReplaySpeed> replay_speed(const std::string &text);
+
+struct ReplaySettings {
+    ReplaySpeed speed;
+    bool verifies = false;
+    double from_s = 0.0;            // start at the snapshot before this time, then step up to it
+    bool waits_for_enter = false;   // paused, and a person sits at the terminal
+    bool measures_contacts = false; // ReplayResult::contacts
+};
+
+struct ReplayResult {
+    SessionFigures figures;
+    ContactFigures contacts;
+    std::vector<TipPlace> tips; // where the last tick left them; filled by whoever knows the vessels
+    crn_wire_fault_log faults{};
+    double seconds = 0.0; // wall clock
+    std::uint32_t tick = 0;
+    std::uint64_t hash = 0;
+    std::uint32_t ticks_compared = 0;
+    std::uint32_t hashes_compared = 0;
+    bool was_interrupted = false;
+    std::optional<std::uint32_t> first_difference_tick;
+    std::string difference; // what differed
+};
+
+// `patient` and `sink` may be nullptr: what the core was told is in the recording. Throws LinkError. Stops at the first difference when
+// it verifies.
+ReplayResult replay_recording(Device &device, const Recording &recording, Patient *patient, FrameSink *sink,
+                              const ReplaySettings &settings);
+
+} // namespace crn

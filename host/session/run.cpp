@@ -1,0 +1,230 @@
+#include "host/session/run.hpp"
+#include "host/base/interrupt.hpp"
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace crn
+{
+
+namespace
+{
+
+using Clock = std::chrono::steady_clock;
+
+} // namespace
+
+crn_wire_encoders with_order(crn_wire_encoders input, Patient &patient)
+{
+    if (const std::optional<crn_wire_scaffold> order = patient.hold_order()) {
+        input.scaffold_lesion = order->lesion;
+        input.scaffold_first = order->first;
+        input.scaffold_last = order->last;
+        input.scaffold_open_q15 = order->open_q15;
+    }
+    if (const std::optional<crn_wire_strut> strut = patient.strut_order()) {
+        input.strut_number = strut->number;
+        input.strut_joined = strut->joined;
+        input.strut_x_um = strut->x_um;
+        input.strut_y_um = strut->y_um;
+        input.strut_z_um = strut->z_um;
+        input.strut_inside_um = strut->inside_um;
+        input.strut_thickness_um = strut->thickness_um;
+    }
+    return input;
+}
+
+namespace
+{
+
+class Runner
+{
+  public:
+    Runner(Device &device, Patient &patient, const Session &session, Recorder *recorder, FrameSink *sink,
+           const RunSettings &settings)
+        : device_(device), link_(device.link()), patient_(patient),
+          player_(session, device.tools().size(), settings.tips ? &settings.tips->map() : nullptr),
+          recorder_(recorder), sink_(sink), settings_(settings)
+    {
+    }
+
+    RunResult run()
+    {
+        const Clock::time_point begin = Clock::now();
+        for (const RoomCommand &command : settings_.begin) pass(0, command);
+        pass_commands(0);
+        look_when_due();
+        while (!player_.is_done() && !is_interrupted() && !figures_.range.is_placed()) batch();
+        RunResult result;
+        result.figures = figures_;
+        result.contacts = contacts_;
+        result.was_interrupted = !player_.is_done() && !figures_.range.is_left();
+        result.given_up_lines = player_.given_up_lines();
+        for (std::size_t k = 0; k < figures_.tools.size(); k++) result.grips.push_back(grip_.figures(k));
+        result.steered = player_.steered();
+        result.expected = player_.expected();
+        result.failures = player_.failures();
+        result.hash = device_.read_hash64().hash;
+        device_.ask([&](Link &link) {
+            link.read_nodes();
+            result.faults = link.read_fault_log();
+        });
+        result.resumes = device_.resumes();
+        const WireFrame wire = session_frame(device_, state_, {}).wire;
+        patient_.look(wire);
+        if (settings_.tips) result.tips = settings_.tips->at(wire);
+        if (recorder_) recorder_->finish(link_.tick(), result.hash);
+        if (sink_) sink_->finish();
+        result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+        if (settings_.shows_progress) std::fprintf(stderr, "\r%60s\r", "");
+        return result;
+    }
+
+  private:
+    // Ticks until something has to be done besides stepping.
+    std::uint32_t batch_size() const
+    {
+        const std::uint32_t tick = link_.tick();
+        std::uint32_t count =
+            std::min(SessionPlayer::observe_every_ticks - tick % SessionPlayer::observe_every_ticks,
+                     grip_.batch_max(tick));
+        count = std::min(count, next_stop() - tick);
+        return std::min(count, Recorder::snapshot_every_ticks - tick % Recorder::snapshot_every_ticks);
+    }
+
+    // When patient or sink want to see the line.
+    std::uint32_t next_stop() const
+    {
+        return std::min(patient_.next_look(), sink_ ? sink_->next_tick() : UINT32_MAX);
+    }
+
+    void batch()
+    {
+        const std::uint32_t begin = link_.tick();
+        const std::uint32_t count = batch_size();
+        inputs_.clear();
+        while (inputs_.size() < count && !player_.is_done()) {
+            inputs_.push_back(with_order(grip_.hold(player_.next()), patient_));
+            if (pass_commands(begin + static_cast<std::uint32_t>(inputs_.size()))) break;
+        }
+        const bool is_stop = begin + inputs_.size() == next_stop();
+        const bool is_look_due =
+            player_.wants_tips() && (begin + inputs_.size()) % SessionPlayer::observe_every_ticks == 0;
+        const auto states = device_.step(inputs_, is_stop || is_look_due);
+        for (std::size_t i = 0; i < states.size(); i++) {
+            figures_.take(states[i]);
+            grip_.feel(states[i]);
+            state_ = states[i];
+            if (recorder_) recorder_->tick(inputs_[i], states[i]);
+            patient_.tick(inputs_[i], states[i]);
+            if (sink_) sink_->tick(inputs_[i], states[i]);
+        }
+        if (link_.tick() % SessionPlayer::observe_every_ticks == 0) look(is_look_due);
+        look_at_contacts();
+        if (figures_.range.wants_place(link_.tick(), player_.is_done()))
+            device_.ask([&](Link &link) { figures_.range.find_place(link); });
+        record_state();
+        look_when_due();
+    }
+
+    // What the script decides by. What it expects of medium and stents is of this very tick, whatever pictures are made.
+    void look(bool has_nodes)
+    {
+        const std::vector<double> lengths_m = inserted();
+        std::vector<TipPlace> tips;
+        if (has_nodes) {
+            const SessionFrame frame = session_frame(device_, state_, inputs_.back());
+            if (settings_.tips) tips = settings_.tips->at(frame.wire);
+            if (player_.expects()) patient_.look_at_vessels(frame.wire);
+        }
+        player_.observe({lengths_m, tips, settings_.witness, link_.tick()});
+    }
+
+    // What the script asked of the room, in force from this tick on; true when there was something.
+    bool pass_commands(std::uint32_t tick)
+    {
+        const std::vector<RoomCommand> commands = player_.take_commands();
+        for (const RoomCommand &command : commands) pass(tick, command);
+        return !commands.empty();
+    }
+
+    void pass(std::uint32_t tick, const RoomCommand &command)
+    {
+        if (recorder_) recorder_->command(tick, command);
+        patient_.command(tick, command);
+    }
+
+    void look_at_contacts()
+    {
+        static_assert(ContactFigures::look_every_ticks ==
+                      SessionPlayer::observe_every_ticks); // batches end there
+        if (link_.tick() % ContactFigures::look_every_ticks != 0) return;
+        device_.ask([&](Link &link) { contacts_.take(link.read_contacts()); });
+    }
+
+    void record_state()
+    {
+        if (!recorder_) return;
+        const auto hash = device_.last_hash64();
+        if (hash && hash->tick > hash_tick_) {
+            hash_tick_ = hash->tick;
+            recorder_->hash(hash->tick, hash->hash);
+        }
+        if (link_.tick() % Recorder::snapshot_every_ticks != 0) return;
+        recorder_->snapshot(link_.tick(), device_.read_snapshot());
+    }
+
+    void look_when_due()
+    {
+        const std::uint32_t tick = link_.tick();
+        if (tick != next_stop()) return;
+        const bool is_wanted = sink_ && sink_->next_tick() == tick;
+        if (tick == 0) device_.ask([](Link &link) { link.read_nodes(); });
+        const SessionFrame frame =
+            session_frame(device_, state_, inputs_.empty() ? crn_wire_encoders{} : inputs_.back());
+        patient_.look(frame.wire);
+        if (!is_wanted) return;
+        sink_->frame(frame);
+        if (settings_.shows_progress && link_.tick() >= progress_tick_) {
+            progress_tick_ = link_.tick() + 1000;
+            std::string lengths;
+            for (double m : inserted())
+                lengths += (lengths.empty() ? "" : " / ") + std::to_string(std::lround(m * 1e3));
+            std::fprintf(stderr, "\r%6.1f s, %s mm inserted", link_.tick() * 1e-3, lengths.c_str());
+        }
+    }
+
+    std::vector<double> inserted() const
+    {
+        std::vector<double> lengths_m;
+        for (const ToolFigures &tool : figures_.tools) lengths_m.push_back(tool.inserted_m);
+        return lengths_m;
+    }
+
+    Device &device_;
+    Link &link_;
+    Patient &patient_;
+    SessionPlayer player_;
+    Recorder *recorder_;
+    FrameSink *sink_;
+    const RunSettings &settings_;
+    HandGrip grip_;
+    SessionFigures figures_;
+    ContactFigures contacts_;
+    crn_wire_tick_state state_{};
+    std::vector<crn_wire_encoders> inputs_;
+    std::uint32_t progress_tick_ = 0;
+    std::uint32_t hash_tick_ = 0;
+};
+
+} // namespace
+
+RunResult run_session(Device &device, Patient &patient, const Session &session, Recorder *recorder,
+                      FrameSink *sink, const RunSettings &settings)
+{
+    return Runner(device, patient, session, recorder, sink, settings).run();
+}
+
+} // namespace crn

@@ -1,0 +1,64 @@
+// Carry out a session on a device and its patient: a script in LOCKSTEP, as fast as the machine allows, or what hands do at a rig in
+// FREE_RUN; recorded and pictured on the way.
+// May include: device, session, recording, frame_sink, host/patient.
+#pragma once
+#include "host/patient/patient.hpp"
+#include "host/script/session.hpp"
+#include "host/session/contact_figures.hpp"
+#include "host/session/device.hpp"
+#include "host/session/frame_sink.hpp"
+#include "host/session/hand_grip.hpp"
+#include <nlohmann/json_fwd.hpp>
+
+namespace crn
+{
+
+struct RunSettings {
+    bool shows_progress = false;             // one line on stderr, rewritten
+    std::vector<RoomCommand> begin{};        // of a script's session, before its first statement
+    const TipPlaces *tips = nullptr;         // where tips are: of a script that steers, and for the report
+    const SessionWitness *witness = nullptr; // of what a script expects besides
+};
+
+struct RunResult {
+    SessionFigures figures;
+    ContactFigures contacts;
+    std::uint64_t hash = 0;
+    double seconds = 0.0;         // wall clock of the ticks, pictures and recording, without set-up
+    bool was_interrupted = false; // Ctrl-C: everything up to there is valid
+    std::vector<int> given_up_lines;
+    std::vector<GripFigures> grips; // of a script's hands, one per tool
+    std::vector<SteeringResult> steered;
+    std::vector<ExpectationResult> expected;
+    std::vector<std::string> failures; // of the script: what was not reached or did not hold
+    std::vector<TipPlace> tips;        // at the end, from the innermost tool; empty: not known
+    std::uint32_t resumes = 0;         // how often the device went and came back
+    std::string stopped_by;            // FREE_RUN: why the device stopped
+    std::uint32_t late_ticks = 0, powered_ticks = 0, pictures = 0; // FREE_RUN
+    crn_wire_fault_log faults{};
+};
+
+// The input of a tick with what the patient wants the core to know, if anything.
+crn_wire_encoders with_order(crn_wire_encoders input, Patient &patient);
+// The same in FREE_RUN: one message a round, because a device keeps few. What it does not take up is asked for again at the next look.
+void send_order(Link &link, Patient &patient);
+
+// `recorder` and `sink` may be nullptr. Throws LinkError, RecordingError.
+RunResult run_session(Device &device, Patient &patient, const Session &session, Recorder *recorder,
+                      FrameSink *sink, const RunSettings &settings);
+
+// FREE_RUN: `seconds` of a session that the device leads, 0: until Ctrl-C, which ends it properly. The rig's first button is the
+// X-ray pedal, its second the cine pedal. `begin`: what the room is asked for at the start. A rig that stops ends it: `stopped_by` says why, and everything up to there is valid.
+RunResult run_free_session(Device &device, Patient &patient, const std::vector<RoomCommand> &begin,
+                           double seconds, Recorder *recorder, FrameSink *sink, const RunSettings &settings);
+
+// The figures of a session: the same for the same session, whatever else is asked for and whatever machine it runs on.
+nlohmann::ordered_json report_of(const RunResult &result, const std::string &scene,
+                                 const std::vector<Instrument> &tools, const std::string &session,
+                                 Patient &patient);
+// What the session took of the machine: never the same twice.
+nlohmann::ordered_json timing_of(const RunResult &result, const Patient &patient);
+// Either of them as a file. Throws OutputError.
+void write_report(const std::string &path, const nlohmann::ordered_json &report);
+
+} // namespace crn

@@ -1,0 +1,24 @@
+// A baked scene as the host needs it: its bytes for the device and where the instrument enters.
+// May include: shared/scene, model.
+#pragma once
+#include "host/model/instrument.hpp"
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace crn
+{
+
+struct SceneFile {
+    std::string path; // empty: free space
+    std::vector<std::uint8_t> bytes;
+    std::uint32_t crc32 = 0;
+    crn_wire_entry entry{}; // inserted_um is left to the session
+    std::string name;
+};
+
+// Throws FileError with the validator's words when the file is no valid scene. An empty path gives free space with
+// the entry at the origin, towards the head.
+SceneFile read_scene(const std::string &path);
+
+} // namespace crn

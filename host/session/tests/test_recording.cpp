@@ -1,0 +1,389 @@
+// Claims: a session replays bit for bit at any speed and from any snapshot; a cut-off recording is readable up to its
+// last whole chunk; a damaged one is refused, whatever byte is hit.
+#include <algorithm>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include "firmware/tests/reference/long_run.h"
+#include "host/base/text.hpp"
+#include "host/patient/contrast.hpp"
+#include "host/session/replay.hpp"
+#include "host/session/run.hpp"
+#include "shared/wire/wire_frame.h"
+
+// Last, because its macros (fail, ...) would change other headers.
+extern "C" {
+#include <cmocka.h>
+}
+
+namespace
+{
+
+const std::string path = "/tmp/cournand_test_" + std::to_string(getpid()) + ".rec";
+const crn::SceneFile scene = crn::read_scene("");
+
+struct Recorded {
+    crn::RunResult result;
+    std::vector<std::uint8_t> bytes;
+};
+
+Recorded record(const std::string &script,
+                const char *tool = "shared/examples/instruments/amplatz_super_stiff.toml")
+{
+    const std::vector<crn::Instrument> tools = {crn::read_instrument(tool)};
+    const crn::Session session = crn::parse_session(script, "test");
+    const crn_wire_entry entry = crn::entry_of(scene, tools.size(), session.inserted_um);
+    crn::Device device(scene, tools, entry, crn::host_rig());
+    const crn::RecordingHeader header = {device.identity().core_version,
+                                         device.identity().schema_hash,
+                                         0,
+                                         0,
+                                         "",
+                                         "test",
+                                         tools,
+                                         entry,
+                                         crn::host_rig()};
+    Recorded recorded;
+    {
+        crn::Recorder recorder(path, header);
+        crn::Patient patient({}, tools);
+        recorded.result = crn::run_session(device, patient, session, &recorder, nullptr, {});
+    }
+    recorded.bytes = crn::read_binary_file(path);
+    std::remove(path.c_str());
+    return recorded;
+}
+
+std::uint32_t word(const std::vector<std::uint8_t> &from, std::size_t place)
+{
+    return std::uint32_t{from[place]} | std::uint32_t{from[place + 1]} << 8 |
+           std::uint32_t{from[place + 2]} << 16 | std::uint32_t{from[place + 3]} << 24;
+}
+
+const Recorded &session()
+{
+    static const Recorded recorded =
+        record("fluoro on\nadvance 150 mm at 30 mm/s while rotate 1 turn\nc-arm LAO 20\nwait 1 s");
+    return recorded;
+}
+
+crn::ReplayResult replay(const crn::Recording &recording, const crn::ReplaySettings &settings)
+{
+    const crn::RecordingHeader &header = recording.header;
+    crn::Device device(scene, header.tools, header.entry, header.rig);
+    return crn::replay_recording(device, recording, nullptr, nullptr, settings);
+}
+
+crn::ReplaySettings verify(const char *speed, double from_s)
+{
+    crn::ReplaySettings settings;
+    settings.speed = *crn::replay_speed(speed);
+    settings.verifies = true;
+    settings.from_s = from_s;
+    return settings;
+}
+
+void a_session_replays_bit_for_bit_at_any_speed(void **)
+{
+    const crn::Recording recording = crn::parse_recording(session().bytes, "test");
+    assert_true(recording.is_complete);
+    assert_int_equal(recording.ticks.size(), session().result.figures.ticks);
+    for (const char *speed : {"fast", "paused", "50"}) {
+        const crn::ReplayResult result = replay(recording, verify(speed, 0));
+        assert_false(result.first_difference_tick.has_value());
+        assert_true(result.hash == session().result.hash);
+        assert_int_equal(result.ticks_compared, recording.ticks.size());
+    }
+}
+
+void a_replay_from_a_snapshot_ends_in_the_same_state(void **)
+{
+    const crn::Recording recording = crn::parse_recording(session().bytes, "test");
+    assert_int_equal(recording.snapshots.size(), 1);
+    for (double from_s : {4.999, 5.0, 5.5}) {
+        const crn::ReplayResult result = replay(recording, verify("fast", from_s));
+        assert_false(result.first_difference_tick.has_value());
+        assert_true(result.hash == session().result.hash);
+    }
+}
+
+crn::Instrument catheter()
+{
+    return crn::read_instrument("shared/examples/instruments/pigtail_5f.toml");
+}
+
+// One straight vessel along the line.
+crn::SceneAnatomy vessel()
+{
+    crn::VesselBranch branch;
+    branch.name = "aorta";
+    branch.flow_ml_s = 20.0;
+    for (int i = 0; i <= 30; ++i) {
+        branch.points_m.push_back({0.01 * i, 0.0, 0.0});
+        branch.radii_m.push_back(0.008);
+    }
+    crn::SceneAnatomy anatomy;
+    anatomy.bodies.vessels = {{branch}};
+    return anatomy;
+}
+
+void a_replay_from_later_on_knows_what_was_injected_before(void **)
+{
+    const Recorded recorded = record("wait 1 s\ninject 8 ml at 4 ml/s\nadvance 60 mm at 60 mm/s\nwait 1 s",
+                                     "shared/examples/instruments/pigtail_5f.toml");
+    const crn::Recording recording = crn::parse_recording(recorded.bytes, "test");
+    const crn::RecordingHeader &header = recording.header;
+    std::vector<std::uint8_t> whole;
+    for (double from_s : {0.0, 1.5, 2.9}) {
+        crn::Device device(scene, header.tools, header.entry, header.rig);
+        crn::Patient patient(vessel(), {catheter()});
+        crn::replay_recording(device, recording, &patient, nullptr, verify("fast", from_s));
+        const crn::ContrastFlow &flow = patient.contrast().flow();
+        assert_true(flow.held_mg() > 100.0);
+        if (whole.empty()) whole = flow.snapshot();
+        if (flow.snapshot() != whole) fail_msg("from %.1f s: %.3f mg in the vessel", from_s, flow.held_mg());
+    }
+}
+
+void side_holes_are_recorded(void **)
+{
+    const Recorded recorded = record("wait 10 ms", "shared/examples/instruments/pigtail_5f.toml");
+    const crn::Recording recording = crn::parse_recording(recorded.bytes, "test");
+    const std::vector<crn::SideHoles> expected = catheter().side_holes,
+                                      &read = recording.header.tools[0].side_holes;
+    assert_int_equal(read.size(), 1);
+    assert_int_equal(read[0].count, expected[0].count);
+    assert_true(read[0].arc_begin_m == expected[0].arc_begin_m && read[0].arc_end_m == expected[0].arc_end_m);
+    assert_true(read[0].diameter_m == expected[0].diameter_m);
+}
+
+void a_changed_input_is_found_at_its_tick(void **)
+{
+    crn::Recording recording = crn::parse_recording(session().bytes, "test");
+    recording.ticks[1234].input.hands[0].translation_counts += 40;
+    const crn::ReplayResult result = replay(recording, verify("fast", 0));
+    assert_true(result.first_difference_tick.has_value());
+    assert_int_equal(*result.first_difference_tick, 1235);
+}
+
+void commands_to_the_room_are_recorded_with_their_ticks(void **)
+{
+    const crn::Recording recording = crn::parse_recording(session().bytes, "test");
+    assert_int_equal(recording.commands.size(), 2);
+    assert_int_equal(recording.commands[0].tick, 0);
+    assert_true(recording.commands[0].command ==
+                (crn::RoomCommand{crn::RoomAction::fluoro_pedal, {1, 0, 0}}));
+    assert_int_equal(recording.commands[1].tick, 5200);
+    assert_true(recording.commands[1].command == (crn::RoomCommand{crn::RoomAction::angles, {20000, 0, 0}}));
+}
+
+// Chunks of version 2 in place of ours: tick, fluoro, follows, primary, secondary, table, field.
+void recordings_of_version_2_still_load(void **)
+{
+    std::vector<std::uint8_t> bytes;
+    std::size_t at = 8;
+    bytes.assign(session().bytes.begin(), session().bytes.begin() + 8);
+    bytes[7] = '2';
+    const std::vector<std::uint8_t> &now = session().bytes;
+    const auto put = [&](std::vector<std::uint8_t> &to, std::uint32_t value) {
+        for (int i = 0; i < 4; i++) to.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+    };
+    while (at < now.size()) {
+        const std::size_t size = 12 + word(now, at + 4);
+        if (word(now, at) != 8) {
+            bytes.insert(bytes.end(), now.begin() + at, now.begin() + at + size);
+        } else {
+            const std::uint32_t tick = word(now, at + 8);
+            std::vector<std::uint8_t> chunk;
+            for (std::uint32_t value : {5u, 30u, tick}) put(chunk, value);
+            chunk.insert(chunk.end(), {1, 1}); // fluoroscopy on, following
+            for (std::uint32_t value : {tick > 0 ? 20000u : 0u, 0u, 1000u, 2000u, 3000u, 320000u})
+                put(chunk, value);
+            put(chunk, crn_wire_crc32(0, chunk.data(), chunk.size()));
+            bytes.insert(bytes.end(), chunk.begin(), chunk.end());
+        }
+        at += size;
+    }
+    const crn::Recording old = crn::parse_recording(bytes, "old");
+    assert_true(old.is_complete);
+    assert_int_equal(old.ticks.size(), session().result.figures.ticks);
+    assert_int_equal(old.commands.size(),
+                     6); // angles, field, table, follow, pedal; then the angles that changed
+    assert_true(old.commands[2].command == (crn::RoomCommand{crn::RoomAction::table, {1000, 2000, 3000}}));
+    assert_true(old.commands[5].command == (crn::RoomCommand{crn::RoomAction::angles, {20000, 0, 0}}));
+    assert_false(replay(old, verify("fast", 0)).first_difference_tick.has_value());
+}
+
+// Cut at every length in the tail and at many before: either readable with fewer ticks, or refused as truncated.
+void a_recording_cut_off_anywhere_keeps_its_whole_chunks(void **)
+{
+    const std::vector<std::uint8_t> &whole = session().bytes;
+    std::size_t ticks_before = 0;
+    constexpr std::size_t step = 11 - REFERENCE_RUN(10); // near the end; under the sanitizers every tenth cut
+    for (std::size_t length = 0; length < whole.size(); length += length + 3000 < whole.size() ? 977 : step) {
+        try {
+            const crn::Recording recording = crn::parse_recording({whole.data(), length}, "cut");
+            assert_false(recording.is_complete);
+            assert_true(recording.ticks.size() >= ticks_before);
+            ticks_before = recording.ticks.size();
+        } catch (const crn::RecordingError &error) {
+            assert_true(error.fault == crn::RecordingFault::truncated ||
+                        error.fault == crn::RecordingFault::not_a_recording);
+            assert_int_equal(ticks_before, 0);
+        }
+    }
+    assert_int_equal(ticks_before, session().result.figures.ticks);
+}
+
+// A chunk that says it is longer than any of its kind is damage, and no sign of a file that was cut off.
+void a_flipped_high_bit_of_a_length_is_no_cut(void **)
+{
+    std::vector<std::uint8_t> bytes = session().bytes;
+    int chunks = 0;
+    for (std::size_t at = 8; at < bytes.size(); at += 12 + word(bytes, at + 4), chunks++) {
+        for (unsigned bit = 21; bit < 32; bit++) {
+            std::uint8_t &byte = bytes[at + 4 + bit / 8];
+            byte = static_cast<std::uint8_t>(byte ^ 1u << bit % 8);
+            try {
+                crn::parse_recording(bytes, "x.rec");
+                fail_msg("bit %u of the length of chunk %d reads as a file that was cut off", bit, chunks);
+            } catch (const crn::RecordingError &error) {
+                assert_true(error.fault == crn::RecordingFault::damaged);
+                assert_non_null(strstr(error.what(), "x.rec: is damaged: a chunk of kind"));
+            }
+            byte = static_cast<std::uint8_t>(byte ^ 1u << bit % 8);
+        }
+    }
+    assert_true(chunks > 4);
+}
+
+// One bit flipped at a time. A flip in a chunk's length field may look like a cut-off file; everything else is refused.
+void a_flipped_bit_is_never_taken_for_a_complete_recording(void **)
+{
+    std::vector<std::uint8_t> bytes = session().bytes;
+    for (std::size_t byte = 0; byte < bytes.size(); byte += byte < 400 ? 1 : 211) {
+        const auto bit = static_cast<std::uint8_t>(1u << (byte % 8));
+        bytes[byte] ^= bit;
+        try {
+            assert_false(crn::parse_recording(bytes, "flipped").is_complete);
+        } catch (const crn::RecordingError &) {
+        }
+        bytes[byte] ^= bit;
+    }
+}
+
+void other_files_and_newer_versions_are_refused_by_name(void **)
+{
+    std::vector<std::uint8_t> bytes = session().bytes;
+    bytes[7] = '4';
+    try {
+        crn::parse_recording(bytes, "x.rec");
+        fail_msg("a newer version was accepted");
+    } catch (const crn::RecordingError &error) {
+        assert_true(error.fault == crn::RecordingFault::newer_version);
+        assert_non_null(strstr(error.what(), "x.rec: is a recording of version '4'"));
+    }
+    bytes[0] = 'X';
+    try {
+        crn::parse_recording(bytes, "x.rec");
+        fail_msg("another file was accepted");
+    } catch (const crn::RecordingError &error) {
+        assert_true(error.fault == crn::RecordingFault::not_a_recording);
+    }
+}
+
+void a_recording_from_before_the_renaming_is_read(void **)
+{
+    std::vector<std::uint8_t> bytes = session().bytes;
+    const std::uint8_t earlier[4] = {0x53, 0x45, 0x4c, 0x44};
+    std::copy(earlier, earlier + 4, bytes.begin());
+    const crn::Recording recording = crn::parse_recording(bytes, "earlier.rec");
+    assert_true(recording.is_complete);
+    assert_int_equal(recording.ticks.size(), session().result.figures.ticks);
+    assert_true(recording.hashes.back().hash == session().result.hash);
+}
+
+// A chunk with a right CRC and a wrong place: the ticks of the second chunk come first.
+void ticks_out_of_order_are_refused(void **)
+{
+    std::vector<std::uint8_t> bytes = session().bytes;
+    std::size_t at = 8;
+    while (word(bytes, at) != 2) at += 12 + word(bytes, at + 4);
+    bytes[at + 8] = 1;
+    const std::uint32_t covered = 8 + word(bytes, at + 4);
+    const std::uint32_t crc = crn_wire_crc32(0, bytes.data() + at, covered);
+    for (unsigned i = 0; i < 4; i++) bytes[at + covered + i] = static_cast<std::uint8_t>(crc >> (8 * i));
+    try {
+        crn::parse_recording(bytes, "x.rec");
+        fail_msg("ticks out of order were accepted");
+    } catch (const crn::RecordingError &error) {
+        assert_true(error.fault == crn::RecordingFault::inconsistent);
+    }
+}
+
+void a_recording_cannot_be_written_into_a_missing_folder(void **)
+{
+    try {
+        crn::Recorder recorder("/does/not/exist/a.rec", {});
+        fail_msg("a recording was opened in a missing folder");
+    } catch (const crn::RecordingError &error) {
+        assert_non_null(strstr(error.what(), "/does/not/exist/a.rec: cannot be written"));
+    }
+}
+
+// Pictures split the batches; the session must not notice.
+class CountingSink final : public crn::SteadySink
+{
+  public:
+    CountingSink() : SteadySink(15) {}
+    void picture(const crn::SessionFrame &frame) override
+    {
+        assert_int_equal(frame.wire.tick, crn::picture_tick(count++, 15));
+        assert_true(frame.wire.nodes.size() > 3);
+    }
+    std::uint32_t count = 0;
+};
+
+void pictures_do_not_change_the_session(void **)
+{
+    const crn::Recording recording = crn::parse_recording(session().bytes, "test");
+    const crn::RecordingHeader &header = recording.header;
+    crn::Device device(scene, header.tools, header.entry, header.rig);
+    CountingSink sink;
+    const crn::ReplayResult result =
+        crn::replay_recording(device, recording, nullptr, &sink, verify("fast", 0));
+    assert_true(result.hash == session().result.hash);
+    assert_int_equal(sink.count, session().result.figures.ticks * 15 / 1000 + 1);
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(a_session_replays_bit_for_bit_at_any_speed),
+        cmocka_unit_test(a_replay_from_a_snapshot_ends_in_the_same_state),
+        cmocka_unit_test(a_replay_from_later_on_knows_what_was_injected_before),
+        cmocka_unit_test(side_holes_are_recorded),
+        cmocka_unit_test(a_changed_input_is_found_at_its_tick),
+        cmocka_unit_test(commands_to_the_room_are_recorded_with_their_ticks),
+        cmocka_unit_test(recordings_of_version_2_still_load),
+        cmocka_unit_test(a_recording_cut_off_anywhere_keeps_its_whole_chunks),
+        cmocka_unit_test(a_flipped_high_bit_of_a_length_is_no_cut),
+        cmocka_unit_test(a_flipped_bit_is_never_taken_for_a_complete_recording),
+        cmocka_unit_test(other_files_and_newer_versions_are_refused_by_name),
+        cmocka_unit_test(a_recording_from_before_the_renaming_is_read),
+        cmocka_unit_test(ticks_out_of_order_are_refused),
+        cmocka_unit_test(a_recording_cannot_be_written_into_a_missing_folder),
+        cmocka_unit_test(pictures_do_not_change_the_session),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}

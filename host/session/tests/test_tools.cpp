@@ -1,0 +1,491 @@
+// Claims about several tools in the host: the device's refusal names the tools in the words of their files; a session of
+// three replays bit for bit; each tool is drawn over its own part of the line, with its own layers and lumen; the report and
+// the keys know each of them.
+#include <algorithm>
+#include <cmath>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include <GLFW/glfw3.h>
+#include <nlohmann/json.hpp>
+
+#include "host/app/window_keys.hpp"
+#include "host/base/text.hpp"
+#include "host/model/timeline.hpp"
+#include "host/model/units.hpp"
+#include "host/picture/session_pictures.hpp"
+#include "host/rig/pedals.hpp"
+#include "host/room/presets.hpp"
+#include "host/session/replay.hpp"
+#include "host/session/run.hpp"
+#include "host/xray/xray.hpp"
+
+// Last, because its macros (fail, ...) would change other headers.
+extern "C" {
+#include <cmocka.h>
+}
+
+namespace
+{
+
+const std::string folder = "/tmp/cournand_test_tools_" + std::to_string(getpid());
+const crn::SceneFile scene = crn::read_scene("");
+
+// A straight tool of 300 mm with one layer of steel.
+crn::Instrument straight(const std::string &name, std::uint32_t outer_um, std::uint32_t inner_um)
+{
+    crn::Instrument tool;
+    tool.name = name;
+    tool.length_m = 0.3;
+    tool.table.lumen_friction_milli = 100;
+    tool.table.axial_stiffness_max_N = 5000;
+    tool.table.element_tip_um = 2000;
+    tool.table.element_shaft_um = 4000;
+    tool.table.element_fine_um = 20000;
+    tool.table.knots_count = 2;
+    for (int i = 0; i < 2; i++) {
+        crn_wire_knot &knot = tool.table.knots[i];
+        knot.arc_um = static_cast<std::uint32_t>(i) * 300000;
+        knot.bend_stiffness_nN_m2 = 500000;
+        knot.twist_stiffness_nN_m2 = 400000;
+        knot.mass_mg_per_m = 4000;
+        knot.radius_outer_um = outer_um;
+        knot.radius_inner_um = inner_um;
+        knot.friction_kinetic_milli = 100;
+        knot.friction_static_milli = 120;
+    }
+    tool.layers.push_back({0.0, 0.3, "steel", 0.5, 1.0});
+    return tool;
+}
+
+std::vector<crn::Instrument> three_tools()
+{
+    return {straight("wire A", 445, 0), straight("catheter B", 835, 500), straight("guide C", 1100, 900)};
+}
+
+struct Recorded {
+    crn::RunResult result;
+    std::vector<std::uint8_t> bytes;
+};
+
+Recorded record(const std::string &script)
+{
+    const std::vector<crn::Instrument> tools = three_tools();
+    const crn::Session session = crn::parse_session(script, "test");
+    const crn_wire_entry entry = crn::entry_of(scene, tools.size(), session.inserted_um);
+    crn::Device device(scene, tools, entry, crn::host_rig());
+    const crn::RecordingHeader header = {device.identity().core_version,
+                                         device.identity().schema_hash,
+                                         0,
+                                         0,
+                                         "",
+                                         "test",
+                                         tools,
+                                         entry,
+                                         crn::host_rig()};
+    const std::string path = folder + ".rec";
+    Recorded recorded;
+    {
+        crn::Recorder recorder(path, header);
+        crn::Patient patient({}, tools);
+        recorded.result = crn::run_session(device, patient, session, &recorder, nullptr, {});
+    }
+    recorded.bytes = crn::read_binary_file(path);
+    std::remove(path.c_str());
+    return recorded;
+}
+
+const Recorded &session()
+{
+    static const Recorded recorded =
+        record("begin wire inserted 100 mm\nbegin catheter inserted 80 mm\n"
+               "begin guide inserted 60 mm\n"
+               "advance wire 60 mm at 30 mm/s while advance catheter 40 mm at 20 mm/s\n"
+               "rotate catheter 180 deg while withdraw guide 30 mm\n"
+               "withdraw wire until inserted 90 mm\nwait 0.5 s");
+    return recorded;
+}
+
+// --- the device ---
+
+void expect_refusal(const std::vector<crn::Instrument> &tools, const std::vector<std::uint32_t> &inserted_um,
+                    const char *expected)
+{
+    try {
+        crn::Device device(scene, tools, crn::entry_of(scene, tools.size(), inserted_um), crn::host_rig());
+        fail_msg("accepted, expected '%s'", expected);
+    } catch (const crn::LinkError &error) {
+        if (!std::strstr(error.what(), expected))
+            fail_msg("message '%s' does not hold '%s'", error.what(), expected);
+    }
+}
+
+void a_refused_tool_is_named_with_place_and_rule(void **)
+{
+    std::vector<crn::Instrument> tools = three_tools();
+    tools[1].table.knots[1].radius_inner_um = 400;
+    expect_refusal(
+        tools, {},
+        "'wire A' (0.89 mm) does not pass the lumen of 'catheter B' (0.8 mm, at 300 mm from its tip)");
+    expect_refusal({tools[1], tools[0]}, {}, "does not pass the lumen of 'wire A' (0 mm");
+    tools = three_tools();
+    tools[2].table.knots[1].mass_mg_per_m = 0;
+    expect_refusal(tools, {}, "'guide C': device refused tools: TOOL_RANGE");
+    expect_refusal(three_tools(), {50000, 50000, 300001},
+                   "'guide C': device refused command: LENGTH_INSERTED");
+    expect_refusal({}, {}, "a line holds 1 to 3 tools, not 0");
+    expect_refusal({tools[0], tools[0], tools[0], tools[0]}, {}, "a line holds 1 to 3 tools, not 4");
+}
+
+// Free space holds nothing; the answer belongs to the tick at which it was asked for.
+void contact_forces_are_read_at_any_tick(void **)
+{
+    const std::vector<crn::Instrument> tools = three_tools();
+    crn::Device device(scene, tools, crn::entry_of(scene, 3, {}), crn::host_rig());
+    crn_wire_encoders rest{};
+    rest.hands_count = 3;
+    device.link().step(std::vector<crn_wire_encoders>(7, rest), false);
+    assert_int_equal(device.link().read_contacts().tick, 7);
+    assert_int_equal(device.link().read_contacts().contacts_count, 0);
+}
+
+// --- recordings ---
+
+void a_session_of_three_tools_replays_bit_for_bit(void **)
+{
+    const crn::Recording recording = crn::parse_recording(session().bytes, "test");
+    assert_true(recording.is_complete);
+    assert_int_equal(recording.header.tools.size(), 3);
+    assert_string_equal(recording.header.tools[2].name.c_str(), "guide C");
+    assert_true(recording.snapshots.size() >= 1);
+    for (double from_s : {0.0, recording.snapshots[0].tick * 1e-3 + 0.1}) {
+        const crn::RecordingHeader &header = recording.header;
+        crn::Device device(scene, header.tools, header.entry, header.rig);
+        crn::ReplaySettings settings;
+        settings.verifies = true;
+        settings.from_s = from_s;
+        const crn::ReplayResult result = crn::replay_recording(device, recording, nullptr, nullptr, settings);
+        assert_false(result.first_difference_tick.has_value());
+        assert_true(result.ticks_compared > 100);
+        assert_true(result.hash == session().result.hash);
+    }
+}
+
+// A change of one hand alone is found at its tick.
+void a_changed_input_of_any_tool_is_found(void **)
+{
+    for (std::size_t k = 0; k < 3; k++) {
+        crn::Recording recording = crn::parse_recording(session().bytes, "test");
+        recording.ticks[700].input.hands[k].translation_counts += 40;
+        const crn::RecordingHeader &header = recording.header;
+        crn::Device device(scene, header.tools, header.entry, header.rig);
+        crn::ReplaySettings settings;
+        settings.verifies = true;
+        const crn::ReplayResult result = crn::replay_recording(device, recording, nullptr, nullptr, settings);
+        assert_true(result.first_difference_tick.has_value());
+        assert_int_equal(*result.first_difference_tick, 701);
+    }
+}
+
+// --- the line as the picture sees it ---
+
+// The frame of a device whose tools stand at different lengths: tips at the right arc, the outermost tool's radius.
+void each_tool_covers_the_line_from_its_own_tip(void **)
+{
+    const std::vector<crn::Instrument> tools = three_tools();
+    const crn_wire_entry entry = crn::entry_of(scene, 3, std::vector<std::uint32_t>{100000, 120000, 40000});
+    crn::Device device(scene, tools, entry, crn::host_rig());
+    device.link().read_nodes();
+    const crn::SessionFrame frame = crn::session_frame(device, {}, {});
+    const double tips_mm[] = {20, 0, 80};
+    for (std::size_t k = 0; k < 3; k++) {
+        assert_true(std::abs(frame.wire.tip_arc_m[k] * 1e3 - tips_mm[k]) < 0.01);
+        assert_true(std::abs(frame.tools[k].inserted_m * 1e3 - entry.inserted_um[k] * 1e-3) < 0.01);
+    }
+    for (const crn::WireNode &node : frame.wire.nodes) {
+        const double expected_mm = node.arc_m >= frame.wire.tip_arc_m[2] ? 1.1 : 0.835;
+        assert_true(std::abs(node.radius_m * 1e3 - expected_mm) < 1e-6);
+    }
+}
+
+// A straight line along x, 4 mm nodes, 200 mm above the table; three tools whose tips lie inside elements.
+crn::WireFrame line_frame()
+{
+    crn::WireFrame wire;
+    wire.tick = 5;
+    for (int i = 0; i <= 30; i++)
+        wire.nodes.push_back({{-0.06 + i * 0.004, 0.0, 0.0}, i * 0.004, 0.001, 0.0});
+    wire.tip_arc_m = {0.0, 0.0305, 0.07};
+    return wire;
+}
+
+crn::XraySettings close_view()
+{
+    crn::XraySettings settings;
+    settings.carm.field_m = 0.2;
+    settings.size = 512;
+    return settings;
+}
+
+// Volume of a material, mm^3: chords summed over the picture, at the magnification of the isocentre's plane.
+double volume_mm3(const std::vector<crn::RadiopaqueInstrument> &tools, const crn::WireFrame &wire,
+                  crn::Material material)
+{
+    const crn::XrayScene empty;
+    crn::Xray xray(empty, 1);
+    crn::XrayPicture picture;
+    xray.render(close_view(), tools, wire, 1, picture);
+    const crn::CArm carm = close_view().carm;
+    const double pixel_mm =
+        carm.field_m * 1e3 / close_view().size * carm.source_isocentre_m / carm.source_detector_m;
+    double sum = 0.0;
+    for (std::int32_t q10 : xray.instrument_path_q10mm(material)) sum += q10 / 1024.0;
+    return sum * pixel_mm * pixel_mm;
+}
+
+void expect_volume(const char *what, double value_mm3, double expected_mm3)
+{
+    if (std::abs(value_mm3 / expected_mm3 - 1.0) > 0.02)
+        fail_msg("%s: %.3f mm3, expected %.3f (2 %% allowed)", what, value_mm3, expected_mm3);
+}
+
+// Three materials tell the three tools apart. Each has the volume of its own length and cross-section: from its own tip
+// (inside an element) to the end of the line, its layers counted from its own tip, its lumen empty.
+void each_tool_is_drawn_over_its_own_part_with_its_own_layers(void **)
+{
+    const double pi = std::acos(-1.0);
+    const std::vector<crn::RadiopaqueInstrument> tools = {
+        {{{0.0, 1.0, crn::Material::steel, 1.0, 1.0}}, {{0.0, 0.0004, 0.0}, {1.0, 0.0004, 0.0}}},
+        {{{0.0, 0.0015, crn::Material::platinum, 0.3, 1.0},
+          {0.0015, 1.0, crn::Material::polymer_barium, 0.64, 1.0}},
+         {{0.0, 0.001, 0.0006}, {1.0, 0.001, 0.0006}}},
+        {{{0.0, 1.0, crn::Material::nitinol, 0.19, 1.0}}, {{0.0, 0.0015, 0.00135}, {1.0, 0.0015, 0.00135}}},
+    };
+    const crn::WireFrame wire = line_frame();
+    expect_volume("wire", volume_mm3(tools, wire, crn::Material::steel), 120.0 * pi * 0.16);
+    expect_volume("marker", volume_mm3(tools, wire, crn::Material::platinum), 1.5 * pi * 0.3);
+    expect_volume("wall", volume_mm3(tools, wire, crn::Material::polymer_barium), (120.0 - 32.0) * pi * 0.64);
+    expect_volume("guide", volume_mm3(tools, wire, crn::Material::nitinol), 50.0 * pi * 0.19 * 2.25);
+}
+
+// Across a hollow tool the chord is longest beside the lumen, not in the middle.
+void a_lumen_is_seen_as_a_brighter_middle(void **)
+{
+    const std::vector<crn::RadiopaqueInstrument> tools = {
+        {{{0.0, 1.0, crn::Material::polymer_barium, 0.64, 1.0}},
+         {{0.0, 0.002, 0.0012}, {1.0, 0.002, 0.0012}}}};
+    crn::WireFrame wire = line_frame();
+    wire.tip_arc_m = {0.0};
+    const crn::XrayScene empty;
+    crn::Xray xray(empty, 1);
+    crn::XrayPicture picture;
+    xray.render(close_view(), tools, wire, 1, picture);
+    const std::vector<std::int32_t> path = xray.instrument_path_q10mm(crn::Material::polymer_barium);
+    std::int32_t middle = 0, largest = 0;
+    for (int y = 0; y < 512; y++) {
+        const std::int32_t here = path[static_cast<std::size_t>(y) * 512 + 256];
+        largest = std::max(largest, here);
+        if (y == 255 || y == 256) middle = std::max(middle, here);
+    }
+    // 2 (2 - 1.2) = 1.6 mm in the middle, 2 sqrt(4 - 1.44) = 3.2 mm beside the lumen
+    assert_in_range(middle, 1540, 1740);
+    assert_in_range(largest, 2900, 3300);
+}
+
+// Tips that coincide with nodes, lie beyond the line, or are no numbers: nothing is lost, nothing crashes.
+void tips_anywhere_are_drawn_or_left_out(void **)
+{
+    const std::vector<crn::RadiopaqueInstrument> tools = {
+        {{{0.0, 1.0, crn::Material::steel, 1.0, 1.0}}, {{0.0, 0.0004, 0.0}, {1.0, 0.0004, 0.0}}}};
+    crn::WireFrame wire = line_frame();
+    const double pi = std::acos(-1.0);
+    for (double tip_m : {0.004, 0.004 + 1e-9, 0.004 - 1e-9, 0.0401}) {
+        wire.tip_arc_m = {tip_m};
+        expect_volume("tip at a node", volume_mm3(tools, wire, crn::Material::steel),
+                      (120.0 - tip_m * 1e3) * pi * 0.16);
+    }
+    for (double tip_m : {0.12, 0.5, std::nan(""), 1e300}) {
+        wire.tip_arc_m = {tip_m};
+        assert_true(volume_mm3(tools, wire, crn::Material::steel) < 1e-6);
+    }
+}
+
+void a_tool_takes_its_radii_from_its_knots(void **)
+{
+    crn::Instrument tool = straight("stepped", 400, 200);
+    tool.table.knots_count = 3;
+    tool.table.knots[2] = tool.table.knots[1];
+    tool.table.knots[1].arc_um = 100000;
+    tool.table.knots[2].radius_outer_um = 600;
+    assert_true(std::abs(crn::outer_radius_m(tool.table, -1.0) - 400e-6) < 1e-12);
+    assert_true(std::abs(crn::outer_radius_m(tool.table, 0.05) - 400e-6) < 1e-12);
+    assert_true(std::abs(crn::outer_radius_m(tool.table, 0.2) - 500e-6) < 1e-12);
+    assert_true(std::abs(crn::outer_radius_m(tool.table, 9.0) - 600e-6) < 1e-12);
+    const crn::RadiopaqueInstrument look = crn::instrument_look(tool);
+    assert_int_equal(look.radii.size(), 3);
+    assert_true(std::abs(look.radii[2].outer_m - 600e-6) < 1e-12 &&
+                std::abs(look.radii[2].inner_m - 200e-6) < 1e-12);
+}
+
+// --- report and keys ---
+
+void the_report_has_every_tool(void **)
+{
+    const std::string path = folder + ".json";
+    crn::Patient patient({}, three_tools());
+    crn::write_report(path, crn::report_of(session().result, "", three_tools(), "test", patient));
+    const nlohmann::json report = nlohmann::json::parse(crn::read_text_file(path));
+    std::remove(path.c_str());
+    assert_int_equal(report["tools"].size(), 3);
+    assert_true(report["tools"][1]["name"] == "catheter B");
+    assert_true(std::abs(report["tools"][0]["inserted_max_mm"].get<double>() - 160.0) < 0.5);
+    assert_true(std::abs(report["tools"][1]["inserted_mm"].get<double>() - 120.0) < 0.5);
+    assert_true(std::abs(report["tools"][2]["inserted_mm"].get<double>() - 30.0) < 0.5);
+    assert_true(report["tools"][0]["handle_force_max_N"].get<double>() > 0.0);
+    assert_true(report["tools"][1]["handle_torque_max_mN_m"].get<double>() > 0.0);
+}
+
+crn::Screen::KeyEvent press(int key)
+{
+    return {key, true, false, false};
+}
+
+void keys_choose_the_tool_they_move(void **)
+{
+    const crn::Room standing;
+    const crn::RoomScreen screen(standing);
+    crn::WindowKeys keys(2, false);
+    assert_int_equal(keys.chosen_tool(), 0);
+    keys.take(press(GLFW_KEY_2), screen);
+    assert_int_equal(keys.chosen_tool(), 1);
+    keys.take(press(GLFW_KEY_3), screen); // there is none
+    assert_int_equal(keys.chosen_tool(), 1);
+    keys.take(press(GLFW_KEY_TAB), screen);
+    assert_int_equal(keys.chosen_tool(), 0);
+    keys.take(press(GLFW_KEY_G), screen);
+    assert_true(keys.moves_all());
+    keys.take(press(GLFW_KEY_1), screen);
+    assert_false(keys.moves_all());
+    crn::WindowKeys alone(1, false);
+    for (int key : {GLFW_KEY_TAB, GLFW_KEY_G, GLFW_KEY_2}) alone.take(press(key), screen);
+    assert_int_equal(alone.chosen_tool(), 0);
+    assert_false(alone.moves_all());
+    assert_true(crn::help_panel(2).size() > crn::help_panel(1).size());
+}
+
+void pedals_of_a_rig_are_commands_when_they_change(void **)
+{
+    using crn::RoomAction, crn::RoomCommand;
+    crn::RigPedals pedals;
+    assert_true(pedals.changes(0).empty());
+    assert_true(pedals.changes(1) == (std::vector<RoomCommand>{{RoomAction::fluoro_pedal, {1, 0, 0}}}));
+    assert_true(pedals.changes(1).empty());
+    assert_true(pedals.changes(0x83) == (std::vector<RoomCommand>{{RoomAction::acquire_pedal, {1, 0, 0}}}));
+    assert_true(pedals.changes(0) == (std::vector<RoomCommand>{{RoomAction::fluoro_pedal, {0, 0, 0}},
+                                                               {RoomAction::acquire_pedal, {0, 0, 0}}}));
+}
+
+// A standard view is three commands: distance, angles, field.
+void every_standard_view_has_a_key(void **)
+{
+    using crn::RoomAction, crn::RoomCommand;
+    const crn::Room standing;
+    const crn::RoomScreen screen(standing);
+    crn::WindowKeys keys(1, false);
+    std::vector<std::vector<RoomCommand>> reached;
+    for (int shift : {0, 1}) {
+        keys.take({GLFW_KEY_RIGHT_SHIFT, shift == 1, false, shift == 0}, screen);
+        for (int key = GLFW_KEY_F2; key <= GLFW_KEY_F12; ++key) {
+            keys.take(press(key), screen);
+            reached.push_back(keys.take_commands());
+        }
+    }
+    for (const crn::ViewPreset &view : crn::view_presets()) {
+        const std::vector<RoomCommand> wanted = {
+            {RoomAction::distance, {view.sid_um, 750'000, 0}},
+            {RoomAction::angles, {view.primary_mdeg, view.secondary_mdeg, 0}},
+            {RoomAction::field, {view.field_um, 0, 0}}};
+        if (std::find(reached.begin(), reached.end(), wanted) == reached.end())
+            fail_msg("no key goes to the view %s", std::string(view.name).c_str());
+    }
+}
+
+// Each key as the command that the room hears; steps go from where the motors go, and end at the limits.
+void keys_are_commands_to_the_room(void **)
+{
+    using crn::RoomAction, crn::RoomCommand;
+    crn::Room room;
+    const crn::RoomScreen screen(room);
+    room.give(0, {RoomAction::angles, {118000, 0, 0}});
+    room.advance(0, nullptr);
+    crn::WindowKeys keys(1, false);
+    const struct {
+        int key;
+        RoomCommand command;
+    } cases[] = {{GLFW_KEY_D, {RoomAction::angles, {120000, 0, 0}}},
+                 {GLFW_KEY_A, {RoomAction::angles, {113000, 0, 0}}},
+                 {GLFW_KEY_S, {RoomAction::angles, {118000, -5000, 0}}},
+                 {GLFW_KEY_0, {RoomAction::angles, {0, 0, 0}}},
+                 {GLFW_KEY_I, {RoomAction::table, {0, 20000, 0}}},
+                 {GLFW_KEY_PAGE_UP, {RoomAction::table, {0, 0, -10000}}},
+                 {GLFW_KEY_HOME, {RoomAction::distance, {1100000, 750000, 0}}},
+                 {GLFW_KEY_EQUAL, {RoomAction::field, {250000, 0, 0}}},
+                 {GLFW_KEY_LEFT_BRACKET, {RoomAction::blades, {870, 970, 0}}},
+                 {GLFW_KEY_Q, {RoomAction::iris, {1, 0, 0}}},
+                 {GLFW_KEY_P, {RoomAction::fluoro_rate, {3000, 0, 0}}},
+                 {GLFW_KEY_X, {RoomAction::program, {1, 0, 0}}},
+                 {GLFW_KEY_O, {RoomAction::cine_rate, {3000, 0, 0}}},
+                 {GLFW_KEY_V, {RoomAction::review, {1, 0, 0}}},
+                 {GLFW_KEY_PERIOD, {RoomAction::review, {2, 0, 0}}},
+                 {GLFW_KEY_B, {RoomAction::store, {10000, 0, 0}}},
+                 {GLFW_KEY_N, {RoomAction::mask, {0, 0, 0}}},
+                 {GLFW_KEY_M, {RoomAction::roadmap, {2, 0, 0}}},
+                 {GLFW_KEY_T, {RoomAction::follow, {1, 0, 0}}},
+                 {GLFW_KEY_Z, {RoomAction::halt, {0, 0, 0}}},
+                 {GLFW_KEY_BACKSPACE, {RoomAction::acknowledge, {0, 0, 0}}}};
+    for (const auto &c : cases) {
+        keys.take(press(c.key), screen);
+        const std::vector<RoomCommand> commands = keys.take_commands();
+        if (commands != std::vector<RoomCommand>{c.command}) fail_msg("key %d is another command", c.key);
+        assert_true(crn::refusal(c.command).empty());
+    }
+    keys.take(press(GLFW_KEY_F3), screen); // spider: distance, angles, field
+    assert_int_equal(keys.take_commands().size(), 3);
+    keys.latch_pedal();
+    assert_true(keys.take_commands() == (std::vector<RoomCommand>{{RoomAction::fluoro_pedal, {1, 0, 0}}}));
+    assert_true(keys.take_commands().empty());
+    keys.take(press(GLFW_KEY_R), screen);
+    assert_true(keys.take_reset());
+    assert_true(keys.take_commands().size() == 1); // the new room hears of the pedal again
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(a_refused_tool_is_named_with_place_and_rule),
+        cmocka_unit_test(contact_forces_are_read_at_any_tick),
+        cmocka_unit_test(a_session_of_three_tools_replays_bit_for_bit),
+        cmocka_unit_test(a_changed_input_of_any_tool_is_found),
+        cmocka_unit_test(each_tool_covers_the_line_from_its_own_tip),
+        cmocka_unit_test(each_tool_is_drawn_over_its_own_part_with_its_own_layers),
+        cmocka_unit_test(a_lumen_is_seen_as_a_brighter_middle),
+        cmocka_unit_test(tips_anywhere_are_drawn_or_left_out),
+        cmocka_unit_test(a_tool_takes_its_radii_from_its_knots),
+        cmocka_unit_test(the_report_has_every_tool),
+        cmocka_unit_test(keys_choose_the_tool_they_move),
+        cmocka_unit_test(pedals_of_a_rig_are_commands_when_they_change),
+        cmocka_unit_test(every_standard_view_has_a_key),
+        cmocka_unit_test(keys_are_commands_to_the_room),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}

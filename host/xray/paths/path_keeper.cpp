@@ -1,0 +1,193 @@
+// What changed, and who draws it.
+#include "host/xray/paths/path_keeper.hpp"
+#include "host/xray/paths/parallel.hpp"
+#include "host/xray/paths/raster_paths.hpp"
+#include "host/xray/paths/tube.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace crn
+{
+namespace
+{
+
+constexpr int far_um = 2'000'000; // as check_bodies
+
+// A picture for every material that a channel names, and none for the others.
+void size_pictures(const BodyMeshes &meshes, int size, PathPictures &pictures)
+{
+    const std::size_t pixels = static_cast<std::size_t>(size) * size;
+    for (auto &picture : pictures)
+        if (picture.size() != pixels) picture.clear();
+    for (const MeshChannel &channel : meshes.channels) {
+        pictures[channel.own].resize(pixels);
+        if (channel.parent >= 0) pictures[channel.parent].resize(pixels);
+    }
+}
+
+bool is_usable(const BodyMeshes &meshes, const MovedBody &moved)
+{
+    if (moved.body < 0 || static_cast<std::size_t>(moved.body) >= meshes.vertex_counts.size()) return false;
+    if (moved.vertices_um.size() != meshes.vertex_counts[moved.body]) return false;
+    return std::all_of(moved.vertices_um.begin(), moved.vertices_um.end(), [](const Eigen::Vector3i &v) {
+        return v.minCoeff() >= -far_um && v.maxCoeff() <= far_um;
+    });
+}
+
+PixelRect around_both(const PixelRect &a, const PixelRect &b)
+{
+    if (a.is_empty()) return b;
+    if (b.is_empty()) return a;
+    return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
+}
+
+// Pixels that the box around these points can cover; the whole picture when it reaches behind the source.
+PixelRect covered(const View &view, const std::vector<Eigen::Vector3i> &points_um)
+{
+    Eigen::Vector3i low = points_um.front(), high = low;
+    for (const Eigen::Vector3i &point : points_um) {
+        low = low.cwiseMin(point);
+        high = high.cwiseMax(point);
+    }
+    Eigen::Vector2d least(1e9, 1e9), greatest(-1e9, -1e9);
+    for (int corner = 0; corner < 8; ++corner) {
+        const Eigen::Vector3d at_um(corner & 1 ? high.x() : low.x(), corner & 2 ? high.y() : low.y(),
+                                    corner & 4 ? high.z() : low.z());
+        Eigen::Vector2d pixel;
+        if (!project(view, at_um * 1e-6, pixel)) return {0, 0, view.size, view.size};
+        least = least.cwiseMin(pixel);
+        greatest = greatest.cwiseMax(pixel);
+    }
+    auto held = [&](double at) { return static_cast<int>(std::clamp(at, 0.0, 1.0 * view.size)); };
+    return {held(std::floor(least.x()) - 1.0), held(std::floor(least.y()) - 1.0),
+            held(std::ceil(greatest.x()) + 1.0), held(std::ceil(greatest.y()) + 1.0)};
+}
+
+bool has_material(const BodyMeshes &meshes, Material material)
+{
+    return std::any_of(meshes.channels.begin(), meshes.channels.end(), [&](const MeshChannel &channel) {
+        return channel.own == static_cast<int>(material) || channel.parent == static_cast<int>(material);
+    });
+}
+
+} // namespace
+
+PathKeeper::PathKeeper(const BodyMeshes &meshes, std::unique_ptr<BodyPaths> back_end, int threads)
+    : meshes_(meshes), back_end_(std::move(back_end)), threads_(threads),
+      is_moved_(meshes.vertex_counts.size(), 0), moved_um_(meshes.vertex_counts.size())
+{
+    if (!has_material(meshes, Material::blood) && has_material(meshes, Material::soft_tissue))
+        displaced_ = Material::soft_tissue;
+}
+
+void PathKeeper::draw(std::span<const std::uint8_t> is_drawn, const PixelRect &rect, PathForm form,
+                      PathPictures &pictures)
+{
+    if (back_end_->draw(view_, is_drawn, rect, form, pictures, error_)) return;
+    back_end_ = std::make_unique<RasterPaths>(meshes_, threads_);
+    for (std::size_t i = 0; i < moved_um_.size(); ++i)
+        if (!moved_um_[i].empty()) back_end_->move(static_cast<int>(i), moved_um_[i]);
+    std::string none;
+    back_end_->draw(view_, is_drawn, rect, form, pictures, none);
+}
+
+bool PathKeeper::move(const XrayFrame &frame)
+{
+    std::vector<std::uint8_t> wanted(is_moved_.size(), 0);
+    bool has_changed = false;
+    for (const MovedBody &moved : frame.bodies) {
+        if (!is_usable(meshes_, moved) || wanted[moved.body]) continue;
+        wanted[moved.body] = 1;
+        std::vector<Eigen::Vector3i> &kept = moved_um_[moved.body];
+        if (std::equal(kept.begin(), kept.end(), moved.vertices_um.begin(), moved.vertices_um.end()))
+            continue;
+        kept.assign(moved.vertices_um.begin(), moved.vertices_um.end());
+        back_end_->move(moved.body, kept);
+        has_changed = true;
+    }
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        if (wanted[i] || !is_moved_[i]) continue;
+        back_end_->move(static_cast<int>(i), body_vertices_um(meshes_, static_cast<int>(i)));
+        moved_um_[i].clear();
+    }
+    if (wanted != is_moved_) is_filled_ = false;
+    is_moved_ = std::move(wanted);
+    return has_changed;
+}
+
+PixelRect PathKeeper::moved_rect() const
+{
+    PixelRect rect;
+    for (const std::vector<Eigen::Vector3i> &points_um : moved_um_)
+        if (!points_um.empty()) rect = around_both(rect, covered(view_, points_um));
+    return rect;
+}
+
+void PathKeeper::see_view()
+{
+    const int size = view_.size;
+    changed_ = {0, 0, size, size};
+    size_pictures(meshes_, size, bodies_);
+    std::vector<std::uint8_t> is_still(is_moved_.size());
+    bool is_any_moved = false;
+    for (std::size_t i = 0; i < is_still.size(); ++i) {
+        is_still[i] = !is_moved_[i];
+        is_any_moved = is_any_moved || is_moved_[i];
+    }
+    still_ = moving_ = {};
+    moving_rect_ = {};
+    if (is_any_moved) {
+        size_pictures(meshes_, size, still_);
+        size_pictures(meshes_, size, moving_);
+        draw(is_still, changed_, PathForm::axis_sums, still_);
+    } else {
+        draw(is_still, changed_, PathForm::ray_lengths, bodies_);
+    }
+    is_filled_ = true;
+}
+
+// Draws the moved bodies where they are and, as nothing, where they were; adds them to what stands still.
+void PathKeeper::see_moved(const PixelRect &at_least)
+{
+    const PixelRect now = moved_rect();
+    const PixelRect touched = around_both(moving_rect_, now);
+    moving_rect_ = now;
+    draw(is_moved_, touched, PathForm::axis_sums, moving_);
+    changed_ = around_both(touched, at_least);
+    const int columns = changed_.x1 - changed_.x0;
+    run_on_threads(threads_, [&](int thread) {
+        const RowRange rows = rows_of_thread(thread, threads_, changed_.y1 - changed_.y0);
+        for (int row = changed_.y0 + rows.begin; row < changed_.y0 + rows.end; ++row)
+            for (int m = 0; m < material_count; ++m) {
+                if (bodies_[m].empty()) continue;
+                const std::size_t begin = static_cast<std::size_t>(row) * view_.size;
+                const std::int32_t *still = still_[m].data() + begin, *moving = moving_[m].data() + begin;
+                std::int32_t *sum = bodies_[m].data() + begin;
+                for (int x = changed_.x0; x < changed_.x0 + columns; ++x) sum[x] = still[x] + moving[x];
+                finish_row(view_, row, changed_.x0, changed_.x1, sum);
+            }
+    });
+}
+
+bool PathKeeper::see(const CArm &carm, int size, const XrayFrame &frame)
+{
+    const bool have_moved = move(frame);
+    const bool is_new = !is_filled_ || !(carm_ == carm) || view_.size != size;
+    if (is_new) {
+        carm_ = carm;
+        view_ = make_view(carm, size);
+    }
+    changed_ = {};
+    const bool is_any_moved = std::find(is_moved_.begin(), is_moved_.end(), 1) != is_moved_.end();
+    const bool are_bodies_drawn = is_new || (is_any_moved && have_moved);
+    // Tubes are work for one thread, so they are drawn beside the bodies.
+    const int lines = are_bodies_drawn && threads_ > 1 ? 2 : 1;
+    run_on_threads(lines, [&](int line) {
+        if (line == 0 && is_new) see_view();
+        if (line == 0 && is_any_moved && are_bodies_drawn) see_moved(changed_);
+        if (line == lines - 1) draw_tubes(frame, view_, displaced_, tools_);
+    });
+    return is_new || have_moved;
+}
+
+} // namespace crn

@@ -1,0 +1,51 @@
+// Path lengths of one view, kept between frames: what stands still is drawn again only when the view changes, a moved body
+// when its vertices do, tools and curves in every frame.
+#pragma once
+#include "host/xray/paths/moved.hpp"
+#include "host/xray/paths/paths.hpp"
+
+namespace crn
+{
+
+class PathKeeper
+{
+  public:
+    PathKeeper(const BodyMeshes &meshes, std::unique_ptr<BodyPaths> back_end, int threads);
+
+    // Draws what has changed since the last call. True when `bodies()` has changed.
+    bool see(const CArm &carm, int size, const XrayFrame &frame);
+
+    const View &view() const { return view_; }
+    const PathPictures &bodies() const { return bodies_; } // ray lengths
+    const PixelRect &changed() const { return changed_; }  // what the last call changed of them
+    const ToolPaths &tools() const { return tools_; }      // and curves
+    std::string_view back_end() const { return back_end_->name(); }
+    const std::string &back_end_error() const { return error_; } // why another back end was given up
+
+  private:
+    // Moves the back end's bodies to where the frame wants them. True when any has changed.
+    bool move(const XrayFrame &frame);
+    void see_view();
+    void see_moved(const PixelRect &at_least);
+    PixelRect moved_rect() const;
+    void draw(std::span<const std::uint8_t> is_drawn, const PixelRect &rect, PathForm form,
+              PathPictures &pictures);
+
+    const BodyMeshes &meshes_;
+    std::unique_ptr<BodyPaths> back_end_;
+    int threads_;
+    std::string error_;
+
+    bool is_filled_ = false;
+    CArm carm_;
+    View view_;
+    std::vector<std::uint8_t> is_moved_;                 // of each body
+    std::vector<std::vector<Eigen::Vector3i>> moved_um_; // where it is; empty: as in the scene
+    PathPictures still_, moving_;                        // axis sums; empty while nothing is moved
+    PixelRect moving_rect_, changed_;
+    PathPictures bodies_;
+    ToolPaths tools_;
+    Material displaced_ = Material::blood;
+};
+
+} // namespace crn

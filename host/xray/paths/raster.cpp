@@ -1,0 +1,169 @@
+// Corners are snapped to 1/256 pixel; edge functions are integers with the top-left rule, so that neighbouring triangles
+// cover every pixel exactly once; depth is perspective-correct (1/depth is a plane).
+#include "host/xray/paths/raster.hpp"
+#include "host/xray/paths/lanes.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace crn
+{
+namespace
+{
+
+constexpr int half = subpixels / 2;
+
+float dot(const Eigen::Vector3f &a, const Eigen::Vector3f &b)
+{
+    return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
+}
+
+// True when the chunk's sphere lies outside one side of the pyramid of rays, or behind the source.
+bool is_outside(const Camera &camera, const MeshChunk &chunk)
+{
+    const Eigen::Vector3f centre = chunk.centre_um - camera.source;
+    const float depth = dot(camera.forward, centre);
+    if (depth < -chunk.radius_um) return true;
+    const float edge = camera.half_pixels, focal = camera.focal_pixels;
+    const float slack = chunk.radius_um * std::sqrt(edge * edge + focal * focal);
+    const float x = std::fabs(dot(camera.right, centre)) * focal;
+    const float y = std::fabs(dot(camera.up, centre)) * focal;
+    return x > depth * edge + slack || y > depth * edge + slack;
+}
+
+// Projects whole lanes of corners. False when one lies beyond the guard or nearer than near_um.
+CRN_WIDE bool project_corners(const Camera &camera, const float *x_um, const float *y_um, const float *z_um,
+                              int count, Corner *corners)
+{
+    const Eigen::Vector3f source = camera.source, right = camera.right, up = camera.up,
+                          forward = camera.forward;
+    const float focal = camera.focal_pixels, middle = camera.half_pixels;
+    std::int32_t is_far = 0;
+    for (int begin = 0; begin < count; begin += lane_count) {
+        std::int32_t at_x[lane_count], at_y[lane_count];
+        float inverse[lane_count];
+        for (int i = 0; i < lane_count; ++i) {
+            const float x = x_um[begin + i] - source.x(), y = y_um[begin + i] - source.y(),
+                        z = z_um[begin + i] - source.z();
+            const float depth = forward.x() * x + forward.y() * y + forward.z() * z;
+            const float scale = focal / depth;
+            const float u = middle + (right.x() * x + right.y() * y + right.z() * z) * scale;
+            const float v = middle - (up.x() * x + up.y() * y + up.z() * z) * scale;
+            const bool is_plain =
+                int{depth >= near_um} & int{std::fabs(u) <= guard_pixels} & int{std::fabs(v) <= guard_pixels};
+            is_far |= is_plain ? 0 : 1;
+            // Held, since a conversion of what does not fit is undefined; such a chunk is drawn the slow way.
+            const float held_u = u < guard_pixels ? (u > -guard_pixels ? u : -guard_pixels) : guard_pixels;
+            const float held_v = v < guard_pixels ? (v > -guard_pixels ? v : -guard_pixels) : guard_pixels;
+            at_x[i] = snap(held_u);
+            at_y[i] = snap(held_v);
+            inverse[i] = 1.0f / depth;
+        }
+        for (int i = 0; i < lane_count; ++i) corners[begin + i] = {at_x[i], at_y[i], inverse[i]};
+    }
+    return is_far == 0;
+}
+
+// The pixels of `rect` whose centres the box of each triangle holds; triangles without any are left out.
+CRN_WIDE void keep_triangles(const std::array<std::uint16_t, 3> *triangles, std::uint32_t count,
+                             const Corner *corners, const PixelRect &rect, KeptTriangle *kept,
+                             Projection::OfChunk &of_chunk)
+{
+    const std::int32_t first[2] = {rect.x0, rect.y0}, last[2] = {rect.x1 - 1, rect.y1 - 1};
+    std::int32_t least[2] = {INT16_MAX, INT16_MAX}, greatest[2] = {-1, -1};
+    std::uint32_t kept_count = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const auto [first_corner, second_corner, third_corner] = triangles[i];
+        const Corner &a = corners[first_corner], &b = corners[second_corner], &c = corners[third_corner];
+        const std::int32_t as[2] = {a.x, a.y}, bs[2] = {b.x, b.y}, cs[2] = {c.x, c.y};
+        std::int32_t from[2], to[2], is_large = 0;
+        for (int axis = 0; axis < 2; ++axis) {
+            const std::int32_t low = std::min(std::min(as[axis], bs[axis]), cs[axis]);
+            const std::int32_t high = std::max(std::max(as[axis], bs[axis]), cs[axis]);
+            from[axis] = std::max((low + half - 1) >> subpixel_bits, first[axis]);
+            to[axis] = std::min((high - half) >> subpixel_bits, last[axis]);
+            is_large |= high - low > 64 * subpixels; // products of differences then pass 2^30
+        }
+        if (from[0] > to[0] || from[1] > to[1]) continue;
+        kept[kept_count++] = {static_cast<std::int16_t>(from[0]),
+                              static_cast<std::int16_t>(from[1]),
+                              static_cast<std::int16_t>(to[0]),
+                              static_cast<std::int16_t>(to[1]),
+                              {first_corner, second_corner, third_corner},
+                              static_cast<std::uint16_t>(is_large)};
+        for (int axis = 0; axis < 2; ++axis) {
+            least[axis] = std::min(least[axis], from[axis]);
+            greatest[axis] = std::max(greatest[axis], to[axis]);
+        }
+    }
+    of_chunk = {Projection::Kind::plain,
+                static_cast<std::int16_t>(least[0]),
+                static_cast<std::int16_t>(least[1]),
+                static_cast<std::int16_t>(greatest[0]),
+                static_cast<std::int16_t>(greatest[1]),
+                kept_count};
+}
+
+} // namespace
+
+Camera make_camera(const View &view)
+{
+    Camera camera;
+    camera.source = (view.source_m * 1e6).cast<float>();
+    camera.right = view.right.cast<float>();
+    camera.up = view.up.cast<float>();
+    camera.forward = view.forward.cast<float>();
+    camera.focal_pixels = static_cast<float>(view.source_detector_m / view.pixel_m);
+    camera.half_pixels = 0.5f * static_cast<float>(view.size);
+    camera.size = view.size;
+    return camera;
+}
+
+RasterVertices::RasterVertices(const BodyMeshes &meshes)
+{
+    std::size_t count = 0;
+    for (const MeshChunk &chunk : meshes.chunks) {
+        begin.push_back(static_cast<std::uint32_t>(count));
+        count += (chunk.vertex_count + lane_count - 1) / lane_count * lane_count;
+    }
+    for (auto *coordinate : {&x_um, &y_um, &z_um}) coordinate->resize(count);
+    for (std::size_t i = 0; i < meshes.chunks.size(); ++i) set(meshes, i);
+}
+
+void RasterVertices::set(const BodyMeshes &meshes, std::size_t index)
+{
+    const MeshChunk &chunk = meshes.chunks[index];
+    const std::uint32_t end =
+        index + 1 < begin.size() ? begin[index + 1] : static_cast<std::uint32_t>(x_um.size());
+    for (std::uint32_t i = begin[index]; i < end; ++i) {
+        const std::uint32_t in_chunk =
+            std::min(i - begin[index], chunk.vertex_count - 1); // fills the last lanes
+        const Eigen::Vector3f &vertex = meshes.vertices_um[chunk.vertex_begin + in_chunk];
+        x_um[i] = vertex.x();
+        y_um[i] = vertex.y();
+        z_um[i] = vertex.z();
+    }
+}
+
+void project_chunk(const BodyMeshes &meshes, const RasterVertices &vertices, std::size_t index,
+                   const Camera &camera, const PixelRect &rect, Projection &projection)
+{
+    const MeshChunk &chunk = meshes.chunks[index];
+    Projection::OfChunk &of_chunk = projection.chunks[index];
+    of_chunk = {};
+    if (is_outside(camera, chunk)) return;
+    const std::uint32_t begin = vertices.begin[index];
+    Corner *corners = projection.corners.data() + begin;
+    if (project_corners(camera, vertices.x_um.data() + begin, vertices.y_um.data() + begin,
+                        vertices.z_um.data() + begin, static_cast<int>(chunk.vertex_count), corners))
+        keep_triangles(meshes.triangles.data() + chunk.triangle_begin, chunk.triangle_count, corners, rect,
+                       projection.kept.data() + chunk.triangle_begin, of_chunk);
+    else
+        of_chunk = {Projection::Kind::clipped,
+                    static_cast<std::int16_t>(rect.x0),
+                    static_cast<std::int16_t>(rect.y0),
+                    static_cast<std::int16_t>(rect.x1 - 1),
+                    static_cast<std::int16_t>(rect.y1 - 1),
+                    0};
+}
+
+} // namespace crn

@@ -1,0 +1,54 @@
+// Draws the chunks that meet one tile: their triangles are gathered eight at a time, whatever chunk they come from.
+#pragma once
+#include "host/xray/paths/lanes.hpp"
+#include "host/xray/paths/raster.hpp"
+
+namespace crn
+{
+
+// Eight triangles set up together: edges and depth at the first pixel of each one's part of the tile.
+struct Batch {
+    std::int32_t ax[lane_count], ay[lane_count], bx[lane_count], by[lane_count], cx[lane_count],
+        cy[lane_count];
+    float a_inverse[lane_count], b_inverse[lane_count], c_inverse[lane_count];
+    std::int32_t column[lane_count], row[lane_count], columns[lane_count],
+        rows[lane_count]; // part of the tile
+    // Edge functions at the first pixel's centre, and their steps by one pixel; in `subpixels`, rounded down, since the steps
+    // are whole multiples and only the sign counts.
+    std::int32_t edge[3][lane_count], step_x[3][lane_count], step_y[3][lane_count];
+    // Rows that an edge leaves to each strip of eight columns.
+    float from[3][lane_count], from_step[3][lane_count], to[3][lane_count], to_step[3][lane_count];
+    float area[lane_count], slope_x[lane_count], slope_y[lane_count], low[lane_count], high[lane_count];
+    std::int32_t sign[lane_count];  // -1 for an entry, 0 for an exit
+    std::int32_t *sums[lane_count]; // where each is drawn
+    std::int32_t is_large = 0;      // any of them: products need 64 bits
+    int count = 0;
+};
+
+class TileRaster
+{
+  public:
+    TileRaster(const BodyMeshes &meshes, const RasterVertices &vertices, const Camera &camera,
+               const Projection &projection, const PixelRect &tile)
+        : meshes_(meshes), vertices_(vertices), camera_(camera), projection_(projection), tile_(tile)
+    {
+    }
+
+    // Adds the part of the chunk that lies in the tile to `sums`, whose first entry is pixel (tile.x0, tile.y0).
+    void add(std::size_t chunk, std::int32_t *sums);
+    // Draws what is still gathered.
+    void finish();
+
+  private:
+    void add_plain(const MeshChunk &chunk, const Projection::OfChunk &of_chunk, const Corner *corners,
+                   std::int32_t *sums);
+
+    const BodyMeshes &meshes_;
+    const RasterVertices &vertices_;
+    const Camera &camera_;
+    const Projection &projection_;
+    PixelRect tile_;
+    Batch batch_{};
+};
+
+} // namespace crn

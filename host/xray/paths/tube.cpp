@@ -1,0 +1,256 @@
+// From a wire and from curves to short cylinders between bisecting planes.
+#include "host/xray/paths/tube.hpp"
+#include "host/xray/paths/tube_painter.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace crn
+{
+namespace
+{
+
+using Eigen::Vector3d;
+
+constexpr double sagitta_max_mm = 0.01; // how far the pieces may leave the smooth centreline
+constexpr int pieces_max = 12;
+constexpr double near_m = 1e-5; // points of a line that are no farther apart count as one
+
+// A point of the refined centreline in camera axes: x right, y up, z away from the source, mm.
+struct Point {
+    Vector3d at_mm;
+    double arc_m = 0.0;
+    double radius_mm = 0.0;
+    double share = 1.0;    // of a curve's cross-section
+    double contrast = 0.0; // share of iohexol 350 in the blood around
+};
+
+bool is_finite(const WireNode &node)
+{
+    return node.position_m.allFinite() && std::isfinite(node.arc_m) && std::isfinite(node.radius_m) &&
+           std::isfinite(node.contrast_mg_per_ml);
+}
+
+std::vector<Point> to_camera(const WireFrame &wire, const View &view)
+{
+    std::vector<Point> points;
+    for (const WireNode &node : wire.nodes) {
+        if (!is_finite(node)) break;
+        Vector3d ray = (node.position_m - view.source_m) * 1e3;
+        Point point{{ray.dot(view.right), ray.dot(view.up), ray.dot(view.forward)},
+                    node.arc_m,
+                    node.radius_m * 1e3,
+                    1.0,
+                    contrast_share(node.contrast_mg_per_ml)};
+        if (!points.empty() && (points.back().at_mm - point.at_mm).norm() < 1e-4) continue;
+        points.push_back(point);
+    }
+    return points;
+}
+
+// Cubic through the nodes with central tangents, cut where the chord would leave it.
+std::vector<Point> refine(const std::vector<Point> &nodes)
+{
+    std::vector<Point> points;
+    const std::size_t count = nodes.size();
+    auto tangent = [&](std::size_t i) -> Vector3d { // per unit of chord length
+        const Point &before = nodes[i == 0 ? 0 : i - 1], &after = nodes[std::min(i + 1, count - 1)];
+        double length = (nodes[i].at_mm - before.at_mm).norm() + (after.at_mm - nodes[i].at_mm).norm();
+        return (after.at_mm - before.at_mm) / length;
+    };
+    for (std::size_t i = 0; i + 1 < count; ++i) {
+        const Point &from = nodes[i], &to = nodes[i + 1];
+        const double length = (to.at_mm - from.at_mm).norm();
+        const Vector3d t0 = tangent(i) * length, t1 = tangent(i + 1) * length;
+        const double sagitta = (t1 - t0).norm() / 8.0;
+        int pieces = 1;
+        while (pieces < pieces_max && sagitta > sagitta_max_mm * pieces * pieces) ++pieces;
+        for (int k = 0; k < pieces; ++k) {
+            const double s = static_cast<double>(k) / pieces, s2 = s * s, s3 = s2 * s;
+            Vector3d at = (2 * s3 - 3 * s2 + 1) * from.at_mm + (s3 - 2 * s2 + s) * t0 +
+                          (3 * s2 - 2 * s3) * to.at_mm + (s3 - s2) * t1;
+            points.push_back({at, from.arc_m + s * (to.arc_m - from.arc_m),
+                              from.radius_mm + s * (to.radius_mm - from.radius_mm), 1.0,
+                              from.contrast + s * (to.contrast - from.contrast)});
+        }
+    }
+    points.push_back(nodes.back());
+    return points;
+}
+
+Vector3d direction(const Point &from, const Point &to)
+{
+    return (to.at_mm - from.at_mm).normalized();
+}
+
+Point between(const Point &from, const Point &to, double arc_m)
+{
+    const double share = (arc_m - from.arc_m) / (to.arc_m - from.arc_m);
+    return {from.at_mm + share * (to.at_mm - from.at_mm), arc_m,
+            from.radius_mm + share * (to.radius_mm - from.radius_mm), 1.0,
+            from.contrast + share * (to.contrast - from.contrast)};
+}
+
+// The line from a tool's own tip on, with a point wherever one of its sections begins or ends.
+std::vector<Point> own_part(const std::vector<Point> &line, double tip_arc_m,
+                            const RadiopaqueInstrument &tool)
+{
+    std::vector<double> marks_m = {tip_arc_m};
+    for (const RadiopaqueSection &section : tool.sections) {
+        marks_m.push_back(tip_arc_m + section.arc_begin_m);
+        marks_m.push_back(tip_arc_m + section.arc_end_m);
+    }
+    std::sort(marks_m.begin(), marks_m.end());
+    std::vector<Point> points;
+    auto is_new = [&](double arc_m) { return points.empty() || arc_m > points.back().arc_m + near_m; };
+    std::size_t mark = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        for (; mark < marks_m.size() && marks_m[mark] < line[i].arc_m - near_m; ++mark) {
+            const double arc_m = marks_m[mark];
+            if (i > 0 && arc_m > line[i - 1].arc_m + near_m && arc_m >= tip_arc_m && is_new(arc_m))
+                points.push_back(between(line[i - 1], line[i], arc_m));
+        }
+        if (line[i].arc_m >= tip_arc_m - near_m) points.push_back(line[i]);
+    }
+    return points;
+}
+
+RadiopaqueRadius radius_at(const RadiopaqueInstrument &tool, double arc_m, double node_radius_mm)
+{
+    const std::vector<RadiopaqueRadius> &radii = tool.radii;
+    if (radii.empty()) return {arc_m, node_radius_mm * 1e-3, 0.0};
+    const auto after = std::upper_bound(radii.begin(), radii.end(), arc_m,
+                                        [](double arc, const RadiopaqueRadius &r) { return arc < r.arc_m; });
+    if (after == radii.begin()) return radii.front();
+    const RadiopaqueRadius &before = after[-1];
+    if (after == radii.end()) return before;
+    const double share = (arc_m - before.arc_m) / (after->arc_m - before.arc_m);
+    return {arc_m, before.outer_m + share * (after->outer_m - before.outer_m),
+            before.inner_m + share * (after->inner_m - before.inner_m)};
+}
+
+// The cylinder from points[i] to the next one, cut where it meets its neighbours; across a sharp bend, at its end.
+TubePiece piece_between(const std::vector<Point> &points, std::size_t i)
+{
+    TubePiece piece;
+    piece.a_mm = points[i].at_mm;
+    piece.b_mm = points[i + 1].at_mm;
+    const Vector3d axis = direction(points[i], points[i + 1]);
+    const Vector3d before = i > 0 ? direction(points[i - 1], points[i]) : axis;
+    const Vector3d after = i + 2 < points.size() ? direction(points[i + 1], points[i + 2]) : axis;
+    auto halving = [&](const Vector3d &other) -> Vector3d {
+        const Vector3d sum = axis + other;
+        return sum.squaredNorm() > 1.0 ? sum.normalized() : axis;
+    };
+    piece.normal_a = halving(before);
+    piece.normal_b = halving(after);
+    piece.displaced_contrast = 0.5 * (points[i].contrast + points[i + 1].contrast);
+    return piece;
+}
+
+// A section down to the lumen counts its whole cross-section, though it has it all in its wall; a ring counts itself.
+void draw_section(TubePainter &painter, TubePiece &piece, const RadiopaqueSection &section,
+                  const RadiopaqueRadius &radius)
+{
+    const double tool_mm = radius.outer_m * 1e3, lumen_mm = radius.inner_m * 1e3;
+    piece.outer_mm = tool_mm * section.radius_share;
+    piece.inner_mm = std::max(lumen_mm, tool_mm * section.inner_radius_share);
+    piece.share = section.fill;
+    piece.material = section.material;
+    if (piece.outer_mm <= 0.0) return;
+    if (piece.inner_mm >= piece.outer_mm) {
+        if (section.inner_radius_share > 0.0) return;
+        piece.inner_mm = 0.0; // something thin inside the lumen
+    }
+    const double outer_square = piece.outer_mm * piece.outer_mm,
+                 inner_square = piece.inner_mm * piece.inner_mm;
+    if (!(section.inner_radius_share > 0.0)) piece.share *= outer_square / (outer_square - inner_square);
+    piece.share = std::min(piece.share, 1.0);
+    painter.paint(piece);
+}
+
+void draw_tool(TubePainter &painter, const RadiopaqueInstrument &tool, const std::vector<Point> &points,
+               double tip_arc_m)
+{
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+        TubePiece piece = piece_between(points, i);
+        const double arc_m = 0.5 * (points[i].arc_m + points[i + 1].arc_m) - tip_arc_m;
+        const RadiopaqueRadius radius =
+            radius_at(tool, arc_m, 0.5 * (points[i].radius_mm + points[i + 1].radius_mm));
+        for (const RadiopaqueSection &section : tool.sections)
+            if (arc_m >= section.arc_begin_m && arc_m < section.arc_end_m)
+                draw_section(painter, piece, section, radius);
+    }
+}
+
+// Empty when any of it is not finite.
+std::vector<Point> to_camera(const SweptCurve &curve, const View &view)
+{
+    std::vector<Point> points;
+    for (const SweptPoint &at : curve.points) {
+        if (!at.at_m.allFinite() || !std::isfinite(at.radius_m) || !std::isfinite(at.share)) return {};
+        const Vector3d ray = (at.at_m - view.source_m) * 1e3;
+        Point point{{ray.dot(view.right), ray.dot(view.up), ray.dot(view.forward)},
+                    0.0,
+                    at.radius_m * 1e3,
+                    std::clamp(at.share, 0.0, 1.0),
+                    0.0};
+        if (points.empty() || (points.back().at_mm - point.at_mm).norm() >= 1e-4) points.push_back(point);
+    }
+    return points;
+}
+
+// Pieces of a cone become cylinders of the same volume.
+void draw_curve(TubePainter &painter, const SweptCurve &curve, const View &view)
+{
+    const std::vector<Point> points = to_camera(curve, view);
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+        TubePiece piece = piece_between(points, i);
+        const double from = std::max(points[i].radius_mm, 0.0), to = std::max(points[i + 1].radius_mm, 0.0);
+        piece.outer_mm = std::sqrt((from * from + from * to + to * to) / 3.0);
+        piece.share = 0.5 * (points[i].share + points[i + 1].share);
+        piece.material = curve.material;
+        painter.paint(piece);
+    }
+}
+
+void draw_line(TubePainter &painter, const XrayFrame &frame, const View &view)
+{
+    const std::vector<Point> nodes = to_camera(frame.wire, view);
+    if (nodes.size() < 2) return;
+    const std::vector<Point> line = refine(nodes);
+    for (std::size_t k = 0; k < frame.tools.size(); ++k) {
+        const double tip_arc_m = k < frame.wire.tip_arc_m.size() ? frame.wire.tip_arc_m[k] : 0.0;
+        if (!std::isfinite(tip_arc_m)) continue;
+        draw_tool(painter, frame.tools[k], own_part(line, tip_arc_m, frame.tools[k]), tip_arc_m);
+    }
+}
+
+} // namespace
+
+void draw_tubes(const XrayFrame &frame, const View &view, Material displaced, ToolPaths &paths)
+{
+    std::vector<Material> materials;
+    for (const RadiopaqueInstrument &tool : frame.tools)
+        for (const RadiopaqueSection &section : tool.sections) materials.push_back(section.material);
+    for (const SweptCurve &curve : frame.curves) materials.push_back(curve.material);
+    TubePainter painter(view, materials, displaced, paths);
+    draw_line(painter, frame, view);
+    for (const SweptCurve &curve : frame.curves) draw_curve(painter, curve, view);
+}
+
+double contrast_share(double iodine_mg_per_ml)
+{
+    return std::clamp(iodine_mg_per_ml / 350.0, 0.0, 1.0);
+}
+
+RadiopaqueInstrument guidewire_look(double tip_m)
+{
+    // The coil's wire fills about three quarters of its tube's wall; with the core, .75 of the cross-section is steel.
+    // A platinum tip coil around a ground-down core: 15 % platinum is already darker than solid steel.
+    return {{{0.0, tip_m, Material::platinum, 0.15, 1.0},
+             {0.0, tip_m, Material::steel, 0.45, 1.0},
+             {tip_m, 10.0, Material::steel, 0.75, 1.0}},
+            {}};
+}
+
+} // namespace crn

@@ -1,0 +1,274 @@
+// Tools and curves: what a ray crosses of walls, cores, bands, struts and contrast medium, and what these displace.
+#include "host/xray/paths/tube.hpp"
+#include "host/xray/tests/xray_shapes.hpp"
+#include "host/xray/xray.hpp"
+#include <cmath>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdio>
+#include <limits>
+extern "C" {
+#include <cmocka.h>
+}
+
+using namespace crn;
+using Eigen::Vector3d;
+
+namespace
+{
+
+constexpr double pi = 3.14159265358979323846;
+
+CArm zoomed(double field_m)
+{
+    CArm carm;
+    carm.field_m = field_m;
+    return carm;
+}
+
+ToolPaths tubes(const XrayFrame &frame, const View &view)
+{
+    ToolPaths paths;
+    draw_tubes(frame, view, Material::blood, paths);
+    return paths;
+}
+
+// Mean over a pixel's rays, mm.
+double length_mm(const ToolPaths &paths, Material material, int x, int y)
+{
+    const std::int32_t touched = paths.entry[static_cast<std::size_t>(y) * paths.size + x];
+    if (touched < 0) return 0.0;
+    for (std::size_t slot = 0; slot < paths.materials.size(); ++slot)
+        if (paths.materials[slot] == material) return paths.sum(touched, slot) / 1024.0 / tool_rays;
+    return 0.0;
+}
+
+// Sum of chord times the beam's cross-section at the isocentre's depth: the volume of what lies there.
+double volume_mm3(const ToolPaths &paths, const View &view, Material material)
+{
+    const double pixel_mm = view.pixel_m * 1e3 * view.source_isocentre_m / view.source_detector_m;
+    double sum = 0.0;
+    for (std::int32_t pixel : paths.pixels) {
+        const int x = pixel % paths.size, y = pixel / paths.size;
+        // The beam of a pixel beside the axis is as wide there, but crosses it at a slant.
+        const double dx = (x + 0.5 - view.size * 0.5) * view.pixel_m,
+                     dy = (y + 0.5 - view.size * 0.5) * view.pixel_m;
+        const double slant = std::sqrt(dx * dx + dy * dy + view.source_detector_m * view.source_detector_m);
+        sum += length_mm(paths, material, x, y) * view.source_detector_m / slant;
+    }
+    return sum * pixel_mm * pixel_mm;
+}
+
+WireFrame straight_wire(double radius_m, double contrast_mg_per_ml = 0.0)
+{
+    WireFrame wire;
+    for (int i = 0; i < 30; ++i) {
+        WireNode node;
+        node.position_m = {-0.03 + 0.002 * i, 0.0, 0.0};
+        node.arc_m = 0.002 * i;
+        node.radius_m = radius_m;
+        node.contrast_mg_per_ml = contrast_mg_per_ml;
+        wire.nodes.push_back(node);
+    }
+    return wire;
+}
+
+} // namespace
+
+// The ray through the middle of a catheter crosses its wall twice; wall and braid share it, a band lies around it.
+static void catheter_wall_braid_and_marker_band_have_their_thickness(void **)
+{
+    const RadiopaqueInstrument catheter{{{0.0, 1.0, Material::polymer, 0.8, 1.0, 0.70},
+                                         {0.0, 1.0, Material::steel, 0.2, 1.0, 0.70},
+                                         {0.01, 0.02, Material::platinum, 1.0, 1.2, 1.0}},
+                                        {{0.0, 0.001, 0.0007}, {1.0, 0.001, 0.0007}}};
+    const std::vector<RadiopaqueInstrument> tools = {catheter};
+    const WireFrame wire = straight_wire(0.001);
+    const View view = make_view(zoomed(0.10), 1024); // 0.07 mm per pixel at the isocentre
+    const ToolPaths paths = tubes({tools, wire}, view);
+    auto at = [&](double x_m, Material material) {
+        Eigen::Vector2d pixel;
+        assert_true(project(view, {x_m, 0.00001, 0.0}, pixel));
+        return length_mm(paths, material, static_cast<int>(pixel.x()), static_cast<int>(pixel.y()));
+    };
+    const double polymer = at(-0.025, Material::polymer), steel = at(-0.025, Material::steel);
+    const double band = at(-0.015, Material::platinum), no_band = at(-0.025, Material::platinum);
+    std::printf("# polymer %.4f, steel %.4f, platinum band %.4f mm\n", polymer, steel, band);
+    assert_true(std::fabs(polymer - 0.8 * 0.6) < 0.003); // twice 0.3 mm of wall
+    assert_true(std::fabs(steel - 0.2 * 0.6) < 0.003);
+    assert_true(std::fabs(band - 0.4) < 0.003);
+    assert_true(no_band == 0.0);
+    assert_true(std::fabs(at(-0.025, Material::blood) + 0.6) <
+                0.004); // what the wall displaces; the lumen stays
+}
+
+// Cone: pi h (a^2 + a b + b^2)/3, its share from s to t: exact mean over pieces of 0.5 mm.
+static void contrast_column_holds_the_iodine_of_its_cone(void **)
+{
+    for (double thickest_m : {0.0005, 0.002, 0.012}) {
+        SweptCurve column{Material::iohexol_350, {}};
+        double expected_mm3 = 0.0;
+        for (int i = 0; i <= 100; ++i) {
+            const double s = i / 100.0;
+            column.points.push_back({{-0.025 + 0.05 * s, 0.01 * s, 0.0},
+                                     thickest_m * (0.4 + 0.6 * s),
+                                     contrast_share(350.0 * (0.9 - 0.7 * s))});
+        }
+        for (int i = 0; i < 10000; ++i) {
+            const double s = (i + 0.5) / 10000.0, radius_mm = 1e3 * thickest_m * (0.4 + 0.6 * s);
+            expected_mm3 += pi * radius_mm * radius_mm * (0.9 - 0.7 * s) * std::hypot(50.0, 10.0) / 10000.0;
+        }
+        const std::vector<SweptCurve> curves = {column};
+        const WireFrame wire;
+        const View view = make_view(zoomed(0.20), 512);
+        const ToolPaths paths = tubes({{}, wire, curves}, view);
+        const double iodine = volume_mm3(paths, view, Material::iohexol_350);
+        std::printf("# radius to %.1f mm: %.3f mm3 of iohexol, expected %.3f, displaced %.3f\n",
+                    thickest_m * 1e3, iodine, expected_mm3, volume_mm3(paths, view, Material::blood));
+        // 0.5 %: 12 mm of depth on either side are magnified differently, in the second order.
+        assert_true(std::fabs(iodine - expected_mm3) < 0.005 * expected_mm3);
+        assert_true(std::fabs(iodine + volume_mm3(paths, view, Material::blood)) < 1e-6 * expected_mm3);
+    }
+}
+
+// A strut of 40 um where rays are 0.14 mm apart loses no metal, wherever it lies between them.
+static void struts_thinner_than_the_rays_are_apart_lose_nothing(void **)
+{
+    const WireFrame wire;
+    const View view = make_view(zoomed(0.30), 512);
+    for (int place = 0; place < 8; ++place) {
+        const double shift_m = place * 0.00005;
+        const std::vector<SweptCurve> curves = {
+            {Material::steel, {{{-0.02, shift_m, 0.0}, 2e-5}, {{0.02, 0.011 + shift_m, 0.0}, 2e-5}}}};
+        const ToolPaths paths = tubes({{}, wire, curves}, view);
+        const double metal = volume_mm3(paths, view, Material::steel);
+        const double expected = pi * 0.02 * 0.02 * std::hypot(40.0, 11.0);
+        std::printf("# %.5f mm3, expected %.5f\n", metal, expected);
+        assert_true(std::fabs(metal - expected) < 0.02 * expected); // lengths are whole 1/1024 mm
+    }
+}
+
+// A wire in contrast medium takes its place: less iodine, and blood for the rest.
+static void wire_in_contrast_displaces_iodine_and_blood(void **)
+{
+    const std::vector<RadiopaqueInstrument> tools = {{{{0.0, 1.0, Material::nitinol, 1.0, 1.0}}, {}}};
+    const WireFrame wire = straight_wire(0.0005, 0.3 * 350.0);
+    const View view = make_view(zoomed(0.10), 512);
+    const ToolPaths paths = tubes({tools, wire}, view);
+    const double metal = volume_mm3(paths, view, Material::nitinol);
+    const double iodine = volume_mm3(paths, view, Material::iohexol_350),
+                 blood = volume_mm3(paths, view, Material::blood);
+    std::printf("# metal %.4f, iohexol %.4f, blood %.4f mm3\n", metal, iodine, blood);
+    assert_true(std::fabs(iodine + 0.3 * metal) < 0.01 * metal);
+    assert_true(std::fabs(blood + 0.7 * metal) < 0.01 * metal);
+}
+
+// 400 struts of 12 pieces: what a sum of single drawings says.
+static void many_curves_add_up(void **)
+{
+    std::vector<SweptCurve> curves;
+    for (int k = 0; k < 400; ++k) {
+        SweptCurve curve{Material::steel, {}};
+        for (int i = 0; i <= 12; ++i) {
+            const double angle = 0.5 * i + k, along = 0.00015 * k;
+            curve.points.push_back(
+                {{0.0015 * std::cos(angle), along - 0.03, 0.0015 * std::sin(angle)}, 4e-5});
+        }
+        curves.push_back(curve);
+    }
+    const WireFrame wire;
+    const View view = make_view(zoomed(0.15), 512);
+    const ToolPaths together = tubes({{}, wire, curves}, view);
+    std::vector<double> sums(512 * 512, 0.0);
+    for (const SweptCurve &curve : curves) {
+        const std::vector<SweptCurve> one = {curve};
+        const ToolPaths paths = tubes({{}, wire, one}, view);
+        for (std::int32_t pixel : paths.pixels)
+            sums[pixel] += length_mm(paths, Material::steel, pixel % 512, pixel / 512);
+    }
+    for (int pixel = 0; pixel < 512 * 512; ++pixel)
+        assert_true(std::fabs(sums[pixel] - length_mm(together, Material::steel, pixel % 512, pixel / 512)) <
+                    1e-6);
+}
+
+// Not finite, of no length, of one point, behind the source, through it, seen end on, bent back on itself: no harm, and what can be
+// drawn is.
+static void broken_and_awkward_curves_do_no_harm(void **)
+{
+    const double nan = std::numeric_limits<double>::quiet_NaN(),
+                 infinite = std::numeric_limits<double>::infinity();
+    const std::vector<SweptCurve> curves = {
+        {Material::steel, {}},
+        {Material::steel, {{{0, 0, 0}, 0.001}}},
+        {Material::steel, {{{0, 0, 0}, 0.001}, {{0, 0, 0}, 0.001}}},
+        {Material::steel, {{{0, nan, 0}, 0.001}, {{0, 0.01, 0}, 0.001}}},
+        {Material::steel, {{{0, 0, 0}, infinite}, {{0, 0.01, 0}, 0.001}}},
+        {Material::steel, {{{0, 0, 0}, -1.0}, {{0, 0.01, 0}, -1.0}}},
+        {Material::steel, {{{0, 0, 0}, 0.001, nan}, {{0, 0.01, 0}, 0.001}}},
+        {Material::steel, {{{0, 0, -0.8}, 0.001}, {{0, 0.01, -0.9}, 0.001}}},
+        {Material::steel, {{{0, 0, -0.7}, 0.001}, {{0, 0.0, -0.9}, 0.001}}},
+        {Material::steel, {{{1e6, 1e6, 1e6}, 1e5}, {{-1e6, 1e6, 1e6}, 1e5}}},
+        {Material::gold,
+         {{{0.01, 0.01, 0.0}, 0.001}, {{0.02, 0.01, 0.0}, 0.001}, {{0.01, 0.01, 0.0}, 0.001}}},
+        {Material::polymer, {{{0, 0, -0.02}, 0.001}, {{0, 0, 0.02}, 0.001}}}, // along the axis of the beam
+    };
+    const WireFrame wire;
+    const View view = make_view(CArm(), 256);
+    const ToolPaths paths = tubes({{}, wire, curves}, view);
+    Eigen::Vector2d pixel;
+    assert_true(project(view, {0.015, 0.01, 0.0}, pixel));
+    assert_true(length_mm(paths, Material::gold, static_cast<int>(pixel.x()), static_cast<int>(pixel.y())) >
+                1.5);
+    const double end_on = length_mm(paths, Material::polymer, 128, 128);
+    std::printf("# seen end on: %.3f mm\n", end_on);
+    assert_true(end_on > 30.0 && end_on < 40.01);
+    for (std::size_t i = 0; i < paths.pixels.size(); ++i)
+        for (std::size_t slot = 1; slot < paths.materials.size(); ++slot)
+            assert_in_range(paths.sum(i, slot), 0, 9ll * 1024 * 41);
+}
+
+// Struts and contrast reach the picture: both are darker than the blood around them, and a curve of air is not there.
+static void curves_are_seen_in_the_picture(void **)
+{
+    XrayScene scene;
+    std::string error;
+    assert_true(scene.set_bodies({{box_body("chest", "soft_tissue", -1, {-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}),
+                                   box_body("heart", "blood", 0, {-0.05, -0.05, -0.05}, {0.05, 0.05, 0.05})}},
+                                 error));
+    Xray xray(scene, 2);
+    XraySettings settings;
+    settings.beam.noise = false;
+    const std::vector<SweptCurve> curves = {
+        {Material::iohexol_350, {{{-0.02, 0.01, 0.0}, 0.0015, 0.8}, {{0.02, 0.01, 0.0}, 0.0015, 0.8}}},
+        {Material::platinum, {{{-0.02, -0.01, 0.0}, 0.0001}, {{0.02, -0.01, 0.0}, 0.0001}}}};
+    const WireFrame wire;
+    XrayPicture with, without;
+    xray.render(settings, {{}, wire, curves}, 1, nullptr, with);
+    xray.render(settings, {{}, wire}, 1, nullptr, without);
+    const View view = make_view(settings.carm, 512);
+    for (double y_m : {0.01, -0.01}) {
+        Eigen::Vector2d pixel;
+        assert_true(project(view, {0.0, y_m, 0.0}, pixel));
+        const std::size_t at =
+            static_cast<std::size_t>(pixel.y()) * 512 + static_cast<std::size_t>(pixel.x());
+        std::printf("# %d instead of %d quanta\n", static_cast<int>(with.photons[at]),
+                    static_cast<int>(without.photons[at]));
+        assert_true(with.photons[at] < 0.9 * without.photons[at]);
+    }
+}
+
+int main()
+{
+    cmocka_set_message_output(CM_OUTPUT_TAP);
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(catheter_wall_braid_and_marker_band_have_their_thickness),
+        cmocka_unit_test(contrast_column_holds_the_iodine_of_its_cone),
+        cmocka_unit_test(struts_thinner_than_the_rays_are_apart_lose_nothing),
+        cmocka_unit_test(wire_in_contrast_displaces_iodine_and_blood),
+        cmocka_unit_test(many_curves_add_up),
+        cmocka_unit_test(broken_and_awkward_curves_do_no_harm),
+        cmocka_unit_test(curves_are_seen_in_the_picture),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
