@@ -1,6 +1,6 @@
-// Claims about balloon and stent in whole sessions, from the script to the recording: a stent is opened, let go and holds what its balloon has
+// Claims about balloon and stent in whole sessions, from the script to the recording: a stent is opened, deployed and holds what its balloon has
 // opened; the core hears of it by inputs that are recorded, so a replay agrees bit for bit, with pictures and without; and what goes
-// wrong (pulled under pressure, burst, let go where no wall is, inflated in a guide, power lost) has an outcome that is said, and loses no
+// wrong (pulled under pressure, burst, released where no wall is, inflated in a guide, power lost) has an outcome that is said, and loses no
 // record. The scene is an artery of 3 mm behind a wide one of 10 mm, with a stenosis of 50 % that gives way, baked here.
 #include <algorithm>
 #include <cmath>
@@ -229,7 +229,7 @@ void a_stent_holds_what_its_balloon_has_opened(void **)
     assert_int_equal(stented.placed.size(), 1);
     const StentResult &stent = stented.placed[0];
     std::printf(
-        "# open %.3f with the stent, %.3f without; apposed %.0f %%, inside %.2f mm, let go at %u ms\n",
+        "# open %.3f with the stent, %.3f without; apposed %.0f %%, inside %.2f mm, deployed at %u ms\n",
         stented.least_open(), bare.least_open(), stent.figures.apposed_share * 100,
         stent.figures.diameter_min_mm, stent.released_tick.value_or(0));
     assert_true(stent.stage == StentStage::deployed && stent.branch == "artery");
@@ -283,7 +283,7 @@ void a_second_stent_is_loaded_outside_of_the_patient(void **)
     assert_replays(two);
 }
 
-void let_go_where_the_vessel_is_wide_it_is_lost(void **)
+void released_where_the_vessel_is_wide_it_is_lost(void **)
 {
     Case lost{begin_at(17.0) + up_and_down};
     lost.run();
@@ -309,7 +309,7 @@ void inflated_in_the_guide_it_stays_on_its_balloon(void **)
 }
 
 // Friction of 0.1 on the wall force of 8 bar holds the hand back by 5.3 N, and the balloon goes with the hand, with the stent on it, which is
-// let go there when the pressure goes. The line is stretched by 0.77 % then. From 10 bar it is held by 6.2 N and comes loose in one go when 9 bar
+// deployed there when the pressure goes. The line is stretched by 0.77 % then. From 10 bar it is held by 6.2 N and comes loose in one go when 9 bar
 // are left, which stretches it by 1.30 % under 10 N: beyond the limit of 1 % where a run ends as out of range (range_watch.hpp).
 void pulled_without_deflation_the_balloon_holds_its_stent(void **)
 {
@@ -387,7 +387,7 @@ void a_wire_beside_a_stent_meets_its_struts(void **)
     assert_true(late.hash == beside.result.hash && late.ticks_compared < beside.result.figures.ticks);
 }
 
-// 30 bar on a balloon that bursts at 22: no pressure from then on; the stent has been opened before, and is let go.
+// 30 bar on a balloon that bursts at 22: no pressure from then on; the stent has been opened before, and is deployed.
 void burst_balloon_leaves_its_stent_open(void **)
 {
     Case burst{begin_at(lesion_mm) + "inflate to 30 bar at 40 bar/s\nwait 0.8 s\n"};
@@ -495,7 +495,7 @@ int main()
         cmocka_unit_test(a_stent_holds_what_its_balloon_has_opened),
         cmocka_unit_test(pictures_change_nothing),
         cmocka_unit_test(a_second_stent_is_loaded_outside_of_the_patient),
-        cmocka_unit_test(let_go_where_the_vessel_is_wide_it_is_lost),
+        cmocka_unit_test(released_where_the_vessel_is_wide_it_is_lost),
         cmocka_unit_test(inflated_in_the_guide_it_stays_on_its_balloon),
         cmocka_unit_test(pulled_without_deflation_the_balloon_holds_its_stent),
         cmocka_unit_test(a_wire_beside_a_stent_meets_its_struts),

@@ -7,8 +7,6 @@
  *                            ^          | ^ <---- STOP ------+      in FREE_RUN with a rig START powers the motors, and is
  *                            |          v |                  |      refused unless ARM_MOTORS was answered by CONFIRM
  *                            +-- RESET --+----- FAULT <------+      every stopping fault: motors off, latched
- *
- * May include: firmware/core, firmware/port/port.h, shared.
  */
 #ifndef CRN_APP_H
 #define CRN_APP_H
@@ -127,7 +125,7 @@ typedef struct crn_app_watch {
     int32_t moved[CRN_APP_ASKED_ticks]; /* ring of what the carriage moved, counts + into the patient */
     uint32_t loose_ticks;               /* of a force that no hand holds, less those of one that is held */
     uint32_t untouched_ticks, fast_ticks, passivity_ticks;
-    int32_t speed_begin_um_s; /* when the hand let go */
+    int32_t speed_begin_um_s; /* when the hand released it */
     int64_t impulse_uN_s;     /* of the motor since then */
     crn_app_cycle cycle;
 } crn_app_watch;

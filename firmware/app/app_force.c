@@ -21,7 +21,7 @@ static int32_t limited(int64_t value, int64_t low, int64_t high)
 }
 
 /* Move from `present` towards `target`: the size grows by no more than `slew` per tick and never beyond the limit; it may fall at
- * once, because a force that is still there when its cause is gone drives the hand (a hand that let go at 4 N was thrown back
+ * once, because a force that is still there when its cause is gone drives the hand (a hand that had released it at 4 N was thrown back
  * at 1.2 m/s while the slew limit took 80 ms to end the force). The target may be far out of range. */
 static int32_t approach(int32_t present, int64_t target, int32_t slew, int32_t limit)
 {

@@ -1,6 +1,5 @@
 /* What the files of the app share. Top to bottom: wire -> requests -> session -> hand, coupling, force, safety, stream,
- * faults.
- * May include: app.h. */
+ * faults. */
 #ifndef CRN_APP_INTERNAL_H
 #define CRN_APP_INTERNAL_H
 

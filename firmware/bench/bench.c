@@ -1,5 +1,4 @@
-/* The command line of the benchmark programs: see docs/bench.md.
- * May include: bench.h, the C library. */
+/* The command line of the benchmark programs: see docs/bench.md. */
 #define _POSIX_C_SOURCE 200809L
 #include "firmware/bench/bench.h"
 

@@ -1,5 +1,4 @@
-/* What a benchmark program needs: a table of cases and a main that follows the convention of docs/bench.md.
- * May include: the C library. */
+/* What a benchmark program needs: a table of cases and a main that follows the convention of docs/bench.md. */
 #ifndef CRN_BENCH_H
 #define CRN_BENCH_H
 

@@ -5,8 +5,7 @@
  * that hang from the mouth. `bends` also beats at 90 /min, all of it or, as in a heart, the last 200 mm; `coronary` is a 0.014 in wire in a vessel of 1.5 mm radius on a
  * beating sphere (tests/reference/moving_tube.h). `balloon` is a wire in a balloon catheter of 256 elements in the three bends, with its balloon of 3 x 20 mm
  * folded or filling the vessel at 8 bar. A row
- * fails when its scene has fewer contacts than it says.
- * May include: bench.h, tests/reference, the core. */
+ * fails when its scene has fewer contacts than it says. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/core_state.h"
 #include "firmware/tests/reference/cantilever.h"

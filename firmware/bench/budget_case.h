@@ -1,6 +1,5 @@
 /* One measured case as a file: what budget_make.c (on the PC) hands to budget_image.c (on the Cortex-M7). The same words on
- * both sides: structs of 32-bit words, little end first. All calls of the core for the budget are in this header.
- * May include: the core. */
+ * both sides: structs of 32-bit words, little end first. All calls of the core for the budget are in this header. */
 #ifndef CRN_BUDGET_CASE_H
 #define CRN_BUDGET_CASE_H
 

@@ -1,7 +1,6 @@
 /* Prepares the cases of the Cortex-M7 budget on the PC: puts a wire into a lumen, lets it settle or drives it until a tick
  * needs a second solve, and writes the state before the measured ticks with everything they need (budget_case.h).
- * usage: budget_make list | make CASE FILE
- * May include: budget_case.h, tests/reference. */
+ * usage: budget_make list | make CASE FILE */
 #include "firmware/bench/bench.h"
 #include "firmware/bench/budget_case.h"
 #include "firmware/tests/reference/random.h"

@@ -1,4 +1,4 @@
-/* The balloon: docs/balloon.md. May include: balloon.h. */
+/* The balloon: docs/balloon.md. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/lesion.h"
 

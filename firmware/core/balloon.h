@@ -7,8 +7,7 @@
  *
  *     N = (p - p_table(r)) 2 pi r ds          |K e_t + N dr/ds| <= mu (N + K |e_n|)
  *
- * e the way from c to the line, t along it, n across. N dr/ds drives a balloon out of a taper. docs/balloon.md. Private to firmware/core.
- * May include: rod.h. */
+ * e the way from c to the line, t along it, n across. N dr/ds drives a balloon out of a taper. docs/balloon.md. Private to firmware/core. */
 #ifndef CRN_BALLOON_H
 #define CRN_BALLOON_H
 

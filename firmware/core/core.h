@@ -8,7 +8,6 @@
  * Tools are numbered from the innermost (0, the wire) to the outermost and share one centreline where they overlap.
  * The tool whose tip is farthest in leads; any may. Node 0 is the leading tip; indices grow towards the hand.
  * Patient frame: +x patient left, +y head, +z anterior.
- * May include: this folder.
  */
 #ifndef CRN_CORE_H
 #define CRN_CORE_H
@@ -109,7 +108,7 @@ typedef struct crn_scaffold {
     int32_t open_q30; /* 0: no order; .. 1. An order for what is not there does nothing */
 } crn_scaffold;
 
-/* A ring of the struts of a stent that was let go: a circle at a place that the lumen's own pose has. Rings of consecutive numbers that are joined
+/* A ring of the struts of a stent that was deployed: a circle at a place that the lumen's own pose has. Rings of consecutive numbers that are joined
  * are one stent. One that is there goes to what is asked by 5 um a tick. */
 typedef struct crn_strut_order {
     uint32_t number;      /* 1 .. CRN_STRUT_RING_MAX; 0: no order, and all else is 0 */

@@ -1,5 +1,4 @@
-/* Set-up: tools -> constants. Runs once per line, so it may divide (bit by bit) and take its time.
- * May include: core_check.h, rod.h. */
+/* Set-up: tools -> constants. Runs once per line, so it may divide (bit by bit) and take its time. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/core_check.h"
 

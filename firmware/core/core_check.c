@@ -1,5 +1,4 @@
-/* Checks of what comes from outside before any constant is derived from it.
- * May include: core_check.h. */
+/* Checks of what comes from outside before any constant is derived from it. */
 #include "firmware/core/core_check.h"
 
 static bool in_range(uint32_t value, uint32_t low, uint32_t high)

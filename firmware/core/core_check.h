@@ -1,4 +1,4 @@
-/* What crn_model_build() demands of its input. Private to firmware/core. May include: core_model.h. */
+/* What crn_model_build() demands of its input. Private to firmware/core. */
 #ifndef CRN_CORE_CHECK_H
 #define CRN_CORE_CHECK_H
 

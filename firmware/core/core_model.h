@@ -9,8 +9,6 @@
  * on the node between two edges and owns the cell half an edge to either side. Stiffness entries of the matrix are
  * in Q(a) N/m with one exponent a for the whole line (`stiffness_exponent`), chosen so that no assembled diagonal can
  * reach 2^29 wherever the tools stand.
- *
- * May include: core.h, motion.h.
  */
 #ifndef CRN_CORE_MODEL_H
 #define CRN_CORE_MODEL_H

@@ -1,7 +1,7 @@
 /* The state as words: initial, saved, restored, hashed, read.
  *
  * Nodes beyond free_count + 2 sit in the inserter and follow from the rest; they are zero in a saved state
- * and take no part in a hash. May include: rod.h. */
+ * and take no part in a hash. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/lesion.h"
 #include "firmware/core/strut.h"

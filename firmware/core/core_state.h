@@ -2,8 +2,6 @@
  * without pointers or padding, hashed, saved and compared as such. Beside it lie two areas, so that the core needs
  * neither heap nor a deep stack: `crn_line`, what the tools add up to where they stand (derived from words and model,
  * kept while no tool slides against another), and `crn_scratch`, dead between ticks.
- *
- * May include: core_model.h.
  */
 #ifndef CRN_CORE_STATE_H
 #define CRN_CORE_STATE_H

@@ -1,5 +1,4 @@
-/* One tick, part by part (docs/tick.md follows it through the code).
- * May include: rod.h. */
+/* One tick, part by part (docs/tick.md follows it through the code). */
 #include "firmware/core/balloon.h"
 #include "firmware/core/lesion.h"
 #include "firmware/core/strut.h"

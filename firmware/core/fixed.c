@@ -1,5 +1,4 @@
-/* The fixed-point functions too long to be inline; formats, overflow and error bounds stand in fixed.h.
- * May include: fixed.h. */
+/* The fixed-point functions too long to be inline; formats, overflow and error bounds stand in fixed.h. */
 #include "firmware/core/fixed.h"
 
 int32_t crn_sqrt64(uint64_t a)

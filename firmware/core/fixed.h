@@ -5,8 +5,6 @@
  * double in firmware/tests/test_fixed.c). Rounding is to nearest with ties toward +infinity, written as an
  * addition and an arithmetic shift, which is what the Cortex-M7 DSP instructions (SMMULR) do, so every
  * machine agrees bit for bit.
- *
- * May include: nothing outside this folder.
  */
 #ifndef CRN_FIXED_H
 #define CRN_FIXED_H

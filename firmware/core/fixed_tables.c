@@ -1,5 +1,4 @@
-/* Constants of firmware/core/fixed.h. Written by tools/check/make_tables.py: change that, not this file.
- * May include: fixed.h. */
+/* Constants of firmware/core/fixed.h. Written by tools/check/make_tables.py: change that, not this file. */
 #include "firmware/core/fixed.h"
 
 // clang-format off

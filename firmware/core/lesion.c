@@ -1,4 +1,4 @@
-/* Lesions that give way (lesion.h, docs/lesions.md). May include: lesion.h, rod.h (quotient). */
+/* Lesions that give way (lesion.h, docs/lesions.md). */
 #include "firmware/core/lesion.h"
 #include "firmware/core/rod.h"
 

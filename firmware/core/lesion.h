@@ -8,7 +8,7 @@
  *     gradient               k grad phi + t (B . grad phi),   B = c' - k c_w' + k' (x - c_w),   t along the vessel
  *
  * all at the foot of x on the vessel's centreline, and what was lumen stays lumen. docs/lesions.md. In the reference pose of a vessel that
- * moves. Where no lesion is open it costs one comparison. May include: lumen.h, rod.h. Checked
+ * moves. Where no lesion is open it costs one comparison. Checked
  * before use by shared/scene (hostile until checked). */
 #ifndef CRN_LESION_H
 #define CRN_LESION_H

@@ -2,8 +2,7 @@
  *
  * Both samplers go the same way: world point -> coarse brick -> finer brick where refined -> position in the brick in
  * voxels (Q20) -> 27 int8 coefficients of one brick. Fixed work: two refinements, 27 taps.
- *
- * May include: lumen.h. */
+ */
 #include "firmware/core/lumen.h"
 
 enum {

@@ -16,7 +16,7 @@
  * (i-1, j-1, k-1) + 1/2 of this brick, so that bricks overlap by one sample on every side. Sample values themselves are
  * never stored: the baker prefilters so that the spline passes through the true distances.
  *
- * May include: vector.h. Validated before use by shared/scene (hostile until checked).
+ * Validated before use by shared/scene (hostile until checked).
  */
 #ifndef CRN_LUMEN_H
 #define CRN_LUMEN_H

@@ -1,7 +1,7 @@
 /* Looking up the lattices of a moving vessel (motion.h, docs/heart.md). Fixed work: 8 corners of one cell, of three components, of
  * three coefficients, for now and for what the tick changed, and 8 corners of breath; the blend of a cell is kept for the next point in
  * it, which changes no result.
- * May include: motion.h, rod.h (quotient). The step of the wall is in motion_wall.c. */
+ * The step of the wall is in motion_wall.c. */
 #include "firmware/core/motion_cell.h"
 #include "firmware/core/rod.h"
 

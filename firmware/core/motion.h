@@ -11,7 +11,7 @@
  *     gradient of the depth used    g = (I + depth db/dx)^T (I + dw/dx)^T grad phi
  *     step of the wall in a tick    -(I + depth db/dx)^-1 ((I + dw/dx)^-1 (w now - w before) + (depth now - depth before) b)
  *
- * docs/heart.md has the equations and what they cost. May include: lumen.h, rhythm.h. Checked before use by
+ * docs/heart.md has the equations and what they cost. Checked before use by
  * shared/scene (hostile until checked).
  */
 #ifndef CRN_MOTION_H

@@ -1,5 +1,4 @@
-/* Cells of the lattices of a moving vessel: what the look-up (motion.c) and the step of the wall (motion_wall.c) share.
- * May include: motion.h. */
+/* Cells of the lattices of a moving vessel: what the look-up (motion.c) and the step of the wall (motion_wall.c) share. */
 #ifndef CRN_MOTION_CELL_H
 #define CRN_MOTION_CELL_H
 

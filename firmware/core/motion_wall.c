@@ -1,5 +1,4 @@
-/* How the wall of a moving vessel moves in a tick (motion.h, docs/heart.md).
- * May include: motion.h, rod.h (quotient). */
+/* How the wall of a moving vessel moves in a tick (motion.h, docs/heart.md). */
 #include "firmware/core/motion_cell.h"
 #include "firmware/core/rod.h"
 

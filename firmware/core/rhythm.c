@@ -1,6 +1,5 @@
 /* Beats one after the other: the length of each is chosen when it begins, and the phase goes evenly to the end of systole and
- * from there to the next beat. What is asked for changes lengths, never the phase itself: it has no jumps.
- * May include: rhythm.h. */
+ * from there to the next beat. What is asked for changes lengths, never the phase itself: it has no jumps. */
 #include "firmware/core/rhythm.h"
 
 enum {

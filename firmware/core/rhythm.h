@@ -4,8 +4,6 @@
  * CRN_PHASE_SYSTOLE_END is the closure of the aortic valve, whatever the rate: systole and diastole each have their own
  * length and the phase is linear in time within each. Breath's phase 0 is the end of expiration, 2^31 that of inspiration.
  * Keyframe k of a scene's motion belongs to phase k / 24, so that keyframe 10 is the end of systole.
- *
- * May include: fixed.h.
  */
 #ifndef CRN_RHYTHM_H
 #define CRN_RHYTHM_H

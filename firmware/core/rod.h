@@ -1,5 +1,5 @@
 /* The parts of one tick, in the order core_step.c calls them. Private to firmware/core. docs/rod.md has the
- * equations. May include: core_state.h. */
+ * equations. */
 #ifndef CRN_ROD_H
 #define CRN_ROD_H
 

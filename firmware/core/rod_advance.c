@@ -1,5 +1,4 @@
-/* After the solve: nodes move, and the length error is read off.
- * May include: rod.h. */
+/* After the solve: nodes move, and the length error is read off. */
 #include "firmware/core/rod.h"
 
 /* +-1.98 m, so that a tick's slide can be added without overflow. Beyond it only in a scene without walls. Overflow of the

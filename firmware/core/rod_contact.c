@@ -7,8 +7,7 @@
  * r theta along n x t. So one limit mu N bounds sliding and turning together, and a wire that slides turns freely.
  * After the solve z takes the way and is limited to mu N / k_t.
  * Struts of a stent (strut.h) are met as the wall is. Between struts and wall a node has two contacts: both normals are in the matrix, the
- * deeper one carries the bristle, and friction has the sum of both forces.
- * May include: rod.h, rod_friction.h. */
+ * deeper one carries the bristle, and friction has the sum of both forces. */
 #include "firmware/core/lesion.h"
 #include "firmware/core/rod.h"
 #include "firmware/core/rod_friction.h"

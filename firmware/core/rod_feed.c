@@ -1,7 +1,7 @@
 /* From the hands to the predicted configuration: how far each tool is fed this tick, which nodes that
  * frees or captures, and where every node would be if the line only slid along itself (x* = x - T ds, ds being the
  * way of the leading tip). The solve then finds the deviation from that slide, so that a fast feed puts no force of its
- * own into the right side (docs/rod.md, "feed"). May include: rod.h. */
+ * own into the right side (docs/rod.md, "feed"). */
 #include "firmware/core/rod.h"
 
 enum {

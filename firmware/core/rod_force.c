@@ -3,8 +3,7 @@
  * Edge: w = (x*[i+1] - x*[i]) / l, strain from |w|^2 by series (no root), F = EA strain,
  *       S = (k_s - k_g) t t^T + k_g I with k_g = max(F, 0) / l plus what twist adds there, at most k_s.
  * Joint: b = w[i] - w[i-1], v = W (b - g), f[i-1] -= a v, f[i] += (a + c) v, f[i+1] -= c v, g summed over the
- * tools' rest turnings; the tools' twisting moment tau bends the line by F = tau kb / 2, kb = 2 t x t' / (1 + t.t').
- * May include: rod.h. */
+ * tools' rest turnings; the tools' twisting moment tau bends the line by F = tau kb / 2, kb = 2 t x t' / (1 + t.t'). */
 #include "firmware/core/rod.h"
 
 enum {

@@ -2,7 +2,7 @@
  *
  * A reference axis u is carried without turning from the inserter's edge to the tip (Bishop frame), one for all tools. A
  * tool's material axis is d1 = cos(angle) u + sin(angle) (t x u), so that a joint's twist is just the difference of two
- * angles (docs/rod.md, "twist"). May include: rod.h. */
+ * angles (docs/rod.md, "twist"). */
 #include "firmware/core/rod.h"
 
 enum {

@@ -1,5 +1,4 @@
-/* Friction of one node on the wall: what it may be, its stiffness in the matrix (docs/rod.md, "Contact").
- * May include: rod.h. */
+/* Friction of one node on the wall: what it may be, its stiffness in the matrix (docs/rod.md, "Contact"). */
 #ifndef CRN_CORE_ROD_FRICTION_H
 #define CRN_CORE_ROD_FRICTION_H
 

@@ -1,6 +1,6 @@
 /* Edges that turn fast keep their length (docs/rod.md, "Turning edges"): when the two ends of an edge move straight on while it turns
  * by an angle, it gets longer by half the angle's square, which for a line of some kN of axial stiffness is a pull of many newtons.
- * What is too long is taken back by moving the nodes ahead of the edge, towards the tip. May include: rod.h. */
+ * What is too long is taken back by moving the nodes ahead of the edge, towards the tip. */
 #include "firmware/core/rod.h"
 
 enum {

@@ -3,8 +3,7 @@
  * Node i lies at arc length S behind the leading tip, tool k is sampled at S - offset[k]. Within a cell compliance is
  * averaged, not stiffness ("series"): arithmetic averages across a tool's tip or a step give force spikes at the handle.
  *   1/W = integral ds / EI,  EI = sum EI_k;   turn_k = integral (EI_k / EI) kappa_k ds
- * A cell that a tip divides is summed piece by piece, so everything moves smoothly as tools slide.
- * May include: rod.h. */
+ * A cell that a tip divides is summed piece by piece, so everything moves smoothly as tools slide. */
 #include "firmware/core/rod.h"
 
 enum {

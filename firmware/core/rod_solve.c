@@ -9,8 +9,7 @@
  * Nothing of the size of S cancels, and from the tip the free rod's bending factor is exactly [1, -2, 1]. One reciprocal per
  * node, by Newton; no divide. Each row gathers what the two rows before it give, so that a sum of up to six products is
  * rounded once and nothing half-finished is stored. Operands have 32 bits and sums 64: one SMLAL each on the Cortex-M7.
- * Formats: D, R, S, Q, T, kb in Q(a) N/m below 2^29; V, P in Q29; r in Q22 N; delta in Q33 m.
- * May include: rod.h. */
+ * Formats: D, R, S, Q, T, kb in Q(a) N/m below 2^29; V, P in Q29; r in Q22 N; delta in Q33 m. */
 #include "firmware/core/rod.h"
 
 /* Inverse of a block: D^-1 = mantissa 2^-exponent in units of 1/D. */

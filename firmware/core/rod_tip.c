@@ -2,8 +2,7 @@
  * turned in the last tick. Sliding along its own curve would turn it by ds / R in each tick; standing still would hold it back when
  * the hand turns it, because the matrix keeps rest turns fixed in space: of what is missing the solve gives a tip of length s on a
  * wire of length L about 1 / (kappa^2 s L) in each tick (docs/rod.md, "feed"). Not on the wall: there the solve ends the turn, and a tip that is
- * expected to go on trembles.
- * May include: rod.h. */
+ * expected to go on trembles. */
 #include "firmware/core/rod.h"
 
 enum {

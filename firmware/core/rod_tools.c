@@ -7,7 +7,7 @@
  * The hand of a tool that does not lead feels how the line's energy changes as the tool slides at fixed shape. At a
  * place where the tool's properties change, that is the jump of psi = |M + P|^2 / (2 EI) - S / 2 with the moment M,
  * P = sum EI_m kappa_m and S = sum EI_m kappa_m^2 over all tools there (the configurational force of a rod whose section
- * jumps). May include: rod.h. */
+ * jumps). */
 #include "firmware/core/rod.h"
 
 /* --- how hard tools press on each other ---------------------------------------------------------------------- */

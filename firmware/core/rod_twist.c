@@ -4,7 +4,7 @@
  * dependence on the rest curvature, which turns with the frames: this is how a J tip follows the hand. Friction resists:
  * that of the wall on the tool that touches it, and that between a tool and the next one. One tridiagonal solve per tool
  * from its tip to the base; the inserter's edge is held at the hand's angle, so torque reaches the tip within the tick
- * (docs/rod.md, "twist"). May include: rod.h. */
+ * (docs/rod.md, "twist"). */
 #include "firmware/core/rod.h"
 
 enum {

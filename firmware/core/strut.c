@@ -1,4 +1,4 @@
-/* Rings of struts and what a node meets of them (strut.h, docs/lesions.md). May include: strut.h, rod.h (quotient, clamp). */
+/* Rings of struts and what a node meets of them (strut.h, docs/lesions.md). */
 #include "firmware/core/strut.h"
 #include "firmware/core/rod.h"
 

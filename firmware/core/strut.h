@@ -1,4 +1,4 @@
-/* Struts of stents that were let go, as a wire meets them: from inside it stays inside, from outside it is held between struts and wall.
+/* Struts of stents that were deployed, as a wire meets them: from inside it stays inside, from outside it is held between struts and wall.
  *
  * A stent is a chain of rings, circles of the struts' inside with a thickness, in the reference pose of a vessel that moves:
  *
@@ -11,7 +11,7 @@
  *
  * The side is the one on which the node's centre lies. An end of the chain is a round edge; its normal leads at least by 45 degrees to one
  * side, so that no friction holds a tip there. Orders move a ring that is there by 5 um a tick. Where there is no ring it costs a
- * comparison for each node. docs/lesions.md. May include: core_state.h. */
+ * comparison for each node. docs/lesions.md. */
 #ifndef CRN_STRUT_H
 #define CRN_STRUT_H
 

@@ -1,5 +1,4 @@
-/* Three-component vectors in fixed point. A vector's format is that of its components and ends its name.
- * May include: fixed.h. */
+/* Three-component vectors in fixed point. A vector's format is that of its components and ends its name. */
 #ifndef CRN_VECTOR_H
 #define CRN_VECTOR_H
 

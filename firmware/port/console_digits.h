@@ -1,4 +1,4 @@
-/* Decimal digits for a board's console. Freestanding. May include: stdint.h. */
+/* Decimal digits for a board's console. Freestanding. */
 #ifndef CRN_PORT_CONSOLE_DIGITS_H
 #define CRN_PORT_CONSOLE_DIGITS_H
 

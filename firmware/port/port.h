@@ -6,7 +6,7 @@
  *   1 ms passed      crn_app_timer(app)                     from the main loop, once per edge of the timer, late edges too
  *
  * The timer owns the tick in FREE_RUN, and in every mode and state the app reads `inputs` and writes `outputs` once per edge.
- * A port reaches nothing else of the app. May include: port_built.h.
+ * A port reaches nothing else of the app.
  */
 #ifndef CRN_PORT_H
 #define CRN_PORT_H

@@ -1,4 +1,4 @@
-/* What a port says of the rig that it was built for. May include: nothing. */
+/* What a port says of the rig that it was built for. */
 #ifndef CRN_PORT_BUILT_H
 #define CRN_PORT_BUILT_H
 

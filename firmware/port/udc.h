@@ -8,8 +8,6 @@
  *
  * Endpoints are named by their address: number 0 .. 15, bit 7 set for IN. Endpoint 0 is always open, both ways, with
  * packets of 64 bytes.
- *
- * May include: nothing.
  */
 #ifndef CRN_UDC_H
 #define CRN_UDC_H

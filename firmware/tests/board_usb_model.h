@@ -1,7 +1,6 @@
 /* firmware/port/imxrt1062/usb_udc.c, whole and as it is, on a model of the controller as the chip's manual tells it (i.MX RT1060, chapter
  * 42): heads, transfer descriptors, prime, flush, bits that are cleared by writing ones, the trip wire of setup packets; and the host on
- * its bus. Every register is reached through the macros LOAD and STORE of imxrt1062_registers.h, which are the model's here.
- * May include: cmocka, the port's file. */
+ * its bus. Every register is reached through the macros LOAD and STORE of imxrt1062_registers.h, which are the model's here. */
 #ifndef CRN_BOARD_USB_MODEL_H
 #define CRN_BOARD_USB_MODEL_H
 

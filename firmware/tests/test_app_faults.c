@@ -292,8 +292,8 @@ static void one_spike_of_over_current_is_no_fault(void **state)
 }
 
 /* The hand lets go: the motor's 1.5 N are not held, and the carriage of 0.1 kg runs away. */
-static int let_go_ms;
-static void let_go(int encoder_sign)
+static int released_ms;
+static void release(int encoder_sign)
 {
     double speed_um = 0, way_um = 0;
     assert_true(bench_power(&b));
@@ -311,31 +311,31 @@ static void let_go(int encoder_sign)
         edges++;
     }
     print_message("# the carriage went %.0f um in %d ms\n", way_um, edges);
-    let_go_ms = edges;
+    released_ms = edges;
 }
 
 static void a_hand_that_lets_go_is_no_fault(void **state)
 {
     (void)state;
-    let_go(1);
+    release(1);
     expect_state(CRN_WIRE_STATE_RUNNING);
 }
 
 static void a_stuck_encoder_takes_the_power(void **state)
 {
     (void)state;
-    let_go(0);
+    release(0);
     expect_state(CRN_WIRE_STATE_FAULT);
-    assert_in_range(let_go_ms, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_ENCODER_STUCK));
+    assert_in_range(released_ms, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_ENCODER_STUCK));
     expect_latched(CRN_FAULT_CODE_ENCODER_STUCK);
 }
 
 static void a_reversed_encoder_takes_the_power(void **state)
 {
     (void)state;
-    let_go(-1);
+    release(-1);
     expect_state(CRN_WIRE_STATE_FAULT);
-    assert_in_range(let_go_ms, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_ENCODER_REVERSED));
+    assert_in_range(released_ms, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_ENCODER_REVERSED));
     expect_latched(CRN_FAULT_CODE_ENCODER_REVERSED);
 }
 

@@ -115,7 +115,7 @@ static void a_carriage_that_its_motor_drives_too_fast_takes_the_power(void **sta
     assert_in_range(fast, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_CARRIAGE_FAST) + 1);
 }
 
-/* A hand that throws the carriage at 0.5 m/s against the coupling, and has let go: the speed is the hand's. */
+/* A hand that throws the carriage at 0.5 m/s against the coupling, and has released it: the speed is the hand's. */
 static void a_carriage_that_was_thrown_is_no_fault(void **state)
 {
     (void)state;

@@ -211,7 +211,7 @@ static void a_hand_that_lets_go_leaves_a_rig_at_rest(void **state)
         fastest_m_s = fmax(fastest_m_s, fabs(rig.carriage_m_s));
         if (i > 1200) end_m_s = fmax(end_m_s, fabs(rig.carriage_m_s));
     }
-    print_message("# let go at %.2f N: back by %.1f mm at up to %.2f m/s, then %.4f m/s\n", mean_N,
+    print_message("# released at %.2f N: back by %.1f mm at up to %.2f m/s, then %.4f m/s\n", mean_N,
                   (begin_m - rig.carriage_m) * 1e3, fastest_m_s, end_m_s);
     if (rig.app.state != CRN_WIRE_STATE_RUNNING)
         fail_msg("ended by %s", crn_wire_fault_name(rig.app.fault_code));

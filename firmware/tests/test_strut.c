@@ -1,4 +1,4 @@
-/* Claims: a wire meets the struts of a stent that was let go as it meets a wall: from inside it rests on their inside, from outside on their
+/* Claims: a wire meets the struts of a stent that was deployed as it meets a wall: from inside it rests on their inside, from outside on their
  * outside, and below the force that a cell bears it does not go through; between struts and wall it is held by friction on both; an end
  * sends a tip to one side; balloons do not feel them; all of it is state, and what is no order changes nothing (docs/lesions.md).
  * Shown against closed forms of shells in straight tubes. */

@@ -5,7 +5,6 @@
 //
 // A kind belongs to a group (link, host, device, rig), happens at one moment (the n-th frame of its way, or a tick, counted
 // from START; in session=setup from the first HELLO), and may have one value.
-// May include: shared, hil_tests/plant/random.hpp.
 #pragma once
 #include <cstdint>
 #include <span>

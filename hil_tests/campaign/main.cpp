@@ -5,6 +5,7 @@
 #include "hil_tests/l1/emulated_bench.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/output_files.hpp"
+#include "host/base/version.hpp"
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -89,6 +90,7 @@ int main(int argc, char **argv)
     Options options;
     CLI::App app("Breaks link, host, device and rig on purpose, and judges what comes of it (docs/hil.md)");
     parse(app, options);
+    app.set_version_flag("--version", crn::version_of("hil_campaign"));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {

@@ -82,7 +82,7 @@ class Session
         pass(hold_ms / 2, &meter);
         judge(meter);
     }
-    void let_go()
+    void release()
     {
         CycleMeter meter(cycle_span_N);
         axis().set_hand(Hand::none);
@@ -187,7 +187,7 @@ PassivityOutcome run_passivity(Level &level, const PassivityTrial &trial)
     Session session(*bench, link, outcome);
     session.push();
     session.hold();
-    session.let_go();
+    session.release();
     const crn_wire_status status = link.read_status();
     if (status.state != CRN_WIRE_STATE_RUNNING) outcome.fault = crn_wire_fault_name(status.fault_code);
     outcome.failure = failure_of(outcome);

@@ -5,7 +5,6 @@
 // A trial pushes a stiff wire by 30 mm against the end of its tube, holds it for 0.6 s, and lets go of it for 0.6 s. Broken is one in which
 // the carriage got faster than 0.25 m/s, or the motor's force went forth and back by more than 50 mN for more than 100 ms: from the
 // moment of the release on; before, in the second half of the hold, when the blow of the wall is over.
-// May include: campaign, hil_tests/cases, hil_tests/l0.
 #pragma once
 #include "hil_tests/cases/conversation.hpp"
 #include <vector>

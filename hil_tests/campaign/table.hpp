@@ -1,5 +1,4 @@
 // Counts of a campaign: one line per kind, worst times to safe per class; as a table and as a file of tab-separated values.
-// May include: judge.hpp.
 #pragma once
 #include "hil_tests/campaign/judge.hpp"
 #include <map>

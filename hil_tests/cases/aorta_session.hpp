@@ -1,5 +1,4 @@
 // The aorta session of `make run` on a device at the other end of any pipe, tick by tick: hashes, and what a tick costs.
-// May include: conversation, host/app.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/script/session.hpp"

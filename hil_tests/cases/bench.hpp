@@ -5,7 +5,6 @@
 //   L2, L3  RemoteBench the image beside a program hil_rig, by USB      (remote_bench.hpp)
 //
 // Time is the bench's: advance() makes milliseconds of device and plant in turn. A device that is not asked stands still.
-// May include: hil_tests/plant, host/link/transport.hpp.
 #pragma once
 #include "hil_tests/plant/plant.hpp"
 #include "host/link/transport.hpp"

@@ -1,5 +1,4 @@
 // What a tick of the aorta session costs on the emulated Cortex-M7: exact instructions in LOCKSTEP, and overruns in FREE_RUN.
-// May include: aorta_session, l1.
 #pragma once
 #include "hil_tests/cases/aorta_session.hpp"
 #include <cstdint>

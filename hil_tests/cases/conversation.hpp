@@ -1,5 +1,4 @@
 // What cases say to a device: set-up, sessions in LOCKSTEP and FREE_RUN, and checks with numbers in their texts.
-// May include: cases.hpp, host/link, host/app.
 #pragma once
 #include "hil_tests/cases/cases.hpp"
 #include "host/link/link.hpp"

@@ -1,5 +1,4 @@
 // What the haptic cases and the grid of passivity have in common: a wire, and a carriage in a hand.
-// May include: shared/wire, plant.
 #pragma once
 #include "hil_tests/plant/plant.hpp"
 #include "shared/wire/wire.h"

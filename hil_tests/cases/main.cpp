@@ -7,6 +7,7 @@
 #include "hil_tests/l1/emulated_bench.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/pending_file.hpp"
+#include "host/base/version.hpp"
 #include "host/link/sim_transport.hpp"
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -335,6 +336,7 @@ int main(int argc, char **argv)
     Options options;
     CLI::App app("Cases for a device with its rig, at every level of emulation (docs/hil.md)");
     parse(app, options);
+    app.set_version_flag("--version", crn::version_of("hil"));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {

@@ -2,7 +2,6 @@
 //
 // Time is the plant's. What was written has been taken by the device before the next millisecond begins; what the device says
 // meanwhile comes a little later, in order and whole.
-// May include: bench.hpp, hil_tests/l1/bench_server.hpp, host/link.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
 #include "hil_tests/l1/bench_server.hpp"

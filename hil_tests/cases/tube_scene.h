@@ -1,5 +1,4 @@
-/* Scenes from a closed form for cases that need a wall: tubes around a path of straight pieces and bends.
- * May include: nothing. */
+/* Scenes from a closed form for cases that need a wall: tubes around a path of straight pieces and bends. */
 #ifndef CRN_HIL_TUBE_SCENE_H
 #define CRN_HIL_TUBE_SCENE_H
 

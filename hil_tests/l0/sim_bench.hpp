@@ -1,5 +1,4 @@
 // Level 0: the app as a library in this process, in turn with the plant.
-// May include: firmware/port/sim/sim.h, cases/bench.hpp.
 #pragma once
 #include "firmware/port/sim/sim.h"
 #include "hil_tests/cases/bench.hpp"

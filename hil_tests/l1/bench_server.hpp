@@ -5,7 +5,6 @@
 //        +------------------- USB ----------------------------+
 //
 // Both ends are built from this tree for one kind of machine, so structs go over as they are.
-// May include: emulator.
 #pragma once
 #include "firmware/port/port.h"
 #include "host/link/emulator.hpp"

@@ -1,5 +1,4 @@
 // Level 1: the image on an emulated Cortex-M7, in turn with the plant over shared memory.
-// May include: emulator, cases/bench.hpp.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
 #include "host/link/emulated_transport.hpp"

@@ -3,8 +3,6 @@
  * Programs poll their nodes, and a plain file is always ready: then libusb would spin. So a node is a FIFO: /dev/bus/usb/...
  * is ready for writing (that is how usbfs says it) while a transfer is done and not reaped, and full otherwise; /dev/hidraw0
  * holds one byte per report that waits.
- *
- * May include: hil_tests/usb, umockdev.
  */
 #ifndef CRN_MOCK_H
 #define CRN_MOCK_H

@@ -9,8 +9,6 @@
  * Several devices may be named, --here and --app once each.
  *
  * The exit code is the program's; 1 when the device does not come up, 2 for bad arguments.
- *
- * May include: mock.h.
  */
 #define _GNU_SOURCE
 #include "hil_tests/l2/mock.h"
@@ -131,7 +129,7 @@ static void tell(mock *m, const char *what)
 }
 
 /* umockdev ends a program that is in the middle of a call when its node is taken away. So the nodes of a device that went answer ENODEV
- * until it comes back, and that not before programs had time to let go. */
+ * until it comes back, and that not before programs had time to release it. */
 static void detach(mock *m)
 {
     if (!m->is_attached) return;

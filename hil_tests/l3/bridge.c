@@ -6,8 +6,6 @@
  *
  * Waits for QEMU to connect (`-chardev socket,path=SOCKET -device usb-redir`), ends when it disconnects. The device may
  * unplug itself, start again and come back at any time. Exit code 0; 1 when the device hangs; 2 for bad arguments.
- *
- * May include: hil_tests/usb, libusbredirparser.
  */
 #define _GNU_SOURCE /* ppoll */
 #include <errno.h>

@@ -1,7 +1,5 @@
 /* A LOCKSTEP session with three tools over libusb, against the whole app on USB, gives the state hashes of the same session over
  * the sim's pipe in this process. Prints TAP.
- *
- * May include: libusb, firmware/tests/reference, check.h.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,4 @@
-/* What the programs of this folder share: TAP lines, a clock, and the option that names the device.
- * May include: shared/wire. */
+/* What the programs of this folder share: TAP lines, a clock, and the option that names the device. */
 #ifndef CRN_LIBRARY_CHECK_H
 #define CRN_LIBRARY_CHECK_H
 

@@ -1,7 +1,5 @@
 /* hidapi, as Debian ships it, against a loop-back device (hil_tests/usb/usb_peer.h): feature reports, state reports tick by
  * tick, commands and their answer. Built twice: for hidraw and for libusb. Prints TAP.
- *
- * May include: hidapi, shared/wire, check.h.
  */
 #include <stdlib.h>
 #include <string.h>

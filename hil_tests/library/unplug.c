@@ -1,5 +1,4 @@
-/* Asks a rig to leave the bus for so many milliseconds, as if somebody pulled its cable, whoever is using it: unplug MILLISECONDS.
- * May include: libusb, check.h. */
+/* Asks a rig to leave the bus for so many milliseconds, as if somebody pulled its cable, whoever is using it: unplug MILLISECONDS. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,5 @@
 /* libusb, as Debian ships it, against a loop-back device (hil_tests/usb/usb_peer.h): descriptors, refusals, the stream both
  * ways, time-outs, cancelling, halts, and a device that unplugs itself. Prints TAP.
- *
- * May include: libusb, check.h.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <stdlib.h>

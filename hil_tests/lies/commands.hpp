@@ -1,5 +1,5 @@
 // The commands that talk to a device, each in this process from its command line to its exit code, with a liar on the bus; and
-// whether what they recorded is true. May include: lie, host/app, host/link/tests/fake_usb.
+// whether what they recorded is true.
 #pragma once
 #include "hil_tests/lies/lie.hpp"
 #include <functional>

@@ -1,4 +1,4 @@
-// The HID interface of a rig that lies, as hidapi would give it. May include: lie, host/link.
+// The HID interface of a rig that lies, as hidapi would give it.
 #pragma once
 #include "hil_tests/lies/lie.hpp"
 #include "host/link/hid_rig.hpp"

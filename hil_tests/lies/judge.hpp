@@ -1,5 +1,5 @@
 // One lie to one command, in a process of its own: how it ended, how soon, how soon after Ctrl-C, and whether a falsehood was
-// recorded. May include: commands.
+// recorded.
 #pragma once
 #include "hil_tests/lies/commands.hpp"
 

@@ -1,5 +1,5 @@
 // A rig on the fake bus that tells one lie: the firmware's own device behind a mouth that changes what it says.
-// Called by the bus, with its lock held. May include: lie, shared/wire, sim port.
+// Called by the bus, with its lock held.
 #pragma once
 #include "firmware/port/sim/sim.h"
 #include "hil_tests/lies/lie.hpp"

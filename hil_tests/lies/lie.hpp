@@ -5,8 +5,6 @@
 //   message.*  its payload is another one, with a good CRC
 //   others     one field of the n-th message of that type says something else; where a command gets no such message, a forged
 //              one comes unasked
-//
-// May include: nothing.
 #pragma once
 #include <string>
 #include <vector>

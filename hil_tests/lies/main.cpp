@@ -2,6 +2,7 @@
 #include "hil_tests/lies/judge.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/pending_file.hpp"
+#include "host/base/version.hpp"
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -149,6 +150,7 @@ int main(int argc, char **argv)
         ->capture_default_str();
     app.add_flag("--list", options.lists, "The lines of the lies");
     app.footer("Example:\n  hil_lies --only \"hash.tick at=1 value=50\" --command \"run --record\"");
+    app.set_version_flag("--version", crn::version_of("hil_lies"));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {

@@ -6,7 +6,6 @@
 // The power stage is on while the supply is good, the stop released, `enable` set, and the last flip of the drive line at most
 // CRN_PORT_DRIVE_HOLD_ms ago. It watches by itself: a device that stands still loses power, whoever stopped it.
 // Deterministic: the same seed and the same outputs give the same inputs.
-// May include: firmware/port/port.h.
 #pragma once
 #include "firmware/port/port.h"
 #include "hil_tests/plant/axis.hpp"

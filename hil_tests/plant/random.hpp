@@ -1,5 +1,4 @@
 // Seeded noise that is the same on every machine: no library decides about it.
-// May include: nothing.
 #pragma once
 #include <cstdint>
 

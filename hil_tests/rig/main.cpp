@@ -8,6 +8,7 @@
 #include "hil_tests/l1/bench_server.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include "host/base/interrupt.hpp"
+#include "host/base/version.hpp"
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
@@ -222,6 +223,7 @@ int main(int argc, char **argv)
                "monitor --seconds 5\n  hil_rig -- hil_tests/l3/run_guest.py --mailbox {mailbox} --channel "
                "{bench} -- "
                "build/bin/hil --level L3");
+    app.set_version_flag("--version", crn::version_of("hil_rig"));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {

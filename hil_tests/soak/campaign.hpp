@@ -1,6 +1,5 @@
 // Many sessions of one seed, in processes of their own, as many at a time as there are jobs: drawn, judged, shrunk when a bar breaks, and written
 // row by row. Ctrl-C ends it; a later call goes on.
-// May include: draw, trial, shrink, rows.
 #pragma once
 #include "hil_tests/soak/draw.hpp"
 #include "hil_tests/soak/rows.hpp"

@@ -1,6 +1,5 @@
 // What sessions are drawn from: baked scenes with their vessels, every instrument and stent that ships, and the sets of instruments that fit
 // into each other. Read once; a session's device and sinks take it from here.
-// May include: host.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/lesion_opening.hpp"

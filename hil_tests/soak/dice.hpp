@@ -1,5 +1,4 @@
 // Random numbers that are the same with every library: std::mt19937_64 is defined to the bit, its distributions are not.
-// May include: nothing.
 #pragma once
 #include <cstdint>
 #include <random>

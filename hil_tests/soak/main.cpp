@@ -5,6 +5,7 @@
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/base/text.hpp"
+#include "host/base/version.hpp"
 #include "shared/wire/wire_frame.h"
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -220,6 +221,7 @@ int main(int argc, char **argv)
     options.campaign.jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     CLI::App app("Draws random legal sessions and holds every tick against bars (docs/soak.md)");
     parse(app, options);
+    app.set_version_flag("--version", crn::version_of("soak"));
     try {
         app.parse(argc, argv);
         check(options);

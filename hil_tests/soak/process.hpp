@@ -1,4 +1,4 @@
-// A process that says one text and ends. May include: nothing.
+// A process that says one text and ends.
 #pragma once
 #include <functional>
 #include <optional>

@@ -1,5 +1,4 @@
 // The results of one seed as a file of tab-separated rows, a session each, which a later call goes on from.
-// May include: trial, drawn.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
 #include <map>

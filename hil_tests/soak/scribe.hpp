@@ -1,5 +1,4 @@
 // Writes the statements of a session and remembers where that leaves the tools, as far as a script can know.
-// May include: catalogue, dice.
 #pragma once
 #include "hil_tests/soak/catalogue.hpp"
 #include "hil_tests/soak/dice.hpp"

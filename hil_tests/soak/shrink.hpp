@@ -1,5 +1,4 @@
 // A broken session made short: whatever can be left out, halved or made plainer while the same bar breaks. Bounded in trials and in time.
-// May include: trial, drawn.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
 

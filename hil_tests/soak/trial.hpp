@@ -1,6 +1,5 @@
 // One session against the bars, on the host's own run_session(): hands, device, stents, contrast medium and recording are those of `cournand run`,
 // without pictures. It ends at the first tick that breaks a bar; one that holds them all is replayed from its recording, tick by tick.
-// May include: host, catalogue, drawn.
 #pragma once
 #include "hil_tests/soak/catalogue.hpp"
 #include "hil_tests/soak/drawn.hpp"

@@ -1,5 +1,4 @@
 // The sink of a trial: holds every tick against the bars.
-// May include: host, trial.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
 #include "host/patient/patient.hpp"

@@ -1,7 +1,5 @@
 /* The whole device in this process behind the token mailbox: the app, the USB stack, the controller in memory. It has no rig; the
  * host says where the hands are. One per process: the scene slots are static.
- *
- * May include: firmware/port, hil_tests/usb.
  */
 #ifndef CRN_USB_DEVICE_H
 #define CRN_USB_DEVICE_H

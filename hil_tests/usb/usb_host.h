@@ -4,8 +4,6 @@
  * Waiting is the caller's: `wait` runs between two looks at the mailbox and between two tries of a packet that was NAKed.
  * In one process it runs the device; towards another process it sleeps. It returns false when the deadline is over that
  * `begin_wait` set: how long a device may take to serve one token. NAKs are counted.
- *
- * May include: shared/mailbox.
  */
 #ifndef CRN_USB_HOST_H
 #define CRN_USB_HOST_H

@@ -1,7 +1,5 @@
 /* The device that a bridge shows to a host: the loop-back rig or the whole app in this process, or whatever serves a mailbox in
  * a file that another process has mapped too (an emulator's memory).
- *
- * May include: hil_tests/usb.
  */
 #ifndef CRN_USB_PEER_H
 #define CRN_USB_PEER_H

@@ -1,7 +1,5 @@
 /* Transfers that wait: what a host controller driver keeps per endpoint. Each step tries one packet of the first transfer of
  * every endpoint and never waits for a device that has nothing, so that one slow endpoint holds up no other.
- *
- * May include: usb_host.h.
  */
 #ifndef CRN_USB_URBS_H
 #define CRN_USB_URBS_H

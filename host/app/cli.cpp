@@ -1,11 +1,14 @@
 #include "host/app/cli.hpp"
+#include "firmware/core/core.h"
 #include "host/app/cli_dicom.hpp"
 #include "host/app/cli_rig.hpp"
 #include "host/base/command_values.hpp"
 #include "host/base/terminal.hpp"
+#include "host/base/version.hpp"
 #include "host/model/units.hpp"
 #include "host/report/instrument_list.hpp"
 #include "host/session/replay.hpp"
+#include "shared/wire/wire.h"
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -363,6 +366,10 @@ int command_line(int argc, char **argv)
     info_command->footer("Examples:\n  cournand info out/demo.rec\n  cournand info --opengl");
     app.footer("Examples:\n  cournand run --help\n  cournand replay out/demo.rec --verify");
     refuse_empty_values(app);
+    app.set_version_flag("--version", version_of("cournand") + ", core " +
+                                          std::to_string(int{CRN_CORE_VERSION}) + ", protocol " +
+                                          std::to_string(int{CRN_WIRE_PROTOCOL_MAJOR}) + "." +
+                                          std::to_string(int{CRN_WIRE_PROTOCOL_MINOR}));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {

@@ -1,4 +1,4 @@
-// The command line `cournand`: exit codes 0 done, 1 failed, 2 wrong usage, 3 physics left its range (range_watch.hpp). May include: all host.
+// The command line `cournand`: exit codes 0 done, 1 failed, 2 wrong usage, 3 physics left its range (range_watch.hpp).
 #pragma once
 #include "host/app/window.hpp"
 #include "host/base/output_files.hpp"

@@ -1,6 +1,5 @@
 // The window of `cournand view`: hand, pedal and C-arm by keyboard, the same pictures as everywhere else.
 // Live input is recorded like a session; the recording replays bit for bit.
-// May include: all host.
 #pragma once
 #include "host/picture/session_pictures.hpp"
 #include <string>

@@ -1,5 +1,4 @@
 // What the keys of the window mean: one table for the handling and the help panel.
-// May include: room, window_screen.
 #pragma once
 #include "host/picture/screen.hpp"
 #include "host/room/room_screen.hpp"

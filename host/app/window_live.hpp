@@ -1,6 +1,5 @@
 // A session led by hand: one device, its recording and its pictures. One object is one session; reset makes a new one.
 // A device in FREE_RUN leads itself: its encoders are the hands; the pedals of a rig work beside the keys.
-// May include: device, recording, session_pictures.
 #pragma once
 #include "host/picture/session_pictures.hpp"
 #include "host/rig/pedals.hpp"

@@ -1,4 +1,4 @@
-// Values of options on a command line, before any of them is used. May include: CLI11.
+// Values of options on a command line, before any of them is used.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <string>

@@ -1,4 +1,4 @@
-// Text from numbers, and text for pages. May include: nothing.
+// Text from numbers, and text for pages.
 #pragma once
 #include <cstdarg>
 #include <string>

@@ -1,6 +1,5 @@
 // Files that other people's parsers read are read in a child process with limits on memory, time and stack. What it understood comes
 // back through a pipe as plain data, which the caller checks. A damaged file ends only the child, and the message says how.
-// May include: nothing.
 //
 //   caller                       child
 //   read_apart -> fork ------->  limits, signals back to their defaults, no output but the pipe

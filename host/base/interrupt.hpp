@@ -1,5 +1,5 @@
 // Ctrl-C and SIGTERM, the same for every program of ours. Loops ask, close their files and end; whatever does not ask is
-// ended by the second signal. May include: pending_file.
+// ended by the second signal.
 #pragma once
 
 namespace crn

@@ -1,6 +1,5 @@
 // Files a program is asked to write, looked at before anything is written and before the work that they are for: none of them
 // may be one of its inputs, another output, or anything but a regular file, and each can be written.
-// May include: pending_file.
 #pragma once
 #include <stdexcept>
 #include <string>

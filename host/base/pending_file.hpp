@@ -1,5 +1,5 @@
 // A file under way: it is written beside the wanted name and gets that name when it is whole, so that a name never stands
-// for half a file, and what stood there before is kept until then. May include: nothing.
+// for half a file, and what stood there before is kept until then.
 #pragma once
 #include <cstdio>
 #include <memory>

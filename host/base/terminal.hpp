@@ -1,5 +1,5 @@
 // What a person reads in a terminal: text from files, devices and other people's libraries reaches it without control characters, so
-// that no name moves the cursor, changes a title or forges a line. May include: format.
+// that no name moves the cursor, changes a title or forges a line.
 #pragma once
 #include <cstdio>
 #include <string>

@@ -1,4 +1,4 @@
-// Error texts with a place, and suggestions for misspelt words. May include: nothing.
+// Error texts with a place, and suggestions for misspelt words.
 #pragma once
 #include <stdexcept>
 #include <string>

@@ -1,6 +1,5 @@
 // toml++, for texts that anyone may have written. Its assertions are meant for its own developers, but some fail on texts that it
 // then refuses properly (a lone '['), and would end the program.
-// May include: nothing of ours.
 //
 // toml++ goes one call deeper for each table within a table, and so does every walk through what it read: a header of 400,000
 // dotted names ends the program. So a text is looked through first. With at most 32 names in a key and 32 brackets within each

@@ -26,7 +26,7 @@ StentDesign thousand_struts()
     return design;
 }
 
-// Inflated for two beats and a half, let go, then beating.
+// Inflated for two beats and a half, deployed, then beating.
 class Bench
 {
   public:

@@ -53,7 +53,7 @@ class Theatre
         lay_wire();
     }
 
-    // Crimped on its folded balloon, or opened to the artery's width and let go.
+    // Crimped on its folded balloon, or opened to the artery's width and deployed.
     void place_stent(bool is_deployed)
     {
         Stent stent(read_stent("shared/examples/stents/coronary_3_0x18.toml"), at_mm);

@@ -5,7 +5,7 @@
 //
 // writes FOLDER/body_N.stl (binary, mm), FOLDER/scene.json (materials, geometry of each view, spectrum) and FOLDER/ours_V.f32
 // (transmissions, row 0 on top), and prints one line of key=value pairs. Bodies within bodies within the skin (marrow, vessels of the
-// lungs) are left out: the peer knows one level. May include: host/xray.
+// lungs) are left out: the peer knows one level.
 #include "host/xray/detector.hpp"
 #include "host/xray/xray.hpp"
 #include <Eigen/Geometry>

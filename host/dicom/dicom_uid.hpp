@@ -1,5 +1,5 @@
 // Unique identifiers out of what they name: the same content gets the same UID, other content another. Form 2.25 of
-// PS3.5 B.2, a 128-bit number without a registered root. May include: nothing.
+// PS3.5 B.2, a 128-bit number without a registered root.
 #pragma once
 #include <cstdint>
 #include <string>

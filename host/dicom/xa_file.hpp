@@ -5,7 +5,7 @@
 //   for (frame of the run) add_frame(spool, pixels, frame);                        // to the disk, not to memory
 //   write_xa("out/dicom/run_01_fluoro.dcm", run, spool, pixels, study, 1, nullptr);
 //
-// Attributes, units and what each means: docs/output.md. May include: host/xray, host/model.
+// Attributes, units and what each means: docs/output.md.
 #pragma once
 #include "host/base/pending_file.hpp"
 #include "host/dicom/dicom_uid.hpp"

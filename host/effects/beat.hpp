@@ -1,6 +1,6 @@
 // What drives blood through the vessels at a moment of the heartbeat: pressure at the inlet, and how open the beds behind
 // the outlets are. Whoever leads the rhythm gives the phase; steady_beat() is a heart that always beats alike.
-// No libm: the same bits on every machine. May include: host/model. See docs/contrast.md.
+// No libm: the same bits on every machine. See docs/contrast.md.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <array>

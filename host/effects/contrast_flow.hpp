@@ -7,7 +7,7 @@
 //   contrast.iodine_mg_per_ml(cell);
 //
 // Iodine is conserved: injected = in the vessels + out + reflux. A pure function of what it is given, in a fixed order and
-// without libm: the same bits on every machine. May include: flow_network.
+// without libm: the same bits on every machine.
 #pragma once
 #include "host/effects/flow_network.hpp"
 #include <cstdint>

@@ -4,8 +4,6 @@
 //   cells.reshape(opened);        // the same vessels with lesions that have given way: other radii, volumes and places
 //   cells.place(moved);           // the same vessels elsewhere (a beating heart): radii and volumes stay
 //   cells.nearest(tip_m);
-//
-// May include: host/model.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <cstddef>

@@ -2,7 +2,6 @@
 // pressure at the inlet, conductances behind the outlets, and fluid that is injected. Linear, so one elimination from the
 // outlets to the inlet and one walk back solve it exactly. Cells in a row are one resistance, so that only the places where flow
 // divides count.
-// May include: flow_cells, beat.
 #pragma once
 #include "host/effects/beat.hpp"
 #include "host/effects/flow_cells.hpp"

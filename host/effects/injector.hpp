@@ -1,5 +1,4 @@
 // What the syringe was asked for, tick by tick, in whole nanolitres: the same on every machine and in every replay.
-// May include: contrast_flow.
 #pragma once
 #include "host/effects/contrast_flow.hpp"
 #include <cstdint>

@@ -2,7 +2,7 @@
 //
 //   for (const LesionFigures &f : lesion_figures(tree, 3.5)) ...
 //
-// docs/lesions.md has the equations. May include: flow_network.
+// docs/lesions.md has the equations.
 #pragma once
 #include "host/effects/flow_network.hpp"
 #include <string>

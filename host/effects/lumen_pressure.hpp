@@ -4,8 +4,6 @@
 // annulus's share of the conductance, 1 - k^4 - (1 - k^2)^2 / ln(1/k) (Bird, Stewart, Lightfoot, Transport Phenomena, 2.4), where both are
 // concentric. A wire that lies on the wall lets at most 2.5 times as much through (narrow gap: 1 + 1.5 e^2, Snyder and Goldstein 1965).
 // What is returned is the least that the tools can need, so a refusal is never too strict.
-//
-// May include: host/model.
 #pragma once
 #include "host/model/instrument.hpp"
 #include <span>

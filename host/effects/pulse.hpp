@@ -3,7 +3,6 @@
 // The electrocardiogram is a sum of bells placed by the beat: P before the QRS, T at the end of systole; a premature beat is
 // wide, without P, with T turned over. The pressure is a two-element windkessel with a characteristic impedance, fed by the
 // ejection of each systole; the less the ventricle was filled, the less it ejects (docs/heart.md, "traces").
-// May include: shared/wire.
 #pragma once
 #include "shared/wire/wire.h"
 #include <array>

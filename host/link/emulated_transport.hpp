@@ -1,5 +1,4 @@
 // Bytes to and from the emulated device through the rings of the rig page.
-// May include: emulator, transport.
 #pragma once
 #include "host/link/emulator.hpp"
 #include "host/link/transport.hpp"

@@ -5,7 +5,6 @@
 //   shift 1   500 instructions per us; shift 0   1,000 instructions per us: for anything with milliseconds in it
 //
 // Every wait has a deadline, and the process dies with us, whatever happens.
-// May include: link, firmware/port/mps2_an500/rig_page.h.
 #pragma once
 #include "firmware/port/mps2_an500/rig_page.h"
 #include "host/link/link.hpp"

@@ -2,7 +2,7 @@
 //
 // Debian has hidapi twice, over the kernel's hidraw and over libusb, with the same names inside. Both are opened at run time,
 // so that either can be chosen and a machine without them still runs everything else.
-// Thread rules: one caller at a time per rig. May include: hidapi.
+// Thread rules: one caller at a time per rig.
 #pragma once
 #include "host/link/link.hpp"
 #include "shared/wire/hid.h"

@@ -10,7 +10,6 @@
 //   link.nodes();                                  // the shape after the last of them
 //
 // Every refusal becomes a LinkError whose text says what was refused, why, and what to do.
-// May include: shared, host/base/interrupt.
 #pragma once
 #include "host/link/patience.hpp"
 #include "host/link/transport.hpp"

@@ -1,4 +1,4 @@
-// Text of messages with numbers in it. May include: nothing.
+// Text of messages with numbers in it.
 #pragma once
 #include <cstdio>
 #include <string>

@@ -2,7 +2,6 @@
 // milliseconds. What a wait takes beyond `free` is taken from the budget, and every quick answer gives a little back: so a
 // device that is silent, that talks without answering, or that answers each request a little before some limit ends in the
 // same bounded time. From Ctrl-C on there is only what a healthy device needs for a clean end.
-// May include: host/base/interrupt.
 #pragma once
 #include <chrono>
 #include <cstdint>

@@ -1,5 +1,4 @@
 // A pipe of bytes to a device. USB, QEMU and the sim port all look like this to Link.
-// May include: shared.
 #pragma once
 #include <cstddef>
 #include <cstdint>

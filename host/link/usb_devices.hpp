@@ -1,5 +1,4 @@
 // Rigs on USB: which there are, opening one by its serial number, and waiting for one to come or go.
-// May include: libusb.
 #pragma once
 #include "host/link/link.hpp"
 #include <cstdint>

@@ -2,7 +2,7 @@
 //
 // One thread of its own serves libusb; callers see blocking reads and writes with time limits. Every wait ends: by bytes, by
 // its limit, because the device went (DeviceLost), or after_interrupt_ms after Ctrl-C. The destructor takes all transfers back and ends the thread.
-// Thread rules: one caller at a time. May include: libusb.
+// Thread rules: one caller at a time.
 #pragma once
 #include "host/link/transport.hpp"
 #include "host/link/usb_devices.hpp"

@@ -3,7 +3,7 @@
 //
 // One file describes one instrument from its tip to its hub, by one or more presets; "file.toml" is its preset `physical`,
 // "file.toml:vcsim3-fit" another one. Every value has its unit in the key and a source beside it. Errors name file, line,
-// preset, section and key. May include: shared/wire, text.
+// preset, section and key.
 #pragma once
 #include "shared/wire/wire.h"
 #include <Eigen/Core>

@@ -1,5 +1,4 @@
 // The parts of an instrument file: sections of equal make, arcs of the rest shape, elements; and the profile they make.
-// May include: instrument, instrument_toml.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/instrument_toml.hpp"

@@ -1,5 +1,4 @@
 // Reading of instrument files: tables with known keys, values with a source, errors with a place.
-// May include: text, toml.
 #pragma once
 #include "host/base/toml.hpp"
 

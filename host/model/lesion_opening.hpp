@@ -3,8 +3,6 @@
 //   const auto stations = read_lesion_stations("lad.scene", error);
 //   const LesionOpening opening(tree, stations);
 //   opening.open(tree, wire.lesions_open, now);          // points and radii within lesions; all else as it is in `now`
-//
-// May include: vessel_tree, shared/scene.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <span>

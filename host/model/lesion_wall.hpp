@@ -4,8 +4,6 @@
 //   const LesionWall wall(tree, 0);
 //   x += wall.way_m(x);                       // from the healthy vessel to the narrowed one
 //   if (wall.healthy_of(x, healthy)) ...      // and back
-//
-// May include: vessel_tree.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <Eigen/Geometry>

@@ -5,8 +5,6 @@
 //   MovingBodies bodies(*motion, all_bodies);
 //   bodies.at({wire.heart_phase32, wire.breath_phase32});       // vertices of what moves
 //   MovingPoints points(*motion, places); points.at(moment);
-//
-// May include: shared/scene, bodies.
 #pragma once
 #include "host/model/bodies.hpp"
 #include <Eigen/Core>

@@ -3,7 +3,7 @@
 //   OpenedBodies opened(bodies, opening, motion);
 //   for (const auto &body : opened.at(moment, wire.lesions_open, moving.at(moment))) ...
 //
-// Only vertices near a lesion are touched, none while nothing is open. May include: motion, lesion_opening, lesion_wall.
+// Only vertices near a lesion are touched, none while nothing is open.
 #pragma once
 #include "host/model/lesion_opening.hpp"
 #include "host/model/motion.hpp"

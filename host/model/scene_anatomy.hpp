@@ -1,6 +1,5 @@
 // What is known of a patient besides the lumen that the core has: bodies with their tree of vessels, how they move, and which lesions
 // give way. One reader for pictures, contrast medium, stents and surfaces.
-// May include: bodies, motion, lesion_opening.
 #pragma once
 #include "host/model/bodies.hpp"
 #include "host/model/lesion_opening.hpp"

@@ -1,5 +1,4 @@
 // A baked scene for those who take one thing out of it.
-// May include: text, shared/scene.
 #pragma once
 #include "host/base/text.hpp"
 #include "shared/scene/scene.h"

@@ -1,5 +1,4 @@
 // Wire messages -> WireFrame in SI units: what picture and effects see of the tools at a tick.
-// May include: shared/wire, units, instrument.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/wire_frame.hpp"

@@ -8,7 +8,6 @@
 // A vessel of the map is a branch of the tree, called as its file with spaces for underscores. An aorta whose tree has the brachiocephalic and the left subclavian
 // artery is three vessels, as anatomists divide it: ascending aorta (to the origin of the brachiocephalic), aortic arch (to that of the
 // left subclavian), descending aorta.
-// May include: vessel_tree, text.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <cstdint>

@@ -1,6 +1,5 @@
 // Vessels as a tree of centrelines with inscribed radii: where blood flows, and contrast medium with it.
 // Read from the TREE section of an `X.bodies` file with the bodies (bodies.hpp); written by bake. Patient frame, SI.
-// May include: nothing.
 #pragma once
 #include <Eigen/Core>
 #include <cstddef>

@@ -1,5 +1,4 @@
 // The balloon of a session: which tool has it, where its balls are on the line, and what the X-ray sees of what fills it.
-// May include: model, stent, xray.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/wire_frame.hpp"

@@ -1,7 +1,6 @@
 // Contrast medium in a session: what the syringe was asked for, where the tools are, and what of it the X-ray sees.
 // It follows from the commands and from the line's shape at ticks of its own (next_tick), so a replay shows the same, whatever
 // pictures were asked for. While no medium is in the vessels nothing is computed.
-// May include: effects, xray, model, room/command.
 #pragma once
 #include "host/effects/injector.hpp"
 #include "host/model/instrument.hpp"

@@ -8,7 +8,7 @@
 //   no later than patient.next_look(): patient.look(shape of the line at that tick)
 //
 // Everything follows from the commands, from what went into the core and came out of it, and from the line's shape at ticks of the
-// patient's own. May include: room, xray, stent, effects, model.
+// patient's own.
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/model/instrument.hpp"

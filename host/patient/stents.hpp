@@ -1,4 +1,4 @@
-// Stents in a session: mounted on the balloon, opened by it, let go, held by the wall; what the core has to know of them, and what the
+// Stents in a session: mounted on the balloon, opened by it, deployed, held by the wall; what the core has to know of them, and what the
 // X-ray sees. Everything follows from the commands and from the line's shape at ticks of its own, multiples of look_every_ticks,
 // whatever pictures were asked for. What the core is told goes through order(), becomes part of a tick's input and is recorded; a replay
 // feeds the core with what was recorded, and computes stents again for pictures and reports.
@@ -6,8 +6,6 @@
 //   PatientStents stents(shelf, bodies.vessels, motion, stations, tools);
 //   stents.command(tick, {RoomAction::load_stent, {}});       the next one of the shelf onto the balloon
 //   stents.advance(...) at stents.next_tick(); stents.order() for every input after that
-//
-// May include: stent, xray, model, balloon.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/lesion_opening.hpp"
@@ -44,9 +42,9 @@ struct StentResult {
     StentStage stage = StentStage::on_balloon;
     bool was_taken_out = false; // unopened, with its balloon, and another one took its place
     std::uint32_t loaded_tick = 0;
-    std::optional<std::uint32_t> opened_tick, released_tick; // first ring open; let go or lost
+    std::optional<std::uint32_t> opened_tick, released_tick; // first ring open; deployed or lost
     StentFigures figures;                                    // empty when it never was in the patient
-    double stretch = 0.0, overlap_mm = 0.0;                  // overlap with those let go before it
+    double stretch = 0.0, overlap_mm = 0.0;                  // overlap with those deployed before it
     struct Lesion {
         std::size_t number = 0; // of the tree
         std::string name;
@@ -92,7 +90,7 @@ class PatientStents
     struct Story { // of a stent, beside its own state
         std::uint32_t loaded_tick = 0;
         std::optional<std::uint32_t> opened_tick, released_tick;
-        std::optional<std::size_t> vessel; // index; of the place where it is or was let go
+        std::optional<std::size_t> vessel; // index; of the place where it is or was deployed
     };
     struct Taken { // unopened, out of the patient again
         std::string name;

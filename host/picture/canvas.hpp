@@ -1,5 +1,4 @@
 // A white sheet for charts: boxes, smooth lines of any width, letters of the display's font.
-// May include: picture, picture_font.
 #pragma once
 #include "host/picture/picture.hpp"
 #include <string_view>

@@ -1,6 +1,6 @@
 // The runs of a session as a folder of DICOM files: frames are put on the disk as they are made, and the files are written
 // at the end, when it is known what they hold. Names: run_01_fluoro.dcm, run_02_dsa.dcm; a long run goes on in
-// run_01_fluoro_2.dcm. May include: host/dicom, host/xray, host/model.
+// run_01_fluoro_2.dcm.
 #pragma once
 #include "host/dicom/xa_file.hpp"
 #include "host/xray/run.hpp"

@@ -1,4 +1,4 @@
-// Who draws the X-ray's path lengths, as the command line names it. May include: xray.
+// Who draws the X-ray's path lengths, as the command line names it.
 #pragma once
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/xray.hpp"

@@ -1,7 +1,6 @@
 // Pictures of a session: what the patient's X-ray room does is X-rayed, drawn and written here. Pictures read the patient and change
 // nothing. Everything follows from the patient, the shapes at the ticks asked for, and the seed. C-arm and table know what was asked
 // from the beginning also when a replay starts later (--from S); dose, runs and the following of the tip begin at S.
-// May include: xray, room, patient, picture, frame_sink.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/scene_anatomy.hpp"

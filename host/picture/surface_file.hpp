@@ -2,8 +2,6 @@
 //
 //   SurfaceSink sink(settings, ticks);
 //   replay_recording(device, recording, &sink, {});         // writes the file at its end
-//
-// May include: model, frame_sink.
 #pragma once
 #include "host/model/opened_bodies.hpp"
 #include "host/picture/surface_picture.hpp"

@@ -1,5 +1,4 @@
 // Walls round a lesion as a picture: the lumen's polygons as glass, calcium and balloon in it, one panel for each moment side by side.
-// May include: picture.
 #pragma once
 #include "host/picture/picture.hpp"
 #include <Eigen/Core>

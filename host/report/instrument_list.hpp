@@ -1,5 +1,4 @@
 // The figures of instruments as text, JSON, a table for docs/instruments.md and a picture.
-// May include: model, picture.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/picture/picture.hpp"

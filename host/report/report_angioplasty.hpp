@@ -1,4 +1,4 @@
-// What a session's report says of balloon and stents. May include: balloon_figures, host/patient, model.
+// What a session's report says of balloon and stents.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/session/balloon_figures.hpp"

@@ -90,7 +90,7 @@ Value geographic_miss_mm(const Json &report)
     return sum;
 }
 
-// Burst balloons, lost stents, stents that were let go and hold nothing.
+// Burst balloons, lost stents, stents that were deployed and hold nothing.
 Value mishaps(const Json &report)
 {
     if (!report.contains("balloon") || report["balloon"].is_null()) return {};
@@ -171,6 +171,8 @@ Json score_of(const Json &report)
         entry["remark"] = metric.remark;
         metrics.push_back(entry);
     }
+    // Without a lesion there is nothing to treat: 100 % of little X-ray would be a lie.
+    if (!report.contains("lesions") || report["lesions"].empty()) points = of = 0.0;
     return {{"points", points},
             {"of", of},
             {"percent", of > 0.0 ? Json(100.0 * points / of) : Json()},

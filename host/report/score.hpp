@@ -1,7 +1,6 @@
 // What an angioplasty is worth: metrics with marks between two stated limits, from a session's report (docs/score.md). A metric that the
 // report knows nothing of is shown without marks and leaves the sum alone.
 //   Json score = score_of(report);    write_score_page("score.html", report, score, pictures);
-// May include: picture, nlohmann/json.
 #pragma once
 #include "host/picture/picture.hpp"
 #include <nlohmann/json.hpp>

@@ -1,5 +1,4 @@
 // The end of a session, however it was led: figures on the terminal, as JSON and as a score. `run`, `view` and `replay` say the same.
-// May include: run, score, host/patient.
 #pragma once
 #include "host/room/room_screen.hpp"
 #include "host/session/run.hpp"

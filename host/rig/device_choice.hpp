@@ -1,4 +1,4 @@
-// Which device a command talks to: the one in this process, the image in an emulator, or a rig on USB. May include: link.
+// Which device a command talks to: the one in this process, the image in an emulator, or a rig on USB.
 #pragma once
 #include "host/link/transport.hpp"
 #include <cstdint>

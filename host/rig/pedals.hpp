@@ -1,4 +1,4 @@
-// Pedals and syringe of a rig: button bits and counts become commands to the room. May include: shared/wire, room/command.
+// Pedals and syringe of a rig: button bits and counts become commands to the room.
 #pragma once
 #include "host/room/command.hpp"
 #include "shared/wire/wire.h"

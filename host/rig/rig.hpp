@@ -1,4 +1,4 @@
-// cournand rig: find, look at, test, calibrate and feel a rig. May include: link, base.
+// cournand rig: find, look at, test, calibrate and feel a rig.
 #pragma once
 #include "host/link/hid_rig.hpp"
 #include "host/link/link.hpp"

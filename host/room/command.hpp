@@ -1,6 +1,5 @@
 // What a person does in the X-ray room: pedals, geometry, modes, review. A session is a list of these with their ticks, and
 // nothing else decides what the room does: docs/room.md. Whole numbers, so that a recording holds them exactly.
-// May include: nothing.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,5 +1,5 @@
 // Dose of a session, as IEC 60601-2-43 asks for it: reference air kerma, kerma-area product and time, per irradiation and in
-// total. May include: host/xray.
+// total.
 #pragma once
 #include "host/xray/run.hpp"
 #include "host/xray/xray.hpp"

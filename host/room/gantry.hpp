@@ -6,7 +6,7 @@
 //   gantry.aim(pose);              // from then on: where the motors go
 //   gantry.tick();                 // 1 ms
 //
-// May include: host/xray/paths/carm.hpp. Equations and the model of the collision: docs/room.md.
+// Equations and the model of the collision: docs/room.md.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include <array>

@@ -1,4 +1,4 @@
-// Standard views by name. Angles and their sources: docs/room.md. May include: nothing.
+// Standard views by name. Angles and their sources: docs/room.md.
 #pragma once
 #include <cstdint>
 #include <span>

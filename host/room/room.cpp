@@ -220,7 +220,7 @@ void Room::follow(std::uint32_t tick, const Eigen::Vector3d &tip)
 
 // --- pedals ---
 
-// A run begins with a new press only: a pedal held over the end of another run does nothing until it is let go.
+// A run begins with a new press only: a pedal held over the end of another run does nothing until it is released.
 void Room::press_pedals(std::uint32_t tick)
 {
     if (beam_.is_on && beam_.is_acquired) return;

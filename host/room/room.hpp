@@ -8,7 +8,7 @@
 //   room.forget_events();
 //
 // Stop at next_tick() at the latest, or pulses are missed. The same commands and bodies give the same pulses and the same dose,
-// whoever looks. May include: host/xray. See docs/room.md.
+// whoever looks. See docs/room.md.
 #pragma once
 #include "host/room/command.hpp"
 #include "host/room/dose.hpp"

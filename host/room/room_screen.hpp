@@ -6,7 +6,7 @@
 //       screen.take(event, event.kind == RoomEvent::Kind::pulse ? &picture_of(event) : nullptr);
 //   screen.compose(size, grey); screen.status();
 //
-// The same events and pictures give the same screens, bit for bit. May include: host/xray. See docs/room.md.
+// The same events and pictures give the same screens, bit for bit. See docs/room.md.
 #pragma once
 #include "host/room/room.hpp"
 #include "host/room/run_store.hpp"

@@ -1,5 +1,5 @@
 // What the screen keeps of its pictures: acquired runs, and the last seconds of fluoroscopy. Bounded: when the memory given is
-// full, the oldest run's pictures go. May include: host/xray/run.hpp.
+// full, the oldest run's pictures go.
 #pragma once
 #include "host/xray/run.hpp"
 #include <cstddef>

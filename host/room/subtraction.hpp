@@ -1,6 +1,6 @@
 // Differences of pictures: DSA against a mask, peak opacification, the roadmap. All on the logarithm of the raw values, because
 // there a contrasted vessel is as dark in front of bone as in front of lung. Pixels are row by row, row 0 on top.
-// Sums, products and the polynomials of float_math only. May include: host/xray.
+// Sums, products and the polynomials of float_math only.
 #pragma once
 #include "host/xray/run.hpp"
 #include <cstdint>

@@ -6,8 +6,6 @@
 //   expect apposition at least 95 %
 //   expect inserted wire at least 400 mm
 //   expect turned catheter at least 170 deg
-//
-// May include: session_tool, tip_places, host/patient.
 #pragma once
 #include "host/script/tip_places.hpp"
 #include "host/script/tool.hpp"

@@ -5,8 +5,6 @@
 //             /              \        ramps are smoothsteps of R = 200 ms (or shorter for short moves);
 //         ___/                \___    distance over a ramp = speed x R / 2
 //            |R|            |R|
-//
-// May include: nothing.
 #pragma once
 #include <cstdint>
 

@@ -1,5 +1,4 @@
 // One line of a session script being read: words, numbers with units, choices; mistakes with their place and a suggestion.
-// May include: model/text.
 #pragma once
 #include "host/base/text.hpp"
 #include <charconv>

@@ -1,5 +1,4 @@
 // The statements of a session script that ask something of heart and breath (docs/session.md, docs/heart.md).
-// May include: session_line, rhythm_order.
 #pragma once
 #include "host/script/line.hpp"
 #include "host/script/rhythm_order.hpp"

@@ -1,5 +1,4 @@
 // What heart and breath are asked for, one order per tick, as the wire's `encoders` carry it (docs/heart.md).
-// May include: shared/wire.
 #pragma once
 #include "shared/wire/wire.h"
 #include <cstdint>

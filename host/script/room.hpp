@@ -1,5 +1,4 @@
 // Statements of a session script that speak to the X-ray room (docs/session.md): text -> commands.
-// May include: session_line, room.
 #pragma once
 #include "host/room/command.hpp"
 #include "host/script/line.hpp"

@@ -4,8 +4,7 @@
 //   SessionPlayer player(session, tool_count);
 //   while (!player.is_done()) { input = player.next(); ...; player.observe({inserted_m, tips}); }
 //
-// Errors name file, line and column and suggest a spelling. May include: the session's parts, hand_motion, rhythm_order,
-// room/command, model/text.
+// Errors name file, line and column and suggest a spelling.
 #pragma once
 #include "host/room/command.hpp"
 #include "host/script/expect.hpp"

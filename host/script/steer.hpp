@@ -6,7 +6,6 @@
 //
 // Every decision is one of integers, on the ticks at which a script looks, so one session gives the same counts whatever
 // pictures are made; what comes out is plain motion of a hand.
-// May include: hand_motion, session_tool, tip_places.
 #pragma once
 #include "host/script/hand_motion.hpp"
 #include "host/script/tip_places.hpp"

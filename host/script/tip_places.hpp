@@ -1,6 +1,5 @@
 // Where the tips of the tools are in the vessels: what a script that steers and a report look at.
 // Heart and breath are taken out first, so that a tip that goes with its artery stays where it is.
-// May include: model.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/model/vessel_map.hpp"

@@ -1,5 +1,4 @@
 // Which tool a line of a session script names, and words up to the next one of the grammar (docs/session.md).
-// May include: session_line, shared/wire.
 #pragma once
 #include "host/script/line.hpp"
 #include "shared/wire/wire.h"

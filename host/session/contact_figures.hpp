@@ -1,5 +1,4 @@
 // What the wall bore in a session: the forces of all contacts, looked at every so many ticks, and their sum over time.
-// May include: shared/wire.
 #pragma once
 #include "shared/wire/wire.h"
 #include <algorithm>

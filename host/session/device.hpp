@@ -1,5 +1,4 @@
 // A device with everything set up for a session: handshake, scene, tools, entry, rig, armed and started.
-// May include: link, model.
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/link/link.hpp"

@@ -1,5 +1,4 @@
 // Whoever looks at a session without a part in it: pictures, referees. Given the line at the ticks it names, after the patient has come to that tick.
-// May include: shared/wire, model.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "shared/wire/wire.h"

@@ -2,7 +2,6 @@
 // the wanted hand less what has slipped, in encoder counts, so a recording has the slip in it and a replay needs nothing of this.
 // Integers only, and forces are looked at on ticks that depend on nothing but forces: the same script slips alike with and without
 // pictures, in batches of any size, on every machine.
-// May include: shared/wire.
 #pragma once
 #include "shared/wire/wire.h"
 #include <array>

@@ -1,6 +1,5 @@
 // Did the physics stay in its range? Looks at every tick of a session: a number of the core at its format's limit, a tool too deep in
 // the wall or a line too long or too short mean that the shape is no longer that of the tools, and the session must not go on as if it were.
-// May include: shared/wire, model.
 #pragma once
 #include "shared/wire/wire.h"
 #include <Eigen/Core>

@@ -6,7 +6,6 @@
 //
 // A recorder writes chunk by chunk, so that a recording cut off by a crash is readable up to its last whole chunk.
 // A reader refuses what is not a recording, is of a newer version, or is damaged in the middle.
-// May include: shared/wire, room/command, stent/design, model.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/room/command.hpp"

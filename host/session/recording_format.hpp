@@ -1,5 +1,4 @@
 // What recorder and reader share: chunk kinds, their sizes and the header's codec.
-// May include: recording.hpp.
 #pragma once
 #include "host/session/recording.hpp"
 #include <bit>

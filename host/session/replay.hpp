@@ -1,5 +1,4 @@
 // Play a recording again on a fresh device and compare every hash.
-// May include: device, recording, frame_sink, host/patient.
 #pragma once
 #include "host/patient/patient.hpp"
 #include "host/script/tip_places.hpp"

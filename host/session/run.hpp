@@ -1,6 +1,5 @@
 // Carry out a session on a device and its patient: a script in LOCKSTEP, as fast as the machine allows, or what hands do at a rig in
 // FREE_RUN; recorded and pictured on the way.
-// May include: device, session, recording, frame_sink, host/patient.
 #pragma once
 #include "host/patient/patient.hpp"
 #include "host/script/session.hpp"

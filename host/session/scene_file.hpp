@@ -1,5 +1,4 @@
 // A baked scene as the host needs it: its bytes for the device and where the instrument enters.
-// May include: shared/scene, model.
 #pragma once
 #include "host/model/instrument.hpp"
 #include <cstdint>

@@ -1,7 +1,6 @@
 // The session of a rig once more, on this machine's core beside it: what a rig says is only believed where both agree, so that no
 // hash, snapshot or picture of a device that lies, is broken, or computes with damaged memory gets into a recording.
 // It is what `replay --verify` would find out later, found out before it is written.
-// May include: link, recording's parts.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/link/sim_transport.hpp"

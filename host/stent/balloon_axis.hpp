@@ -1,5 +1,4 @@
 // A balloon as the core gives it at a picture: balls along its tool, and a frame that goes along its axis without twist.
-// May include: nothing.
 #pragma once
 #include <Eigen/Core>
 #include <limits>

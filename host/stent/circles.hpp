@@ -1,6 +1,5 @@
-// A stent that was let go as the core meets it: circles of its struts' inside, from its tip's end to its hub's. Between two of them a tool
+// A stent that was deployed as the core meets it: circles of its struts' inside, from its tip's end to its hub's. Between two of them a tool
 // cannot go through (docs/lesions.md). Circles lie in the middle of rings, the first and the last one at the stent's ends.
-// May include: stent.hpp.
 #pragma once
 #include "host/stent/stent.hpp"
 #include <functional>

@@ -6,7 +6,6 @@
 //                                                       `offset`  crown to the same crown of the next ring, rings alike
 //
 // Lengths in mm, forces in N. Radii are those of the struts' axis: a balloon of radius r carries struts at r + thickness / 2.
-// May include: host/model.
 #pragma once
 #include <span>
 #include <string>

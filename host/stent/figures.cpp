@@ -269,7 +269,7 @@ std::string_view stent_stage_text(StentStage stage)
     case StentStage::stripped:
         return "lost: slid off its balloon before it was opened";
     case StentStage::adrift:
-        return "lost: let go where no wall holds it";
+        return "lost: released where no wall holds it";
     }
     return "";
 }

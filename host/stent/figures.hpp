@@ -1,5 +1,5 @@
 // What is said of a stent: how it lies on the wall, how wide it is, what it covers, how far it has stretched the vessel; and its struts
-// as lines with a radius, for the X-ray. May include: stent.hpp, vessel_wall.hpp.
+// as lines with a radius, for the X-ray.
 #pragma once
 #include "host/stent/stent.hpp"
 #include <string>

@@ -6,7 +6,6 @@
 //   hinges    k to k+2, k+4, k+N of a ring, of one side       what a crown's bending costs; yield
 //   links     a crown to a crown of the next ring             hold their length
 //   braces    both ends of a link to the other's neighbours   what a link's bending costs; yield
-// May include: design.
 #pragma once
 #include "host/stent/design.hpp"
 #include <array>

@@ -13,9 +13,9 @@ namespace
 
 using Eigen::Vector3d;
 
-constexpr double opened_share = 1.2;   // of the crimped radius: a ring that has let go of the folded balloon
-constexpr double separation_mm = 0.01; // between balloon and struts
-constexpr double least_height = 0.05;  // of a strut's length: a ring opened to the utmost
+constexpr double opened_share = 1.2;     // of the crimped radius: a ring that has left the folded balloon
+constexpr double separation_mm = 0.01;   // between balloon and struts
+constexpr double least_height = 0.05;    // of a strut's length: a ring opened to the utmost
 constexpr double narrow_N_per_mm = 10.0; // of a ring in too narrow a place: its struts catch
 constexpr double held_share = 0.05;      // of the points in the wall: less does not hold a stent
 
@@ -148,7 +148,7 @@ void Stent::follow(const StentSurroundings &around, const BalloonAxis &axis)
     }
     state_.across = axis.across();
     state_.was_placed = true;
-    if (state_.stage == StentStage::stripped || has_separated(axis)) let_go(around);
+    if (state_.stage == StentStage::stripped || has_separated(axis)) deploy(around);
 }
 
 // The balloon has gone from every ring that it has opened.
@@ -178,7 +178,7 @@ std::vector<std::uint32_t> Stent::patch_of(const StentWall &wall) const
 }
 
 // From here on the springs hold it, which bear nothing yet: what was elastic has gone with the balloon.
-void Stent::let_go(const StentSurroundings &around)
+void Stent::deploy(const StentSurroundings &around)
 {
     if (state_.stage == StentStage::on_balloon) state_.stage = StentStage::deployed;
     const bool has_wall = around.wall && around.wall->is_placed();

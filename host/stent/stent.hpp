@@ -1,11 +1,11 @@
-// A balloon-expandable stent in a moving vessel: crimped, opened by its balloon, let go, held by the wall. One step per picture.
+// A balloon-expandable stent in a moving vessel: crimped, opened by its balloon, deployed, held by the wall. One step per picture.
 //
 //   Stent stent(read_stent("coronary_3_0x18.toml"), mount_arc_mm);
 //   stent.step({&wall, &pose, others, sleeves});     every picture, 15 to 60 a second
 //   stent.points(), stent.stage(), stent_lines(stent), stent_figures(stent, wall)
 //
 // Nothing depends on time but by the order of pictures: masses of micrograms follow at once. The same pictures give the same bits.
-// Lengths in mm, forces in N, patient frame. May include: host/model. docs/stent.md
+// Lengths in mm, forces in N, patient frame. docs/stent.md
 #pragma once
 #include "host/stent/balloon_axis.hpp"
 #include "host/stent/design.hpp"
@@ -21,15 +21,15 @@ namespace crn
 
 enum class StentStage : std::uint8_t {
     on_balloon, // crimped, or being opened
-    deployed,   // let go
+    deployed,   // off its balloon, held by the wall
     stripped,   // slid off its balloon before it was opened: lost
-    adrift,     // let go where no wall holds it: lost
+    adrift,     // released where no wall holds it: lost
 };
 
 struct StentPoint {
     Eigen::Vector3d place_mm = Eigen::Vector3d::Zero();
     double peak_mm = 0.0; // largest radius on the balloon
-    WallFoot foot;        // where the wall carries it, or what it is held at; when let go
+    WallFoot foot;        // where the wall carries it, or what it is held at; when deployed
     Eigen::Vector3d offset_mm = Eigen::Vector3d::Zero(); // from there, as it was at the end of the step
     double layer_mm = 0.0;                               // of another stent between it and the wall
     double slid_mm = 0.0;   // over the wall since what is near its struts was listed
@@ -118,7 +118,7 @@ class Stent
     void slide(const BalloonAxis &axis);
     bool has_separated(const BalloonAxis &axis) const;
     std::vector<std::uint32_t> patch_of(const StentWall &wall) const;
-    void let_go(const StentSurroundings &around);
+    void deploy(const StentSurroundings &around);
     void settle_stage();
 
     StentDesign design_;

@@ -18,7 +18,7 @@ void Stents::step(const StentWall *wall, const BalloonPose *balloon)
     step(std::vector<const StentWall *>(stents_.size(), wall), balloon);
 }
 
-// The older ones first: what is let go in this picture lies on where they are now.
+// The older ones first: what is deployed in this picture lies on where they are now.
 void Stents::step(std::span<const StentWall *const> walls, const BalloonPose *balloon)
 {
     std::vector<StentSleeve> sleeves;

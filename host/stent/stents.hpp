@@ -1,12 +1,10 @@
-// All stents of a session: the one on the balloon that is in the patient, and those that were let go before. And what the core has to know
+// All stents of a session: the one on the balloon that is in the patient, and those that were deployed before. And what the core has to know
 // of them: how far they hold a lesion open.
 //
 //   Stents stents;
 //   stents.add(read_stent(path), mount_arc_mm);          with the balloon that carries it
 //   stents.step(&vessel.wall(), &balloon);               every picture; null where there is no wall or no balloon
 //   for (const StentHold &hold : stents.holds(vessel, lesion, stations)) ...
-//
-// May include: stent, vessel_wall.
 #pragma once
 #include "host/stent/stent.hpp"
 #include "host/stent/vessel_wall.hpp"

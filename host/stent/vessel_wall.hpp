@@ -7,7 +7,7 @@
 //
 // The bodies' meshes are made for pictures: their facets cut a coronary artery by a tenth of a millimetre, which is what a stent's
 // apposition is judged by. The tree has every inscribed sphere to some micrometres, and where the healthy vessel lies. Openings of side
-// branches are closed. May include: host/model.
+// branches are closed.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/model/vessel_tree.hpp"

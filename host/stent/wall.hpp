@@ -6,7 +6,6 @@
 //   place = wall.place(foot);                      where the wall has carried it
 //
 // A foot is a place that goes with the material: a triangle, where over its plane, and how far from that towards the blood. Lengths in mm.
-// May include: host/model.
 #pragma once
 #include <Eigen/Core>
 #include <array>

@@ -1,5 +1,4 @@
 // How strongly every material attenuates, in steps of 1 keV; written by tools/check/make_attenuation.py.
-// May include: materials.
 #pragma once
 #include "host/xray/paths/materials.hpp"
 

@@ -3,7 +3,6 @@
 // The sum over the spectrum of exp(-mu L) is replaced by Gauss's quadrature with two energies below iodine's K edge and four
 // above it: exact for polynomials of degree 3 and 7 in 1/sqrt(energy), weighted by the spectrum behind 10 cm of tissue and 1 mm of
 // iohexol-350, so that the relative error is even from nothing to thick patients. docs/xray.md has the errors.
-// May include: spectrum.
 #pragma once
 #include "host/xray/spectrum.hpp"
 #include <array>

@@ -7,7 +7,7 @@
 //
 // Focal spot and pixel blur the expected signal, before photons are drawn; the scintillator's light spreads what each photon
 // gives, after it: so noise has the scintillator's texture. Both are symmetric kernels along rows and columns whose MTF meets
-// the curve up to 0.9 of half the sampling frequency. May include: float_math.
+// the curve up to 0.9 of half the sampling frequency.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -2,8 +2,6 @@
 //
 //     paths ─> transmission ─┬─> focal spot, pixel ─┬─> signal ─> photons ─> scintillator ─> lag ─> raw ─> shown ─> grey
 //                            └─> scatter ───────────┘   (here)    (detector, readout)
-//
-// May include: everything below xray.
 #pragma once
 #include "host/xray/blur.hpp"
 #include "host/xray/detector.hpp"

@@ -1,6 +1,5 @@
 // From path lengths to transmitted shares, and from expected to counted quanta. Single-precision sums, products, quotients and
 // square roots only, and integers: the same bytes from every compiler and thread count.
-// May include: beam_table, coarse, float_math.
 #pragma once
 #include "host/xray/beam_table.hpp"
 #include "host/xray/coarse.hpp"

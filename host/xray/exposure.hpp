@@ -10,7 +10,6 @@
 //   underexposed, as real ones are.
 // - Half of the difference in thickness, at most 3 cm, is followed per pulse: a new view settles within about five pulses.
 // Which curve a maker uses is not published with numbers; those below are an assumption within the limits of such tubes.
-// May include: beam_table.
 #pragma once
 #include "host/xray/beam_table.hpp"
 #include <cstdint>

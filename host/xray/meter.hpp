@@ -5,7 +5,7 @@
 //   const XrayExposure exposure = meter.expose(settings, bodies, MeterPace::follows);
 //   settings.beam.fixed_technique = exposure.technique;       // and render, if somebody wants a picture
 //
-// May include: xray. See docs/xray.md.
+// See docs/xray.md.
 #pragma once
 #include "host/xray/xray.hpp"
 #include <memory>

@@ -1,5 +1,4 @@
 // From counted quanta to raw values and to the screen: the scintillator's blur, lag, gain, display curve, window and level.
-// May include: chain.
 #pragma once
 #include "host/xray/chain.hpp"
 

@@ -1,5 +1,5 @@
 // One run of the X-ray room as it was acquired: what cine loops, masks and files are made of. The room fills it frame by
-// frame, host/dicom writes it. Plain data. May include: carm.
+// frame, host/dicom writes it. Plain data.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include <cstdint>

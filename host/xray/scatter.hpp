@@ -10,7 +10,6 @@
 // The factor is set by one measurement: 30 cm of acrylic in a field of 40 x 30 cm scatters 4.51 times the primary, and
 // 1.28 times behind a grid of ratio 10 that lets 70.6 % of the primary and 21 % of the scattered photons through (Altunbas
 // et al., Med. Phys. 43 (2016), abstract WE-AB-207A-10). The air gap's own part is in that figure and not varied.
-// May include: coarse, float_math.
 #pragma once
 #include "host/xray/coarse.hpp"
 

@@ -1,5 +1,5 @@
 // Blur of values that are zero but at some pixels, such as what tools take from the beam: its cost goes with those pixels and
-// not with the picture. May include: blur.
+// not with the picture.
 #pragma once
 #include "host/xray/blur.hpp"
 #include <cstdint>

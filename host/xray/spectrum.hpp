@@ -4,7 +4,6 @@
 // (1991) 402: bremsstrahlung and K lines of electrons that slow down in the anode (Thomson-Whiddington), seen through the
 // tungsten above them. Anode of 11 degrees. Its output is scaled by one factor to the kerma that spekpy 2.5.4 gives at
 // 80 kV behind 2.5 mm Al + 0.2 mm Cu. No libm: the same table on every compiler.
-// May include: attenuation.
 #pragma once
 #include "host/xray/attenuation.hpp"
 #include <array>

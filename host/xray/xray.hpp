@@ -8,7 +8,7 @@
 //
 // A picture is a pure function of (bodies, tools, wire frame, settings, seed, wire frame's tick, memory): the
 // same bytes for any number of threads, compiler and optimisation level. Path lengths of the bodies are kept
-// while the C-arm stands still. May include: host/model. See docs/xray.md.
+// while the C-arm stands still. See docs/xray.md.
 #pragma once
 #include "host/model/bodies.hpp"
 #include "host/xray/exposure.hpp"

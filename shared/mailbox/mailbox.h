@@ -9,7 +9,7 @@
  * written with release and read with acquire. Neither side trusts the other: lengths are bounded after they are read
  * once. Lost handshakes are told by a flag, since memory loses nothing.
  *
- * May include: nothing. C11 (gcc, clang).
+ * C11 (gcc, clang).
  */
 #ifndef CRN_MAILBOX_H
 #define CRN_MAILBOX_H

@@ -7,7 +7,7 @@
  * A caller that replaces a scene opens the new bytes first, in another place, and changes over only on OK: a refused
  * scene leaves the old one as it was. docs/scene.md has every byte.
  *
- * May include: shared/wire (CRC-32). C11 and C++20.
+ * C11 and C++20.
  */
 #ifndef CRN_SCENE_H
 #define CRN_SCENE_H

@@ -1,4 +1,4 @@
-/* What the parts of the scene check share. May include: scene.h. */
+/* What the parts of the scene check share. */
 #ifndef CRN_SCENE_CHECK_H
 #define CRN_SCENE_CHECK_H
 

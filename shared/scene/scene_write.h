@@ -1,5 +1,5 @@
 /* Laying out a scene container: header, section table, CRCs and padding, into memory of the caller.
- * May include: scene.h. C11 and C++20. */
+ * C11 and C++20. */
 #ifndef CRN_SCENE_WRITE_H
 #define CRN_SCENE_WRITE_H
 

@@ -7,7 +7,7 @@
  *   crn_hid_decode_<name>   read the bytes behind the id; false when some are missing. More are allowed and ignored: some
  *                            hosts pad a report to the longest of its kind
  *
- * May include: shared/wire. C11 and C++20.
+ * C11 and C++20.
  */
 #ifndef CRN_HID_H
 #define CRN_HID_H

@@ -7,7 +7,7 @@
  *   crn_wire_get_<name>            read from a reader; false when bytes are missing or a count exceeds its array
  *   crn_wire_decode_<name>         read a whole payload; false unless it fits to the byte
  *
- * May include: shared/wire. C11 and C++20.
+ * C11 and C++20.
  */
 #ifndef CRN_WIRE_H
 #define CRN_WIRE_H

@@ -1,5 +1,5 @@
 /* Bounded reading and writing of little-endian values. A writer that overflows and a reader that runs out
- * stop for good and say so; neither ever touches a byte outside its buffer. May include: nothing. */
+ * stop for good and say so; neither ever touches a byte outside its buffer. */
 #ifndef CRN_WIRE_BYTES_H
 #define CRN_WIRE_BYTES_H
 

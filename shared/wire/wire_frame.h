@@ -8,7 +8,7 @@
  * lost its place finds the next frame behind the next zero. The decoder is fed bytes as they come, in pieces
  * of any size; it never writes outside its buffer, and counts what it drops by cause.
  *
- * May include: shared/wire. C11 and C++20.
+ * C11 and C++20.
  */
 #ifndef CRN_WIRE_FRAME_H
 #define CRN_WIRE_FRAME_H

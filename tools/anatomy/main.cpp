@@ -3,6 +3,7 @@
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/base/terminal.hpp"
+#include "host/base/version.hpp"
 #include "tools/anatomy/borrowed_beat.hpp"
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/lesions.hpp"
@@ -327,6 +328,7 @@ int main(int argc, char **argv)
         ->check(CLI::IsMember({"aorta", "heart", "phantom", "access"}))
         ->capture_default_str();
     crn::refuse_empty_values(app);
+    app.set_version_flag("--version", crn::version_of("anatomy"));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {

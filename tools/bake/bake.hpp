@@ -1,5 +1,4 @@
 // From the text of a scene to its files: the whole of the tool but for the command line.
-// May include: tools/bake.
 #pragma once
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/container.hpp"

@@ -1,5 +1,4 @@
 // Centrelines as people have them, in any order and direction -> the tree along which blood flows.
-// May include: centreline.hpp, host/model.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include "tools/bake/centreline.hpp"

@@ -1,5 +1,4 @@
 // Centrelines with radii (files of tools/centreline) in the patient, and the surface of the vessel they describe.
-// May include: mesh.hpp, tools/centreline.
 #pragma once
 #include "tools/bake/mesh.hpp"
 #include "tools/centreline/tree.hpp"

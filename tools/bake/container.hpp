@@ -1,5 +1,4 @@
 // Baked things as bytes of the scene container, and files that are whole or not there.
-// May include: field.hpp, host/model, shared/scene.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include "tools/bake/field.hpp"

@@ -1,5 +1,4 @@
 // A reason why a scene cannot be baked: one sentence with file, element and remedy. bake's main prints it and ends with 1.
-// May include: tools/mesh/fault.hpp.
 #pragma once
 #include "tools/mesh/fault.hpp"
 

@@ -2,8 +2,6 @@
 //
 //   exact distances near the wall on a grid per level (OpenVDB)  ->  coefficients of the interpolating B-spline
 //   ->  bricks, refined where the measured error exceeds the tolerance  ->  index, child rows, samples
-//
-// May include: triangle_tree.hpp, firmware/core/lumen.h.
 #pragma once
 #include "tools/bake/triangle_tree.hpp"
 

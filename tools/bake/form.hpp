@@ -1,5 +1,5 @@
 // What is made of a body's mesh before it is written: solid, less its neighbours, decimated, hollowed; and how well the bodies
-// lie in each other. May include: solid.hpp, triangle_tree.hpp, container.hpp.
+// lie in each other.
 #pragma once
 #include "tools/bake/container.hpp"
 #include "tools/bake/triangle_tree.hpp"

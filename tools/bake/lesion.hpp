@@ -6,7 +6,6 @@
 //
 // The channel narrows as a cosine (Young and Tsai, J Biomech 6 (1973) 395, eq. 1): r = R (1 - S (1 + cos(2 pi u)) / 2) for u from -1/2 to
 // 1/2 along the lesion, S the stenosis by diameter. Its middle lies e (R - r) off the vessel's, away from the plaque.
-// May include: mesh.hpp, host/model.
 #pragma once
 #include "host/model/lesion_wall.hpp"
 #include "tools/bake/container.hpp"

@@ -1,4 +1,4 @@
-// Signed distances to a closed mesh on OpenVDB's grid. May include: mesh, progress.
+// Signed distances to a closed mesh on OpenVDB's grid.
 #pragma once
 #include "tools/bake/mesh.hpp"
 #include "tools/bake/vdb.hpp"

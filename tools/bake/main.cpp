@@ -2,6 +2,7 @@
 #include "host/base/command_values.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/terminal.hpp"
+#include "host/base/version.hpp"
 #include "tools/bake/bake.hpp"
 #include "tools/bake/fault.hpp"
 
@@ -55,6 +56,7 @@ int main(int argc, char **argv)
         ->capture_default_str()
         ->check(CLI::Range(100, 100000000));
     crn::refuse_empty_values(app);
+    app.set_version_flag("--version", crn::version_of("bake"));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {

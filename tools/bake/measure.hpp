@@ -1,6 +1,5 @@
 // How good a baked lumen is: its field against exact distances, its two samplers against each other, its contact depth
 // against libccd. All randomness comes from the seed that is printed.
-// May include: field.hpp.
 #pragma once
 #include "tools/bake/field.hpp"
 

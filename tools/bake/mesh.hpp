@@ -1,5 +1,4 @@
 // A triangle mesh in patient millimetres: loading, checking, closing, writing.
-// May include: scene_text.hpp, progress.hpp.
 #pragma once
 #include "tools/bake/progress.hpp"
 #include "tools/bake/scene_text.hpp"

@@ -1,6 +1,5 @@
 // A mesh file as plain data: what it declares is held against its size, assimp reads it in a child process with limits
 // (host/base/guarded_read.hpp), and every index and number that comes back is checked here.
-// May include: fault.hpp, host/base/guarded_read.hpp.
 #pragma once
 #include <Eigen/Core>
 #include <array>

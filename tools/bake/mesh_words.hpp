@@ -1,5 +1,4 @@
 // Words and numbers of a mesh file's text, with the line that they stand in.
-// May include: fault.hpp.
 #pragma once
 #include "tools/bake/fault.hpp"
 #include <charconv>

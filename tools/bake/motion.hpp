@@ -7,7 +7,6 @@
 //
 // The scene is described at keyframe 0; what moves in it is taken to the reference pose by the lattice itself.
 
-// May include: field.hpp, mesh.hpp, firmware/core/motion.h.
 #pragma once
 #include "tools/bake/field.hpp"
 #include "tools/bake/measure.hpp"

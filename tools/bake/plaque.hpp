@@ -1,6 +1,5 @@
 // Lesions that give way, as the core wants them: stations along each, with middle and radius of the healthy vessel and of what is left
 // (docs/lesions.md). In the pose that the lumen is described in.
-// May include: host/model, shared/scene.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include "tools/bake/scene_text.hpp"

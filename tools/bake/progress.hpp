@@ -1,5 +1,4 @@
 // Progress of long work on standard error, and the wish to stop (Ctrl-C). Silent for work that takes less than a second.
-// May include: fault.hpp, host/base/interrupt.hpp.
 #pragma once
 #include <chrono>
 #include <cstddef>

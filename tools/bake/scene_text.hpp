@@ -1,5 +1,4 @@
 // The text of a scene (TOML), read and checked key by key: docs/scene.md.
-// May include: fault.hpp.
 #pragma once
 #include "tools/mesh/fault.hpp"
 

@@ -1,6 +1,5 @@
 // A body's surface made anew from a level set: pieces that overlap become one solid, cracks and faults of the mesh vanish,
 // surfaces at a distance inside or outside come from the same field, and so do the voxels inside.
-// May include: mesh.hpp, vdb.hpp.
 #pragma once
 #include "tools/bake/mesh.hpp"
 

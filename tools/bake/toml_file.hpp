@@ -1,5 +1,4 @@
 // A TOML file that a person wrote, or a Fault that says what is wrong with it.
-// May include: fault.hpp, host/base/toml.hpp.
 #pragma once
 #include "host/base/toml.hpp"
 #include "tools/bake/fault.hpp"

@@ -1,6 +1,5 @@
 // Exact geometry of a closed triangle mesh: signed distance (sign by angle-weighted normals of the nearest feature,
 // Baerentzen & Aanaes 2005) and the triangles near a box. The referee for everything the baker approximates.
-// May include: mesh.hpp.
 #pragma once
 #include "tools/bake/mesh.hpp"
 

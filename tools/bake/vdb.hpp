@@ -1,5 +1,4 @@
 // OpenVDB as the baker uses it. Its own headers warn, so they are read here as system headers.
-// May include: nothing of ours.
 #pragma once
 #pragma GCC system_header
 #include <openvdb/openvdb.h>

@@ -1,7 +1,6 @@
 // The state of a search as a file, so that a search that was stopped goes on, here or on another machine, as if it had not been.
 // A text: a head with version, hash and settings, every trial as hexadecimal doubles (exact), pagmo's archive, and a last line
 // without which the file is not whole. It is written under another name and renamed, after every generation.
-// May include: search.hpp, host/base/pending_file.hpp.
 #pragma once
 #include "tools/calibrate/search.hpp"
 

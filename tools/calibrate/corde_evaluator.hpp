@@ -2,7 +2,6 @@
 //
 // Five numbers are fitted, as in the thesis (5.3.3): Young's modulus of the shaft, alpha (that of the tip over it), radius, density and
 // Kp. How stiffness goes from tip to shaft, GJ over EI and the tip's shape are the instrument file's; friction and gravity the case's.
-// May include: corde_rod.hpp, host/model.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "tools/calibrate/corde_rod.hpp"

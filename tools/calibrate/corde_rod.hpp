@@ -1,6 +1,5 @@
 // The thesis' rod (tools/vcsim3) as an instrument in a hand: stiffness along it and the shape of its tip from the instrument's file, the
 // rest from the five numbers that the thesis fits.
-// May include: hand.hpp, tools/vcsim3, shared/wire.
 #pragma once
 #include "shared/wire/wire.h"
 #include "tools/calibrate/hand.hpp"

@@ -1,5 +1,4 @@
 // The firmware core with one tool, as an insertion needs it. The only file pair of this folder that calls it.
-// May include: the core's core.h, shared/wire.
 #pragma once
 #include "shared/wire/wire.h"
 #include "tools/calibrate/hand.hpp"

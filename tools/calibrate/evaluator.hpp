@@ -1,6 +1,5 @@
 // What is fitted, and what one trial of it gives. A trial is an insertion of the virtual instrument by the case's protocol; who
 // inserts it is behind `Evaluator`, so that another rod than ours (the thesis' CoRdE) is fitted by the same search.
-// May include: tools/case.
 #pragma once
 #include "tools/case/case.hpp"
 #include <Eigen/Core>

@@ -1,6 +1,5 @@
 // An instrument file with fitted numbers, made from the nominal one: shape, look and construction stay, stiffness, radius, mass and
 // friction are those that were fitted, with that as their source. `cournand` loads it like any other.
-// May include: host/model, tools/case.
 #pragma once
 #include "host/model/instrument.hpp"
 #include <string>

@@ -1,5 +1,4 @@
 // The hand that inserts: the case's protocol, whichever rod it holds.
-// May include: evaluator.hpp.
 #pragma once
 #include "tools/calibrate/evaluator.hpp"
 

@@ -1,6 +1,5 @@
 // How well each number is determined: how far it can go, the others as they are or as the search has varied them, while the objective
 // rises by less than what noise explains.
-// May include: search.hpp.
 #pragma once
 #include "tools/calibrate/search.hpp"
 

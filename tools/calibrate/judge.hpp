@@ -1,5 +1,4 @@
 // How far an insertion is from what was scanned and felt: equation 19 of the thesis at each depth, and the force trace.
-// May include: evaluator.hpp.
 #pragma once
 #include "tools/calibrate/evaluator.hpp"
 #include <span>

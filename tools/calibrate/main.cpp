@@ -5,6 +5,7 @@
 #include "host/base/pending_file.hpp"
 #include "host/base/progress_line.hpp"
 #include "host/base/terminal.hpp"
+#include "host/base/version.hpp"
 #include "tools/calibrate/checkpoint.hpp"
 #include "tools/calibrate/corde_evaluator.hpp"
 #include "tools/calibrate/result.hpp"
@@ -378,6 +379,7 @@ int main(int argc, char **argv)
     CLI::Option *trial = nullptr;
     add_options(app, options, trial);
     crn::refuse_empty_values(app);
+    app.set_version_flag("--version", crn::version_of("calibrate"));
     try {
         app.parse(argc, argv);
         options.is_trial = trial->count() > 0;

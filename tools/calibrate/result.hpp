@@ -1,5 +1,4 @@
 // What a calibration has found, before it is written: the same for any number of workers, so nothing of the machine or the clock.
-// May include: search.hpp, identify.hpp, vcsim3's lumen.hpp (pictures).
 #pragma once
 #include "tools/calibrate/identify.hpp"
 #include "tools/vcsim3/lumen.hpp"

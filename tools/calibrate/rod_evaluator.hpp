@@ -2,7 +2,6 @@
 //
 // Four numbers are fitted: EI of the shaft, alpha (EI of the tip over that), the outer radius and the density. The friction, the
 // shape and the mesh are the case's and the instrument file's. An instrument whose tip is as stiff as its shaft has no alpha.
-// May include: tools/case, host/model, tools/vcsim3's lumen (the reader of scenes), the core's core.h.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "tools/calibrate/core_rod.hpp"

@@ -5,7 +5,6 @@
 // a problem that only notes what it is asked (all of a generation is drawn before the answers matter), the workers evaluate
 // these trials together, and then the algorithm itself is advanced with a problem that answers from them. What it does is what it
 // would have done alone, whatever the number of workers.
-// May include: workers.hpp, pagmo (search.cpp only).
 #pragma once
 #include "tools/calibrate/workers.hpp"
 #include <cstdint>

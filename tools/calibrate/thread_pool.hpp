@@ -1,5 +1,4 @@
 // Threads that evaluate trials as they come, and hand back what is done, in any order.
-// May include: workers.hpp.
 #pragma once
 #include "tools/calibrate/workers.hpp"
 #include <condition_variable>

@@ -1,4 +1,3 @@
-// May include: thread_pool.hpp.
 #include "tools/calibrate/thread_pool.hpp"
 #include <chrono>
 #include <utility>

@@ -5,7 +5,6 @@
 //   threads  r -> rank 0   { how many trials r takes at a time }
 //   failure  r -> rank 0   what went wrong, as text
 //   over     rank 0 -> r   nothing
-// May include: thread_pool.hpp, MPI.
 #include "tools/calibrate/thread_pool.hpp"
 #include <chrono>
 #include <cstdlib>

@@ -6,7 +6,6 @@
 //
 // The protocol of an insertion is part of it: the hand feeds at `speed_mm_per_s` and turns evenly with the feed, from the
 // turn of one depth to that of the next (the first depth's turn holds from the mouth on); at each depth it rests.
-// May include: host/model (TOML, pending files).
 #pragma once
 #include <Eigen/Core>
 #include <filesystem>

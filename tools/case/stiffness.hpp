@@ -3,7 +3,6 @@
 // An instrument file has EI along the whole length. Other values of the two numbers keep its layout: where the file's EI
 // is (EI of the shaft) * alpha_file^w, it becomes (new EI of the shaft) * alpha^w. So w is 1 at the tip, 0 on the shaft, and
 // between them on a taper; E scales the shaft, alpha says how soft the tip is against it. GJ keeps its ratio to EI.
-// May include: shared/wire.
 #pragma once
 #include "shared/wire/wire.h"
 

@@ -1,4 +1,4 @@
-// Steady flow through a tree by Poiseuille's law: docs/centreline.md. May include: tree.hpp.
+// Steady flow through a tree by Poiseuille's law: docs/centreline.md.
 #pragma once
 #include "tools/centreline/tree.hpp"
 

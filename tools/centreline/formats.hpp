@@ -1,5 +1,4 @@
 // Trees as files: 3D Slicer's .mrk.json, VMTK's .vtp, and our .csv and .obj. docs/centreline.md has their fields.
-// May include: tree.hpp.
 #pragma once
 #include "tools/centreline/tree.hpp"
 

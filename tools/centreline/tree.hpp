@@ -1,6 +1,5 @@
 // A vessel tree as ordered inscribed spheres, grouped into branches: what the centreline tool makes, files hold, and `bake` and
 // the contrast's flow read. Millimetres; the axes are those of the mesh it was made from.
-// May include: tools/mesh/fault.hpp.
 #pragma once
 #include "tools/mesh/fault.hpp"
 

@@ -1,5 +1,5 @@
 // The number arrays of VTK's XML files: text, or base64 with or without zlib, beside their element or appended.
-// VTK file formats, kitware "VTK XML Formats". May include: formats.hpp.
+// VTK file formats, kitware "VTK XML Formats".
 #pragma once
 #include "tools/centreline/formats.hpp"
 

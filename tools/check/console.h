@@ -1,5 +1,5 @@
 /* Where a check's program writes when it also runs without an operating system. One of console_stdio.c and
- * console_semihost.c is linked. May include: nothing. */
+ * console_semihost.c is linked. */
 #ifndef CRN_CHECK_CONSOLE_H
 #define CRN_CHECK_CONSOLE_H
 

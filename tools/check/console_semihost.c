@@ -1,4 +1,4 @@
-/* The console of a bare image. May include: the port's semihosting. */
+/* The console of a bare image. */
 #include "firmware/port/mps2_an500/semihost.h"
 #include "tools/check/console.h"
 

@@ -1,4 +1,4 @@
-/* The console of a program under an operating system. May include: the C library. */
+/* The console of a program under an operating system. */
 #include "tools/check/console.h"
 
 #include <stdio.h>

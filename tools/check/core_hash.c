@@ -2,8 +2,7 @@
  * machine must print the same lines (tools/check/test_compilers.sh, tools/check/matrix.py). To find where two machines part,
  * it also prints a hash per tick and subsystem, and every word of one tick.
  *
- * Freestanding, with its memory in itself: runs on a bare Cortex-M7 as on a PC.
- * May include: the core's headers for owners of its memory, console.h. */
+ * Freestanding, with its memory in itself: runs on a bare Cortex-M7 as on a PC. */
 #include "tools/check/console.h"
 #include "tools/check/core_scenes.h"
 

@@ -12,8 +12,7 @@
  * shaped catheters in the tube; every tool leads once, slides and turns against the others. beating: the J wire in the tube, whose
  * middle goes to and fro by 3.6 mm with a heart that is asked for everything once, and breathes. balloon: a wire in a balloon catheter in the
  * fine tube, which its balloon fills and opens at a lesion; pulled while it is up, pushed after it is down, the lesion held open, and burst.
- * stented: the J wire in the beating tube goes to and fro through and beside a stent that lies on nothing, is widened later, and loses half of its rings.
- * May include: core_scenes.h. */
+ * stented: the J wire in the beating tube goes to and fro through and beside a stent that lies on nothing, is widened later, and loses half of its rings. */
 #include "tools/check/core_scenes.h"
 
 enum { TUBE, FINE, AIR, COAXIAL, BEATING, BALLOON, STENTED };

@@ -1,6 +1,5 @@
 /* Scripted scenes made of integers only, the same on every machine: core_hash.c runs them.
- *
- * May include: the core's headers for owners of its memory. */
+ */
 #ifndef CRN_CHECK_CORE_SCENES_H
 #define CRN_CHECK_CORE_SCENES_H
 

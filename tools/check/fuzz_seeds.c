@@ -1,8 +1,7 @@
 /* Main of the NAME_seeds programs: writes the valid inputs a fuzz target knows into a folder, one file each.
  *
  * A target (fuzz_*.c) gives them by `size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)`,
- * which writes the input number `index` and returns its size, or 0 when there is no such input. May include:
- * the C library. */
+ * which writes the input number `index` and returns its size, or 0 when there is no such input. */
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -10,7 +10,7 @@ import tree
 CORE_PUBLIC = ["firmware/core/core.h", "firmware/core/lumen.h", "firmware/core/vector.h", "firmware/core/fixed.h",
                "firmware/core/rhythm.h", "firmware/core/motion.h", "firmware/core/lesion.h"]
 # What the command line of every tool shares.
-COMMAND_LINE = ["host/base/command_values.hpp", "host/base/output_files.hpp", "host/base/terminal.hpp"]
+COMMAND_LINE = ["host/base/command_values.hpp", "host/base/version.hpp", "host/base/output_files.hpp", "host/base/terminal.hpp"]
 # Tests of a room may use every other; test_usb has a bus of sim ports.
 HOST_TESTS = ["host", "shared", "firmware/port/sim/sim.h", "firmware/core/core.h", "firmware/tests/reference/long_run.h"]
 ALLOWED = {
@@ -30,13 +30,14 @@ ALLOWED = {
     "firmware/tests": ["firmware", "shared"],
     "firmware/tests/reference": ["firmware/core", "firmware/app", "firmware/port/sim/sim.h", "firmware/port/port.h", "shared"],
     "firmware/bench": ["firmware", "shared"],
+    "shared": [],  # version.h
     "shared/wire": [],
     "shared/scene": ["shared/wire/wire_frame.h"],  # CRC-32
     "shared/mailbox": [],
     "shared/wire/tests": ["shared", "firmware/tests/reference"],
     "shared/scene/tests": ["shared", "firmware/tests/reference"],
     "host/link": ["host/base", "shared", "firmware/port/sim/sim.h", "firmware/port/mps2_an500/rig_page.h"],
-    "host/base": [],
+    "host/base": ["shared/version.h"],
     "host/model": ["host/base", "shared"],
     "host/xray/paths": ["host/model", "host/base"],
     "host/xray": ["host/xray/paths", "host/model", "host/base"],
@@ -53,7 +54,7 @@ ALLOWED = {
     "host/session": ["host/script", "host/rig", "host/patient", "host/room", "host/stent", "host/effects/pulse.hpp", "host/link", "host/model", "host/base", "shared"],
     "host/picture": ["host/session/frame_sink.hpp", "host/patient", "host/room", "host/dicom", "host/effects", "host/xray", "host/model", "host/base"],
     "host/report": ["host/picture/picture.hpp", "host/picture/canvas.hpp", "host/session", "host/patient", "host/room", "host/effects", "host/model", "host/base", "shared"],
-    "host/app": ["host", "shared"],  # the command line and the window
+    "host/app": ["host", "shared", "firmware/core/core.h"],  # the command line and the window
     "host/bench": ["host", "firmware/bench/bench.h"],
     "host/base/tests": HOST_TESTS,
     "host/dicom/tests": HOST_TESTS,
@@ -77,7 +78,7 @@ ALLOWED = {
     "tools/centreline/tests": ["tools/centreline", "tools/bake", "tools/mesh", "host/model", "host/base"],
     "tools/anatomy": ["shared", "host/model", "host/base", "tools/mesh", "tools/bake/mesh.hpp"] + CORE_PUBLIC,
     # The readers of all tools, asked by one program for make importers.
-    "tools/importers": ["host/base/toml.hpp", "tools/bake/mesh_file.hpp", "tools/centreline/formats.hpp", "tools/ct/volume_io.hpp"],
+    "tools/importers": ["host/base/version.hpp", "host/base/toml.hpp", "tools/bake/mesh_file.hpp", "tools/centreline/formats.hpp", "tools/ct/volume_io.hpp"],
     "tools/case": ["host/base/toml.hpp", "host/base/pending_file.hpp", "shared/wire/wire.h"],
     "tools/reference_rod": COMMAND_LINE + ["tools/case", "tools/vcsim3/lumen.hpp", "host/model/instrument.hpp", "host/base/pending_file.hpp", "shared/wire/wire.h"],
     "tools/reference_rod/tests": ["tools/reference_rod", "tools/validate/elastica.hpp", "firmware/tests/reference"],
@@ -92,7 +93,7 @@ ALLOWED = {
     # core_hash.c owns the core's memory and looks into it; it also runs on a bare board.
     "tools/validate": COMMAND_LINE + ["firmware/core", "host/base/format.hpp", "host/base/pending_file.hpp"],  # owns the memory of models and states (rig.cpp)
     "tools/check": CORE_PUBLIC + ["firmware/core/core_state.h", "firmware/port/mps2_an500"],
-    "tools/docs": ["shared/wire", "firmware/app/usb/usb_table.def"],
+    "tools/docs": ["shared/version.h", "shared/wire", "firmware/app/usb/usb_table.def"],
     # Pictures are written by the host's two files for that, which know nothing else of the host.
     "tools/vcsim3": COMMAND_LINE + ["shared/scene", "host/base/interrupt.hpp", "host/base/pending_file.hpp", "host/picture/picture.hpp", "host/picture/font.hpp"] + CORE_PUBLIC,
     "tools/vcsim3/tests": ["tools/vcsim3", "firmware/tests/reference"] + CORE_PUBLIC,

@@ -1,5 +1,5 @@
 // The instrument in a scan: which voxels, in which order, and where its middle line runs between them (docs/ct.md,
-// "The centreline"). May include: volume, tools/mesh/fault.
+// "The centreline").
 #pragma once
 #include "tools/ct/scanner.hpp"
 #include "tools/ct/volume.hpp"

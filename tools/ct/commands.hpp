@@ -1,4 +1,4 @@
-// What `ct`'s sub-commands do. May include: everything of tools/ct, truth.hpp of tools/reference_rod.
+// What `ct`'s sub-commands do.
 #pragma once
 #include "tools/ct/scanner.hpp"
 #include "tools/ct/segment.hpp"

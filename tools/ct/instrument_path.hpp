@@ -1,4 +1,4 @@
-// The way through the instrument's voxels from end to end. May include: centreline.
+// The way through the instrument's voxels from end to end.
 #pragma once
 #include "tools/ct/centreline.hpp"
 

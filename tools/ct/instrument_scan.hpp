@@ -1,4 +1,4 @@
-// An instrument file as the scanner sees it. May include: scanner, host/model/instrument.
+// An instrument file as the scanner sees it.
 #pragma once
 #include "tools/ct/scanner.hpp"
 

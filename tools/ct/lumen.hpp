@@ -1,5 +1,4 @@
 // The phantom's lumen in a scan: the space around the instrument up to the wall (docs/ct.md, "The lumen").
-// May include: volume, snake, centreline.
 #pragma once
 #include "tools/ct/centreline.hpp"
 #include "tools/ct/snake.hpp"

@@ -2,6 +2,7 @@
 #include "host/base/command_values.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/text.hpp"
+#include "host/base/version.hpp"
 #include "tools/ct/commands.hpp"
 #include "tools/reference_rod/truth_options.hpp"
 
@@ -197,6 +198,7 @@ int main(int argc, char **argv)
     check.add_option("CASE", checked, "a case's folder with truth/")->required();
     check.callback([&] { is_good = command_check(checked); });
     crn::refuse_empty_values(app);
+    app.set_version_flag("--version", crn::version_of("ct"));
     try {
         app.parse(argc, argv);
         return is_good ? 0 : 1;

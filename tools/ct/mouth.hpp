@@ -1,4 +1,4 @@
-// Where the inserter ends, in scans: there a line begins. May include: centreline, tools/mesh/fault.
+// Where the inserter ends, in scans: there a line begins.
 #pragma once
 #include "tools/ct/centreline.hpp"
 

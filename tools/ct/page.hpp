@@ -1,4 +1,4 @@
-// A folder of pictures and the page that shows them. May include: pictures, host/base/pending_file.
+// A folder of pictures and the page that shows them.
 #pragma once
 #include "tools/ct/pictures.hpp"
 

@@ -1,5 +1,4 @@
 // Pictures of volumes: a slice or the brightest voxels along an axis, with outlines and lines over them.
-// May include: volume, host/picture/canvas.
 #pragma once
 #include "host/picture/canvas.hpp"
 #include "tools/ct/volume.hpp"

@@ -4,7 +4,6 @@
 // instrument's tube), averages them over the detector's aperture and the slice's profile, attenuates a polychromatic beam,
 // counts photons, corrects for the hardening by water as scanners do, and reconstructs by filtered back-projection. Blooming,
 // streaks and starved photons come out of that; nothing is painted. Left out: scatter, the fan's and the helix' geometry.
-// May include: volume, tools/bake/mesh, host/xray (spectrum, attenuation).
 #pragma once
 #include "host/xray/paths/materials.hpp"
 #include "tools/bake/mesh.hpp"

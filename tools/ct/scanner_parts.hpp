@@ -1,5 +1,5 @@
 // The parts of the virtual scanner: planes through the phantom, chords of the instrument, the beam, the reconstruction.
-// Inside a part lengths are mm in LPS with the scanner's axis through `centre`. May include: scanner.
+// Inside a part lengths are mm in LPS with the scanner's axis through `centre`.
 #pragma once
 #include "tools/ct/scanner.hpp"
 #include <array>

@@ -1,5 +1,4 @@
 // Lines, lumen and instrument of scans as files, with pictures of every step.
-// May include: everything of tools/ct.
 #pragma once
 #include "tools/bake/mesh.hpp"
 #include "tools/ct/centreline.hpp"

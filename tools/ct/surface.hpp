@@ -1,4 +1,4 @@
-// The surface of a level as a closed mesh. May include: volume, tools/bake/mesh, tools/mesh/simplify.
+// The surface of a level as a closed mesh.
 #pragma once
 #include "tools/bake/mesh.hpp"
 #include "tools/ct/volume.hpp"

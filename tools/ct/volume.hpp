@@ -1,7 +1,7 @@
 // A CT volume: Hounsfield units on a grid with spacing, origin and direction.
 // Three frames: voxel (whole numbers are the middles of voxels), LPS (what scanners and ITK use: +x patient left, +y back,
 // +z head, mm) and the scene's (+x left, +y head, +z front, mm). Only the two functions below know how the last two go
-// together. May include: Eigen and the standard library.
+// together.
 #pragma once
 #include <Eigen/Core>
 #include <array>

@@ -1,5 +1,4 @@
 // Volumes from files and into files, by ITK's readers and writers, behind a header that knows nothing of them.
-// May include: volume, tools/mesh/fault.
 #pragma once
 #include "tools/ct/volume.hpp"
 #include "tools/mesh/fault.hpp"

@@ -1,5 +1,4 @@
 // The Wireshark dissector as Lua: tables of the one definition of the wire, then tools/docs/dissector.lua.
-// May include: shared/wire.
 #pragma once
 #include <string>
 

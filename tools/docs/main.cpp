@@ -2,7 +2,7 @@
 //   docs --write    puts the tables between the marks in the documents
 //   docs --check    exit 1 when a document is not current
 //   docs --dissector FILE   writes the Wireshark dissector
-// May include: shared/wire.
+#include "shared/version.h"
 #include "shared/wire/hid.h"
 #include "shared/wire/wire.h"
 #include "tools/docs/dissector.hpp"
@@ -154,9 +154,14 @@ bool write_dissector(const std::string &path)
 int main(int argc, char **argv)
 {
     const std::string mode = argc >= 2 ? argv[1] : "";
+    if (mode == "--version") {
+        std::cout << "docs " CRN_VERSION " (Cournand)\n";
+        return 0;
+    }
     if (mode == "--dissector" && argc == 3) return write_dissector(argv[2]) ? 0 : 1;
     if (argc != 2 || (mode != "--write" && mode != "--check")) {
-        std::cerr << "usage: docs --write | --check | --dissector FILE   (from the repository's root)\n";
+        std::cerr << "usage: docs --write | --check | --dissector FILE | --version   (from the repository's "
+                     "root)\n";
         return 2;
     }
     const bool write = mode == "--write";

@@ -3,6 +3,7 @@
 //   importers seeds FOLDER          valid scans and centrelines to begin from
 //   importers read < LIST           a line "KIND<tab>FILE" each; KIND is mesh, toml, scan or line
 #include "host/base/toml.hpp"
+#include "host/base/version.hpp"
 #include "tools/bake/mesh_file.hpp"
 #include "tools/centreline/formats.hpp"
 #include "tools/ct/volume_io.hpp"
@@ -150,6 +151,10 @@ try {
     const std::string command = argc > 1 ? argv[1] : "";
     if (command == "seeds" && argc == 3) {
         write_seeds(argv[2]);
+        return 0;
+    }
+    if (command == "--version") {
+        std::printf("%s\n", crn::version_of("importers").c_str());
         return 0;
     }
     if (command != "read" || argc != 2) {

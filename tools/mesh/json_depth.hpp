@@ -1,5 +1,4 @@
 // How deep the brackets of a JSON text lie in each other: whatever walks through the parsed text goes one call deeper with each.
-// May include: nothing.
 #pragma once
 #include <algorithm>
 #include <cstddef>

@@ -1,5 +1,4 @@
 // What a lesion's numbers may be (docs/lesions.md): one definition for those who write scene texts and those who read them.
-// May include: nothing.
 #pragma once
 
 namespace crn

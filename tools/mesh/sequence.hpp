@@ -1,5 +1,5 @@
 /* A beat as a folder of 24 OBJ files, as animation programs write them: one file per frame, in the order of their names, each with
- * the same bodies (o, or g where there is no o), the same faces and as many vertices. May include: nothing. */
+ * the same bodies (o, or g where there is no o), the same faces and as many vertices. */
 #pragma once
 #include <Eigen/Core>
 #include <array>

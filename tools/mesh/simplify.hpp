@@ -1,4 +1,4 @@
-/* Fewer triangles for a closed surface, by quadric error. May include: nothing of ours. */
+/* Fewer triangles for a closed surface, by quadric error. */
 #pragma once
 #include <Eigen/Core>
 #include <array>

@@ -1,5 +1,4 @@
 // Symmetric matrix whose entries lie within `Band::reach` of the diagonal, its Cholesky factor and the solution of a system.
-// May include: Eigen.
 #pragma once
 #include <Eigen/Core>
 #include <vector>

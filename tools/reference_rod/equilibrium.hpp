@@ -7,7 +7,6 @@
 //              below e, mu N above. N and the wall's normal are held (lagged) while Newton's method finds the minimum, then
 //              renewed, until they are those of the minimum. An anchor is dragged along where u > e, so that a rod at rest
 //              does not creep.
-// May include: rod, tools/vcsim3/lumen.hpp.
 #pragma once
 #include "tools/reference_rod/rod.hpp"
 #include "tools/vcsim3/lumen.hpp"

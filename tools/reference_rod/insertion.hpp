@@ -1,6 +1,5 @@
 // The protocol of an insertion (tools/case/case.hpp) by the reference rod: fed through a straight frictionless sheath that
 // ends at the mouth, in small steps, each of them at rest.
-// May include: equilibrium, tools/case.
 #pragma once
 #include "tools/case/case.hpp"
 #include "tools/reference_rod/equilibrium.hpp"

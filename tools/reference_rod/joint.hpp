@@ -1,5 +1,4 @@
 // Curvature and twist at a joint of a discrete rod with their first and second derivatives.
-// May include: Eigen.
 #pragma once
 #include <Eigen/Core>
 

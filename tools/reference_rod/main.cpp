@@ -2,6 +2,7 @@
 #include "host/base/command_values.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/terminal.hpp"
+#include "host/base/version.hpp"
 #include "tools/reference_rod/truth_options.hpp"
 #include <cstdio>
 
@@ -49,6 +50,7 @@ int main(int argc, char **argv)
     std::vector<std::string> depths;
     add_options(app, request, depths);
     crn::refuse_empty_values(app);
+    app.set_version_flag("--version", crn::version_of("reference_rod"));
     try {
         app.parse(argc, argv);
         for (const std::string &text : depths) request.depths.push_back(depth_from(text));

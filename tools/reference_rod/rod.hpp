@@ -8,7 +8,6 @@
 //   bending   1/2 EI / l |kappa - kappa_rest|^2   at a joint; kappa = 2 tan(turn / 2) along the material axes
 //   twist     1/2 GJ / l twist^2                  at a joint; twist of the material frames from edge to edge
 //   stretch   1/2 EA l (|e| / l - 1)^2            of an edge
-// May include: Eigen, shared/wire.
 #pragma once
 #include "shared/wire/wire.h"
 #include "tools/reference_rod/band.hpp"

@@ -1,6 +1,5 @@
 // The maker of a case with a known answer: the reference rod with stiffness that the instrument's file does not have, inserted
 // into a baked lumen; what a scan and a hand would show of it, and, apart, the truth.
-// May include: insertion, tools/case, host/model (instrument, pending file).
 #pragma once
 #include "tools/case/stiffness.hpp"
 #include "tools/reference_rod/insertion.hpp"

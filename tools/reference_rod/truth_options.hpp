@@ -1,5 +1,4 @@
 // Command line of a truth: what `reference_rod` and `ct simulate --instrument` ask for alike.
-// May include: truth.hpp, CLI11.
 #pragma once
 #include "tools/reference_rod/truth.hpp"
 #include <CLI/CLI.hpp>

@@ -1,5 +1,4 @@
 // The cases of the validation suite: each sets up a rod, loads it, and compares it with its reference.
-// May include: rig.hpp, report.hpp.
 #pragma once
 #include "tools/validate/report.hpp"
 

@@ -1,5 +1,4 @@
 // Reference solutions in double precision, made without the core: shooting, closed forms and characteristic equations.
-// May include: the standard library.
 #pragma once
 #include <functional>
 #include <vector>

@@ -1,6 +1,5 @@
 // Lumens from closed forms: exact distance functions, and the core's sparse field made from them in memory.
 // A baker would store the same field; this one is made without it, so that a case depends on the core alone.
-// May include: the core's lumen.h.
 #pragma once
 #include <Eigen/Geometry>
 #include <functional>

@@ -3,6 +3,7 @@
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/base/terminal.hpp"
+#include "host/base/version.hpp"
 #include "tools/validate/cases.hpp"
 
 #include <CLI/CLI.hpp>
@@ -135,6 +136,7 @@ int main(int argc, char **argv)
     app.add_flag("--tap", options.tap, "print TAP on standard output and write no file");
     app.add_flag("--list", options.list, "print the names of the cases and stop");
     crn::refuse_empty_values(app);
+    app.set_version_flag("--version", crn::version_of("validate"));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {

@@ -1,5 +1,4 @@
 // Line plots as SVG text: plain axes with round ticks, lines for references, dots for our values.
-// May include: the standard library.
 #pragma once
 #include <string>
 #include <vector>

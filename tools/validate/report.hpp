@@ -1,5 +1,4 @@
 // What a case finds: figures against references with stated tolerances, and plots; and how they are written down.
-// May include: plot.hpp.
 #pragma once
 #include "tools/validate/plot.hpp"
 

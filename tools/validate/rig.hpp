@@ -3,7 +3,6 @@
 //
 // Lengths count from the tip of tool 0 (node 0 is the leading tip). The inserter's mouth lies at the origin and points
 // along +x unless a case says otherwise.
-// May include: the core.
 #pragma once
 #include "tools/validate/lumen_field.hpp"
 

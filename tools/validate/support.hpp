@@ -1,5 +1,4 @@
 // What several cases share: meshes that fit the mouth, and waiting for rest.
-// May include: rig.hpp.
 #pragma once
 #include "tools/validate/rig.hpp"
 

@@ -1,4 +1,3 @@
-// May include: canvas.hpp, host/app's picture.hpp and picture_font.hpp.
 #include "tools/vcsim3/canvas.hpp"
 #include "host/picture/font.hpp"
 #include "host/picture/picture.hpp"

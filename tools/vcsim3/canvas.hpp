@@ -1,5 +1,4 @@
 // A picture to draw charts into: rectangles, lines, discs and letters, smooth by drawing at twice the size.
-// May include: host/app's picture.hpp and picture_font.hpp.
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>

@@ -1,4 +1,3 @@
-// May include: chart.hpp.
 #include "tools/vcsim3/chart.hpp"
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,4 @@
 // Frame of a chart: title, axes, grid and legend, and the way from values to pixels.
-// May include: canvas.hpp.
 #pragma once
 #include "tools/vcsim3/canvas.hpp"
 #include <utility>

@@ -1,4 +1,3 @@
-// May include: collision.hpp.
 #include "tools/vcsim3/collision.hpp"
 #include <algorithm>
 

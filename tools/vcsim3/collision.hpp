@@ -1,5 +1,4 @@
 // Contact of mass points with a rigid wall: found once per step, answered on velocities after every distance iteration.
-// May include: rod.hpp, lumen.hpp.
 #pragma once
 #include "tools/vcsim3/lumen.hpp"
 #include "tools/vcsim3/rod.hpp"

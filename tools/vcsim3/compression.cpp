@@ -1,4 +1,3 @@
-// May include: compression.hpp.
 #include "tools/vcsim3/compression.hpp"
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,6 @@
 // The experiment of the thesis' section 5.4.2: a rod is fed into the phantom until its tip stands at the closed end and
 // feeding on has crowded it, and its length is compared with its rest length. Every mode and our direct solver get the
 // same rod, vessel and hand.
-// May include: this folder.
 #pragma once
 #include "tools/vcsim3/direct.hpp"
 #include "tools/vcsim3/preset.hpp"

@@ -1,4 +1,3 @@
-// May include: constraints.hpp.
 #include "tools/vcsim3/constraints.hpp"
 #include <algorithm>
 

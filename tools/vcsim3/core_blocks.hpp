@@ -1,5 +1,4 @@
 // Memory of one core beside a double-precision program, and the core's number formats.
-// May include: the core's core.h.
 #pragma once
 #include <cmath>
 #include <cstddef>

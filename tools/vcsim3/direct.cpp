@@ -1,4 +1,3 @@
-// May include: direct.hpp, core_blocks.hpp.
 #include "tools/vcsim3/direct.hpp"
 #include "tools/vcsim3/core_blocks.hpp"
 #include <stdexcept>

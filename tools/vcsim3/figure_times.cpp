@@ -1,5 +1,4 @@
 // Figure 5.14 twice: the thesis' milliseconds on its machine, and microseconds per step here.
-// May include: figures.hpp, chart.hpp, thesis_values.hpp.
 #include "tools/vcsim3/chart.hpp"
 #include "tools/vcsim3/figures.hpp"
 #include "tools/vcsim3/thesis_values.hpp"

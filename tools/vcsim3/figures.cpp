@@ -1,4 +1,3 @@
-// May include: figures.hpp, chart.hpp, thesis_values.hpp.
 #include "tools/vcsim3/figures.hpp"
 #include "tools/vcsim3/chart.hpp"
 #include "tools/vcsim3/thesis_values.hpp"

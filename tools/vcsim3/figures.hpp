@@ -1,5 +1,4 @@
 // The four figures of the thesis as pictures, with its values beside ours and our direct solver as one more bar.
-// May include: study.hpp, chart.hpp, vessel_picture.hpp.
 #pragma once
 #include "tools/vcsim3/study.hpp"
 

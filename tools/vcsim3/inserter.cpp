@@ -1,4 +1,3 @@
-// May include: inserter.hpp.
 #include "tools/vcsim3/inserter.hpp"
 #include <algorithm>
 #include <cmath>

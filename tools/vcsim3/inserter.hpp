@@ -1,5 +1,4 @@
 // The sheath that feeds the rod: nodes beyond its mouth lie on its axis and move with the hand.
-// May include: rod.hpp.
 #pragma once
 #include "tools/vcsim3/rod.hpp"
 

@@ -1,4 +1,3 @@
-// May include: instructions.hpp.
 #include "tools/vcsim3/instructions.hpp"
 #include <cstdlib>
 #include <fcntl.h>

@@ -1,5 +1,4 @@
 // Instructions of one step by callgrind, run on this same program.
-// May include: study.hpp.
 #pragma once
 #include "tools/vcsim3/study.hpp"
 

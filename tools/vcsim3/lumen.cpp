@@ -1,6 +1,5 @@
 // Reading a scene file and evaluating its field. The spline's weights at fraction u of a voxel are (1-u)^2/2,
 // 1/2 + u - u^2 and u^2/2; their slopes -(1-u), 1-2u and u; their bends 1, -2 and 1.
-// May include: lumen.hpp, shared/scene.
 #include "tools/vcsim3/lumen.hpp"
 #include "shared/scene/scene.h"
 #include <cmath>

@@ -1,6 +1,5 @@
 // The vessel in double precision: the same sparse field of B-spline coefficients that the core reads (lumen.h of the
 // core states the layout), evaluated here independently of the core's arithmetic.
-// May include: Eigen, shared/scene, the core's lumen.h.
 #pragma once
 #include "tools/vcsim3/rod.hpp"
 extern "C" {

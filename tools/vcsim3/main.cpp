@@ -4,6 +4,7 @@
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/base/terminal.hpp"
+#include "host/base/version.hpp"
 #include "tools/vcsim3/figures.hpp"
 #include "tools/vcsim3/instructions.hpp"
 #include "tools/vcsim3/page.hpp"
@@ -261,6 +262,7 @@ int main(int argc, char **argv)
     steps->add_option("--states", options.states, "folder with the states that `figures` wrote")->required();
     steps->add_option("--count", options.count, "steps")->check(CLI::Range(1, 100000))->capture_default_str();
     crn::refuse_empty_values(app);
+    app.set_version_flag("--version", crn::version_of("vcsim3"));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {

@@ -1,4 +1,3 @@
-// May include: page.hpp, tables.hpp.
 #include "tools/vcsim3/page.hpp"
 #include "tools/vcsim3/tables.hpp"
 

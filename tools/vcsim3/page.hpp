@@ -1,5 +1,4 @@
 // out/thesis/index.html: the four figures with their numbers and what to make of them.
-// May include: study.hpp, tables.hpp.
 #pragma once
 #include "tools/vcsim3/study.hpp"
 

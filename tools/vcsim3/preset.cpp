@@ -1,4 +1,3 @@
-// May include: preset.hpp.
 #include "tools/vcsim3/preset.hpp"
 #include <cmath>
 

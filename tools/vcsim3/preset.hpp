@@ -3,7 +3,6 @@
 // The table gives no units. Read as here all nine are one consistent set: E x 1e7 Pa, radius x 1e-4 m (8.9 is then the
 // Super Stiff's 0.89 mm), density x 1e5 kg/m^3, and Kp x 10 N, because Kp / (E radius^2) has to be the table's own ratio
 // when the table's length is the decimetre that makes 8.9e-3 of it 0.89 mm. docs/thesis.md has the argument.
-// May include: rod.hpp.
 #pragma once
 #include "tools/vcsim3/rod.hpp"
 #include <string>

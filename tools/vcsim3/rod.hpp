@@ -3,7 +3,6 @@
 //   Energies and forces          rod_forces.cpp
 //   Explicit integration         rod_integrate.cpp
 //   Inserter that feeds the rod  inserter.hpp
-// May include: Eigen.
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/Geometry>

@@ -4,7 +4,6 @@
 //   stretch   Ks/(2 l) (|e| - l)^2                        per segment, in the penalty mode only
 // u is CoRdE's 2/|q|^2 B q.q' with q the mean of both quaternions and q' their difference over l, which for unit
 // quaternions is 4/l tan(angle/4) about the axis of turning. The weight acts on every node.
-// May include: rod.hpp.
 #include "tools/vcsim3/rod.hpp"
 
 namespace vcsim3

@@ -1,5 +1,4 @@
 // State of the rod and its explicit integration.
-// May include: rod.hpp.
 #include "tools/vcsim3/rod.hpp"
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,3 @@
-// May include: simulation.hpp.
 #include "tools/vcsim3/simulation.hpp"
 #include <algorithm>
 #include <charconv>

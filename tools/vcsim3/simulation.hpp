@@ -3,7 +3,6 @@
 //   Integrator   velocities, later positions and orientations
 //   Collisions   depth of every point in the wall
 //   Constraints  N times: distances, then contact and friction
-// May include: this folder.
 #pragma once
 #include "tools/vcsim3/collision.hpp"
 #include "tools/vcsim3/constraints.hpp"

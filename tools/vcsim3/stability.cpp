@@ -1,4 +1,3 @@
-// May include: stability.hpp.
 #include "tools/vcsim3/stability.hpp"
 #include <algorithm>
 

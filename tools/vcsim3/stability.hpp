@@ -1,6 +1,5 @@
 // How many steps per millisecond a preset needs: the smallest number with which a short rod survives being crowded in a
 // closed tube. The presets' substeps keep clear of it.
-// May include: this folder.
 #pragma once
 #include "tools/vcsim3/compression.hpp"
 

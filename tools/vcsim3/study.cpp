@@ -1,4 +1,3 @@
-// May include: study.hpp.
 #include "tools/vcsim3/study.hpp"
 #include <algorithm>
 #include <atomic>

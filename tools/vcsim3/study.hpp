@@ -1,5 +1,4 @@
 // Everything `vcsim3 figures` finds out, before it is drawn and written.
-// May include: this folder.
 #pragma once
 #include "tools/vcsim3/stability.hpp"
 #include "tools/vcsim3/timing.hpp"

@@ -1,4 +1,3 @@
-// May include: tables.hpp, thesis_values.hpp.
 #include "tools/vcsim3/tables.hpp"
 #include "tools/vcsim3/thesis_values.hpp"
 #include <cstdio>

@@ -1,5 +1,4 @@
 // A study as tables (TSV) and as one JSON file: what the figures show, in numbers.
-// May include: study.hpp.
 #pragma once
 #include "tools/vcsim3/study.hpp"
 

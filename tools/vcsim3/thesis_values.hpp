@@ -1,5 +1,4 @@
 // What the thesis' text states for Figures 5.11, 5.13 and 5.14. Nothing is read off the printed bars.
-// May include: nothing.
 #pragma once
 #include <optional>
 #include <string>

@@ -1,4 +1,3 @@
-// May include: timing.hpp.
 #include "tools/vcsim3/timing.hpp"
 #include <algorithm>
 #include <chrono>

@@ -1,5 +1,4 @@
 // Figure 5.14: what one step costs, phase by phase, for every mode from the end of its own compression run.
-// May include: compression.hpp.
 #pragma once
 #include "tools/vcsim3/compression.hpp"
 

@@ -1,5 +1,4 @@
 // The view is from the front (from +z): patient left is on the right of the picture, as in a radiograph.
-// May include: vessel_picture.hpp.
 #include "tools/vcsim3/vessel_picture.hpp"
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,4 @@
 // A vessel seen from the front as glass, with a rod of spheres in it: green where it touches the wall, red where free.
-// May include: canvas.hpp, compression.hpp.
 #pragma once
 #include "tools/vcsim3/canvas.hpp"
 #include "tools/vcsim3/compression.hpp"

@@ -12,8 +12,6 @@
  *    has room for the longest answer (`reply_bytes`); otherwise the packet is held and the host sees NAK.
  *  - A stream begins (SET_CONFIGURATION, SET_INTERFACE, CLEAR_FEATURE of a halt) with an empty queue and a zero byte, both
  *    ways, which ends a frame that was cut.
- *
- * May include: firmware/port/udc.h, shared/wire.
  */
 #ifndef CRN_USB_H
 #define CRN_USB_H

@@ -1,5 +1,5 @@
 /* What the files of the stack share. Top to bottom: events -> control transfers -> standard and class requests ->
- * descriptors; events -> reports, stream. May include: usb.h. */
+ * descriptors; events -> reports, stream. */
 #ifndef CRN_USB_INTERNAL_H
 #define CRN_USB_INTERNAL_H
 

@@ -7,8 +7,7 @@
  *   encoders.c     quadrature decoders                               sensors.c  ADC
  *   motors.c       PWM and its fault input                           rig.c      port inputs and outputs
  *   main.c         memory, the port's table, the loop
- *
- * May include: firmware/port. */
+ */
 #ifndef CRN_IMXRT1062_BOARD_H
 #define CRN_IMXRT1062_BOARD_H
 

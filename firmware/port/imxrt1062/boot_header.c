@@ -3,7 +3,7 @@
  *
  * The layout is that of the i.MX RT1060 reference manual, chapter 9 (system boot), tables "FlexSPI NOR configuration block"
  * and "image vector table"; the read command and its dummy cycles are those of the flash's data sheet (W25Q64JV, fast read
- * quad I/O, 0xeb). May include: this folder. */
+ * quad I/O, 0xeb). */
 #include "firmware/port/imxrt1062/board.h"
 
 struct start_entry; /* start.c */

@@ -1,7 +1,5 @@
 /* A USB device controller made of memory: answers the tokens of shared/mailbox as the chip on a board would, with
  * addresses, data toggles, NAK and STALL. For tests in one process and for the image in an emulator.
- *
- * May include: firmware/port/udc.h, shared/mailbox.
  */
 #ifndef CRN_MAILBOX_UDC_H
 #define CRN_MAILBOX_UDC_H

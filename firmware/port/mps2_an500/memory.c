@@ -1,6 +1,6 @@
 /* The four memory functions that a freestanding compiler may call, under their C names (gcc) and their names in ARM's
  * run-time ABI (clang), where the suffix 4 or 8 promises alignment. Compiled without the transformation that would turn
- * their loops into calls of themselves. May include: nothing. */
+ * their loops into calls of themselves. */
 #include <stddef.h>
 #include <stdint.h>
 

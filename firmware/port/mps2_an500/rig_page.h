@@ -14,7 +14,7 @@
  * The plant makes milliseconds: it fills its inputs, then counts `edge` up; the device does the tick, writes its outputs and
  * repeats the number in `edge_done`. Whoever drives both in turn has a simulation without any real time in it.
  *
- * May include: nothing. C11 and C++20 (gcc, clang).
+ * C11 and C++20 (gcc, clang).
  */
 #ifndef CRN_RIG_PAGE_H
 #define CRN_RIG_PAGE_H

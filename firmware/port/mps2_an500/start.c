@@ -1,5 +1,4 @@
-/* From reset to main() on a Cortex-M7. An unexpected exception ends the program with exit code 1 and its number.
- * May include: this folder. */
+/* From reset to main() on a Cortex-M7. An unexpected exception ends the program with exit code 1 and its number. */
 #include <stddef.h>
 #include <stdint.h>
 

@@ -2,7 +2,7 @@
  * its sensors say is set from outside, and a power stage behaves like a real one.
  *
  * Thread rules: one thread at a time per sim. Any number of sims may exist.
- * May include: port.h. C11 and C++20.
+ * C11 and C++20.
  */
 #ifndef CRN_SIM_H
 #define CRN_SIM_H

@@ -8,8 +8,6 @@
  * The stream carries the wire. HID carries the state, STOP and RESET, and reads and writes calibration and limits, as the wire's
  * `command` and `rig` do: the app judges both alike, so nothing can be done by HID that the wire would refuse. Its answer to such
  * a message goes to the stream as one that nobody asked for.
- *
- * May include: firmware/app, firmware/port/port.h, udc.h, shared.
  */
 #ifndef CRN_RIG_USB_H
 #define CRN_RIG_USB_H

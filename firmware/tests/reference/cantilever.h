@@ -1,6 +1,5 @@
 /* A cantilever held by the inserter, for the elastica cases: uniform rod of `elements` free elements, no lumen.
- * Table values: inextensible elastica, solved by shooting to 1e-6 (docs/validation.md names the source).
- * May include: core_state.h. */
+ * Table values: inextensible elastica, solved by shooting to 1e-6 (docs/validation.md names the source). */
 #ifndef CRN_REFERENCE_CANTILEVER_H
 #define CRN_REFERENCE_CANTILEVER_H
 

@@ -1,5 +1,4 @@
-/* A minimal host for tests: sends messages to a sim and reads its frames, through bytes only.
- * May include: shared/wire, the sim's public header. */
+/* A minimal host for tests: sends messages to a sim and reads its frames, through bytes only. */
 #ifndef CRN_TEST_CLIENT_H
 #define CRN_TEST_CLIENT_H
 

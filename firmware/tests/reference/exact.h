@@ -1,5 +1,4 @@
-/* Exact integer arithmetic in 128 bits, the reference of the fixed-point tests.
- * May include: nothing. */
+/* Exact integer arithmetic in 128 bits, the reference of the fixed-point tests. */
 #ifndef CRN_REFERENCE_EXACT_H
 #define CRN_REFERENCE_EXACT_H
 

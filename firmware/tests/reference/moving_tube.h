@@ -1,6 +1,5 @@
 /* Vessels that move by a closed form, for tests, benchmarks and validation: the lattice a baker would fit, made here node by node
- * from the inverse map, and the map itself in double.
- * May include: core.h, motion.h. */
+ * from the inverse map, and the map itself in double. */
 #ifndef CRN_REFERENCE_MOVING_TUBE_H
 #define CRN_REFERENCE_MOVING_TUBE_H
 

@@ -1,5 +1,4 @@
-/* Seeded random numbers for tests: SplitMix64 (Steele, Lea, Flood 2014). One seed reproduces a run.
- * May include: nothing. */
+/* Seeded random numbers for tests: SplitMix64 (Steele, Lea, Flood 2014). One seed reproduces a run. */
 #ifndef CRN_REFERENCE_RANDOM_H
 #define CRN_REFERENCE_RANDOM_H
 

@@ -1,6 +1,5 @@
 /* Random hands on one to three coaxial tools in a vessel that forks: pushed at up to 0.5 m/s, turned at up to 12 rad/s, every
- * tool now leading, now withdrawn. Used by the test (short) and by `make bench` (a million ticks).
- * May include: core.h. */
+ * tool now leading, now withdrawn. Used by the test (short) and by `make bench` (a million ticks). */
 #ifndef CRN_REFERENCE_RANDOM_HANDS_H
 #define CRN_REFERENCE_RANDOM_HANDS_H
 

@@ -1,5 +1,4 @@
-/* A line of tools with what its ticks need, and a bound with its name: for tests of the rod. Include after cmocka.h.
- * May include: core_state.h, tube_lumen.h. */
+/* A line of tools with what its ticks need, and a bound with its name: for tests of the rod. Include after cmocka.h. */
 #ifndef CRN_REFERENCE_ROD_RIG_H
 #define CRN_REFERENCE_ROD_RIG_H
 

@@ -1,6 +1,5 @@
 /* A lumen from a closed form, for tests and benchmarks: a tube of one radius around a path of straight pieces and arcs.
- * The distance is exact (double), and the field is what a baker would store, made here independently of it.
- * May include: core.h. */
+ * The distance is exact (double), and the field is what a baker would store, made here independently of it. */
 #ifndef CRN_REFERENCE_TUBE_LUMEN_H
 #define CRN_REFERENCE_TUBE_LUMEN_H
 

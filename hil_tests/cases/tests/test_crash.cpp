@@ -33,7 +33,7 @@ class Debugger
     ~Debugger() { ::close(socket_); }
 
     // The emulator waits for this at its start.
-    void let_go()
+    void release()
     {
         sockaddr_un address{};
         address.sun_family = AF_UNIX;
@@ -113,7 +113,7 @@ class Patient
     explicit Patient(int icount_shift)
         : path_((std::filesystem::temp_directory_path() / ("cournand_crash_" + std::to_string(getpid())))
                     .string()),
-          debugger(path_), helper_([this] { debugger.let_go(); }),
+          debugger(path_), helper_([this] { debugger.release(); }),
           bench(hil::PlantSettings{}, crn::EmulatorOptions{{}, icount_shift, {}, path_})
     {
         helper_.join();

@@ -54,7 +54,7 @@ void a_free_tool_accelerates_by_newton(void **)
     near("tool in m", axis.tool(), expected, 1e-9);
 }
 
-// Thrown at v0 and let go, friction F stops it after v0^2 m / 2 F; then it rests to the last bit.
+// Thrown at v0 and released, friction F stops it after v0^2 m / 2 F; then it rests to the last bit.
 void friction_stops_a_free_tool_and_holds_it(void **)
 {
     AxisSettings s = ideal();

@@ -1,5 +1,4 @@
 // A folder for one test, gone afterwards.
-// May include: the standard library.
 #pragma once
 #include <cstdlib>
 #include <filesystem>

@@ -248,7 +248,7 @@ double lost_mg(const ContrastFlow &contrast)
     return std::fabs(budget.injected_mg - contrast.held_mg() - budget.out_mg - budget.reflux_mg);
 }
 
-// Opened under a balloon that lets nothing past, let go, recoiling by a third, opened again, while medium is injected before it: no iodine is
+// Opened under a balloon that lets nothing past, deployed, recoiling by a third, opened again, while medium is injected before it: no iodine is
 // lost, none is anywhere stronger than it was injected, and cells hold what their shape says.
 void iodine_is_conserved_while_the_wall_gives_way(void **)
 {

@@ -2,7 +2,6 @@
 //
 // Each rig is the sim port (the real firmware) behind a bulk pair; tests pull cables, take rights away and let devices lie.
 // Transfers complete in libusb_handle_events, on whichever thread calls it, as with the library. Linked instead of libusb.
-// May include: sim port.
 #pragma once
 #include "firmware/port/sim/sim.h"
 #include <cstdint>

@@ -173,8 +173,8 @@ std::vector<crn_wire_strut> take_struts(PatientStents &stents)
     return rings;
 }
 
-// Nothing while the balloon carries it; once let go, one circle a ring as wide as the ring is, from end to end, and no more once they are known.
-void struts_are_told_once_the_stent_is_let_go(void **)
+// Nothing while the balloon carries it; once deployed, one circle a ring as wide as the ring is, from end to end, and no more once they are known.
+void struts_are_told_once_the_stent_is_deployed(void **)
 {
     PatientStents stents = session_stents();
     stents.command(0, load);
@@ -416,7 +416,7 @@ int main()
         cmocka_unit_test(nothing_is_looked_at_before_a_stent_is_loaded),
         cmocka_unit_test(other_pictures_do_not_change_it),
         cmocka_unit_test(the_core_is_asked_once_for_what_it_does_not_know),
-        cmocka_unit_test(struts_are_told_once_the_stent_is_let_go),
+        cmocka_unit_test(struts_are_told_once_the_stent_is_deployed),
         cmocka_unit_test(struts_that_are_widened_are_told_again),
         cmocka_unit_test(stents_share_the_rings_of_the_core),
         cmocka_unit_test(what_the_core_did_not_confirm_is_asked_for_again),

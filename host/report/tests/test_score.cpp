@@ -109,6 +109,8 @@ void what_is_not_known_is_not_judged(void **)
     assert_float_equal(score["of"].get<double>(), 55.0, 1e-9);
     assert_float_equal(score["percent"].get<double>(), 100.0, 1e-9);
     assert_true(crn::score_of(Json::object())["percent"].is_null());
+    report["lesions"] = Json::array(); // nothing to treat
+    assert_true(crn::score_of(report)["percent"].is_null());
 }
 
 // Two stents, one for either end: nothing is left between what each covers best.

@@ -150,7 +150,7 @@ static void the_next_pulse_is_announced_so_that_it_is_not_missed(void **)
     assert_true(room.is_pulse_due());
 }
 
-static void the_last_image_stays_when_the_pedal_is_let_go(void **)
+static void the_last_image_stays_when_the_pedal_is_released(void **)
 {
     Bench bench;
     assert_int_equal(bench.grey_at(10, 10), 0); // nothing yet
@@ -569,7 +569,7 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(pulses_come_at_the_rate_chosen),
         cmocka_unit_test(the_next_pulse_is_announced_so_that_it_is_not_missed),
-        cmocka_unit_test(the_last_image_stays_when_the_pedal_is_let_go),
+        cmocka_unit_test(the_last_image_stays_when_the_pedal_is_released),
         cmocka_unit_test(a_pedal_held_over_another_run_does_nothing_until_it_is_pressed_again),
         cmocka_unit_test(a_tap_within_one_tick_gives_neither_beam_nor_run),
         cmocka_unit_test(dose_of_a_run_is_the_sum_over_its_frames),

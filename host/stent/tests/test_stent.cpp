@@ -406,7 +406,7 @@ static void stent_pulled_through_a_narrow_place_slides_off(void **)
     near("crimped", mean_inside_mm(stent_figures(stuck, nullptr)), 1.05 - 2 * 0.081, 1e-6);
 }
 
-static void stent_let_go_outside_a_vessel_is_adrift(void **)
+static void stent_deployed_outside_a_vessel_is_adrift(void **)
 {
     const TestVessel wide = tube(5.0);
     const StentWall wall = wall_of(wide);
@@ -417,7 +417,7 @@ static void stent_let_go_outside_a_vessel_is_adrift(void **)
         assert_int_equal(stent.stage(), StentStage::adrift);
         near("apposed", stent_figures(stent, around).apposed_share, 0.0, 0.0);
         assert_string_equal(std::string(stent_stage_text(stent.stage())).c_str(),
-                            "lost: let go where no wall holds it");
+                            "lost: released where no wall holds it");
     }
 }
 
@@ -447,7 +447,7 @@ static void half_a_stent_in_the_ostium_is_held_and_reported(void **)
     near("missed before", coverage.missed_before_mm, 0.0, 1e-9);
 }
 
-// A balloon that stops short: nothing is let go, and it can be taken out again.
+// A balloon that stops short: nothing is deployed, and it can be taken out again.
 static void stent_that_was_not_opened_stays_on_its_balloon(void **)
 {
     const TestVessel straight = tube(5.0);
@@ -568,7 +568,7 @@ int main(void)
         cmocka_unit_test(post_dilation_brings_a_small_stent_to_the_wall),
         cmocka_unit_test(second_stent_lies_on_the_first_where_they_overlap),
         cmocka_unit_test(stent_pulled_through_a_narrow_place_slides_off),
-        cmocka_unit_test(stent_let_go_outside_a_vessel_is_adrift),
+        cmocka_unit_test(stent_deployed_outside_a_vessel_is_adrift),
         cmocka_unit_test(half_a_stent_in_the_ostium_is_held_and_reported),
         cmocka_unit_test(stent_that_was_not_opened_stays_on_its_balloon),
         cmocka_unit_test(nothing_that_balloon_and_wall_do_tears_it_apart),

@@ -1,5 +1,5 @@
 // Where an OpenGL 3.3 core context comes from: OSMesa or EGL without a surface, each opened at run time by its library's
-// name, or whatever a window gives. May include: gl_functions.
+// name, or whatever a window gives.
 #pragma once
 #include "host/xray/gl/gl_functions.hpp"
 #include <memory>

@@ -1,5 +1,5 @@
 // Sums over surfaces: every triangle adds, at each pixel centre it covers, a value that goes linearly from corner to corner.
-// Integers throughout, so the sum depends on neither order nor threads. May include: carm.hpp.
+// Integers throughout, so the sum depends on neither order nor threads.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include <array>

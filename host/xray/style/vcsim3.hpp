@@ -3,8 +3,6 @@
 // ours is in docs/xray-style.md:
 //
 //   I = product over all surfaces s on the ray of (1 - A_s (1 - |n_s . v|)^p_s),   grey = 255 (b I + sigma g)
-//
-// May include: host/model, xray.hpp.
 #pragma once
 #include "host/xray/xray.hpp"
 

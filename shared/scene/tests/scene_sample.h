@@ -1,5 +1,4 @@
-/* Small valid files for the tests of the scene container, and sealing of files changed on purpose.
- * May include: shared. */
+/* Small valid files for the tests of the scene container, and sealing of files changed on purpose. */
 #ifndef CRN_SCENE_SAMPLE_H
 #define CRN_SCENE_SAMPLE_H
 

@@ -1,5 +1,4 @@
 // Meshes with closed-form distances for the tests of bake, and texts and folders for them.
-// May include: tools/bake.
 #pragma once
 #include "host/base/pending_file.hpp"
 #include "tools/bake/bake.hpp"

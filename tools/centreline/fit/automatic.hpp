@@ -1,5 +1,4 @@
 // Fully automatic: inlet and outlets, branches and their junctions found from the mesh alone.
-// May include: grow.hpp.
 #pragma once
 #include "tools/centreline/fit/grow.hpp"
 

@@ -1,5 +1,5 @@
 // The tree of one frame carried through a sequence of meshes with one topology: the same branches, the same spheres, in the
-// same order. May include: line_fit.hpp, tools/bake.
+// same order.
 #pragma once
 #include "tools/centreline/fit/line_fit.hpp"
 

@@ -1,4 +1,4 @@
-// What the program's commands do, given their options. May include: everything of fit.
+// What the program's commands do, given their options.
 #pragma once
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/fit/guided.hpp"

@@ -1,5 +1,4 @@
 // The editor's window: points set by clicks into a vessel, spheres fitted between them.
-// May include: project, guided, automatic, tree_picture, host/app's screen.
 #pragma once
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/fit/project.hpp"

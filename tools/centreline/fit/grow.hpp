@@ -1,5 +1,4 @@
 // A tree grows branch by branch from rough ways; junctions and ends are put in order.
-// May include: line_fit.hpp.
 #pragma once
 #include "tools/centreline/fit/line_fit.hpp"
 

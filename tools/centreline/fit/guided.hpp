@@ -1,5 +1,4 @@
 // Semi-automatic: a person gives start, end and bifurcation points, the tool everything between. And what it would propose.
-// May include: grow.hpp, points.hpp.
 #pragma once
 #include "tools/centreline/fit/grow.hpp"
 #include "tools/centreline/fit/points.hpp"

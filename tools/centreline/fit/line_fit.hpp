@@ -1,5 +1,4 @@
 // From a rough way through a vessel to inscribed spheres in its middle: docs/centreline.md.
-// May include: lumen.hpp, tools/centreline.
 #pragma once
 #include "tools/centreline/fit/lumen.hpp"
 #include "tools/centreline/tree.hpp"

@@ -1,5 +1,5 @@
 // A vessel's surface made ready for fitting: closed, with its openings known, its inside as voxels and its wall as an exact
-// distance. May include: voxels.hpp, tools/bake.
+// distance.
 #pragma once
 #include "tools/bake/triangle_tree.hpp"
 #include "tools/centreline/fit/voxels.hpp"

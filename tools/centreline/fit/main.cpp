@@ -2,6 +2,7 @@
 #include "host/base/command_values.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/terminal.hpp"
+#include "host/base/version.hpp"
 #include "tools/centreline/fit/commands.hpp"
 
 #include <CLI/CLI.hpp>
@@ -182,6 +183,7 @@ int main(int argc, char **argv)
     add_making(app, options);
     add_using(app, options);
     crn::refuse_empty_values(app);
+    app.set_version_flag("--version", crn::version_of("centreline"));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError &error) {

@@ -1,5 +1,4 @@
 // What a person says of a vessel tree: start, end and bifurcation points, in a text (TOML) that is also the editor's project.
-// May include: tools/mesh/fault.hpp, tools/bake/mesh.hpp.
 #pragma once
 #include "tools/bake/mesh.hpp"
 

@@ -1,5 +1,4 @@
 // What the editor edits, without its window: points, undo, what is saved, which tree was fitted last.
-// May include: points.hpp.
 #pragma once
 #include "tools/centreline/fit/points.hpp"
 

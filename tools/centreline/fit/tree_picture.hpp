@@ -1,5 +1,4 @@
 // A vessel as glass with the tree's spheres in it: what `centreline show` writes and the editor shows.
-// May include: points.hpp, tools/centreline, host/app pictures.
 #pragma once
 #include "host/picture/canvas.hpp"
 #include "tools/centreline/fit/points.hpp"

@@ -1,5 +1,4 @@
 // The inside of a closed mesh as voxels with their distance to the wall, and shortest ways through them that keep to the middle.
-// May include: tools/bake/mesh.hpp.
 #pragma once
 #include "tools/bake/mesh.hpp"
 

@@ -1,4 +1,4 @@
-// Vessels with known centrelines, as meshes. May include: tools/bake.
+// Vessels with known centrelines, as meshes.
 #pragma once
 #include "tools/bake/centreline.hpp"
 #include "tools/centreline/tests/trees.hpp"

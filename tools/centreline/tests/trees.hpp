@@ -1,4 +1,4 @@
-// A small tree, and what tests of trees say. May include: tools/centreline.
+// A small tree, and what tests of trees say.
 #pragma once
 #include "tools/centreline/formats.hpp"
 

@@ -1,5 +1,4 @@
 // A straight closed tube along the head axis as a phantom for tests, and scans of it that take a moment.
-// May include: tools/ct.
 #pragma once
 #include "tools/ct/instrument_scan.hpp"
 #include "tools/ct/scanner.hpp"

@@ -1,5 +1,4 @@
-/* Registers of ARM's MPS2 board with the AN500 image, as far as the device uses them.
- * May include: nothing. */
+/* Registers of ARM's MPS2 board with the AN500 image, as far as the device uses them. */
 #ifndef CRN_AN500_BOARD_H
 #define CRN_AN500_BOARD_H
 

@@ -3,8 +3,7 @@
  *   boot.c     reset, vectors, exceptions            clock.c    time, the 1 ms edge, the watchdog
  *   console.c  text on UART 0                        rig.c      port inputs and outputs <-> rig_page.h
  *   pipe.c     bytes from and to the host            main.c     memory, the port's table, the loop
- *
- * May include: firmware/port, firmware/app/app.h. */
+ */
 #ifndef CRN_AN500_DEVICE_H
 #define CRN_AN500_DEVICE_H
 

@@ -1,0 +1,14 @@
+// What a program says of itself when it is asked for --version.
+#pragma once
+#include "shared/version.h"
+#include <string>
+
+namespace crn
+{
+
+inline std::string version_of(const std::string &program)
+{
+    return program + " " CRN_VERSION " (Cournand)";
+}
+
+} // namespace crn

@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""A seeded sample of the project's sentences, for a reader who has never seen them: README, documents and comments.
+
+  sentences.py --seed 7 --count 60
+
+Prints `NUMBER<TAB>FILE<TAB>SENTENCE`, one line each: the same for the same seed and the same tree. Whoever reads them marks every sentence that
+needs a second reading (docs/testing.md, "Plain English").
+"""
+import argparse
+import os
+import random
+import re
+import subprocess
+import sys
+
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+WORDS_MIN = 6  # shorter ones are labels
+ENDS = re.compile(r"(?<=[a-z0-9)`%\"'”])[.!?](?=\s+[A-Z`\"(]|\s*$)")
+COMMENT = re.compile(r"//[^\n]*(?:\n[ \t]*//[^\n]*)*|/\*.*?\*/|\"\"\".*?\"\"\"", re.S)
+
+
+def files(*patterns):
+    listed = subprocess.run(["git", "ls-files", "--"] + list(patterns), cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
+    return listed.split("\n")[:-1]
+
+
+def split(text):
+    """Sentences of a paragraph."""
+    begin, found = 0, []
+    for end in ENDS.finditer(text):
+        found.append(" ".join(text[begin:end.end()].split()))
+        begin = end.end()
+    return [one for one in found if len(one.split()) >= WORDS_MIN]
+
+
+def of_document(text):
+    """Paragraphs and list items: no code, no tables, no headings, no pictures."""
+    text = re.sub(r"```.*?```|<!--.*?-->", "\n\n", text, flags=re.S)
+    text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
+    for paragraph in re.split(r"\n\s*\n|\n(?=- |\d+\. )", text):
+        lines = [line for line in paragraph.split("\n") if not re.match(r"    |\||#|!", line)]
+        yield from split(re.sub(r"^(- |\d+\. )", "", " ".join(lines)).replace("**", ""))
+
+
+def of_source(text):
+    """Comments of more than a few words, examples in them apart."""
+    for comment in COMMENT.findall(text):
+        lines = [re.sub(r"^[ \t]*(///?|/\*+|\*/|\*)?|\*/$|\"\"\"", "", line) for line in comment.split("\n")]
+        for paragraph in re.split(r"\n\s*\n", "\n".join(line for line in lines if not line.startswith("   "))):
+            yield from split(paragraph)
+
+
+def sentences():
+    """(file, sentence) of the whole tree, in order."""
+    found = []
+    for path in files("*.md") + files("*.c", "*.h", "*.cpp", "*.hpp", "*.py"):
+        with open(os.path.join(ROOT, path), encoding="utf-8") as file:
+            text = file.read()
+        found += [(path, one) for one in (of_document(text) if path.endswith(".md") else of_source(text))]
+    return found
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=60)
+    options = parser.parse_args()
+    found = sentences()
+    if not 1 <= options.count <= len(found):
+        print("sentences: --count is 1 to %d" % len(found), file=sys.stderr)
+        return 2
+    for number, (path, sentence) in enumerate(random.Random(options.seed).sample(found, options.count), 1):
+        print("%d\t%s\t%s" % (number, path, sentence))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
