@@ -127,10 +127,11 @@ int command_replay(const ReplayOptions &options)
     picture_settings.scene_path = scene.path;
     picture_settings.stents = header.stents;
     const bool has_pictures = writes_pictures(picture_settings) || !options.score.empty();
+    SceneAnatomy anatomy;
     std::unique_ptr<Patient> patient;
     std::unique_ptr<SessionPictures> pictures;
     if (has_pictures || is_reported) {
-        const SceneAnatomy anatomy = read_anatomy(picture_settings);
+        anatomy = read_anatomy(picture_settings);
         patient = make_patient(picture_settings, anatomy, header.tools);
         if (has_pictures)
             pictures = std::make_unique<SessionPictures>(picture_settings, header.tools, *patient, anatomy);
@@ -145,10 +146,9 @@ int command_replay(const ReplayOptions &options)
     ReplayResult result = replay_recording(device, recording, patient.get(), pictures.get(), settings);
     name_range_branch(result.figures.range, picture_settings.bodies_path);
     if (is_reported) {
-        const std::unique_ptr<TipPlaces> tips =
-            read_tip_places(picture_settings.bodies_path, picture_settings.scene_path);
         device.link().read_nodes();
-        result.tips = tips->at(session_frame(device, {}, {}).wire);
+        result.tips =
+            TipPlaces(anatomy.bodies.vessels, anatomy.motion).at(session_frame(device, {}, {}).wire);
         write_session_files({options.json, options.score, ""}, run_result(result), scene.path, header.tools,
                             header.session_path, *patient, pictures ? &pictures->screen() : nullptr);
     }

@@ -160,8 +160,7 @@ int command_run(const RunOptions &options)
     std::unique_ptr<SessionPictures> pictures;
     if (writes_pictures(picture_settings) || !options.score.empty()) // a score's page shows the runs
         pictures = std::make_unique<SessionPictures>(picture_settings, tools, *patient, anatomy);
-    const std::unique_ptr<TipPlaces> tips =
-        read_tip_places(picture_settings.bodies_path, picture_settings.scene_path);
+    const TipPlaces tips(anatomy.bodies.vessels, anatomy.motion);
     check_injections(session, patient->contrast());
     std::unique_ptr<Recorder> recorder;
     if (!options.record.empty()) {
@@ -178,7 +177,7 @@ int command_run(const RunOptions &options)
         recorder = std::make_unique<Recorder>(options.record, header);
     }
     RunResult result =
-        carry_out(device, *patient, scene, options, session, recorder.get(), pictures.get(), *tips);
+        carry_out(device, *patient, scene, options, session, recorder.get(), pictures.get(), tips);
     name_range_branch(result.figures.range, picture_settings.bodies_path);
     print_session(result, tools, *patient);
     write_session_files({options.json, options.score, options.timing}, result, scene.path, tools,

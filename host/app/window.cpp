@@ -190,9 +190,8 @@ class Window
     void end_session()
     {
         session_->finish();
-        const std::unique_ptr<TipPlaces> tips =
-            read_tip_places(options_.pictures.bodies_path, options_.pictures.scene_path);
-        RunResult result = session_->result(*tips);
+        const SceneAnatomy &anatomy = session_->anatomy();
+        RunResult result = session_->result(TipPlaces(anatomy.bodies.vessels, anatomy.motion));
         name_range_branch(result.figures.range, options_.pictures.bodies_path);
         print_session(result, tools_, session_->patient());
         write_session_files(

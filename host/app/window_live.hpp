@@ -44,6 +44,7 @@ class LiveSession final : private FreeRunSink
     RunResult result(const TipPlaces &tips) const;
     const SessionPictures &pictures() const { return pictures_; }
     Patient &patient() { return *patient_; }
+    const SceneAnatomy &anatomy() const { return anatomy_; }
     const std::vector<std::string> &files() const { return pictures_.files(); } // written by finish()
     bool was_stopped() const { return pictures_.was_stopped(); }                // Ctrl-C while finish() wrote
 

@@ -1,5 +1,6 @@
 // From path lengths to the signal at the detector: attenuation, blur, scatter, what automatic exposure measures.
 #include "host/xray/chain.hpp"
+#include "host/xray/float_math.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include "host/xray/paths/parallel.hpp"
 #include "host/xray/scatter.hpp"
@@ -309,6 +310,22 @@ void see_signal(XrayChain &chain, const XraySettings &settings, const XrayTechni
     scatter(chain, transmitted, settings.beam.scatter);
     blur_add_and_measure(chain);
     chain.is_filled = true;
+}
+
+ExposureChoice expose_bodies(XrayChain &chain, const XraySettings &settings, ExposureState *state)
+{
+    const ExposureDemand demand = demand_of(settings);
+    ExposureChoice choice;
+    if (settings.beam.fixed_technique)
+        choice.technique = *settings.beam.fixed_technique;
+    else if (state)
+        choice = chain.exposure.choose(demand, *state);
+    else
+        choice = settle_exposure(chain, settings, demand);
+    see_signal(chain, settings, choice.technique);
+    if (!settings.beam.fixed_technique && state)
+        chain.exposure.follow(choice.technique, exp2_double(chain.log_mean), *state);
+    return choice;
 }
 
 void attenuate_tools(XrayChain &chain)

@@ -80,6 +80,10 @@ ExposureChoice settle_exposure(XrayChain &chain, const XraySettings &settings, c
 // Makes the bodies' signal for this technique; does nothing when it is there.
 void see_signal(XrayChain &chain, const XraySettings &settings, const XrayTechnique &technique);
 
+// Both, as one pulse: the technique that is fixed, else the one that control takes from `state`, which then follows what was seen; without a state the
+// one on which control comes to rest.
+ExposureChoice expose_bodies(XrayChain &chain, const XraySettings &settings, ExposureState *state);
+
 // Signal behind the tools, for each pixel that their shadow touches: chain.tool_signal.
 void attenuate_tools(XrayChain &chain);
 

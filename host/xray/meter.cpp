@@ -1,9 +1,7 @@
 #include "host/xray/meter.hpp"
 #include "host/xray/chain.hpp"
-#include "host/xray/float_math.hpp"
 #include "host/xray/paths/raster_paths.hpp"
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace crn
@@ -35,17 +33,7 @@ XrayExposure XrayMeter::expose(const XraySettings &settings, std::span<const Mov
     XrayFrame frame{{}, nothing};
     frame.bodies = bodies;
     see_paths(chain, held, frame);
-    const ExposureDemand demand = demand_of(held);
-    ExposureChoice choice;
-    if (held.beam.fixed_technique)
-        choice.technique = *held.beam.fixed_technique;
-    else if (pace == MeterPace::follows)
-        choice = chain.exposure.choose(demand, state_);
-    else
-        choice = settle_exposure(chain, held, demand);
-    see_signal(chain, held, choice.technique);
-    if (!held.beam.fixed_technique && pace == MeterPace::follows)
-        chain.exposure.follow(choice.technique, exp2_double(chain.log_mean), state_);
+    const ExposureChoice choice = expose_bodies(chain, held, pace == MeterPace::follows ? &state_ : nullptr);
     XrayExposure exposure{choice.technique, choice.is_limited, 0.0, 0.0};
     exposure.air_kerma_uGy = reference_kerma_uGy(chain.beam, choice.technique, held.carm.source_isocentre_m);
     exposure.kap_Gy_cm2 = exposure.air_kerma_uGy * 1e-6 * reference_area_cm2(held.carm, held.beam);

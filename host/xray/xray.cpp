@@ -162,15 +162,7 @@ void Xray::render(const XraySettings &settings, const XrayFrame &frame, std::uin
     const XraySettings held = held_settings(settings);
     XrayChain &chain = *chain_;
     see_paths(chain, held, frame);
-    const ExposureDemand demand = demand_of(held);
-    ExposureChoice choice;
-    if (held.beam.fixed_technique)
-        choice.technique = *held.beam.fixed_technique;
-    else if (memory)
-        choice = chain.exposure.choose(demand, memory->exposure);
-    else
-        choice = settle_exposure(chain, held, demand);
-    see_signal(chain, held, choice.technique);
+    const ExposureChoice choice = expose_bodies(chain, held, memory ? &memory->exposure : nullptr);
     picture.size = held.size;
     picture.tick = frame.wire.tick;
     expose(chain, held, choice, picture);
@@ -182,8 +174,6 @@ void Xray::render(const XraySettings &settings, const XrayFrame &frame, std::uin
     if (memory) prepare_lag(held, frame.wire.tick, *memory);
     read_out(chain, held.display, memory, picture);
     if (!memory) return;
-    if (!held.beam.fixed_technique)
-        chain.exposure.follow(choice.technique, exp2_double(chain.log_mean), memory->exposure);
     memory->tick = frame.wire.tick;
     memory->is_used = true;
 }

@@ -3,44 +3,11 @@
 # polygons. An artery of 3 mm, 60 % narrowed; the balloon opens it wholly, and it recoils by 0.3 of that: 60 % x 0.3 = 18 % stay.
 programs="cournand bake"
 . "$(dirname "$0")/../../../tools/check/tool.sh"
+. "$here/artery.sh"
 line="--tool shared/examples/instruments/coronary_014.toml --tool shared/examples/instruments/balloon_3x20.toml
       --tool shared/examples/instruments/guide_ntr_6f.toml"
 
-{
-    echo branch,name,x_mm,y_mm,z_mm,radius_mm
-    for y in 0 20 40 60 80 100 120; do echo "0,artery,0,$y,0,1.5"; done
-} >"$work/artery.csv"
-cat >"$work/scene.toml" <<'TOML'
-[scene]
-name = "Artery"
-[lumen]
-centrelines = ["artery.csv"]
-surface_mm = 0.4
-tolerance_mm = 0.05
-level_max = 2
-[tree]
-centrelines = ["artery.csv"]
-inlet = "artery"
-flow_ml_min = { artery = 60 }
-[entry]
-position_mm = [0, 5, 0]
-direction = [0, 1, 0]
-[[lesion]]
-name = "plaque"
-branch = "artery"
-at_mm = 60
-length_mm = 12
-stenosis_percent = 60
-eccentricity = 0.3
-calcified_deg = 90
-yield_kPa = 300
-full_kPa = 300
-recoil = 0.3
-[[body]]
-name = "lumen"
-mesh = "lumen"
-material = "blood"
-TOML
+write_artery 60 "eccentricity = 0.3" "calcified_deg = 90"
 cat >"$work/open.session" <<'SESSION'
 begin wire inserted 20 mm
 begin catheter inserted 5 mm

@@ -3,42 +3,11 @@
 # It has all that pictures once owned: medium, a stent, a lesion that gives way, fluoroscopy that is kept, a cine and a DSA run, dose.
 programs="cournand bake"
 . "$(dirname "$0")/../../../tools/check/tool.sh"
+. "$here/artery.sh"
 line="--tool shared/examples/instruments/coronary_014.toml --tool shared/examples/instruments/balloon_3x20.toml
       --tool shared/examples/instruments/guide_ntr_6f.toml --stent shared/examples/stents/coronary_3_0x18.toml"
 
-{
-    echo branch,name,x_mm,y_mm,z_mm,radius_mm
-    for y in 0 20 40 60 80 100 120; do echo "0,artery,0,$y,0,1.5"; done
-} >"$work/artery.csv"
-cat >"$work/scene.toml" <<'TOML'
-[scene]
-name = "Artery"
-[lumen]
-centrelines = ["artery.csv"]
-surface_mm = 0.4
-tolerance_mm = 0.05
-level_max = 2
-[tree]
-centrelines = ["artery.csv"]
-inlet = "artery"
-flow_ml_min = { artery = 60 }
-[entry]
-position_mm = [0, 5, 0]
-direction = [0, 1, 0]
-[[lesion]]
-name = "plaque"
-branch = "artery"
-at_mm = 60
-length_mm = 12
-stenosis_percent = 50
-yield_kPa = 300
-full_kPa = 300
-recoil = 0.3
-[[body]]
-name = "lumen"
-mesh = "lumen"
-material = "blood"
-TOML
+write_artery 50
 cat >"$work/all.session" <<'SESSION'
 begin wire inserted 20 mm
 begin catheter inserted 5 mm
