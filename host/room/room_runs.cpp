@@ -183,7 +183,7 @@ void RoomScreen::keep(const RoomEvent &event, const XrayPicture &picture)
         held_index_ = static_cast<int>(stored.run.frames.size()) - 1;
         return;
     }
-    // The beam goes on, for what a pedal does must not hang on how large somebody's pictures are.
+    // The beam goes on: dose and runs do not depend on the size of pictures.
     notify(event.tick, "IMAGE MEMORY IS FULL - the rest of the run is not kept");
 }
 

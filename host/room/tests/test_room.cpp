@@ -470,7 +470,7 @@ static void a_roadmap_is_collected_by_the_next_press(void **)
 }
 
 // 64 x 64 x 3 bytes per frame, memory for 40 frames: the second run of 30 pushes the first one's pictures out, of a run of
-// 60 the last 20 are not kept. The beam minds none of it: what a pedal gives does not hang on how large somebody's pictures are.
+// 60 the last 20 are not kept. The beam goes on: the dose does not depend on the size of pictures.
 static void image_memory_is_bounded_and_the_oldest_pictures_go(void **)
 {
     Bench bench(nothing, 40 * pixels * 3);

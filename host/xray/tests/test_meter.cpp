@@ -43,7 +43,7 @@ static void pulses_are_taken_as_from_a_picture_of_any_size(void **)
     assert_true(worst < 0.05);
 }
 
-static void the_chamber_minds_no_size(void **)
+static void the_size_of_a_picture_does_not_change_the_dose(void **)
 {
     Room room(trunk());
     XrayMeter small(room.scene), large(room.scene, 2);
@@ -127,7 +127,7 @@ int main()
 {
     const CMUnitTest tests[] = {
         cmocka_unit_test(pulses_are_taken_as_from_a_picture_of_any_size),
-        cmocka_unit_test(the_chamber_minds_no_size),
+        cmocka_unit_test(the_size_of_a_picture_does_not_change_the_dose),
         cmocka_unit_test(kerma_area_product_is_kerma_times_the_open_area),
         cmocka_unit_test(test_exposures_settle_at_once),
         cmocka_unit_test(a_locked_technique_is_taken_and_the_control_waits),
